@@ -1,0 +1,319 @@
+"""The linear system for given zones: every zone sees the others through closed forms.
+
+Unknown are, per zone, the coefficients c_0 ... c_m of T_l / sqrt(1 - t^2), and the amplitudes of the columns. Projected on
+U_{k-1}, a zone's own transform is -c_k, so the rows read
+
+    -c_k + (what the other zones, the images and the regular part do to zone i)_k - sum lambda C_k = g_k,   k = 1 ... m,
+
+a second-kind system; coefficients beyond m are -g_k at once, because what the other zones do is smooth there. Off a zone,
+z = (x - middle)/w and rho = z - sgn(z) sqrt(z^2 - 1), the transform of T_l / sqrt is sgn(z) rho^l / sqrt(z^2 - 1) and its
+potential -rho^l / l (log(1/(2 rho)) for l = 0).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie import chebyshev
+from sie.conditions import Linear
+from sie.equation import Equation
+from sie.kernels import Kernel
+from sie.steps import Steps
+from sie.zones import Zones
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Where the unknowns stand: zone i has coefficients offset[i] ... offset[i] + m[i]; then come the amplitudes."""
+
+    m: Index
+    columns: int
+
+    @cached_property
+    def offset(self) -> Index:
+        return np.concatenate(([0], np.cumsum(self.m + 1)[:-1]))
+
+    @property
+    def coefficients(self) -> int:
+        return int(np.sum(self.m + 1))
+
+    @property
+    def size(self) -> int:
+        return self.coefficients + self.columns
+
+    def padded(self, y: Array) -> Array:
+        """Coefficients as a (zones, max m + 1) table, zero where a zone has fewer."""
+        out = np.zeros((len(self.m), int(self.m.max()) + 1))
+        for m in np.unique(self.m):
+            zones = np.flatnonzero(self.m == m)
+            out[zones, : m + 1] = y[self.offset[zones][:, None] + np.arange(m + 1)]
+        return out
+
+    def flat(self, table: Array) -> Array:
+        """The inverse of `padded`, amplitudes zero; a table with fewer columns is continued by zeros."""
+        out = np.zeros(self.size)
+        for m in np.unique(self.m):
+            zones = np.flatnonzero(self.m == m)
+            count = min(m + 1, table.shape[1])
+            out[self.offset[zones][:, None] + np.arange(count)] = table[zones, :count]
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class Targets:
+    """Points on zones: zone index, distances from the zone's left and right end, and the points themselves."""
+
+    zone: Index
+    left: Array
+    right: Array
+    x: Array
+
+    @classmethod
+    def lobatto(cls, zones: Zones, chosen: Index, m: Index) -> Targets:
+        """The Lobatto nodes of each chosen zone, ends included, from right to left."""
+        z, left, right = [], [], []
+        for i in chosen:
+            _, r, lf = chebyshev.lobatto(int(m[i]))
+            w = zones.half[i]
+            z.append(np.full(len(r), i))
+            left.append(lf * w)
+            right.append(r * w)
+        zone = np.concatenate(z)
+        lefts, rights = np.concatenate(left), np.concatenate(right)
+        x = np.where(lefts <= rights, zones.a[zone] + lefts, zones.b[zone] - rights)
+        return cls(zone, lefts, rights, x)
+
+
+def excess(zones: Zones, targets: Targets, sources: Index, shift: float) -> tuple[Array, Array]:
+    """(|z| - 1, sgn z) of the targets seen from zones `sources` shifted by `shift`; (points, sources).
+
+    From the gap between the zones and the distance of the point from its own zone's end, so nothing cancels but the ends.
+    On a source's own zone (shift 0) the excess is negative: there the caller has the closed form of the zone itself.
+    """
+    a, b = zones.a[sources] + shift, zones.b[sources] + shift
+    z = targets.zone
+    right = zones.middle[z][:, None] > zones.middle[sources] + shift
+    past_b = zones.a[z][:, None] - b + targets.left[:, None]
+    past_a = a - zones.b[z][:, None] + targets.right[:, None]
+    e = np.where(right, past_b, past_a) / zones.half[sources]
+    return e, np.where(right, 1.0, -1.0)
+
+
+def fields(
+    zones: Zones, kernel: Kernel, targets: Targets, layout: Layout, what: str
+) -> Array:
+    """What each unknown does at the targets, but for a zone's action on itself: (points, unknown coefficients).
+
+    what: "transform", or "potential" (over the zones' half widths).
+    """
+    out = np.zeros((len(targets.x), layout.size))
+    for m in np.unique(layout.m):
+        sources = np.flatnonzero(layout.m == m)
+        block = np.zeros((m + 1, len(targets.x), len(sources)))
+        for shift in kernel.poles:
+            e, sign = excess(zones, targets, sources, shift)
+            own = targets.zone[:, None] == sources if shift == 0.0 else None
+            if own is not None:
+                if len(zones) == 1:
+                    continue
+                e = np.where(own, 1.0, e)
+            root = np.sqrt(e * (e + 2))
+            rho = sign / (1 + e + root)
+            if what == "transform":
+                power = sign / root
+            else:
+                power = np.ones_like(rho)
+            if own is not None:
+                power = np.where(own, 0.0, power)
+            if what == "potential":
+                zero = np.log(zones.half[sources] / (2 * np.abs(rho) * kernel.datum))
+                block[0] += power * zero
+                for k in range(1, m + 1):
+                    power = power * rho
+                    block[k] -= power / k
+            else:
+                block[0] += power
+                for k in range(1, m + 1):
+                    power = power * rho
+                    block[k] += power
+        columns = layout.offset[sources][:, None] + np.arange(m + 1)
+        out[:, columns] = block.transpose(1, 2, 0)
+    regular = kernel.regular if what == "transform" else kernel.regular_potential
+    if kernel.regular is not None:
+        if regular is None:
+            raise ValueError("a condition on potentials needs the regular kernel's potential")
+        _add_regular(out, zones, kernel, regular, targets, layout, what == "potential")
+    return out
+
+
+def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
+    """Quadrature nodes a zone needs for the regular part: until the kernel's own coefficients have decayed."""
+    if kernel.reach == 0.0:
+        return m + 2
+    z = max(kernel.reach / half_width, 1.05)
+    rho = 1 / (z + math.sqrt(z * z - 1))
+    return max(4, math.ceil(math.log(1e-17) / math.log(rho)))
+
+
+def _add_regular(
+    out: Array, zones: Zones, kernel: Kernel, regular: Callable[[Array, Array], Array], targets: Targets,
+    layout: Layout, over_width: bool,
+) -> None:
+    sizes = np.array([regular_size(kernel, w, int(m)) for w, m in zip(zones.half, layout.m, strict=True)])
+    for m in np.unique(layout.m):
+        for q in np.unique(sizes[layout.m == m]):
+            sources = np.flatnonzero((layout.m == m) & (sizes == q))
+            xi = zones.middle[sources][:, None] + zones.half[sources][:, None] * chebyshev.gauss(int(q))
+            values = regular(targets.x[:, None, None], xi)
+            count = min(int(m), int(q) - 1) + 1
+            block = values @ (chebyshev.t_matrix(int(q), count) / q)
+            if not over_width:
+                block *= zones.half[sources][:, None]
+            columns = layout.offset[sources][:, None] + np.arange(count)
+            out[:, columns] += block
+
+
+class System:
+    """The rows of the equation over the unknowns, for given zones, and what side conditions ask for (see `Rows`).
+
+    coefficients: smooth part of the right side, U coefficients g_k at [:, k], for all zones.
+    """
+
+    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, steps: Steps) -> None:
+        self.equation, self.zones, self.steps, self.g = equation, zones, steps, coefficients
+        self.layout = Layout(m, len(equation.columns))
+        self.known = steps.t_coefficients(zones, int(m.max()) + 1)
+        self.targets = Targets.lobatto(zones, zones.solved, m)
+        self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
+
+    # rows of the equation -------------------------------------------------------------------------------------------
+    def equation_rows(self) -> tuple[Array, Array]:
+        """(matrix, right side), the rows k = 1 ... m of each solved zone (even k only for a central symmetric one)."""
+        layout, zones = self.layout, self.zones
+        raw = fields(zones, self.equation.kernel, self.targets, layout, "transform")
+        for k, column in enumerate(self.equation.columns):
+            raw[:, layout.coefficients + k] = -column.value(self.targets.x)
+        blocks, rights = [], []
+        for place, i in enumerate(zones.solved):
+            m = int(layout.m[i])
+            if m == 0:
+                continue
+            rows = chebyshev.project_rows(raw[self.starts[place] + 1 : self.starts[place + 1] - 1])
+            k = np.arange(1, m + 1)
+            g = np.zeros(m)
+            count = min(m, self.g.shape[1] - 1)
+            g[:count] = self.g[i, 1 : count + 1]
+            if len(self.steps):
+                g -= rows @ layout.flat(self.known)
+            rows[k - 1, layout.offset[i] + k] -= 1.0
+            step = 2 if zones.central and place == 0 else 1
+            blocks.append(rows[step - 1 :: step])
+            rights.append(g[step - 1 :: step])
+        if not blocks:
+            return np.zeros((0, layout.size)), np.zeros(0)
+        return np.concatenate(blocks), np.concatenate(rights)
+
+    # what conditions ask for ----------------------------------------------------------------------------------------
+    def multiplicity(self) -> Array:
+        weight = np.ones(len(self.zones.solved))
+        if self.zones.symmetric:
+            weight[1 if self.zones.central else 0 :] = 2.0
+        return weight
+
+    def _zero_rows(self) -> Array:
+        return np.zeros((len(self.zones.solved), self.layout.size))
+
+    def totals(self) -> Linear:
+        solved = self.zones.solved
+        rows = self._zero_rows()
+        scale = np.pi * self.zones.half[solved]
+        rows[np.arange(len(solved)), self.layout.offset[solved]] = scale
+        return rows, scale * self.known[solved, 0]
+
+    def integrals(self, weight: Callable[[Array], Array]) -> Linear:
+        rows, constants = self._zero_rows(), np.zeros(len(self.zones.solved))
+        for place, i in enumerate(self.zones.solved):
+            size = max(self.g.shape[1], int(self.layout.m[i]) + 1, 16) + 16
+            x = self.zones.middle[i] + self.zones.half[i] * chebyshev.gauss(size)
+            values = (np.pi * self.zones.half[i] / size) * (weight(x) @ chebyshev.t_matrix(size, size))
+            m = int(self.layout.m[i])
+            rows[place, self.layout.offset[i] : self.layout.offset[i] + m + 1] = values[: m + 1]
+            beyond = -self.g[i, m + 1 :]
+            constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
+            if len(self.steps):
+                constants[place] += values @ self.steps.t_coefficients(self.zones, size)[i]
+        return rows, constants
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        left, right = self._zero_rows(), self._zero_rows()
+        constant_left, constant_right = np.zeros(len(left)), np.zeros(len(left))
+        for place, i in enumerate(self.zones.solved):
+            m, root = int(self.layout.m[i]), math.sqrt(self.zones.half[i] / 2)
+            sign = 1.0 - 2.0 * (np.arange(max(m + 1, self.g.shape[1])) % 2)
+            here = slice(self.layout.offset[i], self.layout.offset[i] + m + 1)
+            right[place, here] = root
+            left[place, here] = root * sign[: m + 1]
+            beyond = -self.g[i, m + 1 :]
+            constant_right[place] = root * beyond.sum()
+            constant_left[place] = root * (beyond @ sign[m + 1 : m + 1 + len(beyond)])
+        return (left, constant_left), (right, constant_right)
+
+    def amplitude(self, k: int) -> Linear:
+        row = np.zeros((1, self.layout.size))
+        row[0, self.layout.coefficients + k] = 1.0
+        return row, np.zeros(1)
+
+    def levels(self) -> Linear:
+        """See `Rows`. The mean of a zone's own potential is w c_0 log(w / 2); the mean of the primitive comes from its
+        values at the ends and from the coefficients of g, since the antiderivative of U_{k-1} is T_k / k."""
+        return self._levels
+
+    @cached_property
+    def _levels(self) -> Linear:
+        zones, layout, kernel = self.zones, self.layout, self.equation.kernel
+        solved = zones.solved
+        raw = fields(zones, kernel, self.targets, layout, "potential")
+        raw[:, : layout.coefficients] *= np.repeat(zones.half, layout.m + 1)
+        rows = self._zero_rows()
+        for place, i in enumerate(solved):
+            here = raw[self.starts[place] : self.starts[place + 1]]
+            m = int(layout.m[i])
+            rows[place] = (here.sum(axis=0) - 0.5 * (here[0] + here[-1])) / (m + 1)
+            w = zones.half[i]
+            rows[place, layout.offset[i]] += w * math.log(w / (2 * kernel.datum))
+        constants = rows @ layout.flat(self.known)
+        for k, column in enumerate(self.equation.columns):
+            rows[:, layout.coefficients + k] = -self._column_means(column.primitive)
+        return rows, constants - self._forcing_means()
+
+    def _column_means(self, primitive: Callable[[Array], Array] | None) -> Array:
+        if primitive is None:
+            raise ValueError("a condition on potentials needs the primitive of every column")
+        values = primitive(self.targets.x)
+        return np.array([
+            (values[s:e].sum() - 0.5 * (values[s] + values[e - 1])) / (e - s - 1)
+            for s, e in zip(self.starts[:-1], self.starts[1:], strict=True)
+        ])
+
+    def _forcing_means(self) -> Array:
+        zones, forcing = self.zones, self.equation.forcing
+        if forcing.primitive is None:
+            raise ValueError("a condition on potentials needs the primitive of the right side")
+        solved = zones.solved
+        w = zones.half[solved]
+        mean = 0.5 * (forcing.primitive(zones.a[solved]) + forcing.primitive(zones.b[solved]))
+        if len(self.steps):
+            past = self.steps.primitive(solved, np.full(len(solved), 2.0))
+            # At the ends the linear part (J phi / pi)(x - middle) cancels between left and right.
+            mean = mean - 0.5 * w * past + w * self.steps.primitive_means(zones)[solved]
+        k = np.arange(2, self.g.shape[1], 2)
+        return np.asarray(mean - w * (self.g[solved][:, k] @ (1 / k)))

@@ -1,0 +1,88 @@
+"""Chebyshev nodes and transforms on one zone, t = cos(theta) in (-1, 1).
+
+Densities are sums c_j T_j(t) / sqrt(1 - t^2); what the Cauchy kernel makes of them on the zone are sums of
+U_{j-1}(t) = sin(j theta) / sin(theta). Nodes are the zeros of U_n, theta_k = k pi / (n + 1), so that U coefficients are a
+sine transform; with the two ends they are the Lobatto nodes of the weight 1 / sqrt(1 - t^2).
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+Array = NDArray[np.float64]
+
+# Below this size a product with a stored matrix is faster than the call of a fast transform.
+_MATRIX_SIZE = 96
+
+
+@lru_cache(maxsize=64)
+def angles(n: int) -> Array:
+    """theta_k = k pi / (n + 1), k = 0 ... n + 1: both ends and the n zeros of U_n; t runs from +1 down to -1."""
+    theta = np.arange(n + 2) * (np.pi / (n + 1))
+    theta.flags.writeable = False
+    return theta
+
+
+@lru_cache(maxsize=64)
+def lobatto(n: int) -> tuple[Array, Array, Array]:
+    """(t, 1 - t, 1 + t) at `angles(n)`, the distances to the ends without cancellation."""
+    theta = angles(n)
+    right = 2 * np.sin(theta / 2) ** 2
+    left = right[::-1].copy()
+    t = 0.5 * (left - right)
+    for x in (t, right, left):
+        x.flags.writeable = False
+    return t, right, left
+
+
+@lru_cache(maxsize=64)
+def _sine_matrix(n: int) -> Array:
+    theta = angles(n)[1:-1]
+    k = np.arange(1, n + 1)[:, None]
+    return np.ascontiguousarray((2 / (n + 1)) * np.sin(k * theta) * np.sin(theta))
+
+
+def u_coefficients(values: Array) -> Array:
+    """Coefficients g_k, k = 1 ... n, of sum g_k U_{k-1} through values at the n zeros of U_n (along the last axis)."""
+    n = values.shape[-1]
+    if n <= _MATRIX_SIZE:
+        return np.asarray(values @ _sine_matrix(n).T)
+    return np.asarray(fft.dst(values * np.sin(angles(n)[1:-1]), type=1, axis=-1) / (n + 1))
+
+
+def project_rows(values: Array) -> Array:
+    """`u_coefficients` along the first axis: rows of node values become rows of U coefficients."""
+    n = values.shape[0]
+    if n <= _MATRIX_SIZE:
+        return np.asarray(_sine_matrix(n) @ values)
+    return np.asarray(fft.dst(values * np.sin(angles(n)[1:-1])[:, None], type=1, axis=0) / (n + 1))
+
+
+@lru_cache(maxsize=64)
+def gauss(n: int) -> Array:
+    """Zeros of T_n: nodes of the n-point Gauss rule of the weight 1 / sqrt(1 - t^2), all weights pi / n."""
+    return np.asarray(np.cos((np.arange(n) + 0.5) * (np.pi / n)))
+
+
+@lru_cache(maxsize=64)
+def t_matrix(n: int, count: int) -> Array:
+    """T_l(tau_q), shape (n, count), at the n Gauss nodes."""
+    return np.asarray(np.cos(np.outer((np.arange(n) + 0.5) * (np.pi / n), np.arange(count))))
+
+
+def bounded_part(c: Array) -> tuple[Array, Array, Array]:
+    """Split sum c_j T_j / sqrt(1-t^2) into (alpha + beta t) / sqrt(1-t^2) + sqrt(1-t^2) sum u_k U_k.
+
+    From T_j - T_{j-2} = -2 (1-t^2) U_{j-2}; c has shape (zones, n + 1). Near a bounded end this form keeps its digits,
+    where the sum over T_j would lose them to cancellation.
+    """
+    if c.shape[1] < 2:
+        c = np.pad(c, ((0, 0), (0, 2 - c.shape[1])))
+    sums = np.empty_like(c)
+    sums[:, ::2] = np.cumsum(c[:, ::2][:, ::-1], axis=1)[:, ::-1]
+    sums[:, 1::2] = np.cumsum(c[:, 1::2][:, ::-1], axis=1)[:, ::-1]
+    return sums[:, 0], sums[:, 1], -2 * sums[:, 2:]

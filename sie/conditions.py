@@ -1,0 +1,180 @@
+"""Side conditions: linear statements about the density, one object each.
+
+A condition turns itself into rows over the unknown coefficients with the help of a `Rows` object (see `assemble`), which
+knows how total, potential, weighted integral and edge intensity of each zone depend on them. A new condition is one class
+with `count` and `rows`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.zones import Zones
+
+Array = NDArray[np.float64]
+Linear = tuple[Array, Array]
+"""(matrix, constants): the quantities are matrix @ unknowns + constants."""
+
+
+class Rows(Protocol):
+    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order."""
+
+    zones: Zones
+
+    def totals(self) -> Linear:
+        """Integral of the density over each zone."""
+
+    def levels(self) -> Linear:
+        """Mean over each zone (weight 1 / sqrt(1 - t^2)) of potential minus the primitive of the right side."""
+
+    def integrals(self, weight: Callable[[Array], Array]) -> Linear:
+        """Integral of weight times density over each zone."""
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        """K at the left and at the right end of each zone."""
+
+    def amplitude(self, k: int) -> Linear:
+        """The amplitude of column k."""
+
+    def multiplicity(self) -> Array:
+        """How many zones each solved zone stands for: 2 for a mirrored pair, else 1."""
+
+
+class Condition:
+    """Base: `open` conditions have an unknown value, found from a condition on the ends."""
+
+    open: bool = False
+
+    def count(self, zones: Zones) -> int:
+        raise NotImplementedError
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        """(matrix, constants, values): matrix @ unknowns + constants = values."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class Total(Condition):
+    """The integral of the density over all zones; value None: unknown, found from a condition on the ends."""
+
+    value: float | None
+
+    @property
+    def open(self) -> bool:  # type: ignore[override]
+        return self.value is None
+
+    def count(self, zones: Zones) -> int:
+        return 1
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        matrix, constants = system.totals()
+        weight = system.multiplicity()
+        return (weight @ matrix)[None], np.array([weight @ constants]), np.array([self.value or 0.0])
+
+
+@dataclass(frozen=True)
+class Weighted(Condition):
+    """The integral of weight(x) times the density over all zones: a moment, a mean, any linear functional."""
+
+    weight: Callable[[Array], Array]
+    value: float
+
+    def count(self, zones: Zones) -> int:
+        return 1
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        matrix, constants = system.integrals(self.weight)
+        weight = system.multiplicity()
+        return (weight @ matrix)[None], np.array([weight @ constants]), np.array([self.value])
+
+
+def moment(value: float, about: float = 0.0) -> Weighted:
+    """Integral of (x - about) phi."""
+    return Weighted(lambda x: x - about, float(value))
+
+
+@dataclass(frozen=True)
+class ZoneTotals(Condition):
+    """The integral of the density over each zone: one value for all, or one per solved zone (0: no net, as in cracks)."""
+
+    values: tuple[float, ...] | float = 0.0
+
+    def count(self, zones: Zones) -> int:
+        return len(zones.solved)
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        matrix, constants = system.totals()
+        return matrix, constants, np.broadcast_to(np.asarray(self.values, dtype=float), constants.shape)
+
+
+@dataclass(frozen=True)
+class EqualPotential(Condition):
+    """Potential less primitive of the right side takes one unknown value on all zones."""
+
+    def count(self, zones: Zones) -> int:
+        return len(zones.solved) - 1
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        if len(system.zones.solved) == 1:
+            size = system.totals()[0].shape[1]
+            return np.zeros((0, size)), np.zeros(0), np.zeros(0)
+        matrix, constants = system.levels()
+        return np.diff(matrix, axis=0), np.diff(constants), np.zeros(len(constants) - 1)
+
+
+@dataclass(frozen=True)
+class Level(Condition):
+    """Potential less primitive of the right side takes the given value on every zone."""
+
+    value: float
+
+    def count(self, zones: Zones) -> int:
+        return len(zones.solved)
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        matrix, constants = system.levels()
+        return matrix, constants, np.full(len(constants), float(self.value))
+
+
+@dataclass(frozen=True)
+class Amplitude(Condition):
+    """The amplitude of column k is `value` plus `per_total` times the total: a closure that names what it multiplies."""
+
+    k: int
+    value: float = 0.0
+    per_total: float = 0.0
+
+    def count(self, zones: Zones) -> int:
+        return 1
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        matrix, constants = system.amplitude(self.k)
+        if self.per_total:
+            totals, known = system.totals()
+            weight = system.multiplicity()
+            matrix = matrix - self.per_total * (weight @ totals)[None]
+            constants = constants - self.per_total * (weight @ known)
+        return matrix, constants, np.array([self.value])
+
+
+class EndCondition(Protocol):
+    """A condition on the zone ends alone: residual(a, b) and its derivatives by the outward motion of each end."""
+
+    def residual(self, zones: Zones) -> tuple[float, Array, Array]:
+        """(residual, d/d(outward motion of a), d/d(outward motion of b))."""
+
+
+@dataclass(frozen=True)
+class TotalWidth:
+    """The zones' widths add up to `value`."""
+
+    value: float
+
+    def residual(self, zones: Zones) -> tuple[float, Array, Array]:
+        one = np.ones(len(zones))
+        return float(np.sum(zones.b - zones.a)) - self.value, one, one

@@ -1,0 +1,43 @@
+"""Kinds of zone ends and what each does to the index of the singular integral equation.
+
+Near an end at distance d the density behaves as K / sqrt(d) + A sqrt(d). A *singular* end lets K be what it
+comes to; a *bounded* end asks K = 0 at a given place; a *free* end asks for a given K (zero, or a prescribed
+intensity) at a place that is itself unknown. Each zone with two singular ends has index 1 and needs one side
+condition; each bounded end takes one away; a free end takes one away and brings one unknown, its position
+(Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class End:
+    """One end of a zone.
+
+    moves: True if the position is unknown.
+    intensity: the prescribed K at the end; None if K is left free (a singular end).
+    """
+
+    moves: bool
+    intensity: float | None
+
+    def __post_init__(self) -> None:
+        if self.moves and self.intensity is None:
+            raise ValueError("an end of unknown position needs a prescribed intensity (zero for a free end)")
+
+    @property
+    def surplus(self) -> int:
+        """Unknowns less equations that this end adds to its zone, counted from a zone with two bounded ends."""
+        return 1 if self.moves or self.intensity is None else 0
+
+
+FREE = End(moves=True, intensity=0.0)
+BOUNDED = End(moves=False, intensity=0.0)
+SINGULAR = End(moves=False, intensity=None)
+
+
+def free_with_intensity(intensity: float) -> End:
+    """An end of unknown position at which the density is `intensity / sqrt(d)` (adhesion, a crack at its limit)."""
+    return End(moves=True, intensity=float(intensity))

@@ -1,0 +1,82 @@
+"""The singular integral equation, as data.
+
+    (1/pi) PV int_zones phi(xi) K(x, xi) dxi = g(x) + sum_k lambda_k C_k(x)    on the zones,
+
+with side conditions on phi and on the unknown amplitudes lambda_k. Unknowns are counted against conditions before any
+arithmetic: per zone the index, one for each free end, one for each unknown amplitude.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.conditions import Condition, EndCondition
+from sie.kernels import Kernel
+from sie.zones import Zones
+
+Array = NDArray[np.float64]
+Function = Callable[[Array], Array]
+
+
+class CountError(ValueError):
+    """The side conditions do not match the index of the problem; the message says what is missing or too much."""
+
+
+@dataclass(frozen=True, eq=False)
+class Forcing:
+    """A known function of the right side.
+
+    value: g, vectorized; smooth on each zone but for the declared steps.
+    primitive: an antiderivative of g, continuous over all zones; only needed by conditions on potentials.
+    steps_at, steps: positions and heights g(s+) - g(s-) of jumps (both (k,)); for a kernel with a period they repeat.
+    """
+
+    value: Function
+    primitive: Function | None = None
+    steps_at: Array = field(default_factory=lambda: np.zeros(0))
+    steps: Array = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False)
+class Equation:
+    """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the ends alone."""
+
+    kernel: Kernel
+    forcing: Forcing
+    conditions: tuple[Condition, ...]
+    columns: tuple[Forcing, ...] = ()
+    end_conditions: tuple[EndCondition, ...] = ()
+
+    @property
+    def open_condition(self) -> int | None:
+        """Index of the condition whose value is unknown and is found from a condition on the ends; None if none is."""
+        found = [k for k, condition in enumerate(self.conditions) if condition.open]
+        return found[0] if found else None
+
+    def check_count(self, zones: Zones) -> None:
+        """Raise CountError unless unknowns and conditions balance, for given ends and for moving ones."""
+        surplus = 0
+        for i in zones.solved:
+            if zones.central and i == zones.solved[0]:
+                surplus += zones.right[i].surplus  # odd modes are absent: half of a zone's count
+            else:
+                surplus += zones.left[i].surplus + zones.right[i].surplus - 1
+        opened = sum(condition.open for condition in self.conditions)
+        unknowns = surplus + len(self.columns) + opened
+        given = sum(condition.count(zones) for condition in self.conditions) + len(self.end_conditions)
+        names = ", ".join(str(c) for c in (*self.conditions, *self.end_conditions)) or "none"
+        if opened > 1 or opened != len(self.end_conditions):
+            raise CountError(
+                f"{opened} conditions of unknown value need as many conditions on the ends (at most one), "
+                f"got {len(self.end_conditions)}"
+            )
+        if given != unknowns:
+            what = f"{unknowns - given} more needed" if given < unknowns else f"{given - unknowns} too many"
+            raise CountError(
+                f"{unknowns} side conditions are needed (index {surplus}, {len(self.columns)} unknown amplitudes, "
+                f"{opened} unknown values) but {given} are given ({names}): {what}"
+            )

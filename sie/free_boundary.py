@@ -1,0 +1,219 @@
+"""Zone ends found by Newton on the edge intensities.
+
+For given zones the density is solved with singular ends allowed: near an end, K / sqrt(d) + A sqrt(d). At the solution K is
+the prescribed one. Moving ends outward by delta changes K_i by -(A_i / 2) delta_i only, where the prescribed intensities are
+zero: the first-order change of a bounded density with the ends has no singular homogeneous part. So delta = 2 K / A is a
+Newton step with one linear solve. A condition on the ends alone (their total width) borders this diagonal by the response
+of K to the unknown value it fixes. Where an intensity is prescribed, the density's own change with the end is
+d^(-3/2)-singular and couples all ends: there the assembled rows are differenced in every end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie import modes
+from sie.density import Density
+from sie.ends import End
+from sie.equation import Equation
+from sie.solve import Sizes, State, assembled, density_of, solve_fixed
+from sie.zones import Zones
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# A step moves an end by at most these parts of its zone's width and of the gap beside it.
+INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One Newton step: ends before it, largest move over zone width, unknown value if any."""
+
+    zones: Array
+    move: float
+    value: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Free:
+    """Result of the search for the ends.
+
+    converged; end_error: each end's remaining move over its zone's width (Z, 2), roundoff included; trace of the steps;
+    value: that of the open condition, if there is one; lost: zones that shrank away; met: gaps (by the zone left of them)
+    that closed.
+    """
+
+    state: State
+    converged: bool
+    end_error: Array
+    trace: tuple[Step, ...]
+    value: float | None
+    lost: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    met: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+
+    @property
+    def density(self) -> Density:
+        return self.state.density
+
+
+def find_ends(
+    equation: Equation,
+    zones: Zones,
+    tolerance: float = 1e-12,
+    max_steps: int = 40,
+    value: float = 0.0,
+    collapse: float = 1e-3,
+) -> Free:
+    """Move the free ends of `zones` until every one has its prescribed intensity.
+
+    tolerance: largest remaining end error over its zone's width, and the decay asked of the coefficients.
+    value: first guess for the value of an open condition. collapse: a zone that has shrunk to this part of its first
+    width, or a gap to this part of its first size, stops the search, which then reports it in `lost` or `met`.
+    """
+    decay = max(0.1 * tolerance, 3e-16)
+    moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+    target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
+    first_width, first_gap = zones.b - zones.a, modes.gaps(zones, equation.kernel)[1]
+    adaptive = bool(equation.columns) or equation.kernel.reach == 0.0
+    sizes = Sizes(np.full(len(zones), 16), 16 if adaptive else 0)
+    trace: list[Step] = []
+    best = np.inf
+    stalled = 0
+    while True:
+        state = solve_fixed(equation, zones, decay, sizes)
+        delta, noise, change, certain = _newton(state, moves, target, value, sizes, decay)
+        width = zones.b - zones.a
+        move = float(np.abs(delta / width).max(initial=0.0))
+        trace.append(Step(zones.table, move, value if equation.open_condition is not None else None))
+        error = (np.abs(delta) + noise) / width
+        floor = float((noise / width).max(initial=0.0))
+        stalled = stalled + 1 if move > 0.5 * best else 0
+        best = min(best, move)
+        done = certain and (move <= max(tolerance, floor) or (stalled >= 2 and move < 1e-9))
+        if done or len(trace) > max_steps:
+            return Free(state, done, error.T, tuple(trace), value if equation.open_condition is not None else None)
+        value += change
+        limited = _limit(zones, equation, delta)
+        zones = zones.moved(zones.a - limited[0], zones.b + limited[1])
+        gap = modes.gaps(zones, equation.kernel)[1]
+        lost = np.flatnonzero(zones.b - zones.a < collapse * first_width)
+        met = np.flatnonzero(gap < collapse * np.minimum(first_gap, np.minimum(zones.b - zones.a, first_width)))
+        if len(lost) or len(met):
+            return Free(state, False, error.T, tuple(trace), value, lost, met)
+
+
+def _intensity(end: End) -> float:
+    return end.intensity if end.moves and end.intensity is not None else 0.0
+
+
+def _newton(
+    state: State, moves: NDArray[np.bool_], target: Array, value: float, sizes: Sizes, tolerance: float
+) -> tuple[Array, Array, float, bool]:
+    """(outward moves (2, Z), their roundoff, change of the open condition's value, whether the step can be trusted)."""
+    density, equation = state.density, state.system.equation
+    if equation.open_condition is not None and value != 0.0:
+        unit = _unit_response(state)
+        density = _plus(density, unit, value)
+    k = np.array(density.intensities)
+    a = np.array(density.edge_slopes)
+    w = density.zones.half
+    # The bounded solution's slope at an end is positive; where the guess is far off, only the sign of K is a guide.
+    natural = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(state.system.known).max(axis=1)
+    weak = a < 1e-8 * natural / np.sqrt(w)
+    prescribed = np.any(target != 0)
+    noise_k = 2e-16 * np.sqrt(w / 2) * (np.abs(density.coefficients).sum(axis=1) + natural)
+    residual = np.where(moves, k - target, 0.0)
+    if prescribed:
+        delta, noise = _full_newton(equation, state, density, moves, residual, noise_k, sizes, tolerance)
+        return delta, noise, 0.0, True
+    safe = np.where(weak, natural / np.sqrt(w) + 1e-300, a)
+    delta = np.where(moves, 2 * residual / safe, 0.0)
+    noise = np.where(moves, 2 * noise_k / safe, 0.0)
+    change = 0.0
+    if equation.open_condition is not None:
+        unit = _unit_response(state)
+        slope = np.where(moves, 2 * np.array(unit.intensities) / safe, 0.0)
+        miss, by_left, by_right = equation.end_conditions[0].residual(density.zones)
+        gradient = np.array([by_left, by_right])
+        denominator = float(np.sum(gradient * slope))
+        change = -(miss + float(np.sum(gradient * delta))) / denominator
+        delta = delta + change * slope
+    return delta, noise, change, not np.any(weak & moves)
+
+
+def _unit_response(state: State) -> Density:
+    index = state.system.equation.open_condition
+    assert index is not None
+    values = np.zeros(len(state.condition_scale))
+    values[state.condition_index[index]] = 1.0
+    return state.response(values)
+
+
+def _plus(density: Density, other: Density, factor: float) -> Density:
+    c = density.coefficients.copy()
+    c[:, : other.coefficients.shape[1]] += factor * other.coefficients
+    return Density(
+        density.zones, density.kernel, c, density.steps, density.amplitudes + factor * other.amplitudes
+    )
+
+
+def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
+    width = zones.b - zones.a
+    left, right = modes.gaps(zones, equation.kernel)
+    gap = np.array([left, right])
+    return np.clip(delta, -INWARD * width, np.minimum(OUTWARD * width, INTO_GAP * gap))
+
+
+def _full_newton(
+    equation: Equation, state: State, density: Density, moves: NDArray[np.bool_], residual: Array, noise_k: Array,
+    sizes: Sizes, tolerance: float,
+) -> tuple[Array, Array]:
+    """Outward moves (2, Z) and their roundoff by Newton with the full Jacobian dK_i/d(end_j), for prescribed intensities.
+
+    The rows A(e) y = b(e) are differenced in each end at fixed coefficients, and A dy = -d(A y - b) is solved with the LU
+    factors at hand. Of a mirrored pair of ends, the right one stands for both.
+    """
+    zones = state.density.zones
+    ends = [(side, i) for side, i in np.argwhere(moves) if i in zones.solved and not (zones.central and i == zones.solved[0] and side == 0)]
+    frozen = replace(sizes, own=sizes.own.copy())
+    jacobian = np.zeros((len(ends), len(ends)))
+    for j, (side, i) in enumerate(ends):
+        h = 1e-5 * float(zones.b[i] - zones.a[i])
+        ahead = _residual_rows(equation, _nudged(zones, side, i, h), state, frozen, tolerance)
+        behind = _residual_rows(equation, _nudged(zones, side, i, -h), state, frozen, tolerance)
+        response = state.homogeneous(-(ahead[0] - behind[0]) / (2 * h))
+        change = (ahead[1] - behind[1]) / (2 * h) + np.array(response.intensities)
+        jacobian[:, j] = [change[end] for end in ends]
+    step = np.linalg.solve(jacobian, -np.array([residual[end] for end in ends]))
+    rough = np.abs(np.linalg.inv(jacobian)) @ np.array([noise_k[i] for _, i in ends])
+    delta, noise = np.zeros_like(residual), np.zeros_like(residual)
+    for end, move, uncertain in zip(ends, step, rough, strict=True):
+        delta[end], noise[end] = move, uncertain
+    if zones.symmetric:
+        count = len(zones)
+        for side, i in ends:
+            delta[1 - side, count - 1 - i], noise[1 - side, count - 1 - i] = delta[side, i], noise[side, i]
+    return delta, noise
+
+
+def _nudged(zones: Zones, side: int, i: int, outward: float) -> Zones:
+    a, b = zones.a.copy(), zones.b.copy()
+    for which, k in {(side, i), (1 - side, len(zones) - 1 - i)} if zones.symmetric else {(side, i)}:
+        if which == 0:
+            a[k] -= outward
+        else:
+            b[k] += outward
+    return replace(zones, a=a, b=b)
+
+
+def _residual_rows(
+    equation: Equation, zones: Zones, state: State, sizes: Sizes, tolerance: float
+) -> tuple[Array, Array]:
+    """(rows at moved zones applied to the old coefficients, less the right side; intensities of the old coefficients)."""
+    system, matrix, right, _ = assembled(equation, zones, state.system.layout.m, sizes, tolerance, state.condition_scale)
+    moved = density_of(system, state.unknowns)
+    return matrix @ state.folded_unknowns - right, np.array(moved.intensities)

@@ -1,0 +1,101 @@
+"""Kernels K(x, xi) and what they declare: where their poles are, and what remains when the poles are taken out.
+
+    transform  (1/pi) PV int phi(xi) K(x, xi) dxi         potential  (1/pi) int phi(xi) Lambda(x, xi) dxi,  dLambda/dx = K
+
+A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, which the engine carries out in closed form, and a regular
+part, which Gauss-Chebyshev quadrature finishes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import gammaln, psi
+
+Array = NDArray[np.float64]
+Regular = Callable[[Array, Array], Array]
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """poles: positions s of 1 / (x - xi - s), the first of them 0.
+    period: the period of the kernel, None if it has none.
+    regular, regular_potential: (x, xi) -> smooth rest of K and of Lambda (broadcast), or None.
+    reach: distance from a source point to the nearest singularity of the regular part over all targets, in units of
+        length; it tells how many quadrature nodes a zone needs. 0: unknown, the engine uses all of a zone's nodes.
+    datum: Lambda is log|(x - xi - s) / datum| summed over the poles.
+    """
+
+    poles: tuple[float, ...] = (0.0,)
+    period: float | None = None
+    regular: Regular | None = None
+    regular_potential: Regular | None = None
+    reach: float = math.inf
+    datum: float = 1.0
+
+    def __add__(self, other: Smooth) -> Kernel:
+        """This kernel plus a user's regular kernel."""
+        if not isinstance(other, Smooth):
+            return NotImplemented
+        return Kernel(
+            self.poles,
+            self.period,
+            _summed(self.regular, other.value),
+            _summed(self.regular_potential, other.potential) if other.potential or not other.value else None,
+            0.0,
+            self.datum,
+        )
+
+
+@dataclass(frozen=True)
+class Smooth:
+    """A regular kernel value(x, xi), smooth on all zones; `potential` is its antiderivative in x, needed only by side
+    conditions on potentials."""
+
+    value: Regular
+    potential: Regular | None = None
+
+
+def _summed(first: Regular | None, second: Regular | None) -> Regular | None:
+    if first is None or second is None:
+        return first or second
+    one, two = first, second
+    return lambda x, xi: one(x, xi) + two(x, xi)
+
+
+def cauchy(datum: float = 1.0) -> Kernel:
+    """K = 1 / (x - xi), Lambda = log|(x - xi) / datum|."""
+    return Kernel(datum=float(datum))
+
+
+def hilbert(period: float) -> Kernel:
+    """K = (pi/L) cot(pi (x - xi) / L), Lambda = log|2 sin(pi (x - xi) / L)|, whose mean over a period is zero.
+
+    With the poles at 0 and +-L taken out, psi(2 - d/L) - psi(2 + d/L) over L remains, and in the potential
+    log(2 pi) - log(Gamma(2 - d/L) Gamma(2 + d/L)), by the reflection formula (DLMF 5.5.3).
+    """
+    length = float(period)
+    if not (math.isfinite(length) and length > 0):
+        raise ValueError(f"period must be a finite positive number, got {period!r}")
+
+    def regular(x: Array, xi: Array) -> Array:
+        d = (x - xi) / length
+        return np.asarray((psi(2 - d) - psi(2 + d)) / length)
+
+    def regular_potential(x: Array, xi: Array) -> Array:
+        d = (x - xi) / length
+        return np.asarray(math.log(2 * math.pi) - gammaln(2 - d) - gammaln(2 + d))
+
+    return Kernel((0.0, -length, length), length, regular, regular_potential, length, datum=length)
+
+
+def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
+    """The pole and its images at +-L, ..., +-mL: sum over |k| <= m of 1 / (x - xi - k L)."""
+    shifts = [0.0]
+    for k in range(1, neighbours + 1):
+        shifts += [-k * float(period), k * float(period)]
+    return Kernel(tuple(shifts), None, datum=float(datum))

@@ -1,0 +1,114 @@
+"""How many modes each zone has: its own, from the right side's decay, and the coupled ones, from the distance to others.
+
+Coefficients of the right side decay as smoothness allows and are sampled on nodes that double until they have decayed; this
+is cheap, because a zone's own operator is diagonal. What other zones do decays as rho^k, where rho belongs to the nearest
+foreign end (or image, or singularity of a column), so few coupled modes are enough for narrow zones far apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie import chebyshev
+from sie.equation import Forcing
+from sie.kernels import Kernel
+from sie.steps import Steps
+from sie.zones import Zones
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+OWN_SIZES = np.array([8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192])
+COUPLED_SIZES = np.array([0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768])
+
+
+def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int) -> Index:
+    """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at least `least`."""
+    left, right = gaps(zones, kernel)
+    e = np.minimum(left, right) / zones.half
+    with np.errstate(divide="ignore"):
+        decay = np.arccosh(1 + np.minimum(e, 1e300))  # -log(rho)
+    want = np.where(np.isfinite(e), -np.log(tolerance) / np.maximum(decay, 1e-3), 0.0)
+    return _at_least(COUPLED_SIZES, np.maximum(want, least))
+
+
+def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
+    """Distance from each zone to the nearest zone or image on its left and on its right (inf if none)."""
+    between = zones.a[1:] - zones.b[:-1]
+    shifts = [s for s in kernel.poles if s > 0]
+    border = min(shifts) - (zones.b[-1] - zones.a[0]) if shifts else np.inf
+    return np.concatenate(([border], between)), np.concatenate((between, [border]))
+
+
+def _at_least(sizes: Index, want: Array) -> Index:
+    return sizes[np.minimum(np.searchsorted(sizes, want), len(sizes) - 1)]
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """U coefficients of the smooth right side, g_k at [:, k] (g_0 unused), the sizes used, the size of their last part
+    and the largest coefficient, per zone."""
+
+    coefficients: Array
+    own: Index
+    tail: Array
+    evaluations: int
+
+
+def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: float, largest: int) -> Samples:
+    """Sample the right side on each zone and double the nodes of those whose coefficients have not decayed.
+
+    A symmetric set is sampled on its right half only.
+    """
+    own = own.copy()
+    found: dict[int, Array] = {}
+    tail = np.zeros(len(zones))
+    offsets = steps.offsets(zones) if len(steps) else None
+    pending = zones.solved
+    evaluations = 0
+    while len(pending):
+        retry = []
+        for n in np.unique(own[pending]):
+            group = pending[own[pending] == n]
+            values = _values(forcing, zones, steps, group, int(n), offsets)
+            evaluations += values.size
+            g = chebyshev.u_coefficients(values)
+            if zones.central and group[0] == zones.solved[0]:
+                g[0, ::2] = 0.0
+            last = np.abs(g[:, -max(4, int(n) // 8) :]).max(axis=1)
+            scale = np.abs(g).max(axis=1)
+            grow = (last > tolerance * scale) & (n < largest)
+            for place, i in enumerate(group):
+                found[i], tail[i] = g[place], last[place]
+            bad = group[grow]
+            own[bad] = OWN_SIZES[np.searchsorted(OWN_SIZES, n, side="right")] if len(bad) else n
+            retry.append(bad)
+        pending = np.concatenate(retry)
+    table = np.zeros((len(zones), int(own[zones.solved].max()) + 1))
+    for i, g in found.items():
+        table[i, 1 : len(g) + 1] = g
+    if zones.symmetric:
+        mirror(zones, table)
+        left = np.arange(len(zones) // 2)
+        own[left], tail[left] = own[::-1][left], tail[::-1][left]
+    return Samples(table, own, tail, evaluations)
+
+
+def mirror(zones: Zones, table: Array) -> None:
+    """Fill the left half of a symmetric set's coefficient table from the right half: T_k(-t) = (-1)^k T_k(t)."""
+    left = np.arange(len(zones) // 2)
+    table[left] = table[::-1][left] * (1.0 - 2.0 * (np.arange(table.shape[1]) % 2))
+
+
+def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int, offsets: Array | None) -> Array:
+    _, right, left = chebyshev.lobatto(n)
+    left, right = left[1:-1], right[1:-1]
+    w = zones.half[group][:, None]
+    x = np.where(left <= right, zones.a[group][:, None] + w * left, zones.b[group][:, None] - w * right)
+    values = np.asarray(forcing.value(x.ravel()), dtype=float).reshape(x.shape)
+    if offsets is not None:
+        values = values - steps.value(group[:, None], np.broadcast_to(left, x.shape)) + offsets[group][:, None]
+    return values

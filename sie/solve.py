@@ -1,0 +1,238 @@
+"""Solve the equation on given zones: choose the modes, sample, assemble, one LU, and read off the ends."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
+
+from sie import modes
+from sie.assemble import System
+from sie.density import Density
+from sie.ends import End
+from sie.equation import Equation
+from sie.steps import Steps
+from sie.zones import Zones
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+
+class SingularSystem(ArithmeticError):
+    """The assembled system has no unique solution: the side conditions depend on each other."""
+
+
+@dataclass(eq=False)
+class Sizes:
+    """Modes to start from; kept from one solve to the next so that growth is paid for once."""
+
+    own: Index
+    least: int
+    profile_evaluations: int = 0
+    kernel_evaluations: int = 0
+    solves: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """The solution on given zones, with what its error is made of.
+
+    density; the LU factors for further right sides; `truncation`: what the neglected coefficients may amount to, over the
+    largest coefficient of the same zone (Z,); `field_tail`: the same for the coupled modes.
+    """
+
+    density: Density
+    system: System
+    factors: tuple[Array, Array] = field(repr=False)
+    unknowns: Array
+    folded_unknowns: Array
+    conditions_from: int
+    condition_scale: Array
+    truncation: Array
+    sizes: Sizes
+
+    def response(self, values: Array) -> Density:
+        """The density caused by unit changes of the side conditions' values: right side zero, conditions = values."""
+        right = np.zeros(self.factors[0].shape[0])
+        right[self.conditions_from :] = values / self.condition_scale
+        return self.homogeneous(right)
+
+    def homogeneous(self, right: Array) -> Density:
+        """The density for another right side of the assembled rows, no forcing and no steps."""
+        y = _unfold(self.system, lu_solve(self.factors, right))
+        layout = self.system.layout
+        density = self.density
+        return Density(density.zones, density.kernel, layout.padded(y), _no_steps(), y[layout.coefficients :])
+
+    @cached_property
+    def condition_index(self) -> Index:
+        """First row of each side condition among the conditions' rows."""
+        zones = self.density.zones
+        counts = [c.count(zones) for c in self.system.equation.conditions]
+        return np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.intp)
+
+
+def _no_steps() -> Steps:
+    return Steps(np.zeros(0, dtype=np.intp), np.zeros(0), np.zeros(0), np.zeros(0))
+
+
+def solve_fixed(
+    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None, largest: int = 8192
+) -> State:
+    """Solve on given zones, with singular ends allowed at moving ends (their intensity is what a Newton step needs).
+
+    Raises CountError if conditions and index do not match, SingularSystem if the conditions are dependent.
+    """
+    equation.check_count(zones)
+    if sizes is None:
+        sizes = Sizes(np.full(len(zones), 16), 16 if equation.columns or equation.kernel.reach == 0.0 else 0)
+    kernel = equation.kernel
+    period = kernel.period
+    steps = Steps.within(zones, equation.forcing.steps_at, equation.forcing.steps, period)
+    samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, largest)
+    sizes.own = samples.own
+    sizes.profile_evaluations += samples.evaluations
+    while True:
+        m = modes.coupled(zones, kernel, tolerance, sizes.least)
+        state, field_tail = _solve_once(equation, zones, m, samples, steps, sizes)
+        adaptive = bool(equation.columns) or kernel.reach == 0.0
+        if not adaptive or field_tail <= tolerance * 10 or sizes.least >= modes.COUPLED_SIZES[-1]:
+            return state
+        sizes.least = int(modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES, int(m.max()), side="right")])
+
+
+def _solve_once(
+    equation: Equation, zones: Zones, m: Index, samples: modes.Samples, steps: Steps, sizes: Sizes
+) -> tuple[State, float]:
+    system = System(equation, zones, m, samples.coefficients, steps)
+    matrix, right, scale = _rows(equation, system)
+    lu, pivots = lu_factor(matrix, overwrite_a=False, check_finite=False)
+    diagonal = np.abs(np.diagonal(lu))
+    if not np.all(np.isfinite(right)) or not np.all(np.isfinite(diagonal)) or np.any(diagonal == 0):
+        raise SingularSystem("the system is singular or the data are not finite")
+    folded = lu_solve((lu, pivots), right, check_finite=False)
+    y = _unfold(system, folded)
+    density = density_of(system, y)
+    sizes.kernel_evaluations += matrix.size
+    sizes.solves += 1
+    top = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(system.known).max(axis=1, initial=0.0)
+    truncation = samples.tail / np.where(top > 0, top, 1.0)
+    state = State(density, system, (lu, pivots), y, folded, matrix.shape[0] - len(scale), scale, truncation, sizes)
+    return state, _field_tail(system, y, density)
+
+
+def assembled(
+    equation: Equation, zones: Zones, m: Index, sizes: Sizes, tolerance: float, scale: Array | None = None
+) -> tuple[System, Array, Array, Array]:
+    """(system, matrix, right side, condition scale) at given zones and coupled modes, without solving."""
+    steps = Steps.within(zones, equation.forcing.steps_at, equation.forcing.steps, equation.kernel.period)
+    samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, int(sizes.own.max()))
+    system = System(equation, zones, m, samples.coefficients, steps)
+    return system, *_rows(equation, system, scale)
+
+
+def _rows(equation: Equation, system: System, scale: Array | None = None) -> tuple[Array, Array, Array]:
+    """Rows of the equation and of the side conditions over the kept unknowns; conditions scaled to size one."""
+    matrix, right = system.equation_rows()
+    rows, values = _condition_rows(equation, system.zones, system)
+    if scale is None:
+        scale = np.abs(rows).max(axis=1, initial=0.0)
+        if np.any(scale == 0):
+            raise SingularSystem("a side condition does not depend on the density")
+    matrix = _fold(system, np.concatenate((matrix, rows / scale[:, None])))
+    return matrix, np.concatenate((right, values / scale)), scale
+
+
+def density_of(system: System, y: Array) -> Density:
+    """The density with unknowns y: coefficients up to m from y, those beyond minus the right side's."""
+    layout, g = system.layout, system.g
+    solved = layout.padded(y)
+    out = np.zeros((len(layout.m), max(solved.shape[1], g.shape[1])))
+    out[:, : g.shape[1]] = -g
+    out[:, 0] = 0.0
+    given = np.arange(solved.shape[1]) <= layout.m[:, None]
+    out[:, : solved.shape[1]] = np.where(given, solved, out[:, : solved.shape[1]])
+    return Density(system.zones, system.equation.kernel, out, system.steps, y[layout.coefficients :])
+
+
+def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[Array, Array]:
+    """All side conditions, and intensity zero at fixed bounded ends, as rows and values."""
+    rows, values = [], []
+    for condition in equation.conditions:
+        matrix, constants, wanted = condition.rows(system)
+        rows.append(matrix)
+        values.append(wanted - constants)
+    bounded_left = [p for p, i in enumerate(zones.solved) if _held(zones.left[i])]
+    bounded_right = [p for p, i in enumerate(zones.solved) if _held(zones.right[i])]
+    if zones.central and 0 in bounded_left:
+        bounded_left.remove(0)  # the mirror image of the right end
+    if bounded_left or bounded_right:
+        left, right = system.intensities()
+        for chosen, (matrix, constants) in ((bounded_left, left), (bounded_right, right)):
+            rows.append(matrix[chosen])
+            values.append(-constants[chosen])
+    return np.concatenate(rows) if rows else np.zeros((0, system.layout.size)), np.concatenate(values or [np.zeros(0)])
+
+
+def _held(end: End) -> bool:
+    return not end.moves and end.intensity is not None
+
+
+def _field_tail(system: System, y: Array, density: Density) -> float:
+    """Last coupled coefficients of what the other zones and the columns do, over the largest coefficient of the zone."""
+    layout, g = system.layout, system.g
+    if layout.m.max() < 8:
+        return 0.0
+    field = layout.padded(y)
+    count = min(g.shape[1], field.shape[1])
+    field[:, 1:count] += g[:, 1:count]
+    k = np.arange(field.shape[1])
+    last = (k <= layout.m[:, None]) & (k > layout.m[:, None] - 3) & (layout.m[:, None] >= 8)
+    top = np.maximum(np.abs(density.coefficients).max(axis=1), np.abs(system.known).max(axis=1, initial=0.0))
+    return float((np.abs(np.where(last, field, 0.0)).max(axis=1) / np.where(top > 0, top, 1.0)).max())
+
+
+def _mirror_signs(system: System) -> tuple[Index, Index, Array, Index]:
+    """Kept unknowns of a symmetric set, and (target, sign, source) of those that follow from them."""
+    layout, zones = system.layout, system.zones
+    keep, follow, sign, source = [], [], [], []
+    count = len(zones)
+    for i in zones.solved:
+        k = np.arange(layout.m[i] + 1)
+        if zones.central and i == zones.solved[0]:
+            keep.append(layout.offset[i] + k[::2])
+            continue
+        keep.append(layout.offset[i] + k)
+        follow.append(layout.offset[count - 1 - i] + k)
+        sign.append(1.0 - 2.0 * (k % 2))
+        source.append(layout.offset[i] + k)
+    keep.append(layout.coefficients + np.arange(layout.columns))
+    empty = np.zeros(0, dtype=np.intp)
+    return (
+        np.concatenate(keep),
+        np.concatenate(follow or [empty]),
+        np.concatenate(sign or [np.zeros(0)]),
+        np.concatenate(source or [empty]),
+    )
+
+
+def _fold(system: System, matrix: Array) -> Array:
+    """Columns of mirrored zones added to those they follow from; the rest of a symmetric set's unknowns dropped."""
+    if not system.zones.symmetric:
+        return matrix
+    keep, follow, sign, source = _mirror_signs(system)
+    matrix[:, source] += matrix[:, follow] * sign
+    return matrix[:, keep]
+
+
+def _unfold(system: System, y: Array) -> Array:
+    if not system.zones.symmetric:
+        return y
+    keep, follow, sign, source = _mirror_signs(system)
+    out = np.zeros(system.layout.size)
+    out[keep] = y
+    out[follow] = sign * out[source]
+    return out

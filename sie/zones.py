@@ -1,0 +1,89 @@
+"""Zones: disjoint ascending intervals [a, b], each with the kinds of its two ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sie.ends import FREE, End
+
+Array = NDArray[np.float64]
+
+
+def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
+    kinds = (ends,) * count if isinstance(ends, End) else tuple(ends)
+    if len(kinds) != count:
+        raise ValueError(f"{side}: {len(kinds)} kinds of ends for {count} zones")
+    return kinds
+
+
+@dataclass(frozen=True, eq=False)
+class Zones:
+    """`n` zones with ends a (n,) and b (n,), a < b < next a. `left`, `right`: one End for all, or one per zone.
+
+    symmetric: the zones are mirror images of each other about x = 0 and so are the data; only half is solved.
+    """
+
+    a: Array
+    b: Array
+    left: Sequence[End] = field(default=())
+    right: Sequence[End] = field(default=())
+    symmetric: bool = False
+
+    @classmethod
+    def of(
+        cls,
+        ends: ArrayLike,
+        left: End | Sequence[End] = FREE,
+        right: End | Sequence[End] = FREE,
+        symmetric: bool = False,
+    ) -> Zones:
+        """Checked zones from an (n, 2) array of ends."""
+        table = np.array(ends, dtype=float)
+        if table.ndim != 2 or table.shape[1] != 2 or table.shape[0] == 0:
+            raise ValueError(f"zones must have shape (n, 2) with n >= 1, got {table.shape}")
+        flat = table.ravel()
+        if not np.all(np.isfinite(flat)) or np.any(np.diff(flat) <= 0):
+            raise ValueError("zone ends must be finite and strictly ascending: a0 < b0 < a1 < b1 < ...")
+        count = table.shape[0]
+        if symmetric:
+            table = 0.5 * (table - table[::-1, ::-1])
+        return cls(table[:, 0], table[:, 1], _kinds(left, count, "left"), _kinds(right, count, "right"), symmetric)
+
+    def moved(self, a: Array, b: Array) -> Zones:
+        """The same zones with new ends."""
+        if self.symmetric:
+            a, b = 0.5 * (a - b[::-1]), 0.5 * (b - a[::-1])
+        return Zones(a, b, self.left, self.right, self.symmetric)
+
+    def __len__(self) -> int:
+        return len(self.a)
+
+    @property
+    def table(self) -> Array:
+        """(n, 2) array of ends."""
+        return np.column_stack((self.a, self.b))
+
+    @cached_property
+    def half(self) -> Array:
+        """Half widths w (n,)."""
+        return 0.5 * (self.b - self.a)
+
+    @cached_property
+    def middle(self) -> Array:
+        """Middles (n,)."""
+        return 0.5 * (self.a + self.b)
+
+    @cached_property
+    def solved(self) -> NDArray[np.intp]:
+        """Indices of the zones whose equations are solved: all, or the right half of a symmetric set."""
+        return np.arange(len(self) // 2, len(self)) if self.symmetric else np.arange(len(self))
+
+    @property
+    def central(self) -> bool:
+        """True if a symmetric set has a zone that straddles the centre."""
+        return self.symmetric and len(self) % 2 == 1
