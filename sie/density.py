@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -39,6 +39,21 @@ class Density:
     @cached_property
     def _bounded(self) -> tuple[Array, Array, Array]:
         return chebyshev.bounded_part(self.coefficients)
+
+    def settled(self) -> Density:
+        """The same density with the last traces of 1/sqrt(d) taken out at free ends, where the exact one has none.
+
+        An end off by delta leaves K = A delta / 2 there: at equal normalised position the rest is right to delta over the
+        width, while K / sqrt(d) would grow without bound towards the end.
+        """
+        zones = self.zones
+        alpha, beta, u = self._bounded
+        left = np.array([end.moves and end.intensity == 0.0 for end in zones.left])
+        right = np.array([end.moves and end.intensity == 0.0 for end in zones.right])
+        k_left, k_right = np.where(left, 0.0, alpha - beta), np.where(right, 0.0, alpha + beta)
+        other = replace(self)
+        other.__dict__["_bounded"] = (0.5 * (k_left + k_right), 0.5 * (k_right - k_left), u)
+        return other
 
     @cached_property
     def totals(self) -> Array:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from sie import modes
 from sie.density import Density
-from sie.ends import End
+from sie.ends import FREE, SINGULAR, End
 from sie.equation import Equation
 from sie.solve import Sizes, State, assembled, density_of, solve_fixed
 from sie.zones import Zones
@@ -67,16 +67,17 @@ def find_ends(
     max_steps: int = 40,
     value: float = 0.0,
     collapse: float = 1e-3,
+    walls: tuple[float, float] = (-np.inf, np.inf),
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
     tolerance: largest remaining end error over its zone's width, and the decay asked of the coefficients.
     value: first guess for the value of an open condition. collapse: a zone that has shrunk to this part of its first
     width, or a gap to this part of its first size, stops the search, which then reports it in `lost` or `met`.
+    walls: free ends do not pass these; one that reaches a wall stays there as a singular end, until its intensity turns
+    negative.
     """
     decay = max(0.1 * tolerance, 3e-16)
-    moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
-    target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
     first_width, first_gap = zones.b - zones.a, modes.gaps(zones, equation.kernel)[1]
     adaptive = bool(equation.columns) or equation.kernel.reach == 0.0
     sizes = Sizes(np.full(len(zones), 16), 16 if adaptive else 0)
@@ -85,6 +86,9 @@ def find_ends(
     stalled = 0
     while True:
         state = solve_fixed(equation, zones, decay, sizes)
+        zones, released = _release(zones, walls, state.density)
+        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+        target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
         delta, noise, change, certain = _newton(state, moves, target, value, sizes, decay)
         width = zones.b - zones.a
         move = float(np.abs(delta / width).max(initial=0.0))
@@ -93,17 +97,54 @@ def find_ends(
         floor = float((noise / width).max(initial=0.0))
         stalled = stalled + 1 if move > 0.5 * best else 0
         best = min(best, move)
-        done = certain and (move <= max(tolerance, floor) or (stalled >= 2 and move < 1e-9))
+        stuck = (stalled >= 2 and move < 1e-9) or (stalled >= 5 and move < 1e-6)
+        if stuck:
+            # Rounding keeps the ends moving: the largest of the last moves is what they are known to.
+            error = error * (max(step.move for step in trace[-4:]) / max(move, 1e-300))
+        done = certain and not released and (move <= max(tolerance, floor) or stuck)
+        done = done and abs(change) <= max(tolerance, 1e-14) * abs(value + change)
         if done or len(trace) > max_steps:
+            if done:
+                state = replace(state, density=state.density.settled())
             return Free(state, done, error.T, tuple(trace), value if equation.open_condition is not None else None)
         value += change
         limited = _limit(zones, equation, delta)
-        zones = zones.moved(zones.a - limited[0], zones.b + limited[1])
+        zones = _held_at(zones.moved(zones.a - limited[0], zones.b + limited[1]), walls)
         gap = modes.gaps(zones, equation.kernel)[1]
         lost = np.flatnonzero(zones.b - zones.a < collapse * first_width)
         met = np.flatnonzero(gap < collapse * np.minimum(first_gap, np.minimum(zones.b - zones.a, first_width)))
         if len(lost) or len(met):
             return Free(state, False, error.T, tuple(trace), value, lost, met)
+
+
+def _held_at(zones: Zones, walls: tuple[float, float]) -> Zones:
+    """Ends that went past a wall are put there and held, singular."""
+    low, high = zones.a[0] <= walls[0], zones.b[-1] >= walls[1]
+    if not (low or high):
+        return zones
+    a, b, left, right = zones.a.copy(), zones.b.copy(), list(zones.left), list(zones.right)
+    if low:
+        a[0], left[0] = walls[0], SINGULAR
+    if high:
+        b[-1], right[-1] = walls[1], SINGULAR
+    return replace(zones, a=a, b=b, left=left, right=right)
+
+
+def _release(zones: Zones, walls: tuple[float, float], density: Density) -> tuple[Zones, bool]:
+    """Ends held at a wall where the density pulls (negative intensity) become free; whether any did."""
+    if not np.isfinite(walls).any():
+        return zones, False
+    k_left, k_right = density.intensities
+    low = zones.left[0] == SINGULAR and zones.a[0] == walls[0] and k_left[0] < 0
+    high = zones.right[-1] == SINGULAR and zones.b[-1] == walls[1] and k_right[-1] < 0
+    if not (low or high):
+        return zones, False
+    left, right = list(zones.left), list(zones.right)
+    if low:
+        left[0] = FREE
+    if high:
+        right[-1] = FREE
+    return replace(zones, left=left, right=right), True
 
 
 def _intensity(end: End) -> float:
@@ -125,7 +166,8 @@ def _newton(
     natural = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(state.system.known).max(axis=1)
     weak = a < 1e-8 * natural / np.sqrt(w)
     prescribed = np.any(target != 0)
-    noise_k = 2e-16 * np.sqrt(w / 2) * (np.abs(density.coefficients).sum(axis=1) + natural)
+    # Rounding acts on what is subtracted, the right side and the other zones' fields, however small their difference is.
+    noise_k = 2e-16 * np.sqrt(w / 2) * (np.abs(density.coefficients).sum(axis=1) + np.abs(state.system.g).sum(axis=1) + natural)
     residual = np.where(moves, k - target, 0.0)
     if prescribed:
         delta, noise = _full_newton(equation, state, density, moves, residual, noise_k, sizes, tolerance)
@@ -162,10 +204,14 @@ def _plus(density: Density, other: Density, factor: float) -> Density:
 
 
 def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
+    """Moves cut to what widths and gaps allow. An end that would close its gap waits until the others have come to rest
+    within that gap: their remaining errors, squared, are what pushes it."""
     width = zones.b - zones.a
-    left, right = modes.gaps(zones, equation.kernel)
-    gap = np.array([left, right])
-    return np.clip(delta, -INWARD * width, np.minimum(OUTWARD * width, INTO_GAP * gap))
+    room = INTO_GAP * np.array(modes.gaps(zones, equation.kernel))
+    cut = delta > room
+    largest = np.abs(np.where(cut, 0.0, delta)).max(initial=0.0)
+    limited = np.clip(delta, -INWARD * width, np.minimum(OUTWARD * width, room))
+    return np.where(cut & (largest > room), 0.0, limited)
 
 
 def _full_newton(

@@ -56,16 +56,51 @@ class State:
 
     def response(self, values: Array) -> Density:
         """The density caused by unit changes of the side conditions' values: right side zero, conditions = values."""
+        y = self.response_unknowns(values)
+        return self._homogeneous_density(y)
+
+    def response_unknowns(self, values: Array) -> Array:
+        """The unknowns of `response`, to be put into rows of the system."""
         right = np.zeros(self.factors[0].shape[0])
         right[self.conditions_from :] = values / self.condition_scale
-        return self.homogeneous(right)
+        return _unfold(self.system, lu_solve(self.factors, right))
 
     def homogeneous(self, right: Array) -> Density:
         """The density for another right side of the assembled rows, no forcing and no steps."""
-        y = _unfold(self.system, lu_solve(self.factors, right))
+        return self._homogeneous_density(_unfold(self.system, lu_solve(self.factors, right)))
+
+    def _homogeneous_density(self, y: Array) -> Density:
         layout = self.system.layout
         density = self.density
         return Density(density.zones, density.kernel, layout.padded(y), _no_steps(), y[layout.coefficients :])
+
+    @cached_property
+    def density_error(self) -> float:
+        """Estimated error of the density on these zones, over its peak: neglected coefficients, and the equation's
+        residual between the nodes."""
+        coefficients = np.abs(self.density.coefficients).max(axis=1) + np.abs(self.system.known).max(axis=1, initial=0.0)
+        peak = float(coefficients.max())
+        if peak == 0.0:
+            return 0.0
+        neglected = float((self.neglected * coefficients).max()) / peak
+        return neglected + self._residual() / peak
+
+    @cached_property
+    def neglected(self) -> Array:
+        """Sum of the neglected coefficients, estimated from the decay of the last ones, over the largest of the zone."""
+        n = self.sizes.own[: len(self.truncation)]
+        return self.truncation * np.maximum(n / 4, 1.0) if len(n) else self.truncation
+
+    def _residual(self) -> float:
+        """Largest residual of the equation at a few points of every solved zone that are no nodes."""
+        system, zones = self.system, self.density.zones
+        t = np.array([-0.9137, -0.4271, 0.0619, 0.5303, 0.9471])
+        x = (zones.middle[zones.solved][:, None] + zones.half[zones.solved][:, None] * t).ravel()
+        equation = system.equation
+        value = self.density.transform(x) - equation.forcing.value(x)
+        for amplitude, column in zip(self.density.amplitudes, equation.columns, strict=True):
+            value = value - amplitude * column.value(x)
+        return float(np.abs(value).max())
 
     @cached_property
     def condition_index(self) -> Index:

@@ -1,0 +1,28 @@
+"""Plane elastic contact solved exactly: zones, pressure and gap of rough and textured profiles, with a stated error."""
+
+from contact.errors import ContactError, MissingExtra, NotConverged, OutOfRange, SceneError
+from contact.interactions import Interaction, Isolated, Localized, Periodic
+from contact.planning import Plan, plan
+from contact.profiles import (
+    Biquadratic,
+    Flat,
+    Fourier,
+    Parabola,
+    Polynomial,
+    Profile,
+    Sampled,
+    Sinusoid,
+    Wedge,
+)
+from contact.registry import interaction, interactions, profile, profiles, register_interaction, register_profile
+from contact.scene import E_star, Scene
+from contact.scene_file import load_scene
+from contact.solution import Solution
+from contact.solver import solve
+
+__all__ = [
+    "Biquadratic", "ContactError", "E_star", "Flat", "Fourier", "Interaction", "Isolated", "Localized", "MissingExtra",
+    "NotConverged", "OutOfRange", "Parabola", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene", "SceneError",
+    "Sinusoid", "Solution", "Wedge", "interaction", "interactions", "load_scene", "plan", "profile", "profiles",
+    "register_interaction", "register_profile", "solve",
+]

@@ -1,0 +1,162 @@
+"""What was checked of a solution: signs of pressure and gap over the whole line, balance of load, one approach.
+
+The pressure is sampled on every zone, divided by its square-root ends so that it is positive up to them; the gap is
+sampled between the zones, closer near their ends, and its minima are followed below the sampling. Next to an end the
+sign of the gap is that of the pressure's slope A there, since gap ~ (4 A / 3) d^(3/2) / (E*/2).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.fields import ZoneFields
+
+Array = NDArray[np.float64]
+
+_EPS = 2.2e-16
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """smallest_pressure: over the zones, p / sqrt(1 - t^2) [Pa]. smallest_edge: least edge slope over its scale.
+    smallest_gap: between the zones [m]; negative within `gap_rounding` means undecided. load_balance: relative.
+    level_spread: largest difference of the zones' approaches [m]. points: how many were looked at.
+    """
+
+    smallest_pressure: float
+    smallest_gap: float | None
+    gap_rounding: float
+    load_balance: float
+    level_spread: float
+    points: int
+    holds: bool
+    undecided: bool = False
+    note: str = ""
+    negative: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
+    overlaps: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        names = (
+            "holds", "undecided", "smallest_pressure", "smallest_gap", "gap_rounding", "load_balance", "level_spread",
+            "points", "note",
+        )
+        return {name: getattr(self, name) for name in names}
+
+
+def certify(fields: ZoneFields, load: float | None) -> Certificate:
+    """Check the solution everywhere; `negative` and `overlaps` are the scaled intervals where it fails."""
+    pressures, least, inside = _pressures(fields)
+    gaps, overlaps, rounding, outside = _gaps(fields)
+    units = fields.problem.units
+    density = fields.density
+    balance = 0.0 if load is None else abs(density.total - load) / abs(load)
+    spread = float(np.ptp(fields.levels)) * units.height
+    undecided = gaps is not None and -rounding <= gaps <= 0.0
+    holds = least > 0 and len(overlaps) == 0 and balance < 1e-9
+    return Certificate(
+        smallest_pressure=least * units.pressure,
+        smallest_gap=None if gaps is None else gaps * units.height,
+        gap_rounding=rounding * units.height,
+        load_balance=balance,
+        level_spread=spread,
+        points=inside + outside,
+        holds=bool(holds),
+        undecided=bool(undecided),
+        negative=pressures,
+        overlaps=overlaps,
+    )
+
+
+def _pressures(fields: ZoneFields) -> tuple[Array, float, int]:
+    """(intervals of negative pressure, least p / sqrt(1 - t^2) in scaled units, points)."""
+    density = fields.density
+    zones = density.zones
+    modes = np.array([np.count_nonzero(c) for c in density.coefficients])
+    counts = np.clip(2 * modes, 24, 2048)
+    bad: list[tuple[float, float]] = []
+    least, points = np.inf, 0
+    for n in np.unique(counts):
+        group = np.flatnonzero(counts == n)
+        theta = (np.arange(n) + 0.5) * np.pi / n
+        right, left = 2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2
+        value = density.at(group[:, None], left, right) / np.sqrt(left * right)
+        points += value.size
+        finite = np.where(np.isfinite(value), value, np.inf)
+        scale = np.abs(np.where(np.isfinite(value), value, 0.0)).max(axis=1)
+        # At nearly merged zones the pressure there is small of higher order: rounding is not a failure.
+        fails = finite < -1e-12 * scale[:, None]
+        worst = np.where(np.abs(finite) <= 1e-12 * scale[:, None], np.abs(finite), finite)
+        least = min(least, float(worst.min()))
+        for row in np.flatnonzero(fails.any(axis=1)):
+            i = group[row]
+            x = np.where(left <= right, zones.a[i] + zones.half[i] * left, zones.b[i] - zones.half[i] * right)
+            for s, e in _runs(fails[row]):
+                lo = zones.a[i] if e == n - 1 else 0.5 * (x[e] + x[e + 1])
+                hi = zones.b[i] if s == 0 else 0.5 * (x[s] + x[s - 1])
+                bad.append((lo, hi))
+    return np.array(sorted(bad)).reshape(-1, 2), least, points
+
+
+def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last index of every run of True."""
+    change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
+    return [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]
+
+
+def _gaps(fields: ZoneFields) -> tuple[float | None, Array, float, int]:
+    """(smallest gap found, intervals of overlap, rounding of the gap, points), scaled."""
+    bad: list[tuple[float, float]] = []
+    smallest: float | None = None
+    rounding, points = fields.gap_rounding, 0
+    for lo, hi, left_zone, right_zone in fields.open_intervals():
+        x = _between(lo, hi, fields.spacing, left_zone, right_zone)
+        gap = fields.scaled_gap(x)
+        points += len(x)
+        finite = np.where(np.isfinite(gap), gap, np.inf)
+        if not np.any(np.isfinite(finite)):
+            continue
+        finite, x = _zoom(fields, x, finite)
+        here = float(finite.min())
+        smallest = here if smallest is None else min(smallest, here)
+        fails = finite < -rounding
+        bad += [
+            (float(x[max(s - 1, 0)]) if s else lo, float(x[min(e + 1, len(x) - 1)]) if e < len(x) - 1 else hi)
+            for s, e in _runs(fails)
+        ]
+    return smallest, np.array(bad).reshape(-1, 2), rounding, points
+
+
+def _between(lo: float, hi: float, spacing: float, left_zone: bool, right_zone: bool) -> Array:
+    """Points in (lo, hi), evenly at least as close as `spacing` allows, and quadratically closer next to zones."""
+    n = int(np.clip(4 * (hi - lo) / spacing, 24, 4000))
+    s = (np.arange(n) + 0.5) / n
+    if left_zone and right_zone:
+        s = np.sin(0.5 * np.pi * s) ** 2
+    elif left_zone:
+        s = s * s
+    elif right_zone:
+        s = 1 - (1 - s) ** 2
+    return np.asarray(lo + (hi - lo) * s)
+
+
+def _zoom(fields: ZoneFields, x: Array, gap: Array) -> tuple[Array, Array]:
+    """Follow the few lowest minima of the sampled gap below the sampling; returns samples with those points added."""
+    inner = np.flatnonzero((gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:])) + 1
+    if len(inner) == 0:
+        return gap, x
+    inner = inner[np.argsort(gap[inner])[:8]]
+    lo, hi = x[inner - 1], x[inner + 1]
+    for _ in range(3):
+        fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
+        value = fields.scaled_gap(fine.ravel()).reshape(fine.shape)
+        value = np.where(np.isfinite(value), value, np.inf)
+        best = np.clip(np.argmin(value, axis=1), 1, 7)
+        rows = np.arange(len(best))
+        lo, hi = fine[rows, best - 1], fine[rows, best + 1]
+    everything, values = np.concatenate((x, fine.ravel())), np.concatenate((gap, value.ravel()))
+    order = np.argsort(everything)
+    return values[order], everything[order]

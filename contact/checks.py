@@ -1,0 +1,129 @@
+"""Validators of single fields: each returns the value in its plain type or raises a SceneError that names it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import isfinite
+from numbers import Integral, Real
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import SceneError
+
+
+def finite(field: str, value: Any, allowed: str = "a finite real number") -> float:
+    """A finite real number as a float; bool, str, None, complex and arrays are refused."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
+        raise SceneError.of(field, value, allowed)
+    try:
+        number = float(value)
+    except OverflowError:
+        raise SceneError.of(field, value, allowed) from None
+    if not isfinite(number):
+        raise SceneError.of(field, value, allowed)
+    return number
+
+
+def positive(field: str, value: Any) -> float:
+    """A finite number > 0."""
+    allowed = "a finite number > 0"
+    number = finite(field, value, allowed)
+    if number <= 0:
+        raise SceneError.of(field, value, allowed)
+    return number
+
+
+def non_negative(field: str, value: Any) -> float:
+    """A finite number >= 0."""
+    allowed = "a finite number >= 0"
+    number = finite(field, value, allowed)
+    if number < 0:
+        raise SceneError.of(field, value, allowed)
+    return number
+
+
+def between(field: str, value: Any, low: float, high: float) -> float:
+    """A finite number strictly between low and high."""
+    allowed = f"a finite number above {low:.17g} and below {high:.17g}"
+    number = finite(field, value, allowed)
+    if not low < number < high:
+        raise SceneError.of(field, value, allowed)
+    return number
+
+
+def positive_or_none(field: str, value: Any) -> float | None:
+    """A finite number > 0, or None (left out)."""
+    return None if value is None else positive(field, value)
+
+
+def finite_or_none(field: str, value: Any) -> float | None:
+    """A finite number, or None (left out)."""
+    return None if value is None else finite(field, value)
+
+
+def integer(field: str, value: Any, least: int = 0) -> int:
+    """A whole number >= least; 2.0 is refused, as is True."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, Integral) or value < least:
+        raise SceneError.of(field, value, f"a whole number >= {least}")
+    return int(value)
+
+
+def text(field: str, value: Any) -> str:
+    """A non-empty string."""
+    if not isinstance(value, str) or not value:
+        raise SceneError.of(field, value, "a non-empty string")
+    return value
+
+
+def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
+    """One of the given strings; the nearest is named if it is none of them."""
+    known = tuple(choices)
+    if not isinstance(value, str) or value not in known:
+        raise SceneError.unknown(field, value, known)
+    return value
+
+
+def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -> NDArray[np.float64]:
+    """A read-only float copy of at least `least` finite real numbers with `ndim` axes (None: any)."""
+    shape = {None: "an array", 0: "a number", 1: "a one-dimensional array"}.get(
+        ndim, f"an array with {ndim} axes"
+    )
+    count = f" of at least {least}" if least > 1 else " of"
+    allowed = f"{shape}{count} finite real numbers"
+    if isinstance(value, (str, bytes)) or (
+        isinstance(value, (list, tuple)) and any(isinstance(v, bool) for v in value)
+    ):
+        raise SceneError.of(field, value, allowed)
+    if np.ma.is_masked(value):
+        raise SceneError.of(field, value, allowed + ", none masked")
+    try:
+        raw = np.asarray(value)
+    except (TypeError, ValueError):
+        raise SceneError.of(field, value, allowed) from None
+    empty = raw.size == 0
+    if raw.dtype.kind not in "iuf" or (ndim is not None and raw.ndim != ndim) or raw.size < least:
+        got = f"{'empty' if empty else 'of'} shape {raw.shape}, type {raw.dtype}"
+        raise SceneError.of(field, value, f"{allowed} (got {got})")
+    array = np.array(raw, dtype=np.float64)
+    if not np.isfinite(array).all():
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        at = where[0] if len(where) == 1 else where
+        raise SceneError.of(field, value, f"{allowed} (element {at} is {array[where]})")
+    array.setflags(write=False)
+    return array
+
+
+def increasing(field: str, value: Any, least: int = 1) -> NDArray[np.float64]:
+    """A finite one-dimensional array, strictly increasing; the first place where it is not is named."""
+    array = finite_array(field, value, 1, least)
+    wrong = np.flatnonzero(np.diff(array) <= 0)
+    if wrong.size:
+        i = int(wrong[0])
+        raise SceneError.of(
+            field,
+            value,
+            f"strictly increasing (element {i + 1} is {array[i + 1]:.17g} after {array[i]:.17g})",
+        )
+    return array

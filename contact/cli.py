@@ -1,0 +1,254 @@
+"""The command line: `contact solve | plan | compare | profiles | interactions`.
+
+Exit status 0: solved; 2: bad input or out of range; 3: not converged. For 2 and 3 stderr has one line.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+import sys
+import time
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any, NoReturn
+
+import click
+
+from contact import lazy
+from contact.answer import Answer
+from contact.compare import Attempt, compare, difference, total_width
+from contact.errors import ContactError, NotConverged, SceneError
+from contact.export import ZONE_COLUMNS, to_json, write_csv, write_netcdf, zone_table
+from contact.planning import plan
+from contact.plotting import plot
+from contact.registry import interactions, profiles
+from contact.scene_file import load_scene
+from contact.solver import solve
+from contact.terminal import Progress, show_table
+from contact.units import quantity
+
+BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, 130
+
+# A table of more zones than this is for a file.
+_ZONES_SHOWN = 20
+
+_SCENE = click.argument("scene", type=click.Path(path_type=Path))
+_TOL = click.option("--tol", type=float, default=1e-8, show_default=True, help="Largest relative error.")
+
+
+class Commands(click.Group):
+    """A click group that ends every error of the package and of usage in its exit status and one line."""
+
+    def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
+        if not standalone_mode:
+            return super().main(*args, standalone_mode=False, **extra)
+        try:
+            status = super().main(*args, standalone_mode=False, **extra)
+        except NotConverged as error:
+            _stop(NOT_CONVERGED, str(error))
+        except BrokenPipeError:  # the reader of a pipe has seen enough
+            sys.stdout = click.utils.PacifyFlushWrapper(sys.stdout)  # type: ignore[assignment]
+            sys.exit(1)
+        except (ContactError, OSError) as error:
+            _stop(BAD_INPUT, str(error))
+        except click.ClickException as error:
+            _stop(BAD_INPUT, error.format_message())
+        except click.Abort:
+            _stop(INTERRUPTED, "interrupted")
+        sys.exit(status if isinstance(status, int) else 0)
+
+
+def _stop(status: int, message: str) -> NoReturn:
+    click.echo(f"contact: {' '.join(message.split())}", err=True)
+    sys.exit(status)
+
+
+@click.group(cls=Commands, invoke_without_command=True)
+@click.pass_context
+def main(context: click.Context) -> None:
+    """Exact elastic contact of rough and wavy bodies, from scene files in TOML."""
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
+
+
+@main.command("solve")
+@_SCENE
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+@click.option("--save", type=click.Path(path_type=Path), metavar="OUT.nc", help="Write zones and fields as netCDF.")
+@click.option("--csv", "table", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write the zones as CSV.")
+@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw surfaces and pressure.")
+@_TOL
+def solve_command(
+    scene: Path, as_json: bool, save: Path | None, table: Path | None, figure: Path | None, tol: float
+) -> None:
+    """Solve a SCENE and print its zones, loads and what was checked."""
+    problem = load_scene(scene)
+    outputs = _outputs(save, table, figure)
+    start = time.perf_counter()
+    with Progress() as progress:
+        solution = solve(problem, tol=tol, progress=progress)
+    seconds = time.perf_counter() - start
+    for path, write in outputs.items():
+        write(solution, path)
+    if as_json:
+        click.echo(to_json(solution))
+        return
+    _show_solution(solution, seconds)
+    for path in outputs:
+        click.echo(f"written: {path}")
+
+
+@main.command("plan")
+@_SCENE
+def plan_command(scene: Path) -> None:
+    """Say what a SCENE needs and what it leaves out, without solving it."""
+    rows = plan(load_scene(scene)).rows
+    show_table(
+        "plan",
+        ("part", "used", "reason", "detail"),
+        [(row.name, "yes" if row.used else "no", row.reason or "", row.detail or "") for row in rows],
+    )
+
+
+@main.command("compare")
+@_SCENE
+@_TOL
+def compare_command(scene: Path, tol: float) -> None:
+    """Solve a SCENE as isolated, localized and exact contact, side by side."""
+    problem = load_scene(scene)
+    with Progress() as progress:
+        attempts = compare(problem, tol, progress)
+    _show_comparison(attempts)
+    if all(attempt.solution is None for attempt in attempts):
+        failures = [attempt.refusal for attempt in attempts if attempt.refusal is not None]
+        raise next((error for error in failures if isinstance(error, NotConverged)), failures[-1])
+
+
+@main.command("profiles")
+def profiles_command() -> None:
+    """List the profile shapes a scene file can name, with their parameters."""
+    rows = [(name, _parameters(shape), _first_line(shape)) for name, shape in profiles().items()]
+    show_table("profiles", ("shape", "parameters", "what it is"), rows)
+
+
+@main.command("interactions")
+def interactions_command() -> None:
+    """List the interaction models a scene file can name, with their parameters and controls."""
+    rows = [
+        (name, _parameters(model), ", ".join(model.allows), _first_line(model))
+        for name, model in interactions().items()
+    ]
+    show_table("interactions", ("model", "parameters", "controls", "what it is"), rows)
+
+
+Write = Callable[[Answer, Path], None]
+
+
+def _outputs(save: Path | None, table: Path | None, figure: Path | None) -> dict[Path, Write]:
+    """The files asked for and how each is written; what cannot be written is refused before anything is solved."""
+    outputs: dict[Path, Write] = {}
+    if save is not None:
+        outputs[_checked("--save", save, (".nc",))] = write_netcdf
+        lazy.xarray(), lazy.h5netcdf(), lazy.h5py()
+    if table is not None:
+        outputs[_checked("--csv", table, (".csv",))] = write_csv
+    if figure is not None:
+        known = lazy.matplotlib_agg().FigureCanvasAgg.get_supported_filetypes()
+        outputs[_checked("--plot", figure, [f".{kind}" for kind in known])] = _write_figure
+    return outputs
+
+
+def _checked(option: str, path: Path, endings: Iterable[str]) -> Path:
+    if path.suffix.lower() not in endings:
+        raise SceneError.of(option, str(path), f"a file name that ends in {', '.join(sorted(endings))}")
+    if not path.parent.is_dir():
+        raise SceneError.of(option, str(path), "in a folder that exists")
+    if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise SceneError.of(option, str(path), "a file that may be written")
+    return path
+
+
+def _write_figure(solution: Answer, path: Path) -> None:
+    plot(solution).savefig(path, dpi=200)
+
+
+def _show_solution(solution: Answer, seconds: float) -> None:
+    scene = solution.scene
+    fraction = solution.contact_fraction
+    show_table(
+        f"{scene.profile.name} profile, {scene.interaction.name} interaction",
+        ("quantity", "value"),
+        [
+            ("load", quantity(solution.load, "N/m", 10)),
+            ("mean pressure", quantity(solution.mean_pressure, "Pa", 10)),
+            ("max pressure", quantity(solution.max_pressure, "Pa", 10)),
+            ("approach", quantity(solution.approach, "m", 10)),
+            ("contact fraction", "not defined" if fraction is None else f"{fraction:.10g}"),
+            ("zones", str(len(solution.zones)) if len(solution.zones) else "full contact"),
+            ("total width", quantity(total_width(solution), "m", 10)),
+            ("error, at most", f"{solution.error:.2g}"),
+            *((name.replace("_", " "), _told(value)) for name, value in solution.certificate.to_dict().items()),
+            ("time", quantity(seconds, "s", 3)),
+        ],
+    )
+    rows = zone_table(solution)
+    if not rows:
+        return
+    units = ("m", "m", "m", "N/m", "Pa")
+    shown = [
+        (str(place), *(quantity(value, unit, 10) for value, unit in zip(row, units, strict=True)))
+        for place, row in enumerate(rows[:_ZONES_SHOWN], start=1)
+    ]
+    names = ("zone", *(name.replace("_", " ") for name in ZONE_COLUMNS))
+    show_table("zones", names, shown, numeric=range(len(names)))
+    if len(rows) > _ZONES_SHOWN:
+        click.echo(f"{len(rows) - _ZONES_SHOWN} more zones: --csv writes them all")
+
+
+def _show_comparison(attempts: list[Attempt]) -> None:
+    exact = attempts[-1]
+    lines: list[tuple[str, Callable[[Answer], str]]] = [
+        ("load", lambda s: quantity(s.load, "N/m", 6)),
+        ("mean pressure", lambda s: quantity(s.mean_pressure, "Pa", 6)),
+        ("max pressure", lambda s: quantity(s.max_pressure, "Pa", 6)),
+        ("contact fraction", lambda s: "-" if s.contact_fraction is None else f"{s.contact_fraction:.6g}"),
+        ("total width", lambda s: quantity(total_width(s), "m", 6)),
+        ("zones", lambda s: str(len(s.zones)) if len(s.zones) else "full contact"),
+        ("first zone, left", lambda s: quantity(s.zones[0, 0], "m", 6) if len(s.zones) else "-"),
+        ("first zone, right", lambda s: quantity(s.zones[0, 1], "m", 6) if len(s.zones) else "-"),
+    ]
+    rows = [(label, *("-" if a.solution is None else tell(a.solution) for a in attempts)) for label, tell in lines]
+    for name in ("load", "max_pressure", "total_width"):
+        apart = [difference(attempt, exact, name) for attempt in attempts]
+        told = ("-" if value is None else f"{100.0 * value:+.3g} %" for value in apart)
+        rows.append((f"{name.replace('_', ' ')} to exact", *told))
+    rows.append(("time", *(quantity(attempt.seconds, "s", 3) for attempt in attempts)))
+    show_table("models", ("", *(a.name for a in attempts)), rows, numeric=range(1, len(attempts) + 1))
+    for attempt in attempts:
+        if attempt.refusal is not None:
+            click.echo(f"{attempt.name}: no solution: {' '.join(str(attempt.refusal).split())}")
+
+
+def _told(value: Any) -> str:
+    """One entry of a certificate."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {_told(item)}" for name, item in value.items())
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    return "not defined" if value is None else str(value)
+
+
+def _parameters(cls: Any) -> str:
+    """The arguments of a class as a scene file gives them: those with a default show it."""
+    told = _arguments(cls)
+    return f"{told}; or file, {_arguments(cls.from_file, but='path')}" if hasattr(cls, "from_file") else told
+
+
+def _arguments(function: Callable[..., Any], but: str = "") -> str:
+    parameters = [p for p in inspect.signature(function).parameters.values() if p.name != but]
+    return ", ".join(p.name if p.default in (p.empty, None) else f"{p.name} = {p.default!r}" for p in parameters)
+
+
+def _first_line(cls: type) -> str:
+    return (inspect.getdoc(cls) or "").partition("\n")[0]

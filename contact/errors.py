@@ -1,0 +1,72 @@
+"""What can go wrong, by name: every error of the package is a ContactError.
+
+Bad input is a SceneError that names the field, the value and what is allowed; a run that does not reach its
+tolerance is a NotConverged that carries its best state; a load or approach no zone can carry is OutOfRange.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Any
+
+_LONGEST_VALUE = 80
+
+
+class ContactError(Exception):
+    """Base of every error the package raises on purpose."""
+
+
+class SceneError(ContactError, ValueError):
+    """Bad input; `field`, `value` and `allowed` are None where the message is about more than one field."""
+
+    def __init__(
+        self, message: str, field: str | None = None, value: Any = None, allowed: str | None = None
+    ) -> None:
+        super().__init__(message)
+        self.field = field
+        self.value = value
+        self.allowed = allowed
+
+    @classmethod
+    def of(cls, field: str, value: Any, allowed: str) -> SceneError:
+        """The usual message: the field, its value, what is allowed."""
+        return cls(f"{field} = {shown(value)} is refused: it must be {allowed}", field, value, allowed)
+
+    @classmethod
+    def unknown(cls, what: str, name: Any, known: Iterable[str]) -> SceneError:
+        """A name that is not among the known ones, with the nearest of them."""
+        names = sorted(known)
+        near = get_close_matches(name, names, n=1) if isinstance(name, str) else []
+        hint = f" (did you mean {near[0]!r}?)" if near else ""
+        allowed = f"one of {', '.join(names) if names else '(none)'}"
+        return cls(f"{what} = {shown(name)} is not known{hint}: it must be {allowed}", what, name, allowed)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.field, self.value, self.allowed)
+
+
+class NotConverged(ContactError):
+    """The tolerance was not met: `trace` is the list of steps, `best` the best solution reached or None."""
+
+    def __init__(self, message: str, trace: Iterable[Any] = (), best: Any = None) -> None:
+        super().__init__(message)
+        self.trace = list(trace)
+        self.best = best
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.trace, self.best)
+
+
+class OutOfRange(ContactError):
+    """No contact answers the control: a load past full contact, an approach or zone past its limit."""
+
+
+class MissingExtra(ContactError, ImportError):
+    """An optional package is needed that is not installed; the message names the extra that brings it."""
+
+
+def shown(value: Any) -> str:
+    """A value as it stands in a message: its repr on one line, cut to a readable length."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."

@@ -1,0 +1,34 @@
+"""Exact solutions in closed form, one file a family. Nothing here knows the solver: they are what it is
+judged by.
+
+Conventions: (1/pi) PV int p(xi) K(x - xi) dxi = (E*/2) f'(x), K = 1/(x - xi), or (pi/L) cot(pi (x - xi)/L)
+with a period L; p >= 0 in compression, f grows away from contact, the load is per unit thickness. Equation
+numbers are those of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+"""
+
+from contact.exact.base import SymmetricZone
+from contact.exact.biquadratic import IsolatedBiquadratic
+from contact.exact.flat import IsolatedPunch, PeriodicPunch
+from contact.exact.localized import LocalizedZone, correction_load, correction_pressure, localized_at_load
+from contact.exact.parabola import HertzLine, PeriodicParabola
+from contact.exact.sinusoid import FullContactSinusoid, IsolatedSinusoid, Westergaard, sinusoid
+from contact.exact.wedge import IsolatedWedge, PeriodicWedge
+
+__all__ = [
+    "FullContactSinusoid",
+    "HertzLine",
+    "IsolatedBiquadratic",
+    "IsolatedPunch",
+    "IsolatedSinusoid",
+    "IsolatedWedge",
+    "LocalizedZone",
+    "PeriodicParabola",
+    "PeriodicPunch",
+    "PeriodicWedge",
+    "SymmetricZone",
+    "Westergaard",
+    "correction_load",
+    "correction_pressure",
+    "localized_at_load",
+    "sinusoid",
+]

@@ -1,0 +1,234 @@
+"""Pressure, displacement and gap of a solution, from the density on its zones or from the profile in full contact."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import sie
+from contact.problem import Problem
+
+Array = NDArray[np.float64]
+
+# How far from the zones a half-line is looked at, in units of what the zones span.
+_FAR = 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class ZoneFields:
+    """Fields of a load-controlled state on its zones; scaled inside, SI in `pressure`, `displacement`, `gap`."""
+
+    problem: Problem
+    state: sie.State
+    amplitude_rate: float = 0.0
+
+    @property
+    def density(self) -> sie.Density:
+        return self.state.density
+
+    @cached_property
+    def levels(self) -> Array:
+        """Potential less columns less F, on each solved zone; equal at a solution."""
+        matrix, constants = self.state.system.levels()
+        return np.asarray(matrix @ self.state.unknowns + constants)
+
+    @cached_property
+    def level(self) -> float:
+        return float(self.levels.mean())
+
+    @property
+    def approach(self) -> float | None:
+        """Approach [m], None for an isolated punch without a datum."""
+        if getattr(self.problem.interaction, "datum", self) is None:
+            return None
+        return -self.level * self.problem.units.height
+
+    @cached_property
+    def stiffness(self) -> float:
+        """d load / d approach [N/m^2]: the ends may be held, since their motion does not change the density at first order.
+
+        Under the first-order closure the nominal pressure follows the load at `amplitude_rate`.
+        """
+        values = np.zeros(len(self.state.condition_scale))
+        index = self.state.condition_index
+        values[index[0]] = 1.0
+        if self.amplitude_rate:
+            values[index[2]] = self.amplitude_rate
+        response = self.state.response_unknowns(values)
+        matrix, _ = self.state.system.levels()
+        rate = -float((matrix @ response).mean())
+        units = self.problem.units
+        return units.load / (units.height * rate)
+
+    @cached_property
+    def mean_gap(self) -> float:
+        """Mean gap over a period [m]: mean f - approach where the displacement has no mean, else by quadrature."""
+        units, period = self.problem.units, self.problem.period
+        assert period is not None
+        if self.problem.walls != (-np.inf, np.inf):
+            return np.inf
+        if not self.problem.interaction.strip:
+            return (mean_shape(self.problem) + self.level) * units.height
+        t, weights = np.polynomial.legendre.leggauss(24)
+        total = 0.0
+        for lo, hi, _, _ in self.strip_intervals():
+            cuts = self._cuts(lo, hi)
+            for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+                # The gap leaves an end as d^(3/2): s = sin^2 makes that smooth.
+                angle = np.pi / 4 * (1 + t)
+                x = a + (b - a) * np.sin(angle) ** 2
+                total += float(self.scaled_gap(x) @ (weights * np.pi / 4 * (b - a) * np.sin(2 * angle)))
+        return total / period * units.height
+
+    def strip_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
+        """Open intervals with the outermost one cut at the border of the strip, beyond which it is another strip's."""
+        period, centre = self.problem.period, self.problem.centre
+        assert period is not None
+        first, last = float(self.density.zones.a[0]), float(self.density.zones.b[-1])
+        lo, hi = centre - 0.5 * period, centre + 0.5 * period
+        if lo < first:
+            yield lo, first, False, True
+        for right, left in zip(self.density.zones.b[:-1], self.density.zones.a[1:], strict=True):
+            yield float(right), float(left), True, True
+        if hi > last:
+            yield last, hi, True, False
+
+    def _cuts(self, lo: float, hi: float) -> Array:
+        kinks = self.problem.forcing.steps_at
+        inner = kinks[(kinks > lo) & (kinks < hi)]
+        count = int(np.clip((hi - lo) / self.spacing * 2, 1, 4000))
+        return np.unique(np.concatenate((np.linspace(lo, hi, count + 1), inner)))
+
+    # scaled -----------------------------------------------------------------------------------------------------------
+    def inside(self, x: Array) -> NDArray[np.bool_]:
+        """Whether scaled points lie in a zone."""
+        return self.density.locate(x)[2]
+
+    def scaled_gap(self, x: Array) -> Array:
+        """F - V + lambda C + level, zero on the zones."""
+        shape = self.problem.shape(x)
+        return np.where(self.inside(x), 0.0, shape + self.level + self._sunk(x))
+
+    def _sunk(self, x: Array) -> Array:
+        """Displacement -V + lambda C; not less than its level on the zones."""
+        out = -self.density.potential(x)
+        for amplitude, column in zip(self.density.amplitudes, self.problem.columns, strict=True):
+            assert column.primitive is not None
+            out = out + amplitude * column.primitive(x)
+        return np.asarray(out)
+
+    @cached_property
+    def spacing(self) -> float:
+        """Scaled length over which the gap may vary."""
+        resolution = self.problem.profile.resolution
+        zones = self.density.zones
+        span = float(zones.b[-1] - zones.a[0])
+        if self.problem.period is not None:
+            span = self.problem.period
+        return span / 16 if resolution is None else resolution / self.problem.units.length
+
+    @cached_property
+    def gap_rounding(self) -> float:
+        """What rounding may do to a scaled gap."""
+        zones = self.density.zones
+        ends = np.concatenate((zones.a, zones.b))
+        size = max(float(np.abs(self.problem.shape(ends)).max()), float(np.abs(self._sunk(ends)).max()), abs(self.level))
+        return 64 * 2.2e-16 * size
+
+    def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
+        """Scaled intervals without contact: (from, to, starts at a zone, ends at a zone); half-lines up to far away."""
+        zones, problem = self.density.zones, self.problem
+        if problem.interaction.strip:
+            yield from self.strip_intervals()
+            return
+        for right, left in zip(zones.b[:-1], zones.a[1:], strict=True):
+            yield float(right), float(left), True, True
+        first, last = float(zones.a[0]), float(zones.b[-1])
+        if problem.period is not None:
+            if first + problem.period > last:
+                yield last, first + problem.period, True, True
+            return
+        lo = max(problem.borders[0], problem.walls[0], first - _FAR * (last - first))
+        hi = min(problem.borders[1], problem.walls[1], last + _FAR * (last - first))
+        if lo < first:
+            yield lo, first, False, True
+        if hi > last:
+            yield last, hi, True, False
+
+    # SI ---------------------------------------------------------------------------------------------------------------
+    def _scaled(self, x: ArrayLike) -> Array:
+        problem = self.problem
+        scaled = problem.units.scaled(np.asarray(x, dtype=float))
+        if problem.period is not None:
+            # Into the period about the zones, so that the density, the strip and the kinks are met where they were solved.
+            zones = self.density.zones
+            middle = 0.5 * float(zones.a[0] + zones.b[-1])
+            scaled = scaled - np.floor((scaled - middle) / problem.period + 0.5) * problem.period
+        return np.asarray(scaled)
+
+    def pressure(self, x: ArrayLike) -> Array:
+        return self.density(self._scaled(x)) * self.problem.units.pressure
+
+    def _beyond(self, x: Array) -> NDArray[np.bool_]:
+        lo, hi = self.problem.borders
+        return (x < lo) | (x > hi)
+
+    def gap(self, x: ArrayLike) -> Array:
+        scaled = self._scaled(x)
+        gap = self.scaled_gap(scaled) * self.problem.units.height
+        return np.where(self._beyond(scaled), np.inf, np.maximum(gap, 0.0))
+
+    def displacement(self, x: ArrayLike) -> Array:
+        scaled = self._scaled(x)
+        inside = self.inside(scaled)
+        shape = np.where(inside, self.problem.shape(np.where(inside, scaled, self.density.zones.middle[0])), 0.0)
+        zero = self.level if self.approach is None else 0.0
+        u = np.where(inside, -self.level - shape, self._sunk(scaled)) + zero
+        return np.asarray(u * self.problem.units.height)
+
+
+def mean_shape(problem: Problem) -> float:
+    """Mean of F over the profile's period: Gauss-Legendre between its breakpoints, panels as short as its resolution."""
+    profile, units = problem.profile, problem.units
+    length = profile.period
+    assert length is not None
+    panels = int(np.clip(np.ceil(2 * length / (profile.resolution or length / 8)), 8, 2**16))
+    inner = np.asarray(profile.breakpoints)
+    cuts = np.unique(np.concatenate((
+        profile.x0 + length * np.arange(panels + 1) / panels, inner[(inner > profile.x0) & (inner < profile.x0 + length)]
+    )))
+    t, weights = np.polynomial.legendre.leggauss(12)
+    half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
+    x = middle[:, None] + half[:, None] * t
+    values = problem.shape(np.asarray(units.scaled(x.ravel()))).reshape(x.shape)
+    return float(half @ (values @ weights)) / length
+
+
+@dataclass(frozen=True, eq=False)
+class FullFields:
+    """Full contact of a periodic profile: p = pbar - (E*/2) H f', with H the periodic Hilbert transform; no gap."""
+
+    problem: Problem
+    mean_pressure: float
+    conjugate: object
+    mean_height: float
+
+    @property
+    def approach(self) -> float:
+        """mean f - min f, at any load: the displacement has no mean."""
+        return self.mean_height
+
+    def pressure(self, x: ArrayLike) -> Array:
+        slope = self.conjugate(np.asarray(x, dtype=float))  # type: ignore[operator]
+        return np.asarray(self.mean_pressure - 0.5 * self.problem.units.E_star * slope)
+
+    def gap(self, x: ArrayLike) -> Array:
+        return np.zeros(np.shape(x))
+
+    def displacement(self, x: ArrayLike) -> Array:
+        height = np.asarray(self.problem.profile.height(x))
+        return np.asarray(self.mean_height + self.problem.lowest - height)

@@ -1,0 +1,131 @@
+"""The first-order closure: the nominal pressure is the isolated load P0 of the same total width, over the period.
+
+    pbar = P0(W) / L,      W = total width of the zones the localized equation then gives at the wanted load
+
+(Goryacheva & Tsukanov 2020, (16) with P_s = P0). For given W both problems are ordinary ones, so the load is a function of W;
+its root is taken on the branch that starts at zero load and ends at the first maximum.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact import lazy
+from contact.errors import OutOfRange
+from contact.interactions.isolated import Isolated
+from contact.problem import Control, Problem
+from contact.topology import Found
+
+Array = NDArray[np.float64]
+Search = Callable[[Problem, Control, Array | None], Found]
+
+_STEPS = 60
+
+
+class FirstOrder:
+    """The pair of problems at a given total width, and the search for the width that carries the control."""
+
+    def __init__(self, problem: Problem, search: Search, tolerance: float, single: bool) -> None:
+        self.problem, self.search, self.tolerance, self.single = problem, search, tolerance, single
+        self.isolated = replace(problem, interaction=Isolated(), centre=0.0, amplitude=None)
+        self.alone: Found | None = None
+        self.together: Found | None = None
+
+    def at_width(self, width: float) -> tuple[Found, float]:
+        """(localized zones of this total width, amplitude), each found from the last one's zones."""
+        kind, value = ("half_width", 0.5 * width) if self.single else ("width", width)
+        control = Control(kind, value)
+        self.alone = self.search(self.isolated, control, _scaled(self.alone, width))
+        assert self.problem.period is not None
+        amplitude = self.alone.fields.density.total / self.problem.period
+        problem = self.problem.with_amplitude(amplitude)
+        start = _scaled(self.together, width)
+        self.together = self.search(problem, control, self.alone.free.density.zones.table if start is None else start)
+        return self.together, amplitude
+
+    def found(self, control: Control, guess: float) -> tuple[Found, float]:
+        """The zones that carry the control, and d amplitude / d load at them (for the stiffness)."""
+        if control.kind == "half_width":
+            width = 2 * control.value
+        elif control.kind == "width":
+            width = control.value
+        else:
+            width = self._width_for(control, guess)
+        found, amplitude = self.at_width(width)
+        # dP0/dW over dP/dW, by central differences: the stiffness needs no more digits than they have.
+        step = 1e-5 * width
+        ahead, more = self.at_width(width + step)
+        total_ahead = ahead.fields.density.total
+        behind, less = self.at_width(width - step)
+        rate = (more - less) / (total_ahead - behind.fields.density.total)
+        final = self.search(
+            self.problem.with_amplitude(amplitude), Control("load", found.fields.density.total), found.free.density.zones.table
+        )
+        return replace(final, fields=replace(final.fields, amplitude_rate=rate)), amplitude
+
+    def _width_for(self, control: Control, guess: float) -> float:
+        """Bracket the root upwards from zero width, then close the bracket by the Illinois secant."""
+
+        def miss(width: float) -> float:
+            found, _ = self.at_width(width)
+            got = found.fields.density.total if control.kind == "load" else -found.fields.level
+            return got - control.value
+
+        assert self.problem.period is not None
+        limit = 0.9998 * self.problem.period
+        high = min(guess, 0.5 * limit)
+        at_high = miss(high)
+        while at_high > 0:
+            high *= 0.5
+            at_high = miss(high)
+        low, at_low = high, at_high
+        step = 0.25 * high
+        while at_high <= 0:
+            low, at_low = high, at_high
+            if limit - high < 1e-9:
+                self._refuse(low, at_low, control)
+            high = min(high + step, limit)
+            try:
+                at_high = miss(high)
+            except OutOfRange:
+                limit, step = high, 0.25 * (high - low)
+                high, at_high = low, at_low
+                if step < 1e-7 * limit:
+                    self._refuse(low, at_low, control)
+                continue
+            if at_high < at_low:
+                # Past a maximum: come closer from below until it is clear that the root is not before it.
+                if step < 1e-7 * high:
+                    self._refuse(low, at_low, control)
+                limit = min(limit, high)
+                step *= 0.25
+                high, at_high = low, at_low
+        root = lazy.scipy_optimize().brentq(miss, low, high, xtol=4e-16 * high, rtol=1e-15, maxiter=_STEPS)
+        return float(root)
+
+    def _refuse(self, width: float, miss: float, control: Control) -> None:
+        units = self.problem.units
+        unit = units.load if control.kind == "load" else units.height
+        raise OutOfRange(
+            f"{control.kind} {control.value * unit:.6g} is beyond the largest that the first-order closure carries on the "
+            f"branch from zero load, {(control.value + miss) * unit:.6g} at total width {width * units.length:.6g} m"
+        )
+
+
+def _scaled(found: Found | None, width: float) -> Array | None:
+    """The last zones, each widened in proportion to the new total width."""
+    if found is None:
+        return None
+    zones = found.free.density.zones
+    total = float((zones.b - zones.a).sum())
+    factor = width / total
+    if not 0.5 < factor < 2.0 or not math.isfinite(factor):
+        return None
+    half = zones.half * factor
+    table = np.column_stack((zones.middle - half, zones.middle + half))
+    return table if np.all(np.diff(table.ravel()) > 0) else None

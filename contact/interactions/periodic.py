@@ -1,0 +1,25 @@
+"""All periods at once, exactly: equation (5) with the Hilbert kernel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sie
+from contact.interactions.base import Interaction
+from contact.registry import register_interaction
+
+
+@register_interaction("periodic")
+@dataclass(frozen=True)
+class Periodic(Interaction):
+    """K = (pi/L) cot(pi (x - xi)/L) (Shtaerman 1949). The approach counts from mean u = 0 and min f = 0."""
+
+    needs_period = True
+
+    @property
+    def images(self) -> None:
+        return None
+
+    def kernel(self, period: float | None, unit: float) -> sie.Kernel:
+        assert period is not None
+        return sie.hilbert(period)

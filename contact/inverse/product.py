@@ -1,0 +1,210 @@
+"""The product X M of an inverse design, on the real line or around a period, from distances that never
+cancel.
+
+X^2 has one factor for each zone end, M one for each root, one root in every gap, placed so that int_gap X M
+dx = 0. A factor is (x - e)/unit alone, 2 sin(pi (x - e)/L) with a period. Interval i lies between end i and
+end i + 1: zones have even numbers, gaps odd ones; with a period the last gap wraps around.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, pi, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import NotConverged
+
+Array = NDArray[np.float64]
+
+_NEWTON_STEPS = 60
+
+
+@dataclass(frozen=True, eq=False)
+class CutProduct:
+    """X M for zones (n, 2), ascending, within one period if there is one."""
+
+    zones: Array
+    period: float | None = None
+
+    @cached_property
+    def steps(self) -> Array:
+        """Lengths of the intervals."""
+        ends = self.zones.ravel()
+        steps = np.diff(ends)
+        return steps if self.period is None else np.append(steps, ends[0] + self.period - ends[-1])
+
+    @property
+    def gaps(self) -> range:
+        """Interval numbers of the gaps that hold a root of M."""
+        return range(1, 2 * len(self.zones) - (self.period is None), 2)
+
+    @cached_property
+    def _unit(self) -> float:
+        """A quarter of the hull, its logarithmic capacity: products of many factors stay near one."""
+        return 0.25 * float(self.zones[-1, 1] - self.zones[0, 0])
+
+    def _sum(self, first: int, last: int) -> float:
+        """Steps first .. last - 1 added up going right, around the period if needed: no subtraction."""
+        if first <= last:
+            return float(np.sum(self.steps[first:last]))
+        return float(np.sum(self.steps[first:]) + np.sum(self.steps[:last]))
+
+    @cached_property
+    def _leftward(self) -> Array:
+        """[i, j]: the way left from end i to end j."""
+        m = 2 * len(self.zones)
+        return np.array(
+            [[self._sum(j, i) if self.period or j <= i else np.nan for j in range(m)] for i in range(m)]
+        )
+
+    def _factors(self, left: Array, right: Array, positive_side: NDArray[np.bool_]) -> Array:
+        """Signed factors (x - e)/unit or 2 sin(pi (x - e)/L), cut at e + L: e is `left` behind x, or `right`
+        ahead."""
+        if self.period is None:
+            return np.where(positive_side, left, -right) / self._unit
+        return 2.0 * np.sin(pi / self.period * np.minimum(left, right))
+
+    def _end_factors(self, i: int, dl: Array, dr: Array) -> Array:
+        """|factors| of all ends at points of interval i, `dl` from its left and `dr` from its right end:
+        (..., 2n)."""
+        m = 2 * len(self.zones)
+        j = np.arange(m)
+        if self.period is None:
+            with np.errstate(invalid="ignore"):
+                left = dl[..., None] + (self._leftward[i] if i >= 0 else np.full(m, np.nan))
+                right = dr[..., None] + (self._leftward[:, i + 1] if i + 1 < m else np.full(m, np.nan))
+            return np.abs(self._factors(left, right, j <= i))
+        left = dl[..., None] + self._leftward[i]
+        right = dr[..., None] + self._leftward[:, (i + 1) % m]
+        return self._factors(left, right, j <= i)
+
+    def _root_distances(
+        self, i: int, dl: Array, dr: Array, offsets: Array
+    ) -> tuple[Array, Array, NDArray[np.bool_]]:
+        """Ways left and right to all roots, (..., roots), and whether each lies behind; `offsets` (roots, 2)
+        from the ends of their gaps. For the root of the point's own gap both ways carry the sign of x - r."""
+        m = 2 * len(self.zones)
+        left, right, behind = [], [], []
+        for g, (s, rest) in zip(self.gaps, offsets, strict=True):
+            if g == i:
+                near = np.where(dl < dr, dl - s, rest - dr)
+                left.append(near)
+                right.append(-near)
+                behind.append(True)
+                continue
+            to_right_end = self._leftward[i, (g + 1) % m] if i >= 0 else np.nan
+            to_left_end = self._leftward[g, (i + 1) % m] if i + 1 < m or self.period else np.nan
+            left.append(dl + to_right_end + rest)
+            right.append(dr + to_left_end + s)
+            behind.append(g < i)
+        shape = (*dl.shape, len(offsets))
+        return (
+            np.stack(left, axis=-1) if left else np.empty(shape),
+            np.stack(right, axis=-1) if right else np.empty(shape),
+            np.array(behind, dtype=bool),
+        )
+
+    def _root_factors(self, i: int, dl: Array, dr: Array, offsets: Array) -> Array:
+        left, right, behind = self._root_distances(i, dl, dr, offsets)
+        if self.period is None:
+            return np.where(behind, left, -right) / self._unit
+        own = np.array([g == i for g in self.gaps], dtype=bool)
+        return 2.0 * np.sin(pi / self.period * np.where(own, left, np.minimum(left, right)))
+
+    @cached_property
+    def roots(self) -> Array:
+        """Offsets (roots, 2) of the roots of M from the ends of their gaps: Newton on int_gap |X| M = 0."""
+        gaps = list(self.gaps)
+        width = self.steps[gaps]
+        offsets = np.repeat(0.5 * width[:, None], 2, axis=1)
+        samples = [self._gap_samples(g) for g in gaps]
+        for _ in range(_NEWTON_STEPS):
+            rows = [
+                self._gap_row(row, g, *at, offsets)
+                for row, (g, at) in enumerate(zip(gaps, samples, strict=True))
+            ]
+            residual = np.array([r for r, _ in rows])
+            jacobian = np.array([j for _, j in rows]).reshape(len(gaps), len(gaps))
+            step = -np.linalg.solve(jacobian, residual)
+            # A root never leaves its gap: at most nine tenths of the way to the end it heads for.
+            room = np.where(step > 0.0, offsets[:, 1], offsets[:, 0])
+            step = np.sign(step) * np.minimum(np.abs(step), 0.9 * room)
+            offsets = offsets + np.outer(step, [1.0, -1.0])
+            if np.all(np.abs(step) <= 8.0 * np.finfo(float).eps * width):
+                return offsets
+        raise NotConverged("the roots of M of an inverse design did not converge")
+
+    def _gap_row(
+        self, row: int, g: int, dl: Array, dr: Array, weight: Array, offsets: Array
+    ) -> tuple[float, Array]:
+        """int_gap |X| M of one gap and its derivatives by all roots, relative to int_gap |X M|."""
+        factors = self._root_factors(g, dl, dr, offsets)
+        others = np.prod(np.delete(factors, row, axis=-1), axis=-1) * weight
+        own = factors[:, row]
+        left, right, behind = self._root_distances(g, dl, dr, offsets)
+        with np.errstate(divide="ignore"):  # a node on the gap's own root: that column is replaced below
+            if self.period is None:
+                logarithmic = 1.0 / np.where(behind, left, -right)
+                own_slope = np.full_like(own, 1.0 / self._unit)
+            else:
+                turn = pi / self.period
+                way = np.where(left < right, 1.0, -1.0)
+                logarithmic = way * turn / np.tan(turn * np.minimum(left, right))
+                own_slope = 2.0 * turn * np.cos(turn * left[:, row])
+        scale = np.sum(np.abs(others * own))
+        derivative = -(others * own) @ np.where(np.isfinite(logarithmic), logarithmic, 0.0) / scale
+        derivative[row] = -np.sum(others * own_slope) / scale
+        return float(np.sum(others * own) / scale), derivative
+
+    def nodes(self, i: int) -> tuple[Array, Array, Array]:
+        """Gauss-Chebyshev nodes of the second kind of interval i as angles' half sines: dl, dr, weights for
+        int F dx.
+
+        The integrand is analytic up to the neighbouring ends, at a relative distance that sets the number of
+        nodes."""
+        m, h = len(self.steps), float(self.steps[i])
+        nearest = min(
+            (float(self.steps[k % m]) for k in (i - 1, i + 1) if self.period is not None or 0 <= k < m),
+            default=h,
+        )
+        count = 40 + ceil(20.0 / min(1.0, sqrt(nearest / h)))
+        phi = pi * np.arange(1, count + 1) / (count + 1)
+        return (
+            h * np.sin(0.5 * phi) ** 2,
+            h * np.cos(0.5 * phi) ** 2,
+            0.5 * h * pi / (count + 1) * np.sin(phi),
+        )
+
+    def _gap_samples(self, g: int) -> tuple[Array, Array, Array]:
+        """Nodes of a gap, and the weights times |X|."""
+        dl, dr, weight = self.nodes(g)
+        return dl, dr, weight * np.sqrt(np.prod(self._end_factors(g, dl, dr), axis=-1))
+
+    def magnitude(self, i: int, dl: Array, dr: Array) -> Array:
+        """|X M| on interval i before scaling."""
+        ends = np.sqrt(np.prod(self._end_factors(i, dl, dr), axis=-1))
+        return ends * np.abs(np.prod(self._root_factors(i, dl, dr, self.roots), axis=-1))
+
+    def side(self, i: int, dl: Array, dr: Array) -> Array:
+        """+1 where the gap grows with x: left of the root of M in a gap; right of all zones."""
+        if i < 0:
+            return np.full_like(dl, -1.0)
+        gaps = list(self.gaps)
+        return np.where(dl < self.roots[gaps.index(i), 0], 1.0, -1.0) if i in gaps else np.ones_like(dl)
+
+    def locate(self, x: Array) -> tuple[NDArray[np.intp], Array, Array]:
+        """Interval of every point (-1: left of all zones) and its distances to the ends of it."""
+        ends = self.zones.ravel()
+        if self.period is not None:
+            x = x - self.period * np.floor((x - ends[0]) / self.period)
+        i = np.searchsorted(ends, x, side="right") - 1
+        if self.period is not None:
+            i = np.maximum(i, 0)  # a rounding below the first end
+        dl = x - ends[np.maximum(i, 0)]
+        beyond = np.append(ends[1:], np.nan if self.period is None else ends[0] + self.period)
+        dr = np.where(i < 0, ends[0] - x, beyond[np.maximum(i, 0)] - x)
+        # Moving by a period may leave a distance a rounding below zero.
+        return i, np.where(dl < 0.0, 0.0, dl), np.where(dr < 0.0, 0.0, dr)

@@ -1,0 +1,118 @@
+"""What a scene needs: every part of the machinery, used or left out, with the reason, its size and the time it took."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from contact.scene import Scene
+
+
+@dataclass
+class Part:
+    """One part: its name, whether it ran, why or why not, its size in words, and its seconds (None if it has not run)."""
+
+    name: str
+    used: bool
+    reason: str
+    detail: str = ""
+    seconds: float | None = None
+
+
+@dataclass
+class Plan:
+    """The parts in order, and counts of work done."""
+
+    parts: list[Part] = field(default_factory=list)
+    counts: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def rows(self) -> list[Part]:
+        return self.parts
+
+    def __getitem__(self, name: str) -> Part:
+        for part in self.parts:
+            if part.name == name:
+                return part
+        raise KeyError(name)
+
+    @contextmanager
+    def timed(self, name: str) -> Iterator[Part]:
+        """Add the time of a block to a part."""
+        part = self[name]
+        start = time.perf_counter()
+        try:
+            yield part
+        finally:
+            part.seconds = (part.seconds or 0.0) + time.perf_counter() - start
+
+    def to_dict(self) -> dict[str, Any]:
+        parts = [
+            {"name": p.name, "used": p.used, "reason": p.reason, "detail": p.detail, "seconds": p.seconds}
+            for p in self.parts
+        ]
+        return {"parts": parts, "counts": dict(self.counts)}
+
+    def __str__(self) -> str:
+        lines = [f"{'used' if p.used else 'left out':9}{p.name:22}{p.reason} {p.detail}" for p in self.parts]
+        return "\n".join(line.rstrip() for line in lines)
+
+
+def plan(scene: Scene) -> Plan:
+    """What solving the scene would run, without running it."""
+    profile, model = scene.profile, scene.interaction
+    kind = scene.control[0]
+    given = zone_is_given(scene)
+    single = starts_from_one_zone(scene)
+    derived = profile.slope_is_derived
+    kinks = len(profile.kinks)
+    closure = model.follows_isolated
+    parts = [
+        Part("numerical slope", derived, "the profile gives no slope" if derived else "the profile gives its slope"),
+        Part(
+            "coarse search",
+            not (given or single),
+            "zones are given" if given else "one symmetric asperity" if single else "number of zones unknown",
+        ),
+        Part("symmetry", bool(profile.symmetric), "profile symmetric" if profile.symmetric else "profile not symmetric"),
+        Part(
+            "periodic kernel",
+            model.images is None,
+            "the whole period repeats" if model.images is None else f"{model.name}: nothing repeats beyond its images",
+        ),
+        Part(
+            "localization term",
+            bool(model.strip),
+            "nominal pressure beyond the strip" if model.strip else f"{model.name} has none",
+        ),
+        Part(
+            "isolated reference",
+            closure,
+            "the first-order closure needs the isolated load" if closure else "no closure that needs it",
+        ),
+        Part("kinks", kinks > 0, f"{kinks} declared" if kinks else "none declared"),
+        Part(
+            "zone ends",
+            not given,
+            "half width given" if kind == "half_width" else "sharp corners hold them" if given else "unknown: Newton",
+        ),
+        Part("fast sums", False, "few zones: sums are direct"),
+        Part("certificate", True, "always"),
+        Part("fields", False, "computed when asked"),
+    ]
+    return Plan(parts)
+
+
+def zone_is_given(scene: Scene) -> bool:
+    """Whether the zones need no search at all."""
+    kind, value = scene.control
+    return kind == "half_width"
+
+
+def starts_from_one_zone(scene: Scene) -> bool:
+    """Whether the first guess is one zone about the tip of a symmetric asperity."""
+    summits = scene.profile.summits
+    return bool(scene.profile.symmetric and summits is not None and len(summits) == 1 and summits[0] == 0.0)

@@ -1,0 +1,153 @@
+"""A scene as a scaled integral equation.
+
+Lengths are counted in `length`, slopes in `slope`, pressures in E* slope / 2, so that (5) and (6) become
+(1/pi) PV int phi K = f' / slope =: g. With F = f / (slope length), the potential V of phi and the columns' C,
+
+    V - lambda C - F = level on every zone,    level = -approach / (slope length).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.interactions.base import Interaction
+from contact.profiles.base import Profile
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Units:
+    """origin and length [m], slope [1], and what follows for pressure and load; E_star [Pa]."""
+
+    origin: float
+    length: float
+    slope: float
+    E_star: float
+
+    @property
+    def pressure(self) -> float:
+        return 0.5 * self.E_star * self.slope
+
+    @property
+    def load(self) -> float:
+        return self.pressure * self.length
+
+    @property
+    def height(self) -> float:
+        return self.slope * self.length
+
+    def x(self, scaled: Array) -> Array:
+        return self.origin + self.length * scaled
+
+    def scaled(self, x: Array) -> Array:
+        return np.asarray((x - self.origin) / self.length)
+
+
+@dataclass(frozen=True)
+class Control:
+    """What is given, scaled: "load", "approach" (minus the level), "half_width" or "width" (of all zones together)."""
+
+    kind: str
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Profile and interaction in scaled variables. centre: of the strip; amplitude: the column's, where it is given."""
+
+    profile: Profile
+    interaction: Interaction
+    units: Units
+    lowest: float
+    centre: float = 0.0
+    amplitude: float | None = None
+
+    @property
+    def period(self) -> float | None:
+        """Scaled period of the solution, None where nothing repeats."""
+        if not self.interaction.needs_period or self.profile.period is None:
+            return None
+        return self.profile.period / self.units.length
+
+    @property
+    def cell(self) -> float | None:
+        """Scaled width of the profile's own cell, None for a profile on the whole line."""
+        return None if self.profile.period is None else self.profile.period / self.units.length
+
+    @cached_property
+    def kernel(self) -> sie.Kernel:
+        return self.interaction.kernel(self.period, self.units.length)
+
+    @cached_property
+    def walls(self) -> tuple[float, float]:
+        """Scaled sharp corners beyond which the profile ends; infinite without."""
+        if self.profile.support is None:
+            return -np.inf, np.inf
+        lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
+        return lo, hi
+
+    @cached_property
+    def borders(self) -> tuple[float, float]:
+        """Scaled limits that no zone may reach: of one isolated cell, or of a measured trace; infinite without."""
+        profile = self.profile
+        if self.period is not None:
+            return -np.inf, np.inf
+        if profile.period is not None:
+            known: tuple[float, float] | None = (profile.x0, profile.x0 + profile.period)
+        else:
+            known = profile.extent
+        if known is None:
+            return -np.inf, np.inf
+        lo, hi = (float(self.units.scaled(np.array(s))) for s in known)
+        return lo, hi
+
+    @cached_property
+    def forcing(self) -> sie.Forcing:
+        units, profile = self.units, self.profile
+        kinks = profile.kinks
+        at = np.asarray(units.scaled(kinks[:, 0]))
+        if self.period is not None and len(at):
+            at = at - np.round((at - self.centre) / self.period) * self.period
+
+        def value(x: Array) -> Array:
+            return np.asarray(profile.slope(units.x(x))) / units.slope
+
+        return sie.Forcing(value, self.shape, at, kinks[:, 1] / units.slope)
+
+    def shape(self, x: Array) -> Array:
+        """F = (f - min f) / (slope length)."""
+        return np.asarray((np.asarray(self.profile.height(self.units.x(x))) - self.lowest) / self.units.height)
+
+    @cached_property
+    def columns(self) -> tuple[sie.Forcing, ...]:
+        return self.interaction.columns(self.period, self.centre)
+
+    def equation(self, control: Control) -> sie.Equation:
+        """The integral equation with the side conditions of the control."""
+        if self.interaction.follows_isolated:
+            closure: tuple[sie.Condition, ...] = (sie.Amplitude(0, self.amplitude or 0.0),)
+        else:
+            closure = self.interaction.side_conditions(self.period)
+        ends: tuple[sie.TotalWidth, ...] = ()
+        conditions: tuple[sie.Condition, ...]
+        if control.kind == "load":
+            conditions = (sie.Total(control.value), sie.EqualPotential())
+        elif control.kind == "approach":
+            conditions = (sie.Level(-control.value),)
+        elif control.kind == "width":
+            conditions, ends = (sie.Total(None), sie.EqualPotential()), (sie.TotalWidth(control.value),)
+        else:
+            conditions = ()
+        return sie.Equation(self.kernel, self.forcing, (*conditions, *closure), self.columns, ends)
+
+    def with_amplitude(self, amplitude: float) -> Problem:
+        return replace(self, amplitude=amplitude)
+
+    def about(self, centre: float) -> Problem:
+        return replace(self, centre=centre)

@@ -1,0 +1,184 @@
+"""A measured profile: the interpolating cubic spline through its points, f = max(height) - height(x).
+
+C2 at the points and between; periodic, or with the not-a-knot condition at both ends (de Boor, A Practical
+Guide to Splines).
+No smoothing: what was measured is what is pressed.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.checks import finite_array, increasing, positive_or_none, text
+from contact.errors import SceneError
+from contact.lazy import scipy_interpolate
+from contact.measured import load_trace
+from contact.profiles.base import Array, Profile
+from contact.profiles.spline_conjugate import SplineConjugate
+from contact.registry import register_profile
+
+_FEWEST = 4  # a not-a-knot cubic has four coefficients
+_SAME = 1e-9  # relative: positions and heights of a repeated end point that agree this far are one point
+_EVEN = 1e-10  # of the pitch: a grid this even is uniform
+
+
+@register_profile("sampled")
+@dataclass(frozen=True, init=False, repr=False, eq=False)
+class Sampled(Profile):
+    """Points (x, height), heights upwards positive, x increasing; with a period, one period of the surface.
+
+    A last point one period after the first is accepted if it repeats the first height, and dropped. Without a
+    period the profile is known between its first and last point only (`extent`): outside it is nan. The
+    parameter `height` is kept as `heights` because `height(x)` is f for every profile; `history` says what
+    was done to a file's points on the way.
+    """
+
+    x: Array
+    heights: Array
+    period: float | None = None
+    history: tuple[str, ...] = field(default=(), compare=False, repr=False)
+
+    def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:
+        points = increasing("x", x, _FEWEST)
+        heights = finite_array("height", height, 1, _FEWEST)
+        if heights.size != points.size:
+            raise SceneError.of(
+                "height", height, f"as many as there are x ({points.size}, not {heights.size})"
+            )
+        length = positive_or_none("period", period)
+        if length is not None:
+            points, heights = _one_period(points, heights, length)
+        if not np.ptp(heights) > 0:
+            raise SceneError.of("height", height, "not the same everywhere")
+        for name, value in (("x", points), ("heights", heights), ("period", length), ("history", ())):
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | Path,
+        columns: Sequence[int | str] = (0, 1),
+        units: str | Sequence[str] = "m",
+        detrend: str = "none",
+        regrid: bool | int | None = None,
+        taper: float | None = None,
+        period: bool | float | None = None,
+    ) -> Sampled:
+        """The trace of a text file; contact.measured says what each argument does, and in which order."""
+        trace = load_trace(path, columns, units, detrend, regrid, taper, period)
+        made = cls(trace.x, trace.height, trace.period)
+        object.__setattr__(made, "history", trace.history)
+        return made
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
+        """A scene's table: points as `x` and `height`, or a `file` with the arguments of `from_file`."""
+        if "file" not in table:
+            return super().from_table(table, directory)
+        rest = {key: value for key, value in table.items() if key != "file"}
+        known = ["file", *(k for k in inspect.signature(cls.from_file).parameters if k != "path")]
+        for key in rest:
+            if key not in known:
+                raise SceneError.unknown("parameter of profile 'sampled' with a file", key, known)
+        return cls.from_file(Path(directory) / text("file", table["file"]), **rest)
+
+    def __repr__(self) -> str:
+        return (
+            f"Sampled({self.x.size} points from {self.x[0]:.6g} to {self.x[-1]:.6g}, period={self.period!r})"
+        )
+
+    def parameters(self) -> dict[str, Any]:
+        return {"x": self.x, "height": self.heights, "period": self.period}
+
+    def height(self, x: ArrayLike) -> Array:
+        return np.asarray(self._top - self._spline(self._inside(x)))
+
+    def slope(self, x: ArrayLike) -> Array:
+        return np.asarray(-self._spline(self._inside(x), 1))
+
+    def slope_conjugate(self, x: ArrayLike) -> Array | None:
+        """Exact for points a constant pitch apart; None for others."""
+        if self._conjugate is None:
+            return None
+        return self._conjugate(np.asarray(self.wrap(np.asarray(x, dtype=np.float64))))
+
+    @property
+    def x0(self) -> float:
+        return float(self.x[0])
+
+    @property
+    def extent(self) -> tuple[float, float] | None:
+        return None if self.period is not None else (float(self.x[0]), float(self.x[-1]))
+
+    @property
+    def breakpoints(self) -> Array:
+        """The knots: the third derivative jumps there (not-a-knot: not at the ends and their neighbours)."""
+        return np.array(self.x if self.period is not None else self.x[2:-2])
+
+    @property
+    def resolution(self) -> float:
+        return float(np.min(np.diff(self._knots)))
+
+    @property
+    def _top(self) -> float:
+        return float(self.heights.max())
+
+    @property
+    def _knots(self) -> Array:
+        return self.x if self.period is None else np.append(self.x, self.x[0] + self.period)
+
+    @cached_property
+    def _spline(self) -> Any:
+        values = self.heights if self.period is None else np.append(self.heights, self.heights[0])
+        kind = "not-a-knot" if self.period is None else "periodic"
+        return scipy_interpolate().CubicSpline(
+            self._knots, values, bc_type=kind, extrapolate=self.period is not None
+        )
+
+    @cached_property
+    def _conjugate(self) -> SplineConjugate | None:
+        if self.period is None:
+            return None
+        pitch = self.period / self.x.size
+        even = self.x[0] + pitch * np.arange(self.x.size)
+        if np.max(np.abs(self.x - even)) > _EVEN * pitch:
+            return None
+        return SplineConjugate(self._top - self.heights, self.x0, self.period)
+
+    def _inside(self, x: ArrayLike) -> Array:
+        w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
+        if self.period is not None:
+            return w
+        # An end reached by arithmetic still belongs to the trace; beyond it the spline answers nan.
+        lo, hi = self.x[0], self.x[-1]
+        slack = 8 * np.finfo(np.float64).eps * max(abs(lo), abs(hi), hi - lo)
+        return np.where((w < lo) & (w >= lo - slack), lo, np.where((w > hi) & (w <= hi + slack), hi, w))
+
+
+def _one_period(x: Array, heights: Array, period: float) -> tuple[Array, Array]:
+    """The points without a repeated last one."""
+    length = float(x[-1] - x[0])
+    if abs(length - period) <= _SAME * period:
+        step = float(heights[-1] - heights[0])
+        if abs(step) > _SAME * float(np.ptp(heights)):
+            raise SceneError.of(
+                "height",
+                heights,
+                f"equal at both ends when the last point repeats the first one period on (they differ by {step:.3g})",
+            )
+        x, heights = x[:-1].copy(), heights[:-1].copy()
+        x.setflags(write=False)
+        heights.setflags(write=False)
+    elif length > period:
+        raise SceneError.of("period", period, f"at least as long as the points reach ({length!r})")
+    if x.size < _FEWEST:
+        raise SceneError.of("x", x, f"at least {_FEWEST} points in a period")
+    return x, heights

@@ -1,0 +1,134 @@
+"""A contact scene: a profile, a material, an interaction and one control.
+
+The material enters through the reduced modulus alone, equation (2) of Goryacheva & Tsukanov (2020),
+
+    1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2,
+
+and the control is the one quantity that is given, of load [N/m], mean pressure [Pa], approach [m], half width [m]
+and contact fraction [1]. SI units throughout. Everything is checked when the scene is made, so that the solver need
+not check it again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY, dataclass
+
+import numpy as np
+
+from contact.checks import finite, positive
+from contact.errors import SceneError
+from contact.interactions.base import CONTROLS, Interaction
+from contact.profiles.base import Profile
+
+_NO_DATUM_NEEDED = object()
+
+
+def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = None) -> float:
+    """The reduced modulus E* [Pa] of two bodies by (2); a counter-body left out is rigid."""
+    compliance = _plane_compliance("E1", E1, "nu1", nu1)
+    if E2 is not None or nu2 is not None:
+        if E2 is None:
+            raise SceneError.of("E2", E2, "given with nu2, or both left out for a rigid counter-body")
+        if nu2 is None:
+            raise SceneError.of("nu2", nu2, "given with E2, or both left out for a rigid counter-body")
+        compliance += _plane_compliance("E2", E2, "nu2", nu2)
+    return positive("E_star", 1.0 / compliance)
+
+
+def _plane_compliance(modulus_name: str, modulus: float, ratio_name: str, ratio: float) -> float:
+    """(1 - nu^2)/E of one body."""
+    modulus = positive(modulus_name, modulus)
+    ratio = finite(ratio_name, ratio)
+    if not -1.0 < ratio <= 0.5:
+        raise SceneError.of(ratio_name, ratio, "a Poisson ratio, more than -1 and at most 0.5")
+    return (1.0 - ratio**2) / modulus
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One contact problem in full. Exactly one of the five controls is given, the others stay None."""
+
+    profile: Profile
+    E_star: float
+    interaction: Interaction
+    _: KW_ONLY
+    load: float | None = None
+    mean_pressure: float | None = None
+    approach: float | None = None
+    half_width: float | None = None
+    contact_fraction: float | None = None
+
+    def __post_init__(self) -> None:
+        _require_instance("profile", self.profile, Profile, "Sinusoid(amplitude=1e-6, period=1e-4)")
+        _require_instance("interaction", self.interaction, Interaction, "Periodic()")
+        object.__setattr__(self, "E_star", positive("E_star", self.E_star))
+
+        name, value = self._the_one_control()
+        object.__setattr__(self, name, positive(name, value))
+        if name == "contact_fraction" and value > 1.0:
+            raise SceneError.of(name, value, "above 0 and at most 1")
+
+        self._check_period()
+        self._check_control_suits_interaction(name)
+        if name == "half_width":
+            self._check_half_width()
+
+    @property
+    def control(self) -> tuple[str, float]:
+        """Name and value of the quantity that is given."""
+        return self._the_one_control()
+
+    @property
+    def period(self) -> float | None:
+        """The period of the solution; None where nothing repeats, as with one cell of a profile taken alone."""
+        return self.profile.period if self.interaction.needs_period else None
+
+    def _the_one_control(self) -> tuple[str, float]:
+        given = {name: value for name in CONTROLS if (value := getattr(self, name)) is not None}
+        if len(given) != 1:
+            raise SceneError.of("control", tuple(given) or None, f"exactly one of {', '.join(CONTROLS)}")
+        return next(iter(given.items()))
+
+    def _check_period(self) -> None:
+        if self.interaction.needs_period and self.profile.period is None:
+            allowed = f"a model without a period, as the {self.profile.name} profile has none"
+            raise SceneError.of("interaction", self.interaction.name, allowed)
+
+    def _check_control_suits_interaction(self, name: str) -> None:
+        model = self.interaction
+        if name == "mean_pressure" and self.profile.period is None:
+            raise SceneError.of(name, self.mean_pressure, "left out: without a period there is no mean pressure")
+        if name == "approach" and getattr(model, "datum", _NO_DATUM_NEEDED) is None:
+            allowed = f"left out, or {model.name} given a datum: without one a half-plane has no approach"
+            raise SceneError.of(name, self.approach, allowed)
+        if name not in model.allows:
+            allowed = f"left out: the controls of {model.name} are {', '.join(model.allows)}"
+            raise SceneError.of(name, getattr(self, name), allowed)
+
+    def _check_half_width(self) -> None:
+        half_width, profile = self.control[1], self.profile
+        if not profile.symmetric:
+            allowed = f"left out: it means one zone about x = 0, and {profile.name} is not known to be symmetric"
+            raise SceneError.of("half_width", half_width, allowed)
+        if profile.period is not None and not half_width < 0.5 * profile.period:
+            allowed = f"less than half the period, {0.5 * profile.period:.17g}"
+            raise SceneError.of("half_width", half_width, allowed)
+        if profile.support is None:
+            return
+        reach = profile.support[1]
+        if half_width > reach:
+            raise SceneError.of("half_width", half_width, f"at most the profile's own, {reach:.17g}")
+        # With f' = 0 up to sharp corners every load gives the same zone, and no load a narrower one.
+        height = profile.height(np.linspace(-half_width, half_width, 17))
+        if np.ptp(height[np.isfinite(height)]) == 0.0:
+            allowed = f"left out: {profile.name} has no slope, so that the zone does not tell the load"
+            raise SceneError.of("half_width", half_width, allowed)
+
+
+def _require_instance(field: str, value: object, kind: type, example: str) -> None:
+    if isinstance(value, kind):
+        return
+    shown = value.__name__ if isinstance(value, type) else value
+    if isinstance(value, type) and issubclass(value, kind):
+        raise SceneError.of(field, shown, f"an object, not its class: write {shown}(...)")
+    raise SceneError.of(field, shown, f"a contact.{kind.__name__}, such as {example}")

@@ -1,0 +1,443 @@
+"""Scene -> plan -> equation -> density -> solution."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from numbers import Real
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact import planning
+from contact.certificate import Certificate
+from contact.errors import NotConverged, OutOfRange, SceneError
+from contact.extrema import maximum
+from contact.first_order import FirstOrder
+from contact.fields import FullFields, ZoneFields, mean_shape
+from contact.full import conjugate_slope, has_kinked_valley, largest_conjugate, period_samples
+from contact.interactions.isolated import Isolated
+from contact.interactions.periodic import Periodic
+from contact.planning import Plan
+from contact.problem import Control, Problem, Units
+from contact.scene import Scene
+from contact.search import find_window, propose
+from contact.single import guess_half_width, largest_single_load, single_half_width
+from contact.solution import Solution
+from contact.topology import Found, Progress, WrongTopology, settle
+
+Array = NDArray[np.float64]
+
+# Finest coarse grid; a scene whose zones are narrower needs more than a grid to find them.
+_MOST_POINTS = 2**17
+
+
+def solve(scene: Scene, tol: float = 1e-8, progress: Progress | None = None) -> Solution:
+    """Solve a scene: zones, pressure, gap, and numbers, with error at most `tol` (see `Solution.error`).
+
+    tol: relative, 1e-14 <= tol < 1. progress: called with (stage, done, total or None).
+    Raises SceneError (bad input), OutOfRange (no contact answers the control), NotConverged (with the best state).
+    """
+    if not isinstance(scene, Scene):
+        raise SceneError.of("scene", scene, "a contact.Scene")
+    if isinstance(tol, bool) or not isinstance(tol, Real) or not 1e-14 <= float(tol) < 1.0:
+        raise SceneError.of("tol", tol, "a number from 1e-14 to below 1")
+    return _Run(scene, float(tol), planning.plan(scene), progress).solution()
+
+
+class _Run:
+    """One solve: scene, tolerance, plan, and the scaled problem made of them."""
+
+    def __init__(self, scene: Scene, tol: float, plan: Plan, progress: Progress | None) -> None:
+        self.scene, self.tol, self.plan, self.progress = scene, tol, plan, progress
+        self.tolerance = max(0.1 * tol, 2e-15)
+        self.single = planning.starts_from_one_zone(scene)
+
+    def solution(self) -> Solution:
+        kind, value = self.scene.control
+        if kind == "contact_fraction" and value == 1.0:
+            return self._full(self._full_pressure_or_refuse())
+        self.problem, self.start, self.control = self._scaled()
+        found = self._found()
+        if found is None:
+            return self._full(self._mean_pressure())
+        return self._solved(found)
+
+    # scaled problem -------------------------------------------------------------------------------------------------
+    def _scaled(self) -> tuple[Problem, Array | None, Control]:
+        """Units, the scaled problem, and the zones known before any search (None if they must be searched)."""
+        scene = self.scene
+        profile, period = scene.profile, scene.profile.period
+        if period is not None:
+            origin = 0.0 if profile.symmetric else profile.x0 + 0.5 * period
+            cell: tuple[float, float] | None = (profile.x0, profile.x0 + period)
+            length = period
+        else:
+            origin, length, cell = self._isolated_frame()
+        lowest = self._lowest(cell)
+        slope = self._typical_slope(origin, length, cell)
+        units = Units(origin, length, slope, scene.E_star)
+        problem = Problem(profile, scene.interaction, units, lowest)
+        self.cell = cell
+        control = self._control(units)
+        return problem, None, control
+
+    def _isolated_frame(self) -> tuple[float, float, tuple[float, float] | None]:
+        """Origin, length and search window of a profile without a period."""
+        scene, profile = self.scene, self.scene.profile
+        kind, value = scene.control
+        if kind == "half_width":
+            return 0.0, value, (-value, value)
+        if profile.support is not None:
+            lo, hi = profile.support
+            return 0.5 * (lo + hi), 0.5 * (hi - lo), (lo, hi)
+        if self.single:
+            rough = Problem(profile, scene.interaction, Units(0.0, 1.0, 1.0, scene.E_star), float(profile.height(0.0)))
+            a = guess_half_width(rough, self._control(rough.units))
+            return 0.0, a, (-2 * a, 2 * a)
+        datum = getattr(scene.interaction, "datum", None)
+        given = {"load": value} if kind == "load" else {"level": value}
+        window = find_window(
+            lambda x: np.asarray(profile.height(x)), scene.E_star, **given,
+            start_scale=profile.resolution, datum=datum or 1.0, limits=profile.extent,
+        )
+        origin = 0.0 if profile.symmetric else 0.5 * (window[0] + window[1])
+        return origin, 0.5 * (window[1] - window[0]), window
+
+    def _lowest(self, cell: tuple[float, float] | None) -> float:
+        profile = self.scene.profile
+        if profile.summits is not None:
+            return float(np.min(profile.height(np.asarray(profile.summits))))
+        if profile.period is not None:
+            x = period_samples(profile)
+        else:
+            assert cell is not None
+            x = np.linspace(*cell, 1025)
+        return -maximum(lambda points: -np.asarray(profile.height(points)), x)[1]
+
+    def _typical_slope(self, origin: float, length: float, cell: tuple[float, float] | None) -> float:
+        lo, hi = cell if cell is not None else (origin - length, origin + length)
+        x = lo + (hi - lo) * (np.arange(32) + 0.4142) / 32
+        with np.errstate(over="ignore", invalid="ignore"):
+            slopes = np.abs(np.asarray(self.scene.profile.slope(x)))
+        slope = float(np.max(slopes[np.isfinite(slopes)], initial=0.0))
+        if slope > 0.0:
+            return slope
+        kind, value = self.scene.control
+        return value / (self.scene.E_star * length) if kind == "load" else 1.0
+
+    def _control(self, units: Units) -> Control:
+        kind, value = self.scene.control
+        period = self.scene.profile.period
+        if kind == "mean_pressure":
+            assert period is not None
+            return Control("load", value * period / units.load)
+        if kind == "load":
+            return Control("load", value / units.load)
+        if kind == "approach":
+            return Control("approach", value / units.height)
+        if kind == "half_width":
+            return Control("half_width", value / units.length)
+        assert period is not None
+        return Control("width", value * period / units.length)
+
+    def _mean_pressure(self) -> float:
+        kind, value = self.scene.control
+        period = self.scene.profile.period
+        assert period is not None
+        return value if kind == "mean_pressure" else value / period
+
+    # full contact ---------------------------------------------------------------------------------------------------
+    def _full_pressure(self) -> float:
+        """Smallest mean pressure of full contact; inf if there is none."""
+        if not hasattr(self, "_full_from"):
+            profile = self.scene.profile
+            if self.scene.interaction.images is not None or has_kinked_valley(profile):
+                self._full_from = math.inf
+            else:
+                self._conjugate = conjugate_slope(profile)
+                self._full_from = 0.5 * self.scene.E_star * largest_conjugate(profile, self._conjugate)
+        return self._full_from
+
+    def _full_pressure_or_refuse(self) -> float:
+        pressure = self._full_pressure()
+        if not math.isfinite(pressure):
+            raise OutOfRange("no load brings this scene into full contact: its valleys have kinks, or the model has none")
+        return pressure
+
+    def _full(self, mean_pressure: float) -> Solution:
+        scene, profile = self.scene, self.scene.profile
+        self._full_pressure_or_refuse()
+        units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
+        problem = Problem(profile, scene.interaction, units, self._lowest(None))
+        fields = FullFields(problem, mean_pressure, self._conjugate, mean_shape(problem) * units.height)
+        least = mean_pressure - self._full_from
+        certificate = Certificate(
+            smallest_pressure=least, smallest_gap=None, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
+            points=len(period_samples(profile)), holds=True, note="full contact: the pressure is nowhere negative",
+        )
+        for name in ("zone ends", "coarse search"):
+            self.plan[name].used, self.plan[name].reason = False, "full contact"
+        # Rounding of the closed form, in terms of the peak pressure.
+        return Solution(scene, np.zeros((0, 2)), fields, 1e-13, certificate, self.plan)
+
+    # zones ----------------------------------------------------------------------------------------------------------
+    def _found(self) -> Found | None:
+        """Zones that pass the certificate; None in full contact."""
+        interaction, problem = self.scene.interaction, self.problem
+        if interaction.follows_isolated:
+            return self._first_order()
+        if interaction.strip:
+            return self._centred(problem, self.control, None)
+        return self._search(problem, self.control)
+
+    def _search(self, problem: Problem, control: Control, start: Array | None = None) -> Found | None:
+        if self._is_full(control):
+            return None
+        if start is not None:
+            try:
+                return settle(problem, control, start, self.tolerance, self.progress)
+            except WrongTopology:
+                pass
+        if control.kind == "half_width":
+            a = control.value
+            return self._settled(problem, control, np.array([[-a, a]]))
+        if self.single:
+            found = self._from_one_zone(problem, control)
+            if found is not None:
+                return found
+        return self._from_grid(problem, control)
+
+    def _is_full(self, control: Control) -> bool:
+        if self.scene.interaction.images is not None or has_kinked_valley(self.scene.profile):
+            return False
+        period = self.problem.period
+        assert period is not None
+        units = self.problem.units
+        if control.kind == "load":
+            # A profile whose highest H f' is far above the mean pressure is not worth the search for it.
+            if self.single and guess_half_width(self.problem, control) < 0.25 * period:
+                return False
+            return control.value / period * units.pressure >= self._full_pressure()
+        if control.kind == "approach":
+            highest = mean_shape(self.problem)
+            if control.value >= highest:
+                raise OutOfRange(
+                    f"approach {control.value * units.height:.6g} m is not below {highest * units.height:.6g} m, the mean of "
+                    "the profile: there it is in full contact, at any load above the smallest"
+                )
+        return False
+
+    def _settled(self, problem: Problem, control: Control, table: Array) -> Found:
+        try:
+            return settle(problem, control, table, self.tolerance, self.progress)
+        except WrongTopology as failure:
+            if control.kind == "half_width":
+                raise OutOfRange(f"one zone of this half width carries no pressure that is positive everywhere: {failure}") from failure
+            raise self._not_converged(failure) from failure
+
+    def _not_converged(self, failure: WrongTopology) -> NotConverged:
+        trace = failure.free.trace if failure.free is not None else ()
+        best = None
+        if failure.free is not None:
+            fields = ZoneFields(self.problem, failure.free.state)
+            best = Solution(
+                self.scene, self._si(failure.free.density.zones), fields, math.inf,
+                Certificate(math.nan, None, 0.0, math.nan, math.nan, 0, False, note=str(failure)), self.plan, trace,
+            )
+        return NotConverged(f"not converged: {failure}", trace, best)
+
+    def _from_one_zone(self, problem: Problem, control: Control) -> Found | None:
+        """One zone about the tip; None if it does not pass, for the grid to find out why."""
+        with self.plan.timed("zone ends"):
+            a = guess_half_width(problem, control)
+            try:
+                return settle(problem, control, np.array([[-a, a]]), self.tolerance, self.progress)
+            except WrongTopology:
+                pass
+            if control.kind in ("load", "approach"):
+                # Along the branch from zero load the controlled quantity grows with the width up to its maximum.
+                exact = single_half_width(problem, control)
+                if exact is None:
+                    if not self.scene.interaction.exact or isinstance(self.scene.interaction, Isolated):
+                        top = largest_single_load(problem, control)
+                        units = problem.units
+                        unit = units.load if control.kind == "load" else units.height
+                        raise OutOfRange(
+                            f"{control.kind} {control.value * unit:.6g} is beyond the largest that {self.scene.interaction.name} "
+                            f"carries on the branch from zero load, {top[1] * unit:.6g} at half width {top[0] * units.length:.6g} m"
+                        )
+                    return None
+                try:
+                    return settle(problem, control, np.array([[-exact, exact]]), self.tolerance, self.progress)
+                except WrongTopology:
+                    pass
+        return None
+
+    def _from_grid(self, problem: Problem, control: Control) -> Found | None:
+        """Zones from a coarse grid, refined until Newton and the certificate agree with it."""
+        search = self.plan["coarse search"]
+        search.used, search.reason = True, search.reason if search.used else "one zone did not pass the certificate"
+        points: int | None = None
+        failure: WrongTopology | None = None
+        while points is None or points <= _MOST_POINTS:
+            with self.plan.timed("coarse search"):
+                table, points, full, border = self._proposal(problem, control, points)
+            search.detail = f"{points} points, {len(table)} zones proposed"
+            if border:
+                raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
+            if not full and len(table):
+                with self.plan.timed("zone ends"):
+                    try:
+                        return settle(problem, control, self._placed(problem, table), self.tolerance, self.progress)
+                    except WrongTopology as error:
+                        failure = error
+            points *= 4
+        raise self._not_converged(failure or WrongTopology("the grid is in full contact, the profile is not", None))
+
+    def _proposal(self, problem: Problem, control: Control, points: int | None) -> tuple[Array, int, bool, bool]:
+        scene, units = self.scene, problem.units
+        profile = scene.profile
+        assert self.cell is not None
+        if self.progress is not None:
+            self.progress("coarse grid", 0, None)
+        periodic = scene.interaction.needs_period
+        if control.kind == "width":
+            return self._proposal_by_width(problem, control, points)
+        given = (
+            {"load": control.value * units.load}
+            if control.kind == "load"
+            else {"level": problem.lowest + control.value * units.height}
+        )
+        proposal = propose(
+            lambda x: np.asarray(profile.height(x)), self.cell, E=scene.E_star, periodic=periodic,
+            datum=getattr(scene.interaction, "datum", None) or 1.0, resolution=profile.resolution, points=points, **given,
+        )
+        return proposal.zones, proposal.points, proposal.full, proposal.touches_border
+
+    def _proposal_by_width(self, problem: Problem, control: Control, points: int | None) -> tuple[Array, int, bool, bool]:
+        """The load at which the grid's zones have the given total width, by bisection on its logarithm."""
+        units = problem.units
+        width = control.value * units.length
+        low, high = 1e-12, 1e3
+        best = None
+        for _ in range(40):
+            load = math.sqrt(low * high)
+            table, points, full, border = self._proposal(problem, Control("load", load), points)
+            got = math.inf if full else float(np.sum(table[:, 1] - table[:, 0]))
+            if not full:
+                best = (table, points, full, border)
+            if abs(got / width - 1) < 0.03:
+                break
+            low, high = (load, high) if got < width else (low, load)
+        assert best is not None
+        return best
+
+    def _placed(self, problem: Problem, table: Array) -> Array:
+        """Zones in scaled variables, cut at the widest gap of the period where the model wants them in one strip."""
+        scaled = problem.units.scaled(table)
+        period = problem.period
+        if period is None:
+            return scaled
+        if self.scene.profile.symmetric:
+            # About the origin, so that mirror images stand together.
+            scaled = scaled - np.round(scaled.mean(axis=1) / period)[:, None] * period
+            scaled = scaled[np.argsort(scaled[:, 0])]
+        if problem.interaction.strip and not self.scene.profile.symmetric:
+            gaps = np.append(scaled[1:, 0] - scaled[:-1, 1], scaled[0, 0] + period - scaled[-1, 1])
+            first = (int(np.argmax(gaps)) + 1) % len(scaled)
+            scaled = np.concatenate((scaled[first:], scaled[:first] + period))
+        return np.asarray(scaled)
+
+    # strips ---------------------------------------------------------------------------------------------------------
+    def _centred(self, problem: Problem, control: Control, start: Array | None) -> Found | None:
+        """Zones of a strip that is centred on them: the centre follows the zones until it stays."""
+        found = None
+        for _ in range(30):
+            found = self._search(problem, control, start)
+            if found is None:
+                return None
+            zones = found.free.density.zones
+            centre = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1])
+            width = float((zones.b - zones.a).min())
+            start = zones.table
+            if abs(centre - problem.centre) <= 0.1 * self.tolerance * width:
+                return found
+            problem = problem.about(centre)
+        assert found is not None
+        raise self._not_converged(WrongTopology("the centre of the strip did not settle", found.free))
+
+    def _first_order(self) -> Found:
+        """Closure by the isolated load of the same total width, by a secant on the width along the branch from zero load."""
+
+        def search(problem: Problem, control: Control, start: Array | None) -> Found:
+            if not problem.interaction.strip:
+                return self._reference(problem, control, start)
+            found = self._centred(problem, control, start)
+            assert found is not None
+            return found
+
+        closure = FirstOrder(self.problem, search, self.tolerance, self.single)
+        guess = 2 * guess_half_width(self.problem, self.control) if self.single else 0.1 * (self.problem.period or 1.0)
+        with self.plan.timed("isolated reference"):
+            found, _ = closure.found(self.control, guess)
+        return found
+
+    def _reference(self, problem: Problem, control: Control, start: Array | None) -> Found:
+        """The isolated problem of the same total width, as a formal solution: it is not asked to be a contact."""
+        if control.kind == "half_width":
+            start = np.array([[-control.value, control.value]])
+        elif start is None:
+            found = self._from_grid(replace(self.problem, interaction=Periodic()), control)
+            assert found is not None
+            start = found.free.density.zones.table
+        try:
+            return settle(problem, control, start, self.tolerance, formal=True)
+        except WrongTopology as failure:
+            raise OutOfRange(f"the isolated reference of the first-order closure has no solution: {failure}") from failure
+
+    # solution -------------------------------------------------------------------------------------------------------
+    def _si(self, zones: sie.Zones) -> Array:
+        """Zones in metres, left ends in [x0, x0 + L) and ascending."""
+        table = np.asarray(self.problem.units.x(zones.table))
+        period = self.scene.period
+        if period is None:
+            return table
+        x0 = self.scene.profile.x0
+        turns = np.floor((table[:, 0] - x0) / period)
+        table = table - turns[:, None] * period
+        return np.asarray(table[np.argsort(table[:, 0])])
+
+    def _solved(self, found: Found) -> Solution:
+        density = found.fields.density
+        error = self._error(found)
+        sizes = found.free.state.sizes
+        plan = self.plan
+        zones = density.zones
+        plan["symmetry"].used = zones.symmetric
+        if not zones.symmetric and self.scene.profile.symmetric:
+            plan["symmetry"].reason = "the zones straddle the border of the cell"
+        plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {found.rounds} rounds"
+        plan["certificate"].detail = f"{found.certificate.points} points"
+        plan["kinks"].used = len(density.steps) > 0
+        plan.counts.update(
+            zones=len(zones), own_modes=int(sizes.own.sum()), coupled_unknowns=int(found.free.state.factors[0].shape[0]),
+            kernel_evaluations=sizes.kernel_evaluations, profile_evaluations=sizes.profile_evaluations, solves=sizes.solves,
+        )
+        solution = Solution(
+            self.scene, self._si(zones), replace(found.fields, problem=found.fields.problem), error, found.certificate, plan,
+            found.free.trace,
+        )
+        if error > self.tol:
+            raise NotConverged(
+                f"the stated error {error:.2g} is above the tolerance {self.tol:.2g}; the best state is attached", found.free.trace,
+                solution,
+            )
+        return solution
+
+    def _error(self, found: Found) -> float:
+        """Bound of the errors of pressure and ends: decay of coefficients, remaining moves of the ends, roundoff."""
+        free = found.free
+        ends = float(free.end_error.max(initial=0.0))
+        return 2 * ends + found.fields.state.density_error + 1e-15

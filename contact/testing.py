@@ -1,0 +1,334 @@
+"""For authors of profiles: `check_profile(MyProfile(...))` says what is wrong with one.
+
+Every claim a profile makes (its slope, period, symmetry, kinks, tips, conjugate) is held against its height.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import ContactError, shown
+from contact.profiles.base import Profile
+from contact.profiles.derive import by_ladder
+
+Array = NDArray[np.float64]
+
+_POINTS = 400
+_SAME = 1e-9  # of the largest value met: two evaluations of one quantity
+_SLOPE = 1e-6  # of the largest slope: what differences of the height can vouch for
+_JUMP = 1e-3  # of the largest slope: a jump smaller than this cannot be told from a steep slope
+_CONJUGATE = 2e-3  # of the largest slope: the rule below is of second order and kinks cost it digits
+
+
+class ProfileFault(ContactError, AssertionError):
+    """A profile that contradicts itself; `report` has the whole list."""
+
+    def __init__(self, report: Report) -> None:
+        super().__init__(str(report))
+        self.report = report
+
+
+@dataclasses.dataclass(frozen=True)
+class Report:
+    """What was checked, what is wrong, and what could be better."""
+
+    subject: str
+    checked: tuple[str, ...]
+    faults: tuple[str, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def ok(self) -> bool:
+        return not self.faults
+
+    def __str__(self) -> str:
+        head = f"{self.subject}: " + ("nothing wrong found" if self.ok else f"{len(self.faults)} fault(s)")
+        lines = [f"  - {fault}" for fault in self.faults] + [f"  (note: {note})" for note in self.notes]
+        return "\n".join([head, *lines, f"  checked: {', '.join(self.checked)}"])
+
+
+def check_profile(profile: Profile, window: tuple[float, float] | None = None, raises: bool = True) -> Report:
+    """Check a profile on `window`: left out, its support, extent or cell, or a length guessed from its fields.
+
+    Raises ProfileFault if anything is wrong, or returns the report either way with raises=False.
+    """
+    checked: list[str] = []
+    faults: list[str] = []
+    notes: list[str] = []
+    subject = shown(profile)
+    if not isinstance(profile, Profile):
+        faults.append(f"{type(profile).__name__} does not derive from contact.Profile")
+    else:
+        x: Array | None = None
+        for what, check in _CHECKS:
+            checked.append(what)
+            try:
+                if x is None:
+                    x = _points(profile, window)
+                with warnings.catch_warnings(), np.errstate(all="ignore"):
+                    warnings.simplefilter("ignore")
+                    found = list(check(profile, x))
+            except Exception as error:  # the author's code may fail in any way; the report says how
+                found = [f"{what}: raises {type(error).__name__}: {error}"]
+            faults += [f for f in found if not f.startswith("note: ")]
+            notes += [f.removeprefix("note: ") for f in found if f.startswith("note: ")]
+            if faults and what in ("declarations", "values"):
+                break  # the rest would only repeat it
+        if profile.slope_is_derived:
+            notes.append("slope(x) is derived from the height: a closed form is faster and more accurate")
+    report = Report(subject, tuple(checked), tuple(faults), tuple(notes))
+    if raises and faults:
+        raise ProfileFault(report)
+    return report
+
+
+def _window(profile: Profile) -> tuple[float, float]:
+    ends = profile.support or profile.extent
+    if ends is not None:
+        return ends
+    if profile.period is not None:
+        return profile.x0, profile.x0 + profile.period
+    length = profile.resolution
+    if length is None and dataclasses.is_dataclass(profile):
+        sizes = [getattr(profile, f.name) for f in dataclasses.fields(profile)]
+        length = next((float(s) for s in sizes if isinstance(s, float) and s > 0), None)
+    return -(length or 1.0), length or 1.0
+
+
+def _points(profile: Profile, window: tuple[float, float] | None) -> Array:
+    """Seeded positions in the window, none on a kink."""
+    lo, hi = _window(profile) if window is None else window
+    x = np.sort(np.random.default_rng(1).uniform(lo, hi, _POINTS))
+    kinks = profile.kinks
+    if np.ndim(kinks) == 2 and np.size(kinks):
+        away = np.min(np.abs(x[:, None] - np.asarray(kinks)[None, :, 0]), axis=1) > 1e-4 * (hi - lo)
+        x = x[away]
+    return x
+
+
+def _declarations(profile: Profile, x: Array) -> Iterator[str]:
+    period = profile.period
+    if period is not None and not (isinstance(period, float | int) and np.isfinite(period) and period > 0):
+        yield f"period is {period!r}: it must be a number > 0 or None"
+    if not isinstance(profile.symmetric, bool):
+        yield f"symmetric is {profile.symmetric!r}: it must be True or False (is it a property?)"
+    kinks = profile.kinks
+    if callable(kinks) or np.ndim(kinks) != 2 or np.shape(kinks)[1] != 2:
+        yield "kinks must be a property with an array of shape (k, 2): position, slope jump"
+    elif period is not None and np.size(kinks):
+        outside = [s for s in np.asarray(kinks)[:, 0] if not profile.x0 <= s < profile.x0 + period]
+        if outside:
+            yield f"kinks at {outside} lie outside the cell [{profile.x0:g}, {profile.x0 + period:g})"
+    for name in ("support", "extent"):
+        ends = getattr(profile, name)
+        if ends is not None and not (len(ends) == 2 and ends[0] < ends[1]):
+            yield f"{name} is {ends!r}: it must be (lo, hi) with lo < hi, or None"
+    if profile.resolution is not None and not profile.resolution > 0:
+        yield f"resolution is {profile.resolution!r}: it must be > 0 or None"
+    if not dataclasses.is_dataclass(profile) or not profile.__dataclass_params__.frozen:
+        yield "note: not a frozen dataclass: if it is changed after a solve, the solution is of another profile"
+
+
+def _values(profile: Profile, x: Array) -> Iterator[str]:
+    for name in ("height", "slope"):
+        value = np.asarray(getattr(profile, name)(x.copy()))
+        if value.shape != x.shape:
+            yield f"{name}(x) of shape {x.shape} has shape {value.shape}: it must have the shape of x"
+        elif value.dtype.kind not in "fiu":
+            yield f"{name}(x) is of type {value.dtype}: it must be real"
+        elif not np.isfinite(value).all():
+            i = int(np.flatnonzero(~np.isfinite(value))[0])
+            yield f"{name}({x[i]:.6g}) is {value[i]}: it must be finite inside [{x[0]:.3g}, {x[-1]:.3g}]"
+    if profile.support is not None:
+        lo, hi = profile.support
+        out = [lo - 1e-3 * (hi - lo), hi + 1e-3 * (hi - lo)]
+        if not np.all(np.isposinf(profile.height(np.array(out)))):
+            yield f"height is not +inf just outside the support ({lo:g}, {hi:g})"
+
+
+def _shapes(profile: Profile, x: Array) -> Iterator[str]:
+    for name in ("height", "slope"):
+        function = getattr(profile, name)
+        given = x[:6].copy()
+        whole = np.asarray(function(given))
+        size = float(np.max(np.abs(np.asarray(function(x)))))
+        if not np.array_equal(given, x[:6]):
+            yield f"{name}(x) changes the array it is given"
+        # A derived slope chooses its steps from all its points, so single values may differ a little.
+        tolerance = (_SLOPE if name == "slope" and profile.slope_is_derived else _SAME) * size
+        tries: list[tuple[str, Any, Array]] = [
+            ("a number", float(x[0]), whole[0]),
+            ("a list", x[:6].tolist(), whole),
+            ("an array of shape (2, 3)", x[:6].reshape(2, 3), whole.reshape(2, 3)),
+            ("an empty array", np.empty(0), np.empty(0)),
+        ]
+        for what, argument, expected in tries:
+            try:
+                got = np.asarray(function(argument))
+            except Exception as error:
+                yield f"{name}(x) raises {type(error).__name__} for {what}: {error}"
+                continue
+            if got.shape != np.shape(expected):
+                yield f"{name}(x) for {what} has shape {got.shape}, not {np.shape(expected)}"
+            elif np.any(np.abs(got - expected) > tolerance):
+                yield f"{name}(x) for {what} differs from its values elsewhere: it must work by elements"
+
+
+def _periodicity(profile: Profile, x: Array) -> Iterator[str]:
+    if profile.period is None:
+        return
+    for name in ("height", "slope"):
+        function = getattr(profile, name)
+        here = np.asarray(function(x))
+        size = np.ptp(here) if name == "height" else np.max(np.abs(here))
+        for turns in (-2, 1, 3):
+            off = np.abs(np.asarray(function(x + turns * profile.period)) - here)
+            if name == "height" and profile.support is not None:
+                off = off[np.isfinite(here)]
+            if off.size and not np.max(off) <= max(_SLOPE * size, 0.0):
+                i = int(np.argmax(off))
+                yield f"{name} is not periodic: at {x[i]:.6g} and {turns} period(s) on it differs by {off[i]:.3g}"
+                break
+
+
+def _slope(profile: Profile, x: Array) -> Iterator[str]:
+    slope = np.asarray(profile.slope(x))
+    lo, hi = float(x[0]), float(x[-1])
+    inside = x[(x > lo + 0.02 * (hi - lo)) & (x < hi - 0.02 * (hi - lo))] if _ends(profile) else x
+    length = profile.resolution or (hi - lo)
+    seen, spread = by_ladder(profile.height, inside, min(length, 0.1 * (hi - lo)))
+    scale = max(float(np.max(np.abs(slope))), float(np.max(np.abs(seen), initial=0.0)))
+    sure = spread <= 0.1 * _SLOPE * scale
+    if sure.mean() < 0.8:
+        yield f"height is not smooth: differences settle at {sure.sum()} of {sure.size} points (steps? noise?)"
+    off = np.where(sure, np.abs(np.asarray(profile.slope(inside)) - seen), 0.0)
+    if np.max(off, initial=0.0) > _SLOPE * scale:
+        i = int(np.argmax(off))
+        claimed = float(profile.slope(inside)[i])
+        yield (
+            f"slope disagrees with the height: slope({inside[i]:.6g}) = {claimed:.9g}, "
+            f"differences of the height give {seen[i]:.9g}"
+        )
+
+
+def _symmetry(profile: Profile, x: Array) -> Iterator[str]:
+    both = x[(-x >= x[0]) & (-x <= x[-1])]
+    if both.size == 0:
+        if profile.symmetric and profile.extent is None and profile.support is None:
+            yield "note: symmetric is claimed but the window has no point whose mirror image lies in it"
+        return
+    right, left = np.asarray(profile.height(both)), np.asarray(profile.height(-both))
+    off = float(np.max(np.abs(right - left)))
+    even = off <= _SLOPE * float(np.ptp(right)) or off == 0
+    if profile.symmetric and not even:
+        i = int(np.argmax(np.abs(right - left)))
+        yield f"symmetric is claimed, but height is {left[i]:.6g} at {-both[i]:.6g} and {right[i]:.6g} at {both[i]:.6g}"
+    if even and not profile.symmetric and both.size > x.size // 2:
+        yield "note: the height looks symmetric; a property symmetric = True would halve the work"
+
+
+def _kinks(profile: Profile, x: Array) -> Iterator[str]:
+    lo, hi = float(x[0]), float(x[-1])
+    width = hi - lo
+    if profile.period is not None:
+        # A cell that starts off any likely kink, so that the border of the profile's own cell lies inside.
+        width = profile.period
+        lo = profile.x0 - 0.0123456789 * width
+    scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
+    declared = np.asarray(profile.kinks, dtype=np.float64).reshape(-1, 2)
+    slope, reach = _sharp_slope(profile, width)
+    for s, jump in declared:
+        seen = float(np.diff(slope(np.array([s - 2 * reach, s + 2 * reach])))[0])
+        if abs(seen - jump) > _JUMP * max(scale, abs(jump)):
+            yield f"kink declared at {s:.6g} with jump {jump:.6g}: the slope jumps by {seen:.6g} there"
+    for s, jump in _jumps(slope, lo, lo + width, reach, scale):
+        at = float(profile.wrap(s)) if profile.period is not None else s
+        away = np.abs(declared[:, 0] - at)
+        if profile.period is not None:
+            away = np.minimum(away, profile.period - away)
+        if not np.any(away <= max(4 * reach, 1e-6 * width)):
+            yield f"the slope jumps by {jump:.6g} at {at:.9g}, and kinks does not say so"
+
+
+def _sharp_slope(profile: Profile, width: float) -> tuple[Callable[[Array], Array], float]:
+    """The slope and the distance at which its two sides can be told apart."""
+    if not profile.slope_is_derived:
+        return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width
+    # The derived slope is of no use beside a kink; short differences of the height blur it by their step only.
+    h = 1e-6 * width
+    return (lambda x: (np.asarray(profile.height(x + h)) - np.asarray(profile.height(x - h))) / (2 * h)), h
+
+
+def _jumps(
+    slope: Callable[[Array], Array], lo: float, hi: float, reach: float, scale: float
+) -> list[tuple[float, float]]:
+    """Where the slope jumps: intervals of a fine grid, halved towards the larger change down to `reach`."""
+    edges = np.linspace(lo, hi, 2001)
+    a, b = edges[:-1], edges[1:]
+    fa, fb = slope(a), slope(b)
+    while b[0] - a[0] > 4 * reach:
+        m = (a + b) / 2
+        fm = slope(m)
+        left = np.abs(fm - fa) >= np.abs(fb - fm)
+        a, fa = np.where(left, a, m), np.where(left, fa, fm)
+        b, fb = np.where(left, m, b), np.where(left, fm, fb)
+    found = np.abs(fb - fa) > _JUMP * scale
+    places: list[tuple[float, float]] = []
+    for s, jump in zip((a + b)[found] / 2, (fb - fa)[found], strict=True):
+        if not places or s - places[-1][0] > 16 * reach:
+            places.append((float(s), float(jump)))
+    return places
+
+
+def _summits(profile: Profile, x: Array) -> Iterator[str]:
+    if profile.summits is None:
+        return
+    tips = np.asarray(profile.summits, dtype=np.float64)
+    near = 1e-4 * (profile.resolution or float(x[-1] - x[0]))
+    top = np.asarray(profile.height(tips))
+    for side in (-near, near):
+        lower = np.asarray(profile.height(tips + side)) < top - _SAME * float(np.ptp(profile.height(x)))
+        if lower.any():
+            yield f"summits names {tips[lower].tolist()}, but the height is smaller beside: tips are its minima"
+            return
+
+
+def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
+    if profile.period is None:
+        return
+    at = x[:: max(1, x.size // 20)]
+    given = profile.slope_conjugate(at)
+    if given is None:
+        return
+    # (1/L) PV int f'(x - s) cot(pi s/L) ds by the midpoint rule, which the pole falls between.
+    n = 1 << 14
+    s = (np.arange(n) + 0.5) / n
+    slope = np.asarray(profile.slope(at[:, None] - profile.period * s))
+    expected = slope @ (1 / np.tan(np.pi * s)) / n
+    off = np.abs(np.asarray(given) - expected)
+    i = int(np.argmax(off))
+    if off[i] > _CONJUGATE * max(float(np.max(np.abs(slope))), float(np.max(np.abs(expected)))):
+        yield f"slope_conjugate({at[i]:.6g}) = {given[i]:.6g}, the integral of the slope gives {expected[i]:.6g}"
+
+
+def _ends(profile: Profile) -> bool:
+    return profile.period is None and (profile.support or profile.extent) is not None
+
+
+_CHECKS: tuple[tuple[str, Callable[[Profile, Array], Iterator[str]]], ...] = (
+    ("declarations", _declarations),
+    ("values", _values),
+    ("shapes", _shapes),
+    ("periodicity", _periodicity),
+    ("slope", _slope),
+    ("symmetry", _symmetry),
+    ("kinks", _kinks),
+    ("summits", _summits),
+    ("conjugate", _conjugate),
+)

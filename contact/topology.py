@@ -1,0 +1,172 @@
+"""Which zones there are: a first proposal, Newton on their ends, a look over the whole line, corrections, and again.
+
+The problem is convex, so zones whose pressure is positive inside and whose gap is positive outside are the solution.
+Where a sign fails, the number of zones was wrong: pressure that pulls inside a zone splits it, an overlap outside brings a
+new zone, zones that shrink away are dropped and zones that meet are merged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.certificate import Certificate, certify
+from contact.errors import NotConverged, OutOfRange
+from contact.fields import ZoneFields
+from contact.problem import Control, Problem
+
+Array = NDArray[np.float64]
+Progress = Callable[[str, int, int | None], None]
+
+ROUNDS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Zones that passed: the Newton result, the load-controlled fields, the certificate, the rounds it took."""
+
+    free: sie.Free
+    fields: ZoneFields
+    certificate: Certificate
+    rounds: int
+    control: Control
+
+
+class WrongTopology(Exception):
+    """The corrections did not lead to zones that pass; `free` is the last Newton result."""
+
+    def __init__(self, message: str, free: sie.Free | None) -> None:
+        super().__init__(message)
+        self.free = free
+
+
+def settle(
+    problem: Problem, control: Control, table: Array, tolerance: float, progress: Progress | None = None,
+    formal: bool = False,
+) -> Found:
+    """From proposed zones (n, 2) to zones that pass the certificate; WrongTopology if that fails.
+
+    formal: the zones are taken as they are, whatever the signs (a reference solution, not a contact).
+    """
+    free: sie.Free | None = None
+    value = 0.0
+    for done in range(1, ROUNDS + 1):
+        if len(table) == 0:
+            raise WrongTopology("all zones vanished", free)
+        if progress is not None:
+            progress("zones", done, None)
+        zones = kinds(problem, control, table)
+        free = sie.find_ends(problem.equation(control), zones, tolerance, value=value, walls=problem.walls)
+        if free.value is not None:
+            value = free.value
+        if len(free.lost) or len(free.met):
+            table = _dropped_or_merged(free, problem)
+            continue
+        if not free.converged:
+            raise WrongTopology("the zone ends did not settle", free)
+        _within_borders(problem, free.density.zones)
+        fields = load_controlled(problem, control, free, tolerance)
+        certificate = certify(fields, control.value if control.kind == "load" else None)
+        if certificate.holds or formal:
+            return Found(free, fields, certificate, done, control)
+        if control.kind == "half_width":
+            raise WrongTopology("pressure or gap change sign", free)
+        table = _corrected(free.density.zones, certificate, problem)
+    raise WrongTopology("the number of zones did not settle", free)
+
+
+def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
+    """Zones with the kinds of their ends: held at sharp corners and where the half width is given, else free."""
+    count = len(table)
+    left, right = [sie.FREE] * count, [sie.FREE] * count
+    if control.kind == "half_width":
+        left, right = [sie.BOUNDED] * count, [sie.BOUNDED] * count
+    lo, hi = problem.walls
+    table = np.clip(table, lo, hi)
+    if table[0, 0] == lo:
+        left[0] = sie.SINGULAR
+    if table[-1, 1] == hi:
+        right[-1] = sie.SINGULAR
+    return sie.Zones.of(table, left, right, symmetric=is_symmetric(problem, table))
+
+
+def is_symmetric(problem: Problem, table: Array) -> bool:
+    """Whether half of the zones need solving: profile and zones mirror each other about the origin."""
+    if not problem.profile.symmetric or problem.units.origin != 0.0 or problem.centre != 0.0:
+        return False
+    if problem.cell is not None and max(-table[0, 0], table[-1, 1]) >= 0.5 * problem.cell:
+        return False
+    width = table[:, 1] - table[:, 0]
+    return bool(np.all(np.abs(table + table[::-1, ::-1]) <= 0.25 * np.minimum(width, width[::-1])[:, None]))
+
+
+def load_controlled(problem: Problem, control: Control, free: sie.Free, tolerance: float) -> ZoneFields:
+    """The same zones under their load: fields, levels and stiffness are read from this state."""
+    if control.kind == "load":
+        return ZoneFields(problem, free.state)
+    zones = free.density.zones
+    total = free.density.total if free.value is None else free.value
+    left = [sie.FREE if end == sie.BOUNDED else end for end in zones.left]
+    right = [sie.FREE if end == sie.BOUNDED else end for end in zones.right]
+    ends = sie.Zones(zones.a, zones.b, left, right, zones.symmetric)
+    equation = problem.equation(Control("load", total))
+    state = sie.solve_fixed(equation, ends, max(0.1 * tolerance, 3e-16))
+    return ZoneFields(problem, replace(state, density=state.density.settled()))
+
+
+def _within_borders(problem: Problem, zones: sie.Zones) -> None:
+    lo, hi = problem.borders
+    if zones.a[0] <= lo or zones.b[-1] >= hi:
+        raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
+    if problem.period is not None and zones.b[-1] - zones.a[0] >= problem.period:
+        raise WrongTopology("the zones fill the period", None)
+
+
+def _dropped_or_merged(free: sie.Free, problem: Problem) -> Array:
+    table = free.density.zones.table
+    if len(free.met) and not len(free.lost):
+        rows = [list(row) for row in table]
+        for i in sorted(free.met, reverse=True):
+            if i + 1 < len(rows):
+                rows[i][1] = rows[i + 1][1]
+                del rows[i + 1]
+            elif len(rows) > 1 and problem.period is not None:
+                rows[i][1] = rows[0][1] + problem.period
+                del rows[0]
+        return np.array(rows)
+    return np.delete(table, free.lost, axis=0)
+
+
+def _corrected(zones: sie.Zones, certificate: Certificate, problem: Problem) -> Array:
+    """New zones: those with pulling parts cut out, and one in every overlap."""
+    if len(certificate.negative) == 0 and len(certificate.overlaps) == 0:
+        raise WrongTopology("the balance of load fails", None)
+    rows = []
+    for a, b in zones.table:
+        cuts = [(lo, hi) for lo, hi in certificate.negative if lo < b and hi > a]
+        left = a
+        for lo, hi in cuts:
+            if lo > left:
+                rows.append([left, lo])
+            left = max(left, hi)
+        if left < b:
+            rows.append([left, b])
+    for lo, hi in certificate.overlaps:
+        middle, half = 0.5 * (lo + hi), 0.35 * (hi - lo)
+        rows.append([middle - half, middle + half])
+    rows.sort()
+    table = np.array(rows)
+    keep = [0]
+    for k in range(1, len(table)):
+        if table[k, 0] > table[keep[-1], 1]:
+            keep.append(k)
+        else:
+            table[keep[-1], 1] = max(table[keep[-1], 1], table[k, 1])
+    table = table[keep]
+    if problem.period is not None and table[-1, 1] - table[0, 0] >= problem.period:
+        raise WrongTopology("the zones fill the period", None)
+    return np.asarray(table)

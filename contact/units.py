@@ -1,0 +1,27 @@
+"""Numbers for reading: SI prefixes so that a value stands between 1 and 1000."""
+
+from __future__ import annotations
+
+import math
+
+_PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+
+
+def prefix(magnitude: float) -> tuple[float, str]:
+    """Factor and SI prefix that bring a magnitude between 1 and 1000; 1 and none for zero and what is not finite."""
+    if not (math.isfinite(magnitude) and magnitude > 0.0):
+        return 1.0, ""
+    # log10 of 1e-6 may round to either side of -6.
+    power = 3 * math.floor(math.log10(magnitude) / 3.0 + 1e-12)
+    power = min(max(power, min(_PREFIXES)), max(_PREFIXES))
+    return 10.0**-power, _PREFIXES[power]
+
+
+def quantity(value: float | None, unit: str, digits: int = 4) -> str:
+    """A value with its prefixed unit, 'not defined' for None."""
+    if value is None:
+        return "not defined"
+    if not math.isfinite(value):
+        return "infinite" if value > 0 else str(value)
+    factor, letter = prefix(abs(value))
+    return f"{value * factor:.{digits}g} {letter}{unit}"

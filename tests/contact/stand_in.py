@@ -1,0 +1,98 @@
+"""A solution made of closed forms, for what only reads solutions: Westergaard's contact, repeated or one wave of it.
+
+p = (2 pi E* D/L) cos(pi x/L) sqrt(S^2 - s^2) on |x| < a, with s = sin(pi x/L), S = sin(pi a/L); the gap outside is
+2 D (s sqrt(s^2 - S^2) - S^2 arcosh(s/S)) (Johnson 1985, section 13.2; Goryacheva & Tsukanov 2020, (18)-(19)).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from contact.scene import Scene
+
+
+@dataclass(frozen=True)
+class StandInReport:
+    values: dict[str, Any]
+
+    def to_dict(self) -> dict[str, Any]:
+        return dict(self.values)
+
+
+@dataclass(frozen=True)
+class StandIn:
+    """Westergaard's solution for a wave of `amplitude`, `waves` of them in the scene's period."""
+
+    scene: Scene
+    amplitude: float
+    half_width: float
+    waves: int = 1
+    peak: float | None = None
+    error: float = 1e-14
+    certificate: StandInReport = field(
+        default_factory=lambda: StandInReport({"smallest_pressure": np.float64(0.0), "largest_gap": np.inf, "signs": True})
+    )
+    plan: StandInReport = field(default_factory=lambda: StandInReport({"rows": [{"name": "search", "used": False}]}))
+
+    @property
+    def wave(self) -> float:
+        return self.scene.profile.period / self.waves
+
+    @property
+    def _sine(self) -> float:
+        return float(np.sin(np.pi * self.half_width / self.wave))
+
+    @property
+    def zones(self) -> np.ndarray:
+        if self.half_width >= self.wave / 2:
+            return np.empty((0, 2))
+        middles = self.wave * (np.arange(self.waves) - self.waves // 2)
+        return middles[:, None] + np.array([-self.half_width, self.half_width])
+
+    @property
+    def zone_widths(self) -> np.ndarray:
+        return np.diff(self.zones).ravel()
+
+    @property
+    def zone_loads(self) -> np.ndarray:
+        return np.full(len(self.zones), self.mean_pressure * self.wave)
+
+    @property
+    def mean_pressure(self) -> float:
+        return float(np.pi * self.scene.E_star * self.amplitude / self.wave * self._sine**2)
+
+    @property
+    def load(self) -> float:
+        return self.mean_pressure * self.wave * self.waves
+
+    @property
+    def max_pressure(self) -> float:
+        return self.peak if self.peak is not None else 2.0 * self.mean_pressure / self._sine
+
+    @property
+    def contact_fraction(self) -> float:
+        return min(2.0 * self.half_width / self.wave, 1.0)
+
+    @property
+    def approach(self) -> float:
+        x = self.wave * (np.arange(4000) + 0.5) / 4000
+        return self.amplitude - float(np.mean(self.gap(x)))
+
+    def _s(self, x: Any) -> np.ndarray:
+        return np.abs(np.sin(np.pi * np.asarray(x, dtype=float) / self.wave))
+
+    def pressure(self, x: Any) -> np.ndarray:
+        s, sine = self._s(x), self._sine
+        factor = 2.0 * np.pi * self.scene.E_star * self.amplitude / self.wave
+        return factor * np.sqrt(1.0 - s**2) * np.sqrt(np.maximum(sine**2 - s**2, 0.0))
+
+    def gap(self, x: Any) -> np.ndarray:
+        sine = self._sine
+        s = np.maximum(self._s(x), sine)
+        return 2.0 * self.amplitude * (s * np.sqrt(s**2 - sine**2) - sine**2 * np.arccosh(s / sine))
+
+    def displacement(self, x: Any) -> np.ndarray:
+        return self.approach - self.scene.profile.height(x) + self.gap(x)

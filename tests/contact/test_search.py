@@ -1,0 +1,375 @@
+"""The grid contact and the zones read off it: closed forms, complementarity, inverse controls, iteration
+counts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from contact.errors import OutOfRange
+from contact.grid import GridState, Influence, solve_grid
+from contact.search import find_window, propose, zones_of
+
+Array = NDArray[np.float64]
+Shape = Callable[[Array], Array]
+E = 2.0
+CELL = (-0.5, 0.5)
+
+
+def midpoints(n: int, cell: tuple[float, float] = CELL) -> Array:
+    return np.asarray(cell[0] + (cell[1] - cell[0]) * (np.arange(n) + 0.5) / n)
+
+
+def sinusoid(at: float = 0.0) -> Shape:
+    return lambda x: 1.0 - np.cos(2.0 * np.pi * (x - at))
+
+
+def westergaard_load(a: float) -> float:
+    """Johnson (1985), 13.7: mean pressure pi E Delta / L sin^2(pi a / L), Delta = L = 1."""
+    return float(np.pi * E * np.sin(np.pi * a) ** 2)
+
+
+def hertz_load(a: float, radius: float) -> float:
+    return np.pi * E * a**2 / (4.0 * radius)
+
+
+def hertz_level(a: float, radius: float, datum: float) -> float:
+    """u(0) under the Hertz pressure: -(2P / pi E) <ln|x|/d> = (2P / pi E) (ln(2d/a) + 1/2)."""
+    return float(2.0 * hertz_load(a, radius) / (np.pi * E) * (np.log(2.0 * datum / a) + 0.5))
+
+
+def rough(waves: int, seed: int, hurst: float = 0.8) -> Shape:
+    """Self-affine with a sharp cut-off: amplitudes k^-(H + 1/2), random phases."""
+    rng = np.random.default_rng(seed)
+    k = np.arange(1, waves + 1)
+    amplitude, phase = k ** -(hurst + 0.5), 2.0 * np.pi * rng.random(waves)
+
+    def height(x: Array) -> Array:
+        n = len(x)
+        spectrum = np.zeros(n // 2 + 1, dtype=complex)
+        kept = k <= n // 2  # coarse grids see the long waves only
+        shift = 2.0 * np.pi * k[kept] * x[0]
+        spectrum[k[kept]] = 0.5 * n * amplitude[kept] * np.exp(1j * (phase[kept] + shift))
+        return np.asarray(np.fft.irfft(spectrum, n))
+
+    return height
+
+
+def end_errors(n: int, a: float, periodic: bool) -> float:
+    """Worst end error over positions of the tip within a cell (the tip at a grid point is a lucky case)."""
+    h, x, worst = 1.0 / n, midpoints(n), 0.0
+    for offset in np.linspace(0.0, 1.0, 7):
+        at = offset * h
+        if periodic:
+            state = solve_grid(sinusoid(at)(x), Influence.periodic(n, h, E), load=westergaard_load(a))
+        else:
+            state = solve_grid((x - at) ** 2 / 2.0, Influence.isolated(n, h, E), load=hertz_load(a, 1.0))
+        zones = zones_of(state, x)
+        assert zones.shape == (1, 2)
+        worst = max(worst, float(np.max(np.abs(zones - [[at - a, at + a]]))))
+    return worst
+
+
+def assert_complementary(state: GridState, tol: float = 1e-5) -> None:
+    p, h = state.pressure, state.influence.h
+    peak = p.max()
+    touch = state.contact
+    assert state.converged
+    assert np.all(p >= 0.0)
+    assert p.sum() * h == pytest.approx(state.load, rel=1e-12)
+    gap = state.influence.apply(p) + state.f - state.level
+    seen = np.isfinite(state.f)
+    assert np.allclose(gap[seen], state.gap[seen], atol=1e-12 * np.ptp(state.f[seen]))
+    # What an error of tol in p does to u on its own cell, times the log2(n) scales it adds up over.
+    slack = tol * peak * h / E * np.log2(len(p))
+    assert gap[~touch & seen].min(initial=0.0) >= -slack
+    assert np.abs(gap[touch]).max() <= slack * 10
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+def test_zone_ends_of_sinusoid_and_parabola_converge_linearly_in_the_cell(periodic: bool) -> None:
+    sizes = np.array([64, 128, 256, 512, 1024])
+    errors = np.array([end_errors(int(n), 0.2, periodic) for n in sizes])
+    assert np.all(errors < 0.4 / sizes)
+    rate = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+    assert -1.35 < rate < -0.8
+
+
+def test_a_wrong_load_is_seen_in_the_zone_ends() -> None:
+    x = midpoints(1024)
+    state = solve_grid(
+        sinusoid()(x), Influence.periodic(1024, 1 / 1024, E), load=1.05 * westergaard_load(0.2)
+    )
+    assert abs(zones_of(state, x)[0, 1] - 0.2) > 4 / 1024
+
+
+def test_the_hertz_pressure_and_approach_come_out_on_the_grid() -> None:
+    n, a, radius = 2048, 0.2, 1.5
+    x = midpoints(n)
+    influence = Influence.isolated(n, 1 / n, E, datum=3.0)
+    state = solve_grid(x**2 / (2 * radius), influence, load=hertz_load(a, radius))
+    exact = E / (2 * radius) * np.sqrt(np.maximum(a**2 - x**2, 0.0))
+    assert np.max(np.abs(state.pressure - exact)) < 0.1 * exact.max() * np.sqrt(
+        1 / (n * a)
+    )  # p ~ sqrt(d) at the ends
+    assert state.level == pytest.approx(hertz_level(a, radius, 3.0), rel=1e-5)
+
+
+def test_the_isolated_influence_of_a_uniform_pressure_is_the_closed_logarithmic_integral() -> None:
+    n, length = 256, 3.0
+    x = midpoints(n, (0.0, length))
+    u = Influence.isolated(n, length / n, E).apply(np.ones(n))
+    left, right = x, length - x
+    exact = -2.0 / (np.pi * E) * (left * np.log(left) + right * np.log(right) - length)
+    assert np.allclose(u, exact, atol=1e-12)
+
+
+def test_images_are_shifted_copies() -> None:
+    n, h, m = 64, 0.1, 2
+    rng = np.random.default_rng(1)
+    p = rng.random(n)
+    row = np.tile(p, 2 * m + 1)
+    expected = Influence.isolated(len(row), h, E).apply(row)
+    one = Influence.isolated(n, h, E, images=m).apply(p)
+    assert np.allclose(one, expected[m * n : (m + 1) * n], atol=1e-11)
+
+
+def test_neighbours_and_a_nominal_pressure_beyond_approach_the_periodic_contact() -> None:
+    """Nominal pressure q outside |x| < W adds (4 q / pi E) artanh(x / W) to f'; the error falls as (2m +
+    1)^-3."""
+    a, n = 0.35, 2**14
+    load = westergaard_load(a)
+    errors = []
+    for m in (0, 1, 2):
+        W = m + 0.5
+
+        def beyond(x: Array, W: float = W) -> Array:
+            extra = x * np.arctanh(x / W) + 0.5 * W * np.log1p(-((x / W) ** 2))
+            return np.asarray(4.0 * load / (np.pi * E) * extra)
+
+        found = propose(sinusoid(), CELL, E=E, load=load, periodic=False, images=m, points=n, extra=beyond)
+        errors.append(abs(found.zones[0, 1] - found.zones[0, 0] - 2 * a))
+    assert errors[0] > 20 * errors[1]  # the asymptotic rate sets in at m = 1
+    assert errors[1] / errors[2] == pytest.approx((5 / 3) ** 3, rel=0.1)
+
+
+@pytest.mark.parametrize("at", [0.45, -0.48, 0.5])
+def test_a_zone_across_the_border_is_listed_once_by_its_left_end(at: float) -> None:
+    found = propose(sinusoid(at), CELL, E=E, load=westergaard_load(0.1), resolution=1.0)
+    assert found.zones.shape == (1, 2)
+    left, right = found.zones[0]
+    assert CELL[0] <= left < CELL[1]
+    assert right - left == pytest.approx(0.2, abs=2 / found.points)
+    assert np.cos(2 * np.pi * (0.5 * (left + right) - at)) == pytest.approx(1.0, abs=1e-4)
+
+
+def test_a_biquadratic_touches_at_two_tips_and_a_heavier_one_in_one_zone() -> None:
+    def height(x: Array) -> Array:
+        return x**4 / 8.0 - x**2 / 4.0
+
+    light = find_window(height, E, load=0.02)
+    two = propose(height, light, E=E, load=0.02, periodic=False)
+    assert two.zones.shape == (2, 2)
+    assert np.allclose(two.zones, -two.zones[::-1, ::-1], atol=1e-9)
+    a, b = two.zones[1]
+    assert a**2 + b**2 == pytest.approx(2.0, abs=8 / two.points)  # isolated (38): exact
+    heavy = find_window(height, E, load=2.0)
+    assert propose(height, heavy, E=E, load=2.0, periodic=False).zones.shape == (1, 2)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("load", [1e-3, 0.3, 3.0, 12.0])
+def test_a_rough_contact_is_complementary_and_carries_its_load(seed: int, load: float) -> None:
+    found = propose(rough(60, seed), CELL, E=E, load=load, resolution=1 / 60, max_points=2**13)
+    assert_complementary(found.state)
+    zones = found.zones
+    assert np.all(zones[:, 1] > zones[:, 0])
+    assert np.all(zones[1:, 0] > zones[:-1, 1])
+    assert zones[-1, 1] < zones[0, 0] + 1.0
+    # each run of contact cells is one zone
+    touch = found.state.contact
+    assert len(zones) == np.count_nonzero(touch & ~np.roll(touch, 1))
+
+
+def test_the_contact_does_not_depend_on_the_start() -> None:
+    n = 1024
+    f = rough(100, 3)(midpoints(n))
+    influence = Influence.periodic(n, 1 / n, E)
+    reference = solve_grid(f, influence, load=1.0, tol=1e-10)
+    rng = np.random.default_rng(0)
+    for start in (rng.random(n), (np.arange(n) == 5).astype(float), rng.random(n) < 0.1):
+        other = solve_grid(f, influence, load=1.0, start=start, tol=1e-10)
+        assert np.array_equal(other.contact, reference.contact)
+        assert np.allclose(other.pressure, reference.pressure, atol=1e-8 * reference.pressure.max())
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+@pytest.mark.parametrize("load", [1e-3, 0.3, 3.0])
+def test_level_control_inverts_load_control(periodic: bool, load: float) -> None:
+    n = 1024
+    x = midpoints(n)
+    f = rough(50, 4)(x) if periodic else 10.0 * x**2 + 0.02 * np.cos(60 * x)
+    influence = Influence.periodic(n, 1 / n, E) if periodic else Influence.isolated(n, 1 / n, E, datum=2.0)
+    loaded = solve_grid(f, influence, load=load, tol=1e-9)
+    levelled = solve_grid(f, influence, level=loaded.level, tol=1e-9)
+    assert levelled.converged
+    assert levelled.load == pytest.approx(load, rel=1e-7)
+    assert np.array_equal(levelled.contact, loaded.contact)
+
+
+def test_the_compliance_under_level_control_is_the_slope_of_the_level() -> None:
+    n = 512
+    f = sinusoid()(midpoints(n))
+    influence = Influence.periodic(n, 1 / n, E)
+    state = solve_grid(f, influence, level=0.5, tol=1e-9)
+    step = 1e-5 * state.load
+    above = solve_grid(f, influence, load=state.load + step, tol=1e-11)
+    below = solve_grid(f, influence, load=state.load - step, tol=1e-11)
+    assert (above.level - below.level) / (2 * step) == pytest.approx(state.compliance, rel=1e-3)
+
+
+def test_a_level_below_the_profile_is_no_contact_and_one_above_its_mean_is_refused() -> None:
+    n = 128
+    f = sinusoid()(midpoints(n))
+    influence = Influence.periodic(n, 1 / n, E)
+    apart = solve_grid(f, influence, level=-0.1)
+    assert apart.load == 0.0 and not np.any(apart.contact) and np.allclose(apart.gap, f + 0.1)
+    with pytest.raises(OutOfRange):
+        solve_grid(f, influence, level=1.01)
+
+
+def test_an_approach_past_its_isolated_maximum_is_refused() -> None:
+    n = 512
+    x = midpoints(n, (-4.0, 4.0))
+    influence = Influence.isolated(n, 8 / n, E, datum=1.0)
+    largest = hertz_level(2.0, 1.0, 1.0)  # Hertz: at a = 2 datum
+    state = solve_grid(x**2 / 2.0, influence, level=0.98 * largest)
+    assert state.load < hertz_load(2.0, 1.0)
+    with pytest.raises(OutOfRange):
+        solve_grid(x**2 / 2.0, influence, level=1.01 * largest)
+
+
+def test_full_contact_is_said_and_has_no_gap_and_no_ends() -> None:
+    found = propose(sinusoid(), CELL, E=E, load=1.1 * np.pi * E, resolution=1.0)
+    assert found.full and found.resolved
+    assert found.zones.shape == (0, 2)
+    assert np.max(np.abs(found.state.gap)) < 1e-12
+    x = midpoints(found.points)
+    assert np.allclose(found.state.pressure, np.pi * E * (1.1 + np.cos(2 * np.pi * x)), atol=1e-10)
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-3, 2e-4])
+def test_a_small_gap_is_not_taken_for_full_contact(gap: float) -> None:
+    found = propose(sinusoid(), CELL, E=E, load=westergaard_load(0.5 - gap / 2), resolution=1.0)
+    assert not found.full
+    assert 1.0 - (found.zones[0, 1] - found.zones[0, 0]) == pytest.approx(gap, abs=2.0 / found.points)
+
+
+@pytest.mark.parametrize("a", [1e-2, 1e-3, 1e-4, 1e-6])
+def test_small_zones_are_found_by_refinement_and_below_it_by_hertz(a: float) -> None:
+    found = propose(sinusoid(), CELL, E=E, load=westergaard_load(a), resolution=1.0)
+    assert found.resolved == (a > 1e-5)
+    assert np.allclose(found.zones, [[-a, a]], rtol=0.0, atol=0.3 * a)
+
+
+def test_points_outside_the_support_never_touch_and_sharp_ends_keep_their_place() -> None:
+    n = 1024
+    x = midpoints(n)
+    f = np.where(np.abs(x) < 0.25, 0.0, np.inf)
+    state = solve_grid(f, Influence.isolated(n, 1 / n, E), load=1.0)
+    assert np.array_equal(state.contact, np.isfinite(f))
+    assert np.all(np.isinf(state.gap[~state.contact]))
+    assert np.allclose(zones_of(state, x), [[-0.25, 0.25]], atol=1e-12)
+    inner = np.abs(x) < 0.2
+    assert np.allclose(state.pressure[inner], 1.0 / (np.pi * np.sqrt(0.25**2 - x[inner] ** 2)), rtol=5e-3)
+
+
+@pytest.mark.parametrize("load", [0.3, 3.0])
+def test_iterations_on_a_rough_profile_do_not_grow_with_the_grid(load: float) -> None:
+    """One shape per size, as rough as the grid allows; the whole sequence of nested grids is counted."""
+    counts = []
+    for n in (2**10, 2**12, 2**14):
+        found = propose(rough(n // 16, 7), CELL, E=E, load=load, points=n)
+        assert found.points == n and found.state.converged
+        counts.append(found.iterations / np.log2(n))
+    assert counts[-1] < 25
+    assert counts[-1] < 2.0 * counts[0]
+
+
+def test_the_work_from_no_start_is_bounded_on_a_rough_profile_of_16384_points() -> None:
+    n = 2**14
+    state = solve_grid(rough(n // 16, 8)(midpoints(n)), Influence.periodic(n, 1 / n, E), load=1.0)
+    assert_complementary(state)
+    assert state.iterations < 300
+
+
+@pytest.mark.parametrize("radius", [1e-9, 1e-3, 1e6])
+@pytest.mark.parametrize("load", [1e-14, 1e-7, 1.0, 1e6])
+def test_a_window_is_found_around_a_parabola_of_any_scale(radius: float, load: float) -> None:
+    a = 2.0 * np.sqrt(radius * load / (np.pi * E))
+    low, high = find_window(lambda x: x**2 / (2 * radius), E, load=load)
+    assert low < -a and a < high
+    assert 0.15 < 2 * a / (high - low) < 0.8
+    found = propose(lambda x: x**2 / (2 * radius), (low, high), E=E, load=load, periodic=False)
+    assert np.allclose(found.zones, [[-a, a]], rtol=0.0, atol=0.05 * a)
+    assert not found.touches_border
+
+
+@pytest.mark.parametrize("slope", [1e-6, 1.0])
+@pytest.mark.parametrize("load", [1e-12, 1.0, 1e6])
+def test_a_window_is_found_around_a_wedge(slope: float, load: float) -> None:
+    a = load / (E * slope)  # the wedge's mean pressure E slope / 2
+    low, high = find_window(lambda x: slope * np.abs(x), E, load=load)
+    found = propose(lambda x: slope * np.abs(x), (low, high), E=E, load=load, periodic=False)
+    assert 0.15 < 2 * a / (high - low) < 0.8
+    assert np.allclose(found.zones, [[-a, a]], rtol=0.0, atol=0.05 * a)
+
+
+@pytest.mark.parametrize(
+    "height",
+    [
+        lambda x: (x - 1e3) ** 2,
+        lambda x: x**4 / 8e-12 - x**2 / 4.0,
+        lambda x: x**6 + 0.3 * x**3 - x,
+        lambda x: 1e-3 * (x + 7.0) ** 2 - 4.0,
+    ],
+)
+@pytest.mark.parametrize("load", [1e-8, 1.0, 1e4])
+def test_a_window_is_found_around_a_polynomial(height: Shape, load: float) -> None:
+    window = find_window(height, E, load=load)
+    found = propose(height, window, E=E, load=load, periodic=False)
+    assert not found.touches_border
+    extent = found.zones[-1, 1] - found.zones[0, 0]
+    assert 0.1 < extent / (window[1] - window[0]) < 0.8
+
+
+@pytest.mark.parametrize("datum", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("ratio", [1e-4, 0.1, 1.9])
+def test_a_window_is_found_from_the_approach(datum: float, ratio: float) -> None:
+    a, radius = ratio * datum, 10.0
+    level = hertz_level(a, radius, datum)
+
+    def height(x: Array) -> Array:
+        return x**2 / (2 * radius)
+
+    window = find_window(height, E, level=level, datum=datum)
+    found = propose(height, window, E=E, level=level, periodic=False, datum=datum)
+    assert np.allclose(found.zones, [[-a, a]], rtol=0.0, atol=0.05 * a)
+
+
+def test_limits_are_kept_and_a_contact_that_reaches_them_says_so() -> None:
+    limits = (-1.0, 1.0)
+    assert find_window(lambda x: x**2 / 2, E, load=10.0, limits=limits) == limits
+    assert propose(lambda x: x**2 / 2, limits, E=E, load=10.0, periodic=False).touches_border
+    nearly = hertz_load(0.85, 1.0)
+    assert find_window(lambda x: x**2 / 2, E, load=nearly, limits=limits) == limits
+    low, high = find_window(lambda x: x**2 / 2, E, load=1e-6, limits=limits)
+    assert -1.0 < low < 0.0 < high < 1.0
+
+
+def test_a_profile_without_a_bottom_is_refused() -> None:
+    with pytest.raises(OutOfRange):
+        find_window(lambda x: x**3, E, load=1.0)
