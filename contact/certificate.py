@@ -7,6 +7,7 @@ sign of the gap is that of the pressure's slope A there, since gap ~ (4 A / 3) d
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -114,12 +115,13 @@ def _gaps(fields: ZoneFields) -> tuple[float | None, Array, float, int]:
     rounding, points = fields.gap_rounding, 0
     for lo, hi, left_zone, right_zone in fields.open_intervals():
         x = _between(lo, hi, fields.spacing, left_zone, right_zone)
-        gap = fields.scaled_gap(x)
+        scaled_gap = fields.gap_between(lo, hi)
+        gap = scaled_gap(x)
         points += len(x)
         finite = np.where(np.isfinite(gap), gap, np.inf)
         if not np.any(np.isfinite(finite)):
             continue
-        finite, x = _zoom(fields, x, finite)
+        finite, x = _zoom(scaled_gap, x, finite)
         here = float(finite.min())
         smallest = here if smallest is None else min(smallest, here)
         fails = finite < -rounding
@@ -143,7 +145,7 @@ def _between(lo: float, hi: float, spacing: float, left_zone: bool, right_zone: 
     return np.asarray(lo + (hi - lo) * s)
 
 
-def _zoom(fields: ZoneFields, x: Array, gap: Array) -> tuple[Array, Array]:
+def _zoom(scaled_gap: Callable[[Array], Array], x: Array, gap: Array) -> tuple[Array, Array]:
     """Follow the few lowest minima of the sampled gap below the sampling; returns samples with those points added."""
     inner = np.flatnonzero((gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:])) + 1
     if len(inner) == 0:
@@ -152,7 +154,7 @@ def _zoom(fields: ZoneFields, x: Array, gap: Array) -> tuple[Array, Array]:
     lo, hi = x[inner - 1], x[inner + 1]
     for _ in range(3):
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
-        value = fields.scaled_gap(fine.ravel()).reshape(fine.shape)
+        value = scaled_gap(fine.ravel()).reshape(fine.shape)
         value = np.where(np.isfinite(value), value, np.inf)
         best = np.clip(np.argmin(value, axis=1), 1, 7)
         rows = np.arange(len(best))

@@ -1,4 +1,4 @@
-"""Validators of single fields: each returns the value in its plain type or raises a SceneError that names it."""
+"""Validators of single fields: each returns the value in its plain type or raises SceneError."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,6 +14,8 @@ from contact.problem import Problem
 
 Array = NDArray[np.float64]
 
+# Zones from which on the potential of far ones is interpolated.
+_MANY = 8
 # How far from the zones a half-line is looked at, in units of what the zones span.
 _FAR = 1e3
 
@@ -98,7 +100,8 @@ class ZoneFields:
             yield last, hi, True, False
 
     def _cuts(self, lo: float, hi: float) -> Array:
-        kinks = self.problem.forcing.steps_at
+        forcing = self.problem.forcing
+        kinks = forcing.steps_at[forcing.orders == 0]
         inner = kinks[(kinks > lo) & (kinks < hi)]
         count = int(np.clip((hi - lo) / self.spacing * 2, 1, 4000))
         return np.unique(np.concatenate((np.linspace(lo, hi, count + 1), inner)))
@@ -113,9 +116,19 @@ class ZoneFields:
         shape = self.problem.shape(x)
         return np.where(self.inside(x), 0.0, shape + self.level + self._sunk(x))
 
+    def gap_between(self, lo: float, hi: float) -> Callable[[Array], Array]:
+        """The scaled gap as a function on an interval without contact; cheap at many points where zones are many."""
+        if len(self.density.zones) < _MANY:
+            return self.scaled_gap
+        potential = sie.LocalPotential.on(self.density, lo, hi)
+        return lambda x: self.problem.shape(x) + self.level + self._raised(x, potential(x))
+
     def _sunk(self, x: Array) -> Array:
         """Displacement -V + lambda C; not less than its level on the zones."""
-        out = -self.density.potential(x)
+        return self._raised(x, self.density.potential(x))
+
+    def _raised(self, x: Array, potential: Array) -> Array:
+        out = -potential
         for amplitude, column in zip(self.density.amplitudes, self.problem.columns, strict=True):
             assert column.primitive is not None
             out = out + amplitude * column.primitive(x)

@@ -163,7 +163,7 @@ def subtract_trend(x: Array, height: Array, kind: str) -> Array:
 
 
 def taper_ends(x: Array, height: Array, fraction: float) -> Array:
-    """Heights blended at both ends into their mean there by w = (1 - cos(pi s))/2, with slope 0 at the ends."""
+    """Heights blended at both ends into their mean there by w = (1 - cos(pi s))/2; end slopes are 0."""
     length = x[-1] - x[0]
     s = np.minimum(1.0, np.minimum(x - x[0], x[-1] - x) / (_fraction(fraction) * length))
     common = float(np.mean(height[s < 1]))

@@ -110,15 +110,18 @@ class Problem:
     @cached_property
     def forcing(self) -> sie.Forcing:
         units, profile = self.units, self.profile
-        kinks = profile.kinks
-        at = np.asarray(units.scaled(kinks[:, 0]))
+        kinks, jumps = profile.kinks, profile.jumps
+        at = np.asarray(units.scaled(np.concatenate((kinks[:, 0], jumps[:, 0]))))
+        # A jump of f^(n) is one of the slope's derivative of order n - 1.
+        orders = np.concatenate((np.zeros(len(kinks), dtype=np.intp), jumps[:, 1].astype(np.intp) - 1))
+        heights = np.concatenate((kinks[:, 1], jumps[:, 2])) * units.length**orders / units.slope
         if self.period is not None and len(at):
             at = at - np.round((at - self.centre) / self.period) * self.period
 
         def value(x: Array) -> Array:
             return np.asarray(profile.slope(units.x(x))) / units.slope
 
-        return sie.Forcing(value, self.shape, at, kinks[:, 1] / units.slope)
+        return sie.Forcing(value, self.shape, at, heights, orders)
 
     def shape(self, x: Array) -> Array:
         """F = (f - min f) / (slope length)."""

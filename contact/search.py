@@ -305,6 +305,6 @@ class _Window:
         return window
 
     def _compliance(self, state: GridState) -> float:
-        """d level / d load = -(2 / pi E) ln(capacity / datum) of the contact set: a flat punch of its form."""
+        """d level / d load = -(2 / pi E) ln(capacity / datum) of the contact set, as a flat punch."""
         flat = np.where(state.contact, 0.0, np.inf)
         return solve_grid(flat, state.influence, load=1.0, tol=1e-3).level

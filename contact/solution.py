@@ -114,7 +114,7 @@ class Solution:
             left, right = density.intensities
             if max(left.max(), right.max()) > 1e-12 * np.abs(density.coefficients).max():
                 return np.inf
-        if np.any(density.steps.height > 0):
+        if np.any((density.steps.height > 0) & (density.steps.order == 0)):
             return np.inf
         peak, zone = -np.inf, 0
         counts = np.clip([2 * np.count_nonzero(c) for c in density.coefficients], 24, 4096)

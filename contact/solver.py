@@ -193,8 +193,8 @@ class _Run:
         return self._search(problem, self.control)
 
     def _search(self, problem: Problem, control: Control, start: Array | None = None) -> Found | None:
-        if self._is_full(control):
-            return None
+        if control.kind == "approach":
+            self._below_full_approach(control)
         if start is not None:
             try:
                 return settle(problem, control, start, self.tolerance, self.progress)
@@ -204,30 +204,31 @@ class _Run:
             a = control.value
             return self._settled(problem, control, np.array([[-a, a]]))
         if self.single:
+            # Only wide zones can be near full contact, and only then is it worth finding out where it begins.
+            period = self.problem.period
+            wide = period is not None and guess_half_width(problem, control) > 0.25 * period
+            if wide and self._is_full(control):
+                return None
             found = self._from_one_zone(problem, control)
             if found is not None:
                 return found
         return self._from_grid(problem, control)
 
     def _is_full(self, control: Control) -> bool:
-        if self.scene.interaction.images is not None or has_kinked_valley(self.scene.profile):
+        """Whether the load is that of full contact or above."""
+        if control.kind != "load" or self.scene.interaction.images is not None:
             return False
-        period = self.problem.period
-        assert period is not None
-        units = self.problem.units
-        if control.kind == "load":
-            # A profile whose highest H f' is far above the mean pressure is not worth the search for it.
-            if self.single and guess_half_width(self.problem, control) < 0.25 * period:
-                return False
-            return control.value / period * units.pressure >= self._full_pressure()
-        if control.kind == "approach":
-            highest = mean_shape(self.problem)
-            if control.value >= highest:
-                raise OutOfRange(
-                    f"approach {control.value * units.height:.6g} m is not below {highest * units.height:.6g} m, the mean of "
-                    "the profile: there it is in full contact, at any load above the smallest"
-                )
-        return False
+        return self._mean_pressure() >= self._full_pressure()
+
+    def _below_full_approach(self, control: Control) -> None:
+        if self.scene.interaction.images is not None or has_kinked_valley(self.scene.profile):
+            return
+        highest, units = mean_shape(self.problem), self.problem.units
+        if control.value >= highest:
+            raise OutOfRange(
+                f"approach {control.value * units.height:.6g} m is not below {highest * units.height:.6g} m, the mean of "
+                "the profile: there it is in full contact, at any load above the smallest"
+            )
 
     def _settled(self, problem: Problem, control: Control, table: Array) -> Found:
         try:
@@ -287,6 +288,9 @@ class _Run:
             search.detail = f"{points} points, {len(table)} zones proposed"
             if border:
                 raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
+            wide = problem.period is not None and (full or np.sum(table[:, 1] - table[:, 0]) > 0.4 * problem.period * problem.units.length)
+            if wide and self._is_full(control):
+                return None
             if not full and len(table):
                 with self.plan.timed("zone ends"):
                     try:

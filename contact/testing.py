@@ -54,7 +54,7 @@ class Report:
 
 
 def check_profile(profile: Profile, window: tuple[float, float] | None = None, raises: bool = True) -> Report:
-    """Check a profile on `window`: left out, its support, extent or cell, or a length guessed from its fields.
+    """Check a profile on `window`: left out, its support, extent, cell or a length among its fields.
 
     Raises ProfileFault if anything is wrong, or returns the report either way with raises=False.
     """
@@ -132,7 +132,7 @@ def _declarations(profile: Profile, x: Array) -> Iterator[str]:
     if profile.resolution is not None and not profile.resolution > 0:
         yield f"resolution is {profile.resolution!r}: it must be > 0 or None"
     if not dataclasses.is_dataclass(profile) or not profile.__dataclass_params__.frozen:
-        yield "note: not a frozen dataclass: if it is changed after a solve, the solution is of another profile"
+        yield "note: not a frozen dataclass: changed after a solve, it is not what was solved"
 
 
 def _values(profile: Profile, x: Array) -> Iterator[str]:
@@ -193,7 +193,7 @@ def _periodicity(profile: Profile, x: Array) -> Iterator[str]:
                 off = off[np.isfinite(here)]
             if off.size and not np.max(off) <= max(_SLOPE * size, 0.0):
                 i = int(np.argmax(off))
-                yield f"{name} is not periodic: at {x[i]:.6g} and {turns} period(s) on it differs by {off[i]:.3g}"
+                yield f"{name} is not periodic: at {x[i]:.6g} and {turns} period(s) on it off by {off[i]:.3g}"
                 break
 
 
@@ -206,7 +206,7 @@ def _slope(profile: Profile, x: Array) -> Iterator[str]:
     scale = max(float(np.max(np.abs(slope))), float(np.max(np.abs(seen), initial=0.0)))
     sure = spread <= 0.1 * _SLOPE * scale
     if sure.mean() < 0.8:
-        yield f"height is not smooth: differences settle at {sure.sum()} of {sure.size} points (steps? noise?)"
+        yield f"height is not smooth: differences settle at {sure.sum()} of {sure.size} points (steps?)"
     off = np.where(sure, np.abs(np.asarray(profile.slope(inside)) - seen), 0.0)
     if np.max(off, initial=0.0) > _SLOPE * scale:
         i = int(np.argmax(off))
@@ -228,7 +228,8 @@ def _symmetry(profile: Profile, x: Array) -> Iterator[str]:
     even = off <= _SLOPE * float(np.ptp(right)) or off == 0
     if profile.symmetric and not even:
         i = int(np.argmax(np.abs(right - left)))
-        yield f"symmetric is claimed, but height is {left[i]:.6g} at {-both[i]:.6g} and {right[i]:.6g} at {both[i]:.6g}"
+        at = f"{left[i]:.6g} at {-both[i]:.6g} and {right[i]:.6g} at {both[i]:.6g}"
+        yield f"symmetric is claimed, but the height is {at}"
     if even and not profile.symmetric and both.size > x.size // 2:
         yield "note: the height looks symmetric; a property symmetric = True would halve the work"
 
@@ -260,7 +261,7 @@ def _sharp_slope(profile: Profile, width: float) -> tuple[Callable[[Array], Arra
     """The slope and the distance at which its two sides can be told apart."""
     if not profile.slope_is_derived:
         return (lambda x: np.asarray(profile.slope(x))), 1e-10 * width
-    # The derived slope is of no use beside a kink; short differences of the height blur it by their step only.
+    # The derived slope is no use beside a kink; short differences of the height blur it by their step only.
     h = 1e-6 * width
     return (lambda x: (np.asarray(profile.height(x + h)) - np.asarray(profile.height(x - h))) / (2 * h)), h
 
@@ -295,7 +296,7 @@ def _summits(profile: Profile, x: Array) -> Iterator[str]:
     for side in (-near, near):
         lower = np.asarray(profile.height(tips + side)) < top - _SAME * float(np.ptp(profile.height(x)))
         if lower.any():
-            yield f"summits names {tips[lower].tolist()}, but the height is smaller beside: tips are its minima"
+            yield f"summits names {tips[lower].tolist()}, but the height is smaller beside: tips are minima"
             return
 
 
@@ -314,7 +315,7 @@ def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
     off = np.abs(np.asarray(given) - expected)
     i = int(np.argmax(off))
     if off[i] > _CONJUGATE * max(float(np.max(np.abs(slope))), float(np.max(np.abs(expected)))):
-        yield f"slope_conjugate({at[i]:.6g}) = {given[i]:.6g}, the integral of the slope gives {expected[i]:.6g}"
+        yield f"slope_conjugate({at[i]:.6g}) = {given[i]:.6g}, the slope's integral is {expected[i]:.6g}"
 
 
 def _ends(profile: Profile) -> bool:

@@ -91,7 +91,10 @@ def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
         left[0] = sie.SINGULAR
     if table[-1, 1] == hi:
         right[-1] = sie.SINGULAR
-    return sie.Zones.of(table, left, right, symmetric=is_symmetric(problem, table))
+    symmetric = is_symmetric(problem, table)
+    if symmetric:
+        table = 0.5 * (table - table[::-1, ::-1])
+    return sie.Zones.of(table, left, right, symmetric=symmetric)
 
 
 def is_symmetric(problem: Problem, table: Array) -> bool:

@@ -30,6 +30,9 @@ from sie.zones import Zones
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
+# Most quadrature nodes a zone spends on the weight of a side condition.
+_LARGEST_WEIGHT = 8192
+
 
 @dataclass(frozen=True, eq=False)
 class Layout:
@@ -194,12 +197,17 @@ class System:
         self.known = steps.t_coefficients(zones, int(m.max()) + 1)
         self.targets = Targets.lobatto(zones, zones.solved, m)
         self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
+        self.source_tail = 0.0
 
     # rows of the equation -------------------------------------------------------------------------------------------
     def equation_rows(self) -> tuple[Array, Array]:
         """(matrix, right side), the rows k = 1 ... m of each solved zone (even k only for a central symmetric one)."""
         layout, zones = self.layout, self.zones
         raw = fields(zones, self.equation.kernel, self.targets, layout, "transform")
+        if self.equation.kernel.reach == 0.0:
+            # A regular kernel of unknown reach: its last coefficients in xi tell whether they are enough.
+            last = np.concatenate([layout.offset[i] + np.arange(max(0, m - 2), m + 1) for i, m in enumerate(layout.m)])
+            self.source_tail = float(np.abs(raw[:, last]).max() / max(1.0, np.abs(raw).max()))
         for k, column in enumerate(self.equation.columns):
             raw[:, layout.coefficients + k] = -column.value(self.targets.x)
         blocks, rights = [], []
@@ -242,16 +250,24 @@ class System:
     def integrals(self, weight: Callable[[Array], Array]) -> Linear:
         rows, constants = self._zero_rows(), np.zeros(len(self.zones.solved))
         for place, i in enumerate(self.zones.solved):
-            size = max(self.g.shape[1], int(self.layout.m[i]) + 1, 16) + 16
-            x = self.zones.middle[i] + self.zones.half[i] * chebyshev.gauss(size)
-            values = (np.pi * self.zones.half[i] / size) * (weight(x) @ chebyshev.t_matrix(size, size))
             m = int(self.layout.m[i])
+            values = np.pi * self.zones.half[i] * self._moments(weight, i, max(self.g.shape[1], m + 1, 16) + 16)
+            size = len(values)
             rows[place, self.layout.offset[i] : self.layout.offset[i] + m + 1] = values[: m + 1]
             beyond = -self.g[i, m + 1 :]
             constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
             if len(self.steps):
                 constants[place] += values @ self.steps.t_coefficients(self.zones, size)[i]
         return rows, constants
+
+    def _moments(self, weight: Callable[[Array], Array], zone: int, size: int) -> Array:
+        """Means of weight times T_l over a zone (weight 1 / sqrt(1 - t^2)), as many as it takes them to decay."""
+        while True:
+            x = self.zones.middle[zone] + self.zones.half[zone] * chebyshev.gauss(size)
+            values = chebyshev.t_means(np.broadcast_to(np.asarray(weight(x), dtype=float), x.shape))
+            if np.abs(values[-8:]).max() <= 1e-14 * np.abs(values).max() or size >= _LARGEST_WEIGHT:
+                return values
+            size *= 2
 
     def intensities(self) -> tuple[Linear, Linear]:
         left, right = self._zero_rows(), self._zero_rows()
@@ -312,8 +328,6 @@ class System:
         w = zones.half[solved]
         mean = 0.5 * (forcing.primitive(zones.a[solved]) + forcing.primitive(zones.b[solved]))
         if len(self.steps):
-            past = self.steps.primitive(solved, np.full(len(solved), 2.0))
-            # At the ends the linear part (J phi / pi)(x - middle) cancels between left and right.
-            mean = mean - 0.5 * w * past + w * self.steps.primitive_means(zones)[solved]
+            mean = mean + w * self.steps.mean_offsets(zones)[solved]
         k = np.arange(2, self.g.shape[1], 2)
         return np.asarray(mean - w * (self.g[solved][:, k] @ (1 / k)))

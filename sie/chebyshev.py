@@ -74,6 +74,11 @@ def t_matrix(n: int, count: int) -> Array:
     return np.asarray(np.cos(np.outer((np.arange(n) + 0.5) * (np.pi / n), np.arange(count))))
 
 
+def t_means(values: Array) -> Array:
+    """Means of f T_l, l = 0 ... n - 1, with the weight 1 / sqrt(1 - t^2), from f at the n nodes of `gauss`."""
+    return np.asarray(fft.dct(values, type=2) / (2 * len(values)))
+
+
 def bounded_part(c: Array) -> tuple[Array, Array, Array]:
     """Split sum c_j T_j / sqrt(1-t^2) into (alpha + beta t) / sqrt(1-t^2) + sqrt(1-t^2) sum u_k U_k.
 

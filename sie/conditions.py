@@ -79,7 +79,10 @@ class Total(Condition):
 
 @dataclass(frozen=True)
 class Weighted(Condition):
-    """The integral of weight(x) times the density over all zones: a moment, a mean, any linear functional."""
+    """The integral of weight(x) times the density over all zones: a moment, a mean, any linear functional.
+
+    The weight is smooth on each zone. Of a symmetric set only the even part of the weight counts.
+    """
 
     weight: Callable[[Array], Array]
     value: float
@@ -88,9 +91,12 @@ class Weighted(Condition):
         return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
-        matrix, constants = system.integrals(self.weight)
+        matrix, constants = system.integrals(self._even if system.zones.symmetric else self.weight)
         weight = system.multiplicity()
         return (weight @ matrix)[None], np.array([weight @ constants]), np.array([self.value])
+
+    def _even(self, x: Array) -> Array:
+        return np.asarray(0.5 * (self.weight(x) + self.weight(-x)))
 
 
 def moment(value: float, about: float = 0.0) -> Weighted:

@@ -56,6 +56,12 @@ class Density:
         return other
 
     @cached_property
+    def _bounded_ends(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Whether the density vanishes at the left and at the right end of each zone, by the kind of the end."""
+        zones = self.zones
+        return np.array([e.intensity == 0.0 for e in zones.left]), np.array([e.intensity == 0.0 for e in zones.right])
+
+    @cached_property
     def totals(self) -> Array:
         """Integral over each zone (Z,)."""
         first = self.steps.t_coefficients(self.zones, 1)[:, 0]
@@ -101,15 +107,19 @@ class Density:
         zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), *map(_float, (left, right)))
         alpha, beta, u = self._bounded
         root = np.sqrt(left * right)
-        theta = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))
         with np.errstate(divide="ignore", invalid="ignore"):
             a, b = alpha[zone], beta[zone]
             edge = (a + b * 0.5 * (left - right)) / root
-            out = np.where((a == 0) & (b == 0), 0.0, edge) + self._sine_sum(u, zone, theta)
-        for k in range(len(self.steps)):
-            here = zone == self.steps.zone[k]
+            no_edge = (a == 0) & (b == 0)
+            if not np.all(root):
+                # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
+                zero_left, zero_right = self._bounded_ends
+                no_edge |= (left == 0) & zero_left[zone] | (right == 0) & zero_right[zone]
+            out = np.where(no_edge, 0.0, edge) + self._sine_sum(u, zone, _angle(left, right), left < right)
+        for i in self.steps.by_zone:
+            here = zone == i
             if np.any(here):
-                out[here] += self.steps.density(k, left[here], right[here])
+                out[here] += self.steps.density(i, left[here], right[here])
         return np.asarray(out)
 
     def at_t(self, zone: ArrayLike, t: ArrayLike) -> Array:
@@ -117,20 +127,23 @@ class Density:
         t = _float(t)
         return self.at(zone, 1 + t, 1 - t)
 
-    def _sine_sum(self, u: Array, zone: Index, theta: Array) -> Array:
-        """sum_k u_k sin((k+1) theta), the bounded part; zones one after the other, in blocks of bounded memory."""
-        out = np.zeros(theta.shape)
-        flat_zone, flat_theta, flat_out = zone.ravel(), theta.ravel(), out.reshape(-1)
+    def _sine_sum(self, u: Array, zone: Index, angle: Array, flip: NDArray[np.bool_]) -> Array:
+        """sum_k u_k sin((k+1) theta), by the angle from the nearer end, theta = pi - angle where `flip`: no digit is lost
+        near either end. Zones one after the other, in blocks of bounded memory."""
+        out = np.zeros(angle.shape)
+        flat_zone, flat_angle, flat_flip, flat_out = zone.ravel(), angle.ravel(), flip.ravel(), out.reshape(-1)
         for i in np.unique(flat_zone):
             here = np.flatnonzero(flat_zone == i)
             row = np.trim_zeros(u[i], "b")
             if len(row) == 0:
                 continue
             k = np.arange(1, len(row) + 1)
+            both = np.column_stack((row, row * (2.0 * (k % 2) - 1.0)))
             block = max(1, _CHUNK * 4 // len(row))
             for s in range(0, len(here), block):
                 part = here[s : s + block]
-                flat_out[part] = np.sin(flat_theta[part][:, None] * k) @ row
+                sums = np.sin(flat_angle[part][:, None] * k) @ both
+                flat_out[part] = np.where(flat_flip[part], sums[:, 1], sums[:, 0])
         return out
 
     def locate(self, x: ArrayLike) -> tuple[Array, Index, NDArray[np.bool_]]:
@@ -146,7 +159,7 @@ class Density:
     def __call__(self, x: ArrayLike) -> Array:
         """Density at x (any shape), zero off the zones."""
         x, i, inside = self.locate(x)
-        out = np.zeros(x.shape)
+        out = np.where(np.isnan(x), np.nan, 0.0)
         z, w = i[inside], self.zones.half[i[inside]]
         out[inside] = self.at(z, (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w)
         return out
@@ -160,6 +173,17 @@ class Density:
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
             raise ValueError("the regular kernel has no potential")
         return self._evaluate(x, self._potential_pairs, self.kernel.regular_potential)
+
+    def potential_along(self, x: Array) -> Array:
+        """The potential at points x (n,) taken where they are, not moved by periods."""
+        total = self._regular_field(x, self.kernel.regular_potential) if self.kernel.regular_potential else np.zeros(x.shape)
+        for shift in self.kernel.poles:
+            total += self._potential_pairs(x, shift)
+        return total
+
+    def potential_of(self, x: Array, shift: float, chosen: Index) -> Array:
+        """What the chosen zones, moved by one of the kernel's poles, add to the potential at points x (n,)."""
+        return self._potential_pairs(x, shift, chosen)
 
     def _evaluate(self, x: ArrayLike, pairs, regular) -> Array:  # type: ignore[no-untyped-def]
         x = _float(x)
@@ -200,52 +224,64 @@ class Density:
             c = self.coefficients
             own = self._own_transform(i, left[p, i], right[p, i])
             np.add.at(out, p, own)
-            if len(self.steps):
-                passed = self.steps.value(i, left[p, i])
-                np.add.at(out, p, passed - self.steps.offsets(self.zones)[i])
-        for k in range(len(self.steps)):
-            i = self.steps.zone[k]
-            out += np.where(on[:, i], 0.0, self.steps.transform(k, rho[:, i]))
+        for i in self.steps.by_zone:
+            here = on[:, i]
+            out[here] += self.steps.own_transform(i, left[here, i])
+            away = ~here
+            out[away] += self.steps.transform(i, z[away, i], rho[away, i])
         return np.asarray(out)
 
     def _own_transform(self, zone: Index, left: Array, right: Array) -> Array:
         """-sum c_j U_{j-1}(t) on the zones, by the angle from the nearer end."""
         c = self.coefficients[:, 1:]
-        j = np.arange(1, c.shape[1] + 1)
-        flip = left < right
-        angle = 2 * np.arctan2(np.sqrt(np.minimum(left, right)), np.sqrt(np.maximum(left, right)))
-        sign = 1.0 - 2.0 * ((j - 1) % 2)
-        out = np.empty(len(zone))
-        for table, chosen in ((c, ~flip), (c * sign, flip)):
-            part, at_end = chosen & (angle > 0), chosen & (angle == 0)
-            out[part] = -self._sine_sum(table, zone[part], angle[part]) / np.sin(angle[part])
-            out[at_end] = -table[zone[at_end]] @ j
+        flip, angle = left < right, _angle(left, right)
+        with np.errstate(invalid="ignore"):
+            out = -self._sine_sum(c, zone, angle, flip) / np.sin(angle)
+        for place in np.flatnonzero(angle == 0):
+            j = np.arange(1, c.shape[1] + 1)
+            sign = 2.0 * (j % 2) - 1.0 if flip[place] else 1.0
+            out[place] = -c[zone[place]] @ (j * sign)
         return out
 
-    def _potential_pairs(self, x: Array, shift: float) -> Array:
-        left, right = self._geometry(x, shift)
+    @cached_property
+    def _potential_coefficients(self) -> Array:
+        """Coefficients of all but the logarithms of kinks, those over l = 1, 2, ... divided by l: potentials need these."""
+        c, high = self.coefficients, self.steps.high_coefficients(self.zones)
+        table = np.zeros((len(c), max(c.shape[1], high.shape[1])))
+        table[:, : c.shape[1]] = c
+        table[:, : high.shape[1]] += high
+        table[:, 1:] /= np.arange(1, table.shape[1])
+        return table
+
+    @cached_property
+    def _kink_totals(self) -> Array:
+        kinks = self.steps.t_coefficients(self.zones, 1)[:, 0]
+        return np.asarray(kinks - (self.steps.high_coefficients(self.zones)[:, :1].sum(axis=1)))
+
+    def _potential_pairs(self, x: Array, shift: float, chosen: Index | None = None) -> Array:
+        """Potential at x of the chosen zones (all if None), moved by `shift`."""
+        zones = slice(None) if chosen is None else chosen
+        w, table = self.zones.half[zones], self._potential_coefficients[zones]
+        left = (x[:, None] - (self.zones.a[zones] + shift)) / w
+        right = ((self.zones.b[zones] + shift) - x[:, None]) / w
         on = (left >= 0) & (right >= 0)
         root = np.sqrt(np.abs(left * right))
-        sign = np.where(left >= 0, 1.0, -1.0)
         z = 0.5 * (left - right)
-        rho = np.where(on, 0.5, sign / (np.abs(z) + root))
-        w, c = self.zones.half, self.coefficients
-        k = np.arange(1, c.shape[1])
-        scaled = c[:, 1:] / k
-        value = c[:, 0] * np.log(w / (2 * np.abs(rho) * self.kernel.datum)) - rho * _power_sum(scaled, rho)
-        own = np.zeros_like(value)
+        rho = np.where(on, 0.5, np.where(left >= 0, 1.0, -1.0) / (np.abs(z) + root))
+        first, rest = table[:, 0], table[:, 1:]
+        total = first * np.log(w / (2 * np.abs(rho) * self.kernel.datum)) - rho * _power_sum(rest, rho)
         if np.any(on):
             p, i = np.nonzero(on)
             theta = 2 * np.arctan2(np.sqrt(right[p, i]), np.sqrt(left[p, i]))
-            own[p, i] = c[i, 0] * np.log(w[i] / (2 * self.kernel.datum)) - self._cosine_sum(scaled, i, theta)
-        total = np.where(on, own, value)
-        if len(self.steps):
-            turn = z + 1j * np.sqrt(np.maximum(left * right, 0.0))
-            q = np.where(on, turn, rho)
-            for s in range(len(self.steps)):
-                i = self.steps.zone[s]
-                weight = self.steps.height[s] / np.pi * np.sin(self.steps.phi[s])
-                total[:, i] += self.steps.potential(s, q[:, i]) + weight * math.log(w[i] / self.kernel.datum)
+            total[p, i] = first[i] * np.log(w[i] / (2 * self.kernel.datum)) - self._cosine_sum(rest, i, theta)
+        for i in self.steps.kinked:
+            place = i if chosen is None else _place(chosen, i)
+            if place is None:
+                continue
+            turn = z[:, place] + 1j * np.sqrt(np.maximum(left[:, place] * right[:, place], 0.0))
+            q = np.where(on[:, place], turn, rho[:, place])
+            log = math.log(w[place] / self.kernel.datum)
+            total[:, place] += self.steps.kink_potential(i, q) + self._kink_totals[i] * log
         return np.asarray(total @ w)
 
     def _cosine_sum(self, scaled: Array, zone: Index, theta: Array) -> Array:
@@ -285,7 +321,7 @@ def _power_sum(u: Array, rho: Array) -> Array:
         return np.zeros(rho.shape) + (u[:, 0] if u.shape[1] else 0.0)
     flat = np.abs(rho).ravel()
     with np.errstate(divide="ignore"):
-        need = np.minimum(u.shape[1], np.ceil(-40.0 / np.log(np.minimum(flat, 1 - 1e-12)))).astype(int)
+        need = np.fmin(u.shape[1], np.ceil(-40.0 / np.log(np.minimum(flat, 1 - 1e-12)))).astype(int)
     need = np.maximum(need, 1)
     order = np.argsort(-need, kind="stable")
     point_rho = rho.ravel()[order]
@@ -299,6 +335,16 @@ def _power_sum(u: Array, rho: Array) -> Array:
     result = np.empty(len(order))
     result[order] = out
     return result.reshape(rho.shape)
+
+
+def _place(chosen: Index, zone: int) -> int | None:
+    found = np.flatnonzero(chosen == zone)
+    return int(found[0]) if len(found) else None
+
+
+def _angle(left: Array, right: Array) -> Array:
+    """Angle from the nearer end, at distances `left` and `right` from the ends."""
+    return np.asarray(2 * np.arctan2(np.sqrt(np.minimum(left, right)), np.sqrt(np.maximum(left, right))))
 
 
 def _float(x: ArrayLike) -> Array:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from sie.conditions import Condition, EndCondition
 from sie.kernels import Kernel
+from sie.steps import Steps
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -30,15 +31,22 @@ class CountError(ValueError):
 class Forcing:
     """A known function of the right side.
 
-    value: g, vectorized; smooth on each zone but for the declared steps.
+    value: g, vectorized; smooth on each zone but for the declared jumps.
     primitive: an antiderivative of g, continuous over all zones; only needed by conditions on potentials.
-    steps_at, steps: positions and heights g(s+) - g(s-) of jumps (both (k,)); for a kernel with a period they repeat.
+    steps_at, steps, orders: positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its
+        derivatives, all (k,); for a kernel with a period they repeat. orders left out: all 0, jumps of g itself.
     """
 
     value: Function
     primitive: Function | None = None
     steps_at: Array = field(default_factory=lambda: np.zeros(0))
     steps: Array = field(default_factory=lambda: np.zeros(0))
+    orders: NDArray[np.intp] | None = None
+
+    def jumps_within(self, zones: Zones, period: float | None) -> Steps:
+        """The jumps that lie inside zones."""
+        orders = np.zeros(len(self.steps_at), dtype=np.intp) if self.orders is None else self.orders
+        return Steps.within(zones, self.steps_at, self.steps, orders, period)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +59,10 @@ class Equation:
     columns: tuple[Forcing, ...] = ()
     end_conditions: tuple[EndCondition, ...] = ()
 
+    def __post_init__(self) -> None:
+        if any(len(column.steps_at) for column in self.columns):
+            raise ValueError("a column of unknown amplitude must be smooth: steps belong to the right side")
+
     @property
     def open_condition(self) -> int | None:
         """Index of the condition whose value is unknown and is found from a condition on the ends; None if none is."""
@@ -58,7 +70,11 @@ class Equation:
         return found[0] if found else None
 
     def check_count(self, zones: Zones) -> None:
-        """Raise CountError unless unknowns and conditions balance, for given ends and for moving ones."""
+        """Raise CountError unless unknowns and conditions balance, for given ends and for moving ones; ValueError if
+        the zones do not fit between a periodic kernel's images."""
+        images = [shift for shift in self.kernel.poles if shift > 0]
+        if images and not zones.b[-1] - zones.a[0] < min(images):
+            raise ValueError(f"the zones reach over {zones.b[-1] - zones.a[0]:.6g}, the period is {min(images):.6g}")
         surplus = 0
         for i in zones.solved:
             if zones.central and i == zones.solved[0]:

@@ -19,6 +19,7 @@ from sie import modes
 from sie.density import Density
 from sie.ends import FREE, SINGULAR, End
 from sie.equation import Equation
+from sie.near_jumps import bent_steps
 from sie.solve import Sizes, State, assembled, density_of, solve_fixed
 from sie.zones import Zones
 
@@ -27,6 +28,8 @@ Index = NDArray[np.intp]
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
+# Ends are moved by this part of their zone's width to difference the rows: the errors of truncation and rounding are equal.
+_NUDGE = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,11 +89,15 @@ def find_ends(
     stalled = 0
     while True:
         state = solve_fixed(equation, zones, decay, sizes)
+        if equation.open_condition is not None and value != 0.0:
+            state = state.with_value(equation.open_condition, value)
         zones, released = _release(zones, walls, state.density)
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
         target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
-        delta, noise, change, certain = _newton(state, moves, target, value, sizes, decay)
+        delta, noise, change, certain = _newton(state, moves, target, sizes, decay)
         width = zones.b - zones.a
+        # The right side is known at places rounded to a few units in their last digit, and so are the ends.
+        noise = noise + np.where(moves, 4 * np.spacing(np.abs([zones.a, zones.b])), 0.0)
         move = float(np.abs(delta / width).max(initial=0.0))
         trace.append(Step(zones.table, move, value if equation.open_condition is not None else None))
         error = (np.abs(delta) + noise) / width
@@ -152,13 +159,11 @@ def _intensity(end: End) -> float:
 
 
 def _newton(
-    state: State, moves: NDArray[np.bool_], target: Array, value: float, sizes: Sizes, tolerance: float
+    state: State, moves: NDArray[np.bool_], target: Array, sizes: Sizes, tolerance: float
 ) -> tuple[Array, Array, float, bool]:
     """(outward moves (2, Z), their roundoff, change of the open condition's value, whether the step can be trusted)."""
-    density, equation = state.density, state.system.equation
-    if equation.open_condition is not None and value != 0.0:
-        unit = _unit_response(state)
-        density = _plus(density, unit, value)
+    equation = state.system.equation
+    density = state.density
     k = np.array(density.intensities)
     a = np.array(density.edge_slopes)
     w = density.zones.half
@@ -169,21 +174,20 @@ def _newton(
     # Rounding acts on what is subtracted, the right side and the other zones' fields, however small their difference is.
     noise_k = 2e-16 * np.sqrt(w / 2) * (np.abs(density.coefficients).sum(axis=1) + np.abs(state.system.g).sum(axis=1) + natural)
     residual = np.where(moves, k - target, 0.0)
+    unit = _unit_response(state) if equation.open_condition is not None else None
     if prescribed:
-        delta, noise = _full_newton(equation, state, density, moves, residual, noise_k, sizes, tolerance)
-        return delta, noise, 0.0, True
+        delta, noise, change = _full_newton(equation, state, moves, residual, noise_k, unit, sizes, tolerance)
+        return delta, noise, change, True
     safe = np.where(weak, natural / np.sqrt(w) + 1e-300, a)
     delta = np.where(moves, 2 * residual / safe, 0.0)
     noise = np.where(moves, 2 * noise_k / safe, 0.0)
     change = 0.0
-    if equation.open_condition is not None:
-        unit = _unit_response(state)
+    if unit is None and len(equation.forcing.steps_at):
+        bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, residual, a, delta, INWARD, OUTWARD)
+        delta = np.where(moves & ~weak, bent, delta)
+    if unit is not None:
         slope = np.where(moves, 2 * np.array(unit.intensities) / safe, 0.0)
-        miss, by_left, by_right = equation.end_conditions[0].residual(density.zones)
-        gradient = np.array([by_left, by_right])
-        denominator = float(np.sum(gradient * slope))
-        change = -(miss + float(np.sum(gradient * delta))) / denominator
-        delta = delta + change * slope
+        delta, change = _bordered(equation, density.zones, delta, slope)
     return delta, noise, change, not np.any(weak & moves)
 
 
@@ -195,12 +199,12 @@ def _unit_response(state: State) -> Density:
     return state.response(values)
 
 
-def _plus(density: Density, other: Density, factor: float) -> Density:
-    c = density.coefficients.copy()
-    c[:, : other.coefficients.shape[1]] += factor * other.coefficients
-    return Density(
-        density.zones, density.kernel, c, density.steps, density.amplitudes + factor * other.amplitudes
-    )
+def _bordered(equation: Equation, zones: Zones, delta: Array, slope: Array) -> tuple[Array, float]:
+    """(moves, change of the unknown value) that meet the condition on the ends; slope: moves caused by a unit change."""
+    miss, by_left, by_right = equation.end_conditions[0].residual(zones)
+    gradient = np.array([by_left, by_right])
+    change = -(miss + float(np.sum(gradient * delta))) / float(np.sum(gradient * slope))
+    return delta + change * slope, change
 
 
 def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
@@ -215,35 +219,46 @@ def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
 
 
 def _full_newton(
-    equation: Equation, state: State, density: Density, moves: NDArray[np.bool_], residual: Array, noise_k: Array,
+    equation: Equation, state: State, moves: NDArray[np.bool_], residual: Array, noise_k: Array, unit: Density | None,
     sizes: Sizes, tolerance: float,
-) -> tuple[Array, Array]:
-    """Outward moves (2, Z) and their roundoff by Newton with the full Jacobian dK_i/d(end_j), for prescribed intensities.
+) -> tuple[Array, Array, float]:
+    """Outward moves (2, Z), their roundoff and the change of the open condition's value by Newton with the full Jacobian
+    dK_i/d(end_j), for prescribed intensities.
 
     The rows A(e) y = b(e) are differenced in each end at fixed coefficients, and A dy = -d(A y - b) is solved with the LU
     factors at hand. Of a mirrored pair of ends, the right one stands for both.
     """
     zones = state.density.zones
-    ends = [(side, i) for side, i in np.argwhere(moves) if i in zones.solved and not (zones.central and i == zones.solved[0] and side == 0)]
+    mirrored = int(zones.solved[0]) if zones.central else -1
+    ends = [(side, i) for side, i in np.argwhere(moves) if i in zones.solved and (side, i) != (0, mirrored)]
     frozen = replace(sizes, own=sizes.own.copy())
     jacobian = np.zeros((len(ends), len(ends)))
     for j, (side, i) in enumerate(ends):
-        h = 1e-5 * float(zones.b[i] - zones.a[i])
+        h = _NUDGE * float(zones.b[i] - zones.a[i])
         ahead = _residual_rows(equation, _nudged(zones, side, i, h), state, frozen, tolerance)
         behind = _residual_rows(equation, _nudged(zones, side, i, -h), state, frozen, tolerance)
         response = state.homogeneous(-(ahead[0] - behind[0]) / (2 * h))
         change = (ahead[1] - behind[1]) / (2 * h) + np.array(response.intensities)
         jacobian[:, j] = [change[end] for end in ends]
-    step = np.linalg.solve(jacobian, -np.array([residual[end] for end in ends]))
-    rough = np.abs(np.linalg.inv(jacobian)) @ np.array([noise_k[i] for _, i in ends])
-    delta, noise = np.zeros_like(residual), np.zeros_like(residual)
-    for end, move, uncertain in zip(ends, step, rough, strict=True):
-        delta[end], noise[end] = move, uncertain
-    if zones.symmetric:
-        count = len(zones)
-        for side, i in ends:
-            delta[1 - side, count - 1 - i], noise[1 - side, count - 1 - i] = delta[side, i], noise[side, i]
-    return delta, noise
+    inverse = np.linalg.inv(jacobian)
+
+    def spread(of_ends: Array) -> Array:
+        """Values of `ends` as (2, Z), mirrored ones filled in."""
+        out = np.zeros_like(residual)
+        for (side, i), one in zip(ends, of_ends, strict=True):
+            out[side, i] = one
+            if zones.symmetric:
+                out[1 - side, len(zones) - 1 - i] = one
+        return out
+
+    delta = spread(-inverse @ np.array([residual[end] for end in ends]))
+    noise = spread(np.abs(inverse) @ np.array([noise_k[i] for _, i in ends]))
+    if unit is None:
+        return delta, noise, 0.0
+    response = np.array(unit.intensities)
+    slope = spread(-inverse @ np.array([response[end] for end in ends]))
+    delta, change = _bordered(equation, zones, delta, slope)
+    return delta, noise, change
 
 
 def _nudged(zones: Zones, side: int, i: int, outward: float) -> Zones:

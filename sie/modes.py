@@ -66,14 +66,13 @@ def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: 
     own = own.copy()
     found: dict[int, Array] = {}
     tail = np.zeros(len(zones))
-    offsets = steps.offsets(zones) if len(steps) else None
     pending = zones.solved
     evaluations = 0
     while len(pending):
         retry = []
         for n in np.unique(own[pending]):
             group = pending[own[pending] == n]
-            values = _values(forcing, zones, steps, group, int(n), offsets)
+            values = _values(forcing, zones, steps, group, int(n))
             evaluations += values.size
             g = chebyshev.u_coefficients(values)
             if zones.central and group[0] == zones.solved[0]:
@@ -103,12 +102,13 @@ def mirror(zones: Zones, table: Array) -> None:
     table[left] = table[::-1][left] * (1.0 - 2.0 * (np.arange(table.shape[1]) % 2))
 
 
-def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int, offsets: Array | None) -> Array:
+def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int) -> Array:
     _, right, left = chebyshev.lobatto(n)
     left, right = left[1:-1], right[1:-1]
     w = zones.half[group][:, None]
     x = np.where(left <= right, zones.a[group][:, None] + w * left, zones.b[group][:, None] - w * right)
-    values = np.asarray(forcing.value(x.ravel()), dtype=float).reshape(x.shape)
-    if offsets is not None:
-        values = values - steps.value(group[:, None], np.broadcast_to(left, x.shape)) + offsets[group][:, None]
+    values = np.array(forcing.value(x.ravel()), dtype=float).reshape(x.shape)
+    for place, zone in enumerate(group):
+        if int(zone) in steps.by_zone:
+            values[place] += steps.smooth_part(int(zone), left)
     return values

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lu_factor, lu_solve
+from scipy.linalg import lapack, lu_factor, lu_solve
 
 from sie import modes
 from sie.assemble import System
@@ -19,6 +19,10 @@ from sie.zones import Zones
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
+
+
+# A reciprocal condition below this is rounding: the rows are of size one.
+_DEPENDENT = 1e-15
 
 
 class SingularSystem(ArithmeticError):
@@ -41,7 +45,7 @@ class State:
     """The solution on given zones, with what its error is made of.
 
     density; the LU factors for further right sides; `truncation`: what the neglected coefficients may amount to, over the
-    largest coefficient of the same zone (Z,); `field_tail`: the same for the coupled modes.
+    largest coefficient of the same zone (Z,); `field_tail`: the same for the coupled modes of all zones.
     """
 
     density: Density
@@ -52,6 +56,7 @@ class State:
     conditions_from: int
     condition_scale: Array
     truncation: Array
+    field_tail: float
     sizes: Sizes
 
     def response(self, values: Array) -> Density:
@@ -65,6 +70,16 @@ class State:
         right[self.conditions_from :] = values / self.condition_scale
         return _unfold(self.system, lu_solve(self.factors, right))
 
+    def with_value(self, condition: int, change: float) -> State:
+        """The state after the value of one side condition has changed."""
+        values = np.zeros(len(self.condition_scale))
+        values[self.condition_index[condition]] = change
+        right = np.zeros(self.factors[0].shape[0])
+        right[self.conditions_from :] = values / self.condition_scale
+        folded = self.folded_unknowns + lu_solve(self.factors, right)
+        unknowns = _unfold(self.system, folded)
+        return replace(self, folded_unknowns=folded, unknowns=unknowns, density=density_of(self.system, unknowns))
+
     def homogeneous(self, right: Array) -> Density:
         """The density for another right side of the assembled rows, no forcing and no steps."""
         return self._homogeneous_density(_unfold(self.system, lu_solve(self.factors, right)))
@@ -72,7 +87,7 @@ class State:
     def _homogeneous_density(self, y: Array) -> Density:
         layout = self.system.layout
         density = self.density
-        return Density(density.zones, density.kernel, layout.padded(y), _no_steps(), y[layout.coefficients :])
+        return Density(density.zones, density.kernel, layout.padded(y), Steps.none(), y[layout.coefficients :])
 
     @cached_property
     def density_error(self) -> float:
@@ -110,10 +125,6 @@ class State:
         return np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.intp)
 
 
-def _no_steps() -> Steps:
-    return Steps(np.zeros(0, dtype=np.intp), np.zeros(0), np.zeros(0), np.zeros(0))
-
-
 def solve_fixed(
     equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None, largest: int = 8192
 ) -> State:
@@ -125,29 +136,29 @@ def solve_fixed(
     if sizes is None:
         sizes = Sizes(np.full(len(zones), 16), 16 if equation.columns or equation.kernel.reach == 0.0 else 0)
     kernel = equation.kernel
-    period = kernel.period
-    steps = Steps.within(zones, equation.forcing.steps_at, equation.forcing.steps, period)
+    steps = equation.forcing.jumps_within(zones, kernel.period)
     samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, largest)
     sizes.own = samples.own
     sizes.profile_evaluations += samples.evaluations
     while True:
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
-        state, field_tail = _solve_once(equation, zones, m, samples, steps, sizes)
+        state = _solve_once(equation, zones, m, samples, steps, sizes)
         adaptive = bool(equation.columns) or kernel.reach == 0.0
-        if not adaptive or field_tail <= tolerance * 10 or sizes.least >= modes.COUPLED_SIZES[-1]:
+        if not adaptive or state.field_tail <= tolerance * 10 or sizes.least >= modes.COUPLED_SIZES[-1]:
             return state
         sizes.least = int(modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES, int(m.max()), side="right")])
 
 
 def _solve_once(
     equation: Equation, zones: Zones, m: Index, samples: modes.Samples, steps: Steps, sizes: Sizes
-) -> tuple[State, float]:
+) -> State:
     system = System(equation, zones, m, samples.coefficients, steps)
     matrix, right, scale = _rows(equation, system)
     lu, pivots = lu_factor(matrix, overwrite_a=False, check_finite=False)
-    diagonal = np.abs(np.diagonal(lu))
-    if not np.all(np.isfinite(right)) or not np.all(np.isfinite(diagonal)) or np.any(diagonal == 0):
-        raise SingularSystem("the system is singular or the data are not finite")
+    if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right)) and np.all(np.isfinite(lu))):
+        raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
+    if lapack.dgecon(lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0] < _DEPENDENT:
+        raise SingularSystem("the system is singular: the side conditions depend on each other")
     folded = lu_solve((lu, pivots), right, check_finite=False)
     y = _unfold(system, folded)
     density = density_of(system, y)
@@ -155,15 +166,15 @@ def _solve_once(
     sizes.solves += 1
     top = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(system.known).max(axis=1, initial=0.0)
     truncation = samples.tail / np.where(top > 0, top, 1.0)
-    state = State(density, system, (lu, pivots), y, folded, matrix.shape[0] - len(scale), scale, truncation, sizes)
-    return state, _field_tail(system, y, density)
+    tail = max(_field_tail(system, y, density), system.source_tail)
+    return State(density, system, (lu, pivots), y, folded, matrix.shape[0] - len(scale), scale, truncation, tail, sizes)
 
 
 def assembled(
     equation: Equation, zones: Zones, m: Index, sizes: Sizes, tolerance: float, scale: Array | None = None
 ) -> tuple[System, Array, Array, Array]:
     """(system, matrix, right side, condition scale) at given zones and coupled modes, without solving."""
-    steps = Steps.within(zones, equation.forcing.steps_at, equation.forcing.steps, equation.kernel.period)
+    steps = equation.forcing.jumps_within(zones, equation.kernel.period)
     samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, int(sizes.own.max()))
     system = System(equation, zones, m, samples.coefficients, steps)
     return system, *_rows(equation, system, scale)

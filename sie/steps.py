@@ -1,11 +1,18 @@
-"""Steps of the right side, carried exactly.
+"""Jumps of the right side or of its derivatives inside the zones, carried exactly.
 
-A step of height J at t = cos(phi) inside a zone is what the kernel makes of
+With t = cos(theta), s = cos(phi) and
 
-    (J/pi) kappa(t),  kappa = ln|sin((theta + phi)/2) / sin((theta - phi)/2)| = sum_j (2/j) sin(j phi) sin(j theta),
+    kappa(t) = ln|sin((theta + phi)/2) / sin((theta - phi)/2)| = sum_j (2/j) sin(j phi) sin(j theta),
 
-up to the constant -J phi / pi. Off the zone its transform is 2 Im(-ln(1 - rho e^{i phi})) with the same series in rho. So
-the logarithm is evaluated in closed form and only the smooth rest is expanded.
+the kernel makes of (h/pi) (t - s)^q kappa(t), on the zone and off it,
+
+    h (t - s)_+^q - C_q(t)                                  C_q(t) = (h/pi) (phi (t - s)^q + P_q(t))
+    (h/pi) ((z - s)^q 2 Im(-ln(1 - rho e^{i phi})) - P_q(z))
+    P_0 = 0,   P_1 = sin(phi),   P_2 = (t - 2 s) sin(phi) + sin(2 phi)/4,
+
+P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa. So a jump J of the q-th derivative of g, with
+h = J w^q / q!, leaves a smooth right side once this is subtracted: q = 0 is a kink of the profile, q = 1 a jump of its
+curvature, q = 2 a knot of a cubic spline.
 """
 
 from __future__ import annotations
@@ -19,109 +26,189 @@ from numpy.typing import NDArray
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+HIGHEST = 2
+# Coefficients of the parts with q > 0 that potentials near an end are summed from; they fall as l^(-1-q).
+_SERIES = 1024
+# Seen from farther than this rho, the closed form cancels and the series is short.
+_FAR = 0.25
 
 
 @dataclass(frozen=True, eq=False)
 class Steps:
-    """Steps inside the zones: zone index, distance from the zone's left and right end over its half width, height."""
+    """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!, and q."""
 
-    zone: NDArray[np.intp]
+    zone: Index
     left: Array
     right: Array
     height: Array
+    order: Index
 
     @classmethod
-    def within(cls, zones: Zones, at: Array, heights: Array, period: float | None) -> Steps:
-        """The steps at positions `at` (repeated with the period) that lie inside a zone."""
+    def none(cls) -> Steps:
+        return _NONE
+
+    @classmethod
+    def within(cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None) -> Steps:
+        """The jumps at positions `at` (repeated with the period) that lie inside a zone."""
         if len(at) == 0:
             return _NONE
         if period is not None:
             at = at + np.ceil((zones.a[0] - at) / period) * period
         i = np.searchsorted(zones.a, at, side="right") - 1
         inside = (i >= 0) & (at > zones.a[i]) & (at < zones.b[i])
-        i, at = i[inside], at[inside]
+        i, at, q = i[inside], at[inside], orders[inside]
         w = zones.half[i]
-        return cls(i, (at - zones.a[i]) / w, (zones.b[i] - at) / w, heights[inside])
+        factorial = np.array([1.0, 1.0, 2.0])[q]
+        return cls(i, (at - zones.a[i]) / w, (zones.b[i] - at) / w, jumps[inside] * w**q / factorial, q)
 
     def __len__(self) -> int:
         return len(self.zone)
 
     @cached_property
     def phi(self) -> Array:
-        """Angle of each step, t = cos(phi)."""
+        """Angle of each jump, s = cos(phi)."""
         return np.asarray(2 * np.arctan2(np.sqrt(self.right), np.sqrt(self.left)))
 
-    def offsets(self, zones: Zones) -> Array:
-        """The constant J phi / pi per zone (Z,), by which the logarithm's transform is lower than the step."""
-        return np.bincount(self.zone, self.height * self.phi / np.pi, minlength=len(zones))
+    @cached_property
+    def s(self) -> Array:
+        return 0.5 * (self.left - self.right)
 
-    def value(self, zone: NDArray[np.intp], left: Array) -> Array:
-        """Sum of the steps passed at points of given zone index and distance from its left end over w."""
-        out = np.zeros(np.broadcast(zone, left).shape)
-        for i, at, height in zip(self.zone, self.left, self.height, strict=True):
-            out += np.where((zone == i) & (left > at), height, 0.0)
-        return out
+    @cached_property
+    def by_zone(self) -> dict[int, Index]:
+        """Places of the jumps of each zone that has any."""
+        return {int(i): np.flatnonzero(self.zone == i) for i in np.unique(self.zone)}
 
-    def primitive(self, zone: NDArray[np.intp], left: Array) -> Array:
-        """Sum of J (x - s)_+ / w at such points."""
-        out = np.zeros(np.broadcast(zone, left).shape)
-        for i, at, height in zip(self.zone, self.left, self.height, strict=True):
-            out += np.where((zone == i) & (left > at), height * (left - at), 0.0)
-        return out
+    def _polynomial(self, k: Index, t: Array) -> Array:
+        """P_q(t) of jumps k at t (..., 1), for each jump along the last axis."""
+        sine, q, s = np.sin(self.phi[k]), self.order[k], self.s[k]
+        second = (t - 2 * s) * sine + np.sin(2 * self.phi[k]) / 4
+        return np.where(q == 0, 0.0, np.where(q == 1, sine, second))
 
-    def primitive_means(self, zones: Zones) -> Array:
-        """Mean (weight 1/sqrt(1-t^2)) over each zone of J (x - s)_+ - (J phi/pi)(x - middle), by the half width."""
-        phi = self.phi
-        mean = self.height * (np.sin(phi) - phi * np.cos(phi)) / np.pi
-        return np.bincount(self.zone, mean, minlength=len(zones))
+    def smooth_part(self, zone: int, left: Array) -> Array:
+        """What to add to g at points of a zone, given by their distance from its left end over w, to make it smooth."""
+        k = self.by_zone.get(zone)
+        if k is None:
+            return np.zeros(left.shape)
+        away = left[..., None] - self.left[k]
+        q, h = self.order[k], self.height[k]
+        power = away**q
+        taken = np.where(away > 0, power, 0.0)
+        return np.asarray((h * (-taken + (self.phi[k] * power + self._polynomial(k, left[..., None] - 1)) / np.pi)).sum(-1))
+
+    def mean_offsets(self, zones: Zones) -> Array:
+        """Mean over each zone of the primitive of g (zero where its values at the ends are), less what the smooth part's own
+        coefficients say, over w: see `System.levels`."""
+        phi, s, q = self.phi, self.s, self.order
+        sine, double = np.sin(phi), np.sin(2 * phi)
+        # Primitives of (t - s)_+^q at t = 1, and their means.
+        end = self.right ** (q + 1) / (q + 1)
+        cubic = (sine - sine**3 / 3) - 3 * s * (phi / 2 + double / 4) + 3 * s * s * sine - s**3 * phi
+        square = (phi / 2 + double / 4) - 2 * s * sine + s * s * phi
+        mean = np.where(q == 0, sine - phi * s, np.where(q == 1, square / 2, cubic / 3)) / np.pi
+        # Primitives of C_q, zero at t = 0: half the sum of those at both ends, and their means.
+        ends_c = np.where(q == 0, 0.0, np.where(q == 1, phi / 2, -s * phi + sine / 2)) / np.pi
+        mean_c = np.where(q == 0, 0.0, np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4)) / np.pi
+        parts = self.height * (-0.5 * end + ends_c + mean - mean_c)
+        return np.bincount(self.zone, parts, minlength=len(zones))
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
-        """First `count` coefficients c_l of the logarithms as sums of T_l / sqrt(1 - t^2); shape (zones, count)."""
+        """First `count` coefficients c_l of these parts as sums of T_l / sqrt(1 - t^2); shape (zones, count)."""
         out = np.zeros((len(zones), count))
         if len(self) and count:
-            j = np.arange(1, count + 1)
-            beta = (2 * self.height / np.pi)[:, None] * np.sin(j * self.phi[:, None]) / j
-            c = 0.5 * beta
-            c[:, 2:] -= 0.5 * beta[:, :-2]
-            np.add.at(out, self.zone, c)
+            np.add.at(out, self.zone, self._coefficients(np.arange(len(self)), count))
+        return out
+
+    def _coefficients(self, k: Index, count: int) -> Array:
+        size = count + HIGHEST + 1
+        j = np.arange(1, size + 1)
+        beta = (2 * self.height[k] / np.pi)[:, None] * np.sin(j * self.phi[k][:, None]) / j
+        c = 0.5 * beta
+        c[:, 2:] -= 0.5 * beta[:, :-2]
+        for power in range(1, HIGHEST + 1):
+            some = self.order[k] >= power
+            if np.any(some):
+                c[some] = _times_t(c[some]) - self.s[k][some][:, None] * c[some]
+        return np.asarray(c[:, :count])
+
+    def high_coefficients(self, zones: Zones) -> Array:
+        """Coefficients of the parts with q > 0, as many as potentials near an end need; (zones, 0) if there are none."""
+        high = np.flatnonzero(self.order > 0)
+        out = np.zeros((len(zones), _SERIES if len(high) else 0))
+        if len(high):
+            np.add.at(out, self.zone[high], self._coefficients(high, _SERIES))
         return out
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
         """Coefficient of the angle from the left and from the right end, per zone: kappa ~ theta cot(phi/2)."""
         cot = np.sqrt(self.left / self.right)
-        scale = self.height / np.pi
-        n = len(zones)
-        return np.bincount(self.zone, scale / cot, minlength=n), np.bincount(self.zone, scale * cot, minlength=n)
+        scale, n = self.height / np.pi, len(zones)
+        from_left = scale * (-self.left) ** self.order / cot
+        from_right = scale * self.right**self.order * cot
+        return np.bincount(self.zone, from_left, minlength=n), np.bincount(self.zone, from_right, minlength=n)
 
-    def density(self, k: int, left: Array, right: Array) -> Array:
-        """(J/pi) kappa of step k at points at distances `left`, `right` over w from the ends of its zone."""
-        up, vp = np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k])
+    def density(self, zone: int, left: Array, right: Array) -> Array:
+        """Sum of the parts of a zone at points (n,) given by their distances from its ends over w."""
+        k = self.by_zone[zone]
+        up, vp = np.sqrt(right[:, None] * self.left[k]), np.sqrt(left[:, None] * self.right[k])
+        away = left[:, None] - self.left[k]
         # sin((theta +- phi)/2) = (sqrt(r l_s) +- sqrt(l r_s)) / 2; their product is (s - t)/2 without cancellation.
-        with np.errstate(divide="ignore"):
-            ratio = np.log((up + vp) ** 2 / (2 * np.abs(left - self.left[k])))
-        return np.asarray(self.height[k] / np.pi * ratio)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            kappa = np.log((up + vp) ** 2 / (2 * np.abs(away)))
+            value = np.where(self.order[k] == 0, kappa, np.where(away == 0, 0.0, away ** self.order[k] * kappa))
+        return np.asarray(value @ (self.height[k] / np.pi))
 
-    def transform(self, k: int, rho: Array) -> Array:
-        """Transform of (J/pi) kappa of step k off its zone."""
-        phi = self.phi[k]
-        return np.asarray(2 * self.height[k] / np.pi * np.arctan2(rho * np.sin(phi), 1 - rho * np.cos(phi)))
+    def transform(self, zone: int, z: Array, rho: Array) -> Array:
+        """Transform of a zone's parts off the zone."""
+        k = self.by_zone[zone]
+        phi, q, weight = self.phi[k], self.order[k], self.height[k] / np.pi
+        plain = 2 * np.arctan2(rho[:, None] * np.sin(phi), 1 - rho[:, None] * np.cos(phi))
+        out = ((z[:, None] - self.s[k]) ** q * plain - self._polynomial(k, z[:, None])) @ weight
+        far = np.abs(rho) < _FAR
+        if np.any(q > 0) and np.any(far):
+            r = rho[far]
+            out[far] = r[:, None] ** np.arange(32) @ self._coefficients(k, 32).sum(axis=0) * (2 * r / (1 - r * r))
+        return np.asarray(out)
 
-    def potential(self, k: int, rho: NDArray[np.complex128] | Array) -> Array:
-        """Potential of (J/pi) kappa of step k over w, without the logarithm of w; on the zone rho = e^{i theta}.
+    def own_transform(self, zone: int, left: Array) -> Array:
+        """Transform of a zone's parts on the zone itself: minus what they add to make g smooth."""
+        return -self.smooth_part(zone, left)
 
-        From sum_j (sin(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)) by partial fractions.
+    def kink_potential(self, zone: int, rho: NDArray[np.complex128] | Array) -> Array:
+        """Potential of a zone's parts with q = 0 over w, less c_0 log(w); on the zone rho = e^{i theta}.
+
+        By partial fractions of sum_j (sin(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)).
         """
-        up = np.exp(1j * self.phi[k])
-        both = _potential_series(up, rho) - _potential_series(np.conj(up), rho)
-        own = np.sin(self.phi[k]) * (-np.log(2 * np.abs(rho)) + np.real(rho**2) / 2)
-        return np.asarray(self.height[k] / np.pi * (own + np.real(both / 2j)))
+        k = self.by_zone[zone]
+        out = np.zeros(rho.shape)
+        for place in k[self.order[k] == 0]:
+            up = np.exp(1j * self.phi[place])
+            both = _potential_series(up, rho) - _potential_series(np.conj(up), rho)
+            own = np.sin(self.phi[place]) * (-np.log(2 * np.abs(rho)) + np.real(rho**2) / 2)
+            out += self.height[place] / np.pi * (own + np.real(both / 2j))
+        return out
+
+    @cached_property
+    def kinked(self) -> list[int]:
+        """Zones with a jump of g itself."""
+        return [int(i) for i in np.unique(self.zone[self.order == 0])]
+
+
+def _times_t(c: Array) -> Array:
+    """Coefficients of t times sum c_l T_l, the last one lost."""
+    out = np.zeros_like(c)
+    out[:, 1:] += 0.5 * c[:, :-1]
+    out[:, 1] += 0.5 * c[:, 0]
+    out[:, :-1] += 0.5 * c[:, 1:]
+    return out
 
 
 def _potential_series(up: complex, rho: NDArray[np.complex128] | Array) -> NDArray[np.complex128]:
-    q = up * np.asarray(rho, dtype=complex)
+    q = up * rho
     log = -np.log1p(-q)
     rest = log - q
-    return -(up * log - rest / rho) + rho * rest - np.conj(up) * (rest - q * q / 2)
+    return np.asarray(-(up * log - rest / rho) + rho * rest - np.conj(up) * (rest - q * q / 2))
 
 
-_NONE = Steps(np.zeros(0, dtype=np.intp), np.zeros(0), np.zeros(0), np.zeros(0))
+_NONE = Steps(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp))

@@ -13,6 +13,9 @@ from sie.ends import FREE, End
 
 Array = NDArray[np.float64]
 
+# Rounding that symmetric zones may differ by from their mirror images, over their width.
+_MIRROR_TOLERANCE = 1e-6
+
 
 def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
     kinds = (ends,) * count if isinstance(ends, End) else tuple(ends)
@@ -50,9 +53,15 @@ class Zones:
         if not np.all(np.isfinite(flat)) or np.any(np.diff(flat) <= 0):
             raise ValueError("zone ends must be finite and strictly ascending: a0 < b0 < a1 < b1 < ...")
         count = table.shape[0]
+        lefts, rights = _kinds(left, count, "left"), _kinds(right, count, "right")
         if symmetric:
-            table = 0.5 * (table - table[::-1, ::-1])
-        return cls(table[:, 0], table[:, 1], _kinds(left, count, "left"), _kinds(right, count, "right"), symmetric)
+            mirrored = -table[::-1, ::-1]
+            if np.any(np.abs(table - mirrored) > _MIRROR_TOLERANCE * (table[:, 1:] - table[:, :1])):
+                raise ValueError("symmetric zones must be mirror images of each other about x = 0")
+            if lefts != rights[::-1]:
+                raise ValueError("symmetric zones need the same kind of end on both sides")
+            table = 0.5 * (table + mirrored)
+        return cls(table[:, 0], table[:, 1], lefts, rights, symmetric)
 
     def moved(self, a: Array, b: Array) -> Zones:
         """The same zones with new ends."""

@@ -58,6 +58,14 @@ class Profile:
         return np.empty((0, 2))
 
     @property
+    def jumps(self) -> Array:
+        """Jumps of the second or third derivative in the cell, one a row: position, order (2 or 3), f^(n)(s+) - f^(n)(s-).
+
+        None need be declared; those that are cost no accuracy and few modes.
+        """
+        return np.empty((0, 3))
+
+    @property
     def support(self) -> tuple[float, float] | None:
         """The interval beyond which f = +inf (a sharp-cornered punch); None if there is no such end."""
         return None
@@ -92,7 +100,7 @@ class Profile:
         return None
 
     def wrap(self, x: ArrayLike) -> Any:
-        """x moved by whole periods into [x0, x0 + L), bit for bit the same if it is there; as given without L."""
+        """x moved by whole periods into [x0, x0 + L), bit for bit the same if already there."""
         given = np.asarray(x)
         if self.period is None:
             return given
@@ -124,7 +132,7 @@ class Profile:
         return self.period
 
     def _fields(self) -> tuple[Any, ...]:
-        return tuple(getattr(self, f.name) for f in dataclasses.fields(self) if f.compare)
+        return tuple(getattr(self, f.name) for f in dataclasses.fields(self) if f.compare)  # type: ignore[arg-type]
 
     # Equality and hash for dataclasses made with eq=False because a field is an array.
     def __eq__(self, other: object) -> bool:

@@ -124,6 +124,14 @@ class Sampled(Profile):
         return np.array(self.x if self.period is not None else self.x[2:-2])
 
     @property
+    def jumps(self) -> Array:
+        """The jumps of the third derivative of f at the knots: between them f is a cubic."""
+        third = -6.0 * self._spline.c[0]
+        at = self._knots[:-1] if self.period is not None else self._knots[1:-1]
+        jump = np.diff(third, prepend=third[-1:]) if self.period is not None else np.diff(third)
+        return np.column_stack((at, np.full(at.size, 3.0), jump))
+
+    @property
     def resolution(self) -> float:
         return float(np.min(np.diff(self._knots)))
 
@@ -172,7 +180,7 @@ def _one_period(x: Array, heights: Array, period: float) -> tuple[Array, Array]:
             raise SceneError.of(
                 "height",
                 heights,
-                f"equal at both ends when the last point repeats the first one period on (they differ by {step:.3g})",
+                f"equal at both ends if the last point is one period after the first (off by {step:.3g})",
             )
         x, heights = x[:-1].copy(), heights[:-1].copy()
         x.setflags(write=False)

@@ -1,0 +1,76 @@
+"""Newton's step of a free end that has a jump of the right side close by.
+
+A jump J > 0 at distance r inside an end puts C / sqrt(r) into the slope A of the density there, C = (J/pi) sqrt(2 l), l the
+distance of the jump from the other end over the half width: on the scale of r, K is no straight line in the end's motion.
+The part that is not is known, so the step solves
+
+    K - (A - C / sqrt(r)) delta / 2 - C (sqrt(r + delta) - sqrt(r)) = 0,
+
+where an end that passes the jump inward leaves the root behind, and one that passes a jump outward takes it up.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.equation import Forcing
+from sie.zones import Zones
+
+Array = NDArray[np.float64]
+
+# A jump farther than this many plain steps away does not bend K noticeably: the plain step is quadratic there.
+_FAR = 20.0
+_HALVINGS = 60
+
+
+def bent_steps(
+    forcing: Forcing, zones: Zones, period: float | None, k: Array, slopes: Array, plain: Array, inward: float, outward: float
+) -> Array:
+    """Steps (2, Z) of the left and right ends: `plain` = 2 K / A but where a jump is near. No step is longer than `inward`
+    or `outward` of the width there. k, slopes: K less its target, and A."""
+    rising = np.asarray(forcing.steps) > 0
+    if forcing.orders is not None:
+        rising &= np.asarray(forcing.orders) == 0
+    if not np.any(rising):
+        return plain
+    at, heights = np.asarray(forcing.steps_at)[rising], np.asarray(forcing.steps)[rising]
+    inside, outside = _nearest(zones, at, heights, period)
+    width = zones.b - zones.a
+    near = np.minimum(inside[0], outside[0])
+    bent = (near < width) & (near < _FAR * np.abs(plain)) & (slopes > 0)
+    if not np.any(bent):
+        return plain
+    side = np.nonzero(bent)
+    width = width[side[1]]
+    (r, j_in), (y, j_out) = ((d[side], j[side]) for d, j in (inside, outside))
+    left_behind = np.clip(2 * (1 - r / width), 0.0, 2.0)
+    c_in = np.where(r < width, j_in / np.pi * np.sqrt(2 * left_behind), 0.0)
+    c_out = np.where(y < width, 2 * j_out / np.pi, 0.0)
+    r, y = np.minimum(r, width), np.minimum(y, width)
+    straight = np.maximum(slopes[side] - c_in / np.sqrt(r), 0.0)
+    low, high = -inward * width, outward * width
+    for _ in range(_HALVINGS):
+        delta = 0.5 * (low + high)
+        bend = c_in * (np.sqrt(np.maximum(r + delta, 0)) - np.sqrt(r)) + c_out * np.sqrt(np.maximum(delta - y, 0))
+        further = k[side] - 0.5 * straight * delta - bend > 0
+        low, high = np.where(further, delta, low), np.where(further, high, delta)
+    steps = plain.copy()
+    steps[side] = 0.5 * (low + high)
+    return steps
+
+
+def _nearest(
+    zones: Zones, at: Array, heights: Array, period: float | None
+) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """(distance, height) of the nearest jump on the zone's side of each end, and of the nearest beyond it, (2, Z) each;
+    infinite where there is none."""
+    if period is not None:
+        at = at - np.floor((at - zones.a[0]) / period) * period
+        at, heights = np.concatenate((at - period, at, at + period)), np.tile(heights, 3)
+    order = np.argsort(at)
+    at, heights = np.concatenate(([-np.inf], at[order], [np.inf])), np.concatenate(([0.0], heights[order], [0.0]))
+    after_a, after_b = np.searchsorted(at, zones.a, side="right"), np.searchsorted(at, zones.b, side="left")
+    inside = np.array([at[after_a] - zones.a, zones.b - at[after_b - 1]]), np.array([heights[after_a], heights[after_b - 1]])
+    outside = np.array([zones.a - at[after_a - 1], at[after_b] - zones.b]), np.array([heights[after_a - 1], heights[after_b]])
+    return inside, outside

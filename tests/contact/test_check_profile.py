@@ -1,0 +1,125 @@
+"""check_profile finds each way a profile can contradict itself, and says which."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from contact import Profile, Sinusoid
+from contact.testing import ProfileFault, check_profile
+
+L = 2e-4
+K = 2 * np.pi / L
+
+
+class Good(Profile):
+    """f = 1e-6 (1 - cos Kx) in the plainest code an author may write."""
+
+    period = L
+
+    def height(self, x):  # type: ignore[no-untyped-def]
+        return 1e-6 * (1 - np.cos(K * np.asarray(x)))
+
+    def slope(self, x):  # type: ignore[no-untyped-def]
+        return 1e-6 * K * np.sin(K * np.asarray(x))
+
+
+def variant(**members: object) -> Profile:
+    wrapped = {k: v if callable(v) or k == "period" else property(lambda self, v=v: v) for k, v in members.items()}
+    made: Profile = type("Variant", (Good,), wrapped)()
+    return made
+
+
+FAULTS = {
+    "slope of the wrong sign": (variant(slope=lambda s, x: -Good.slope(s, x)), "slope disagrees"),
+    "slope off by a ten-thousandth": (variant(slope=lambda s, x: 1.0001 * Good.slope(s, x)), "slope disagrees"),
+    "period too long": (variant(period=1.1 * L), "not periodic"),
+    "slope not periodic": (variant(slope=lambda s, x: Good.slope(s, x) + 0 * x + (np.abs(x) > L)), "not periodic"),
+    "a number only": (variant(height=lambda s, x: 1e-6 * (1 - np.cos(K * x[:])) if np.ndim(x) else [1.0]), "shape"),
+    "no lists": (variant(height=lambda s, x: 1e-6 * (1 - np.cos(x * K))), "for a list"),
+    "flattened": (variant(height=lambda s, x: np.ravel(Good.height(s, x))), "shape"),
+    "depends on its neighbours": (variant(height=lambda s, x: Good.height(s, x) - np.min(x)), "raises|elsewhere"),
+    "changes its argument": (variant(slope=lambda s, x: Good.slope(s, np.multiply(x, 1, out=x) if 0 else _spoil(x))), "changes"),
+    "not a number": (variant(height=lambda s, x: np.where(np.asarray(x) > 0, Good.height(s, x), np.nan)), "finite"),
+    "raises": (variant(height=lambda s, x: 1 / 0), "ZeroDivisionError"),
+    "complex": (variant(height=lambda s, x: Good.height(s, x) + 0j), "real"),
+    "false symmetry": (
+        variant(height=lambda s, x: 1e-6 * np.sin(K * np.asarray(x)), slope=Profile.slope, symmetric=True),
+        "symmetric is claimed",
+    ),
+    "symmetric by word": (variant(symmetric="yes"), "True or False"),
+    "kink not declared": (
+        variant(height=lambda s, x: np.abs(s.wrap(x)), slope=lambda s, x: np.sign(s.wrap(x))),
+        "kinks does not say so",
+    ),
+    "kink not declared, slope left out": (
+        variant(height=lambda s, x: np.abs(s.wrap(x)), slope=Profile.slope),
+        "kinks does not say so",
+    ),
+    "kink declared where there is none": (variant(kinks=np.array([[0.1 * L, 0.1]])), "kink declared"),
+    "kink of the wrong size": (
+        variant(
+            height=lambda s, x: np.abs(s.wrap(x)),
+            slope=lambda s, x: np.where(s.wrap(x) < 0, -1.0, 1.0),
+            kinks=np.array([[-L / 2, -2.0], [0, 1.9]]),
+        ),
+        "kink declared",
+    ),
+    "kink outside the cell": (variant(kinks=np.array([[L, 0.1]])), "outside the cell"),
+    "kinks in one row": (variant(kinks=np.array([0.0, 0.1])), "shape"),
+    "a step of the height": (
+        variant(height=lambda s, x: Good.height(s, x) + (np.sin(7 * K * np.asarray(x)) > 0) * 1e-7),
+        "disagrees|not smooth|not say",
+    ),
+    "tips that are valleys": (variant(summits=np.array([L / 2 - 1e-9])), "summits"),
+    "conjugate of the wrong sign": (
+        variant(slope_conjugate=lambda s, x: 1e-6 * K * np.cos(K * np.asarray(x))),
+        "slope_conjugate",
+    ),
+    "jump of the curvature that is not there": (variant(jumps=np.array([[0.0, 2, 5.0]])), "jump declared"),
+    "support that does not end it": (variant(support=(-L / 4, L / 4)), "inf just outside"),
+    "negative resolution": (variant(resolution=-1.0), "resolution"),
+}
+
+
+def _spoil(x: np.ndarray) -> np.ndarray:
+    kept = np.array(x)
+    if isinstance(x, np.ndarray) and x.size:
+        x *= 1.0000001
+    return kept
+
+
+@pytest.mark.parametrize("what", FAULTS)
+def test_a_fault_is_found_and_named(what: str) -> None:
+    profile, message = FAULTS[what]
+    with pytest.raises(ProfileFault, match=message) as caught:
+        check_profile(profile)
+    assert not caught.value.report.ok
+    assert str(check_profile(profile, raises=False)) == str(caught.value)
+
+
+def test_a_good_profile_has_no_fault_and_gets_hints() -> None:
+    report = check_profile(Good())
+    assert report.ok
+    assert any("symmetric" in note for note in report.notes)
+    assert any("frozen" in note for note in report.notes)
+    assert not check_profile(Sinusoid(1e-6, L)).notes
+
+
+def test_a_slope_left_out_is_a_hint_and_no_fault() -> None:
+    @dataclass(frozen=True)
+    class Cosh(Profile):
+        scale: float
+
+        def height(self, x):  # type: ignore[no-untyped-def]
+            return self.scale * np.cosh(np.asarray(x) / self.scale)
+
+    report = check_profile(Cosh(1e-5))
+    assert report.ok and any("derived" in note for note in report.notes)
+
+
+def test_something_that_is_no_profile_is_told_so() -> None:
+    with pytest.raises(ProfileFault, match="does not derive"):
+        check_profile(np.sin)  # type: ignore[arg-type]
