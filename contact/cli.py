@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import click
+import numpy as np
 
 from contact import lazy
 from contact.answer import Answer
@@ -128,7 +129,7 @@ def compare_command(scene: Path, tol: float) -> None:
 @main.command("profiles")
 def profiles_command() -> None:
     """List the profile shapes a scene file can name, with their parameters."""
-    rows = [(name, _parameters(shape), _first_line(shape)) for name, shape in profiles().items()]
+    rows = [(name, _parameters(shape), _description(shape)) for name, shape in profiles().items()]
     show_table("profiles", ("shape", "parameters", "what it is"), rows)
 
 
@@ -136,7 +137,7 @@ def profiles_command() -> None:
 def interactions_command() -> None:
     """List the interaction models a scene file can name, with their parameters and controls."""
     rows = [
-        (name, _parameters(model), ", ".join(model.allows), _first_line(model))
+        (name, _parameters(model), ", ".join(model.allows), _description(model))
         for name, model in interactions().items()
     ]
     show_table("interactions", ("model", "parameters", "controls", "what it is"), rows)
@@ -188,10 +189,11 @@ def _show_solution(solution: Answer, seconds: float) -> None:
             ("zones", str(len(solution.zones)) if len(solution.zones) else "full contact"),
             ("total width", quantity(total_width(solution), "m", 10)),
             ("error, at most", f"{solution.error:.2g}"),
-            *((name.replace("_", " "), _told(value)) for name, value in solution.certificate.to_dict().items()),
             ("time", quantity(seconds, "s", 3)),
         ],
     )
+    checks = solution.certificate.to_dict().items()
+    show_table("checked", ("what", "value"), [(k.replace("_", " "), _told(v)) for k, v in checks if v != ""])
     rows = zone_table(solution)
     if not rows:
         return
@@ -234,6 +236,8 @@ def _told(value: Any) -> str:
     """One entry of a certificate."""
     if isinstance(value, Mapping):
         return ", ".join(f"{name} {_told(item)}" for name, item in value.items())
+    if isinstance(value, (bool, np.bool_)):
+        return "yes" if value else "no"
     if isinstance(value, float):
         return f"{value:.4g}"
     return "not defined" if value is None else str(value)
@@ -250,5 +254,6 @@ def _arguments(function: Callable[..., Any], but: str = "") -> str:
     return ", ".join(p.name if p.default in (p.empty, None) else f"{p.name} = {p.default!r}" for p in parameters)
 
 
-def _first_line(cls: type) -> str:
-    return (inspect.getdoc(cls) or "").partition("\n")[0]
+def _description(cls: type) -> str:
+    """The first paragraph of a class's documentation."""
+    return " ".join((inspect.getdoc(cls) or "").partition("\n\n")[0].split())

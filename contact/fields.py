@@ -35,6 +35,10 @@ class ZoneFields:
     @cached_property
     def levels(self) -> Array:
         """Potential less columns less F, on each solved zone; equal at a solution."""
+        zones = self.density.zones
+        if len(zones) == 1:
+            end = zones.b
+            return -(self._sunk(end) + self.problem.shape(end))
         matrix, constants = self.state.system.levels()
         return np.asarray(matrix @ self.state.unknowns + constants)
 
@@ -149,7 +153,8 @@ class ZoneFields:
         """What rounding may do to a scaled gap."""
         zones = self.density.zones
         ends = np.concatenate((zones.a, zones.b))
-        size = max(float(np.abs(self.problem.shape(ends)).max()), float(np.abs(self._sunk(ends)).max()), abs(self.level))
+        # On the zones the displacement is the shape less the level: no more than both of them together.
+        size = float(np.abs(self.problem.shape(ends)).max()) + abs(self.level)
         return 64 * 2.2e-16 * size
 
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:

@@ -23,6 +23,10 @@ _BODY, _SURFACE, _PRESSURE, _ZONE, _CLOSE = "#7a7a7a", "#1f5a92", "#b3261e", "#f
 # Beyond these a zone cannot be made out on the full width of a printed figure.
 _ZONES_READABLE = 8
 _WIDTH_READABLE = 0.06
+_PRESSURE_READABLE = 0.03
+
+# Points on one stretch: a few on each pixel column of a printed figure.
+_POINTS = 6000
 
 
 def plot(solution: Answer) -> Any:
@@ -64,11 +68,12 @@ def summary(solution: Answer) -> str:
 
 def _draw(top: Any, bottom: Any, solution: Answer, lo: float, hi: float) -> None:
     """Both panels over one stretch."""
-    x = positions(solution, lo, hi)
+    x = positions(solution, lo, hi, _POINTS)
     zones = zones_within(solution, lo, hi)
     along, letter = prefix(max(abs(lo), abs(hi)))
     bottom.set_xlabel(f"$x$ [{letter}m]")
     bottom.set_xlim(lo * along, hi * along)
+    bottom.locator_params(axis="x", nbins=6)
     _draw_surfaces(top, solution, x, zones, along)
     _draw_pressure(bottom, solution, x, zones, along)
     for axes in (top, bottom):
@@ -106,7 +111,7 @@ def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: f
     shown = np.where(np.isfinite(pressure), pressure, 2.0 * top) * scale
     axes.fill_between(x * along, 0.0, shown, where=_within(x, zones), color=_PRESSURE, alpha=0.22, linewidth=0)
     axes.plot(x * along, shown, color=_PRESSURE, linewidth=1.2)
-    if solution.mean_pressure is not None:
+    if solution.mean_pressure is not None and solution.mean_pressure > _PRESSURE_READABLE * top:
         axes.axhline(solution.mean_pressure * scale, color="black", linewidth=0.8, linestyle=(0, (6, 4)))
         axes.annotate(
             r"$\bar p$", (1.0, solution.mean_pressure * scale), xycoords=("axes fraction", "data"),
@@ -139,7 +144,7 @@ def _close_up(solution: Answer, lo: float, hi: float) -> tuple[float, float] | N
     widths = np.diff(zones).ravel()
     if len(solution.zones) == 0 or (len(zones) <= _ZONES_READABLE and widths.max() >= _WIDTH_READABLE * (hi - lo)):
         return None
-    x = positions(solution, lo, hi)
+    x = positions(solution, lo, hi, _POINTS)
     centre = peak_position(solution, x, solution.pressure(x))
     own = float(widths[np.argmin(np.abs(zones.mean(axis=1) - centre))])
     reach = min(3.0 * own, 0.5 * (hi - lo))

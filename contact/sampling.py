@@ -40,14 +40,17 @@ def zones_within(solution: Answer, lo: float, hi: float) -> Array:
     return np.asarray(cut[cut[:, 1] > cut[:, 0]])
 
 
-def positions(solution: Answer, lo: float, hi: float) -> Array:
-    """Ascending positions in [lo, hi], both included, where straight lines between the samples show every field."""
+def positions(solution: Answer, lo: float, hi: float, most: int = _MOST_POINTS) -> Array:
+    """Ascending positions in [lo, hi], both included, where straight lines between the samples show every field.
+
+    `most`: of the even points, and about as many on the zones together, though never fewer than a few on each.
+    """
     profile = solution.scene.profile
     even = _EVEN_POINTS
     if profile.resolution is not None:
-        even = int(np.clip(10 * (hi - lo) / profile.resolution, even, _MOST_POINTS))
+        even = int(np.clip(10 * (hi - lo) / profile.resolution, even, most))
     zones = zones_within(solution, lo, hi)
-    angles = np.linspace(0.0, np.pi, int(np.clip(_MOST_POINTS // max(len(zones), 1), *_POINTS_A_ZONE)))
+    angles = np.linspace(0.0, np.pi, int(np.clip(most // max(len(zones), 1), *_POINTS_A_ZONE)))
     within = zones[:, :1] + np.diff(zones) * np.sin(0.5 * angles) ** 2
     within[:, -1] = zones[:, 1]
     x = np.concatenate([np.linspace(lo, hi, even + 1), within.ravel(), _near_kinks(solution, zones)])

@@ -25,6 +25,9 @@ Array = NDArray[np.float64]
 
 _T = np.cos((np.arange(8) + 0.5) * np.pi / 16)  # the positive half of 16 Gauss nodes
 _SCAN = 40
+_WITHIN = np.geomspace(1e-10, 1.0, 41)  # half widths over the widest possible one
+_ANYWHERE = np.geomspace(1e-12, 1e12, 97)
+_FINER = np.linspace(0.0, 1.0, 17)
 
 
 def guess_half_width(problem: Problem, control: Control) -> float:
@@ -34,8 +37,8 @@ def guess_half_width(problem: Problem, control: Control) -> float:
     if control.kind == "width":
         return 0.5 * control.value
     limit = widest(problem)
-    a = limit * np.geomspace(1e-10, 1.0, 41) if math.isfinite(limit) else np.geomspace(1e-12, 1e12, 97)
-    for _ in range(4):
+    a = limit * _WITHIN if math.isfinite(limit) else _ANYWHERE
+    for _ in range(2):
         value = _carried(problem, control, a)
         above = np.flatnonzero(value >= control.value)
         if len(above) == 0:
@@ -43,9 +46,20 @@ def guess_half_width(problem: Problem, control: Control) -> float:
         k = int(above[0])
         if k == 0:
             return float(a[0])
-        low, high, at_low, at_high = a[k - 1], a[k], value[k - 1], value[k]
-        a = np.geomspace(low, high, 17)
-    return float(low + (high - low) * (control.value - at_low) / (at_high - at_low))
+        low, high, at_low, at_high = float(a[k - 1]), float(a[k]), float(value[k - 1]), float(value[k])
+        a = low * (high / low) ** _FINER
+    # Secant steps in the logarithms, where a power law is straight; the bracket is kept.
+    for _ in range(6):
+        share = math.log(control.value / at_low) / math.log(at_high / at_low) if at_low > 0 else 0.5
+        middle = low * (high / low) ** share
+        here = float(_carried(problem, control, np.array([middle]))[0])
+        if abs(here / control.value - 1) < 1e-14 or not low < middle < high:
+            return middle
+        if here < control.value:
+            low, at_low = middle, here
+        else:
+            high, at_high = middle, here
+    return middle
 
 
 def widest(problem: Problem) -> float:

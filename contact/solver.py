@@ -205,11 +205,11 @@ class _Run:
             return self._settled(problem, control, np.array([[-a, a]]))
         if self.single:
             # Only wide zones can be near full contact, and only then is it worth finding out where it begins.
-            period = self.problem.period
-            wide = period is not None and guess_half_width(problem, control) > 0.25 * period
-            if wide and self._is_full(control):
+            with self.plan.timed("zone ends"):
+                guess = guess_half_width(problem, control)
+            if problem.period is not None and guess > 0.25 * problem.period and self._is_full(control):
                 return None
-            found = self._from_one_zone(problem, control)
+            found = self._from_one_zone(problem, control, guess)
             if found is not None:
                 return found
         return self._from_grid(problem, control)
@@ -249,10 +249,9 @@ class _Run:
             )
         return NotConverged(f"not converged: {failure}", trace, best)
 
-    def _from_one_zone(self, problem: Problem, control: Control) -> Found | None:
+    def _from_one_zone(self, problem: Problem, control: Control, a: float) -> Found | None:
         """One zone about the tip; None if it does not pass, for the grid to find out why."""
         with self.plan.timed("zone ends"):
-            a = guess_half_width(problem, control)
             try:
                 return settle(problem, control, np.array([[-a, a]]), self.tolerance, self.progress)
             except WrongTopology:

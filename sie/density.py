@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,16 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie import chebyshev
-from sie.assemble import regular_size
+from sie.field import CHUNK, Sources, potential_at, quadrature, transform_at
 from sie.kernels import Kernel
 from sie.steps import Steps
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
-
-# Largest number of (point, zone) pairs handled at once: bounds the memory of an evaluation.
-_CHUNK = 200_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +33,7 @@ class Density:
 
     # per zone -------------------------------------------------------------------------------------------------------
     @cached_property
-    def _bounded(self) -> tuple[Array, Array, Array]:
+    def bounded(self) -> tuple[Array, Array, Array]:
         return chebyshev.bounded_part(self.coefficients)
 
     def settled(self) -> Density:
@@ -47,12 +43,12 @@ class Density:
         width, while K / sqrt(d) would grow without bound towards the end.
         """
         zones = self.zones
-        alpha, beta, u = self._bounded
+        alpha, beta, u = self.bounded
         left = np.array([end.moves and end.intensity == 0.0 for end in zones.left])
         right = np.array([end.moves and end.intensity == 0.0 for end in zones.right])
         k_left, k_right = np.where(left, 0.0, alpha - beta), np.where(right, 0.0, alpha + beta)
         other = replace(self)
-        other.__dict__["_bounded"] = (0.5 * (k_left + k_right), 0.5 * (k_right - k_left), u)
+        other.__dict__["bounded"] = (0.5 * (k_left + k_right), 0.5 * (k_right - k_left), u)
         return other
 
     @cached_property
@@ -82,14 +78,14 @@ class Density:
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
         """K at the left and the right end of each zone: density ~ K / sqrt(d) at distance d from the end."""
-        alpha, beta, _ = self._bounded
+        alpha, beta, _ = self.bounded
         root = np.sqrt(self.zones.half / 2)
         return root * (alpha - beta), root * (alpha + beta)
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
         """A at the left and the right end of each zone: density ~ K / sqrt(d) + A sqrt(d)."""
-        alpha, beta, u = self._bounded
+        alpha, beta, u = self.bounded
         k = np.arange(1, u.shape[1] + 1)
         sign = 1.0 - 2.0 * ((k - 1) % 2)
         step_left, step_right = self.steps.edge_slopes(self.zones)
@@ -105,7 +101,7 @@ class Density:
         """Density at points given by zone index and the distances from the zone's ends over its half width
         (left + right = 2): no digit is lost near the ends."""
         zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), *map(_float, (left, right)))
-        alpha, beta, u = self._bounded
+        alpha, beta, u = self.bounded
         root = np.sqrt(left * right)
         with np.errstate(divide="ignore", invalid="ignore"):
             a, b = alpha[zone], beta[zone]
@@ -139,7 +135,7 @@ class Density:
                 continue
             k = np.arange(1, len(row) + 1)
             both = np.column_stack((row, row * (2.0 * (k % 2) - 1.0)))
-            block = max(1, _CHUNK * 4 // len(row))
+            block = max(1, CHUNK * 4 // len(row))
             for s in range(0, len(here), block):
                 part = here[s : s + block]
                 sums = np.sin(flat_angle[part][:, None] * k) @ both
@@ -166,72 +162,34 @@ class Density:
 
     def transform(self, x: ArrayLike) -> Array:
         """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end."""
-        return self._evaluate(x, self._transform_pairs, self.kernel.regular)
+        x = _float(x)
+        return transform_at(self, self._into_period(x).ravel()).reshape(x.shape)
 
     def potential(self, x: ArrayLike) -> Array:
         """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones."""
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
             raise ValueError("the regular kernel has no potential")
-        return self._evaluate(x, self._potential_pairs, self.kernel.regular_potential)
-
-    def potential_along(self, x: Array) -> Array:
-        """The potential at points x (n,) taken where they are, not moved by periods."""
-        total = self._regular_field(x, self.kernel.regular_potential) if self.kernel.regular_potential else np.zeros(x.shape)
-        for shift in self.kernel.poles:
-            total += self._potential_pairs(x, shift)
-        return total
-
-    def potential_of(self, x: Array, shift: float, chosen: Index) -> Array:
-        """What the chosen zones, moved by one of the kernel's poles, add to the potential at points x (n,)."""
-        return self._potential_pairs(x, shift, chosen)
-
-    def _evaluate(self, x: ArrayLike, pairs, regular) -> Array:  # type: ignore[no-untyped-def]
         x = _float(x)
-        flat = self.locate(x)[0].ravel() if self.kernel.period is not None else x.ravel()
-        if self.kernel.period is not None:
-            # Points between the last zone and the first one's image: nearer to the image's side, but within a period.
-            middle = 0.5 * (self.zones.a[0] + self.zones.b[-1])
-            flat = flat - np.round((flat - middle) / self.kernel.period) * self.kernel.period
-        out = np.zeros(flat.shape)
-        block = max(1, _CHUNK // len(self.zones))
-        for s in range(0, len(flat), block):
-            part = flat[s : s + block]
-            total = self._regular_field(part, regular) if regular is not None else np.zeros(part.shape)
-            for shift in self.kernel.poles:
-                total += pairs(part, shift)
-            out[s : s + block] = total
-        return out.reshape(x.shape)
+        return potential_at(self, self._into_period(x).ravel()).reshape(x.shape)
 
-    def _geometry(self, x: Array, shift: float) -> tuple[Array, Array]:
-        """Distances of points from both ends of every zone over w, positive on the zone: (points, zones)."""
-        w = self.zones.half
-        return (x[:, None] - (self.zones.a + shift)) / w, ((self.zones.b + shift) - x[:, None]) / w
+    def _into_period(self, x: Array) -> Array:
+        """x moved by periods to within half of one of the zones' middle, where the kernel's poles are the near ones."""
+        if self.kernel.period is None:
+            return x
+        middle = 0.5 * (self.zones.a[0] + self.zones.b[-1])
+        return np.asarray(x - np.round((x - middle) / self.kernel.period) * self.kernel.period)
 
-    def _transform_pairs(self, x: Array, shift: float) -> Array:
-        left, right = self._geometry(x, shift)
-        on = (left >= 0) & (right >= 0)
-        root = np.sqrt(np.abs(left * right))
-        sign = np.where(left >= 0, 1.0, -1.0)
-        z = 0.5 * (left - right)
-        rho = np.where(on, 0.0, sign / (np.abs(z) + root))
-        alpha, beta, u = self._bounded
-        with np.errstate(divide="ignore", invalid="ignore"):
-            off = np.where(on, 0.0, sign * (alpha + beta * rho) / root)
-        off = np.where(alpha == 0, np.where(beta == 0, 0.0, off), off)
-        out = (off + rho * _power_sum(u, rho)).sum(axis=1)
-        if np.any(on):
-            p, i = np.nonzero(on)
-            c = self.coefficients
-            own = self._own_transform(i, left[p, i], right[p, i])
-            np.add.at(out, p, own)
-        for i in self.steps.by_zone:
-            here = on[:, i]
-            out[here] += self.steps.own_transform(i, left[here, i])
-            away = ~here
-            out[away] += self.steps.transform(i, z[away, i], rho[away, i])
-        return np.asarray(out)
+    @cached_property
+    def sources(self) -> Sources:
+        """Every zone at every pole of the kernel."""
+        return Sources.of(self.zones, self.kernel)
 
-    def _own_transform(self, zone: Index, left: Array, right: Array) -> Array:
+    @cached_property
+    def quadrature(self) -> list[tuple[Array, Array]]:
+        """Nodes and weighted density for the regular part of the kernel."""
+        return quadrature(self)
+
+    def own_transform(self, zone: Index, left: Array, right: Array) -> Array:
         """-sum c_j U_{j-1}(t) on the zones, by the angle from the nearer end."""
         c = self.coefficients[:, 1:]
         flip, angle = left < right, _angle(left, right)
@@ -244,7 +202,7 @@ class Density:
         return out
 
     @cached_property
-    def _potential_coefficients(self) -> Array:
+    def potential_coefficients(self) -> Array:
         """Coefficients of all but the logarithms of kinks, those over l = 1, 2, ... divided by l: potentials need these."""
         c, high = self.coefficients, self.steps.high_coefficients(self.zones)
         table = np.zeros((len(c), max(c.shape[1], high.shape[1])))
@@ -254,92 +212,10 @@ class Density:
         return table
 
     @cached_property
-    def _kink_totals(self) -> Array:
+    def kink_totals(self) -> Array:
+        """c_0 of the logarithms of kinks, per zone."""
         kinks = self.steps.t_coefficients(self.zones, 1)[:, 0]
-        return np.asarray(kinks - (self.steps.high_coefficients(self.zones)[:, :1].sum(axis=1)))
-
-    def _potential_pairs(self, x: Array, shift: float, chosen: Index | None = None) -> Array:
-        """Potential at x of the chosen zones (all if None), moved by `shift`."""
-        zones = slice(None) if chosen is None else chosen
-        w, table = self.zones.half[zones], self._potential_coefficients[zones]
-        left = (x[:, None] - (self.zones.a[zones] + shift)) / w
-        right = ((self.zones.b[zones] + shift) - x[:, None]) / w
-        on = (left >= 0) & (right >= 0)
-        root = np.sqrt(np.abs(left * right))
-        z = 0.5 * (left - right)
-        rho = np.where(on, 0.5, np.where(left >= 0, 1.0, -1.0) / (np.abs(z) + root))
-        first, rest = table[:, 0], table[:, 1:]
-        total = first * np.log(w / (2 * np.abs(rho) * self.kernel.datum)) - rho * _power_sum(rest, rho)
-        if np.any(on):
-            p, i = np.nonzero(on)
-            theta = 2 * np.arctan2(np.sqrt(right[p, i]), np.sqrt(left[p, i]))
-            total[p, i] = first[i] * np.log(w[i] / (2 * self.kernel.datum)) - self._cosine_sum(rest, i, theta)
-        for i in self.steps.kinked:
-            place = i if chosen is None else _place(chosen, i)
-            if place is None:
-                continue
-            turn = z[:, place] + 1j * np.sqrt(np.maximum(left[:, place] * right[:, place], 0.0))
-            q = np.where(on[:, place], turn, rho[:, place])
-            log = math.log(w[place] / self.kernel.datum)
-            total[:, place] += self.steps.kink_potential(i, q) + self._kink_totals[i] * log
-        return np.asarray(total @ w)
-
-    def _cosine_sum(self, scaled: Array, zone: Index, theta: Array) -> Array:
-        out = np.zeros(theta.shape)
-        k = np.arange(1, scaled.shape[1] + 1)
-        for i in np.unique(zone):
-            here = np.flatnonzero(zone == i)
-            block = max(1, _CHUNK * 4 // max(1, len(k)))
-            for s in range(0, len(here), block):
-                part = here[s : s + block]
-                out[part] = np.cos(theta[part][:, None] * k) @ scaled[i]
-        return out
-
-    def _regular_field(self, x: Array, regular) -> Array:  # type: ignore[no-untyped-def]
-        out = np.zeros(x.shape)
-        m = self.coefficients.shape[1] - 1
-        sizes = np.array([regular_size(self.kernel, w, m) for w in self.zones.half])
-        for q in np.unique(sizes):
-            group = np.flatnonzero(sizes == q)
-            count = min(int(q), m + 1)
-            xi = self.zones.middle[group][:, None] + self.zones.half[group][:, None] * chebyshev.gauss(int(q))
-            c = self.coefficients[group, :count]
-            if len(self.steps):
-                c = c + self.steps.t_coefficients(self.zones, count)[group]
-            weights = (c @ chebyshev.t_matrix(int(q), count).T) * (self.zones.half[group] / q)[:, None]
-            block = max(1, _CHUNK // weights.size)
-            for s in range(0, len(x), block):
-                values = regular(x[s : s + block, None], xi.ravel()[None, :])
-                out[s : s + block] += values @ weights.ravel()
-        return out
-
-
-def _power_sum(u: Array, rho: Array) -> Array:
-    """sum_k u_k rho^k for every (point, zone); far points stop early, where rho^k has vanished."""
-    largest = float(np.abs(rho).max(initial=0.0))
-    if u.shape[1] == 0 or largest == 0.0:
-        return np.zeros(rho.shape) + (u[:, 0] if u.shape[1] else 0.0)
-    flat = np.abs(rho).ravel()
-    with np.errstate(divide="ignore"):
-        need = np.fmin(u.shape[1], np.ceil(-40.0 / np.log(np.minimum(flat, 1 - 1e-12)))).astype(int)
-    need = np.maximum(need, 1)
-    order = np.argsort(-need, kind="stable")
-    point_rho = rho.ravel()[order]
-    zone = np.tile(np.arange(rho.shape[1]), rho.shape[0])[order]
-    counts = need[order]
-    out = np.zeros(len(order))
-    active = np.searchsorted(-counts, -np.arange(1, counts[0] + 1), side="right")
-    for k in range(int(counts[0]) - 1, -1, -1):
-        n = active[k]
-        out[:n] = out[:n] * point_rho[:n] + u[zone[:n], k]
-    result = np.empty(len(order))
-    result[order] = out
-    return result.reshape(rho.shape)
-
-
-def _place(chosen: Index, zone: int) -> int | None:
-    found = np.flatnonzero(chosen == zone)
-    return int(found[0]) if len(found) else None
+        return np.asarray(kinks - self.steps.high_coefficients(self.zones)[:, :1].sum(axis=1))
 
 
 def _angle(left: Array, right: Array) -> Array:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from sie import chebyshev
 from sie.density import Density
+from sie.field import Sources, potential_at, potential_from
 
 Array = NDArray[np.float64]
 
@@ -27,34 +28,23 @@ class LocalPotential:
     lo: float
     hi: float
     far: Array
-    near: tuple[tuple[float, NDArray[np.intp]], ...]
+    near: Sources
 
     @classmethod
     def on(cls, density: Density, lo: float, hi: float) -> LocalPotential:
-        """Choose the near zones of [lo, hi] and interpolate all others."""
-        zones, reach = density.zones, 0.5 * (hi - lo)
-        near = []
-        for shift in density.kernel.poles:
-            distance = np.maximum(zones.a + shift - hi, lo - (zones.b + shift))
-            near.append((shift, np.flatnonzero(distance < reach)))
+        """Choose the near sources of [lo, hi] and interpolate all others."""
+        sources = density.sources
+        distance = np.maximum(sources.a - hi, lo - sources.b)
+        near = sources.chosen(distance < 0.5 * (hi - lo))
         t = chebyshev.gauss(_NODES)
         x = 0.5 * (lo + hi) + 0.5 * (hi - lo) * t
-        values = density.potential_along(x) - _sum_near(density, x, near)
-        weights = chebyshev.t_matrix(_NODES, _NODES) * (2 / _NODES)
-        far = values @ weights
+        values = potential_at(density, x) - potential_from(density, x, near)
+        far = values @ (chebyshev.t_matrix(_NODES, _NODES) * (2 / _NODES))
         far[0] *= 0.5
-        return cls(density, lo, hi, far, tuple(near))
+        return cls(density, lo, hi, far, near)
 
     def __call__(self, x: Array) -> Array:
         """Potential at points x (n,) of [lo, hi]."""
         t = (2 * x - (self.lo + self.hi)) / (self.hi - self.lo)
         smooth = np.polynomial.chebyshev.chebval(t, self.far)
-        return np.asarray(smooth + _sum_near(self.density, x, self.near))
-
-
-def _sum_near(density: Density, x: Array, near: object) -> Array:
-    total = np.zeros(x.shape)
-    for shift, chosen in near:  # type: ignore[attr-defined]
-        if len(chosen):
-            total += density.potential_of(x, shift, chosen)
-    return total
+        return np.asarray(smooth + potential_from(self.density, x, self.near))
