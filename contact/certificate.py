@@ -76,8 +76,7 @@ def _pressures(fields: ZoneFields) -> tuple[Array, float, int]:
     """(intervals of negative pressure, least p / sqrt(1 - t^2) in scaled units, points)."""
     density = fields.density
     zones = density.zones
-    modes = np.array([np.count_nonzero(c) for c in density.coefficients])
-    counts = np.clip(2 * modes, 24, 2048)
+    counts = density.sampling
     bad: list[tuple[float, float]] = []
     least, points = np.inf, 0
     for n in np.unique(counts):
@@ -99,7 +98,51 @@ def _pressures(fields: ZoneFields) -> tuple[Array, float, int]:
                 lo = zones.a[i] if e == n - 1 else 0.5 * (x[e] + x[e + 1])
                 hi = zones.b[i] if s == 0 else 0.5 * (x[s] + x[s - 1])
                 bad.append((lo, hi))
+        dips, lowest = _dips(fields, group, theta, finite, scale)
+        bad += dips
+        least = min(least, lowest)
     return np.array(sorted(bad)).reshape(-1, 2), least, points
+
+
+def _dips(
+    fields: ZoneFields, group: NDArray[np.intp], theta: Array, value: Array, scale: Array
+) -> tuple[list[tuple[float, float]], float]:
+    """Minima of p / sqrt(1 - t^2) that may be negative between the samples: (intervals where they are, least value)."""
+    density = fields.density
+    zones = density.zones
+    middle = value[:, 1:-1]
+    with np.errstate(invalid="ignore"):
+        bend = value[:, :-2] - 2 * middle + value[:, 2:]
+        # A parabola through three samples falls below the middle one by an eighth of their second difference at most.
+        low = (middle <= value[:, :-2]) & (middle <= value[:, 2:]) & (middle > 0) & (middle < bend)
+    rows, places = np.nonzero(low)
+    bad: list[tuple[float, float]] = []
+    if len(rows) == 0:
+        return bad, np.inf
+    zone = group[rows][:, None]
+    lo, hi = theta[places], theta[places + 2]
+    least = np.inf
+    for _ in range(3):
+        angle = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 17)
+        right, left = 2 * np.sin(angle / 2) ** 2, 2 * np.cos(angle / 2) ** 2
+        here = density.at(zone, left, right) / np.sqrt(left * right)
+        here = np.where(np.isfinite(here), here, np.inf)
+        least = min(least, float(here[here > 1e-12 * scale[rows, None]].min(initial=np.inf)))
+        best = np.clip(np.argmin(here, axis=1), 1, 15)
+        fails = here < -1e-12 * scale[rows, None]
+        for k in np.flatnonzero(fails.any(axis=1)):
+            i, at = group[rows[k]], np.flatnonzero(fails[k])
+            ends = zones.middle[i] + zones.half[i] * np.cos(angle[k, [min(at[-1] + 1, 16), max(at[0] - 1, 0)]])
+            bad.append((float(ends[0]), float(ends[1])))
+            least = min(least, float(here[k].min()))
+        each = np.arange(len(rows))
+        lo, hi = angle[each, best - 1], angle[each, best + 1]
+        # What is known to be negative need not be looked at more closely.
+        keep = ~fails.any(axis=1)
+        if not keep.any():
+            break
+        rows, zone, lo, hi = rows[keep], zone[keep], lo[keep], hi[keep]
+    return bad, least
 
 
 def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:

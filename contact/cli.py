@@ -42,14 +42,16 @@ class Commands(click.Group):
     """A click group that ends every error of the package and of usage in its exit status and one line."""
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
+        run: Callable[..., Any] = super().main
         if not standalone_mode:
-            return super().main(*args, standalone_mode=False, **extra)
+            return run(*args, standalone_mode=False, **extra)
         try:
-            status = super().main(*args, standalone_mode=False, **extra)
+            status = run(*args, standalone_mode=False, **extra)
         except NotConverged as error:
             _stop(NOT_CONVERGED, str(error))
-        except BrokenPipeError:  # the reader of a pipe has seen enough
-            sys.stdout = click.utils.PacifyFlushWrapper(sys.stdout)  # type: ignore[assignment]
+        except BrokenPipeError:
+            # The reader of the pipe has seen enough; Python's own flush at exit must not complain either.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(1)
         except (ContactError, OSError) as error:
             _stop(BAD_INPUT, str(error))
@@ -78,7 +80,7 @@ def main(context: click.Context) -> None:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="OUT.nc", help="Write zones and fields as netCDF.")
 @click.option("--csv", "table", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write the zones as CSV.")
-@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw surfaces and pressure.")
+@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw the surfaces, p.")
 @_TOL
 def solve_command(
     scene: Path, as_json: bool, save: Path | None, table: Path | None, figure: Path | None, tol: float

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.answer import Answer
-from contact.errors import ContactError, NotConverged
+from contact.errors import ContactError
 from contact.interactions.base import Interaction
 from contact.registry import interaction
 from contact.scene import Scene
@@ -96,9 +96,3 @@ def _under(scene: Scene, model: Interaction) -> Scene:
         return replace(scene, interaction=model)
     load = scene.mean_pressure * scene.profile.period
     return replace(scene, interaction=model, mean_pressure=None, load=load)
-
-
-def none_converged(attempts: list[Attempt]) -> bool:
-    """Whether no model has a solution, one at least for want of convergence."""
-    unsolved = all(attempt.solution is None for attempt in attempts)
-    return unsolved and any(isinstance(attempt.refusal, NotConverged) for attempt in attempts)

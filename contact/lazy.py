@@ -18,7 +18,7 @@ def _module(name: str, extra: str | None = None) -> ModuleType:
         return importlib.import_module(name)
     except ImportError as error:
         package = name.partition(".")[0]
-        remedy = f"pip install 'contact[{extra}]'" if extra else f"pip install {package}"
+        remedy = f"pip install 'sie-contact[{extra}]'" if extra else f"pip install {package}"
         # A submodule of an installed package can fail for other reasons; keep the cause.
         raise MissingExtra(
             f"{name} is needed here and cannot be imported ({error}): {remedy}", name=package
@@ -31,7 +31,7 @@ def scipy_interpolate() -> ModuleType:
 
 
 def scipy_special() -> ModuleType:
-    """Hurwitz zeta of periodic splines."""
+    """Zeta and digamma functions, for sums over images."""
     return _module("scipy.special")
 
 
@@ -57,42 +57,42 @@ def matplotlib_agg() -> ModuleType:
 
 def xarray() -> ModuleType:
     """Labelled data sets."""
-    return _module("xarray", "netcdf")
+    return _module("xarray", "io")
 
 
 def h5netcdf() -> ModuleType:
     """netCDF files."""
-    return _module("h5netcdf", "netcdf")
+    return _module("h5netcdf", "io")
 
 
 def h5py() -> ModuleType:
     """What h5netcdf writes through; it is an option of h5netcdf itself."""
-    return _module("h5py", "netcdf")
+    return _module("h5py", "io")
 
 
 def click() -> ModuleType:
     """The command line."""
-    return _module("click", "cli")
+    return _module("click")
 
 
 def rich_console() -> ModuleType:
     """Text on a terminal."""
-    return _module("rich.console", "cli")
+    return _module("rich.console")
 
 
 def rich_table() -> ModuleType:
     """Tables on a terminal."""
-    return _module("rich.table", "cli")
+    return _module("rich.table")
 
 
 def rich_box() -> ModuleType:
     """Frames of tables."""
-    return _module("rich.box", "cli")
+    return _module("rich.box")
 
 
 def rich_progress() -> ModuleType:
     """Progress bars."""
-    return _module("rich.progress", "cli")
+    return _module("rich.progress")
 
 
 def command_line() -> ModuleType:

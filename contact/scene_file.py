@@ -71,7 +71,7 @@ def _read_material(table: Table) -> float:
         return modulus
     for name in ("E1", "nu1"):
         if name not in table:
-            raise SceneError(f"{name} is missing: give E_star, or E1 and nu1, and E2 and nu2 of an elastic counter-body")
+            raise SceneError(f"{name} is missing: give E_star, or E1 and nu1, and E2, nu2 of an elastic counter-body")
     return E_star(**table)
 
 

@@ -117,7 +117,7 @@ class Solution:
         if np.any((density.steps.height > 0) & (density.steps.order == 0)):
             return np.inf
         peak, zone = -np.inf, 0
-        counts = np.clip([2 * np.count_nonzero(c) for c in density.coefficients], 24, 4096)
+        counts = density.sampling
         for n in np.unique(counts):
             group = np.flatnonzero(counts == n)
             theta = (np.arange(n) + 0.5) * np.pi / n

@@ -97,9 +97,9 @@ class _Run:
             a = guess_half_width(rough, self._control(rough.units))
             return 0.0, a, (-2 * a, 2 * a)
         datum = getattr(scene.interaction, "datum", None)
-        given = {"load": value} if kind == "load" else {"level": value}
         window = find_window(
-            lambda x: np.asarray(profile.height(x)), scene.E_star, **given,
+            lambda x: np.asarray(profile.height(x)), scene.E_star,
+            load=value if kind == "load" else None, level=None if kind == "load" else value,
             start_scale=profile.resolution, datum=datum or 1.0, limits=profile.extent,
         )
         origin = 0.0 if profile.symmetric else 0.5 * (window[0] + window[1])
@@ -308,14 +308,12 @@ class _Run:
         periodic = scene.interaction.needs_period
         if control.kind == "width":
             return self._proposal_by_width(problem, control, points)
-        given = (
-            {"load": control.value * units.load}
-            if control.kind == "load"
-            else {"level": problem.lowest + control.value * units.height}
-        )
+        by_load = control.kind == "load"
         proposal = propose(
             lambda x: np.asarray(profile.height(x)), self.cell, E=scene.E_star, periodic=periodic,
-            datum=getattr(scene.interaction, "datum", None) or 1.0, resolution=profile.resolution, points=points, **given,
+            datum=getattr(scene.interaction, "datum", None) or 1.0, resolution=profile.resolution, points=points,
+            load=control.value * units.load if by_load else None,
+            level=None if by_load else problem.lowest + control.value * units.height,
         )
         return proposal.zones, proposal.points, proposal.full, proposal.touches_border
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import dataclasses
 import warnings
 from collections.abc import Callable, Iterator
+from math import ceil, log2
 from typing import Any
 
 import numpy as np
@@ -157,7 +158,7 @@ def _shapes(profile: Profile, x: Array) -> Iterator[str]:
         function = getattr(profile, name)
         given = x[:6].copy()
         whole = np.asarray(function(given))
-        size = float(np.max(np.abs(np.asarray(function(x)))))
+        size = float(np.max(np.abs(np.asarray(function(x.copy())))))
         if not np.array_equal(given, x[:6]):
             yield f"{name}(x) changes the array it is given"
         # A derived slope chooses its steps from all its points, so single values may differ a little.
@@ -217,6 +218,14 @@ def _slope(profile: Profile, x: Array) -> Iterator[str]:
         )
 
 
+def _continuity(profile: Profile, x: Array) -> Iterator[str]:
+    lo, hi = float(x[0]), float(x[-1])
+    size = float(np.ptp(np.asarray(profile.height(x))))
+    for s, step in _jumps(lambda t: np.asarray(profile.height(t)), lo, hi, 1e-10 * (hi - lo), size):
+        yield f"the height jumps by {step:.6g} at {s:.6g}: it must be continuous"
+        return
+
+
 def _symmetry(profile: Profile, x: Array) -> Iterator[str]:
     both = x[(-x >= x[0]) & (-x <= x[-1])]
     if both.size == 0:
@@ -273,7 +282,7 @@ def _jumps(
     edges = np.linspace(lo, hi, 2001)
     a, b = edges[:-1], edges[1:]
     fa, fb = slope(a), slope(b)
-    while b[0] - a[0] > 4 * reach:
+    for _ in range(max(0, ceil(log2((hi - lo) / 2000 / (4 * reach))))):
         m = (a + b) / 2
         fm = slope(m)
         left = np.abs(fm - fa) >= np.abs(fb - fm)
@@ -285,6 +294,34 @@ def _jumps(
         if not places or s - places[-1][0] > 16 * reach:
             places.append((float(s), float(jump)))
     return places
+
+
+def _higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
+    jumps = np.asarray(profile.jumps)
+    if jumps.ndim != 2 or jumps.shape[1] != 3 or not np.isin(jumps[:, 1], (2, 3)).all():
+        yield "jumps must be an array of shape (k, 3): position, order 2 or 3, jump of that derivative"
+        return
+    if not jumps.size or profile.slope_is_derived:
+        return
+    places = np.unique(np.concatenate([jumps[:, 0], np.asarray(profile.kinks)[:, 0], [x[0], x[-1]]]))
+    # Steps short of the neighbouring jumps, so that each side is smooth, and long enough to see through rounding.
+    step = 0.1 * float(np.min(np.diff(places)))
+    weights = np.linalg.inv(np.vander(np.arange(1.0, 6.0), increasing=True))
+    for order in (2, 3):
+        listed = jumps[jumps[:, 1] == order]
+        if not listed.size:
+            continue
+        sides = [
+            profile.slope(listed[:, 0, None] + side * step * np.arange(1.0, 6.0)) @ weights[order - 1]
+            for side in (1, -1)
+        ]
+        # Derivatives of the slope at the jump itself, from the polynomial through five points a side.
+        seen = (sides[0] - (-1.0) ** (order - 1) * sides[1]) * (order - 1) / step ** (order - 1)
+        off = np.abs(seen - listed[:, 2])
+        i = int(np.argmax(off))
+        if off[i] > 10 * _JUMP * float(np.max(np.abs(np.concatenate([seen, listed[:, 2]])))):
+            s, _, jump = listed[i]
+            yield f"jump declared at {s:.6g} of order {order}, {jump:.6g}: the slope shows {seen[i]:.6g}"
 
 
 def _summits(profile: Profile, x: Array) -> Iterator[str]:
@@ -327,9 +364,11 @@ _CHECKS: tuple[tuple[str, Callable[[Profile, Array], Iterator[str]]], ...] = (
     ("values", _values),
     ("shapes", _shapes),
     ("periodicity", _periodicity),
+    ("continuity", _continuity),
     ("slope", _slope),
     ("symmetry", _symmetry),
     ("kinks", _kinks),
+    ("jumps", _higher_jumps),
     ("summits", _summits),
     ("conjugate", _conjugate),
 )

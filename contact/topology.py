@@ -60,7 +60,10 @@ def settle(
         if progress is not None:
             progress("zones", done, None)
         zones = kinds(problem, control, table)
-        free = sie.find_ends(problem.equation(control), zones, tolerance, value=value, walls=problem.walls)
+        try:
+            free = sie.find_ends(problem.equation(control), zones, tolerance, value=value, walls=problem.walls)
+        except sie.SingularSystem as failure:
+            raise WrongTopology(f"the equation has no solution on such zones ({failure})", free) from failure
         if free.value is not None:
             value = free.value
         if len(free.lost) or len(free.met):

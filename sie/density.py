@@ -58,6 +58,13 @@ class Density:
         return np.array([e.intensity == 0.0 for e in zones.left]), np.array([e.intensity == 0.0 for e in zones.right])
 
     @cached_property
+    def sampling(self) -> NDArray[np.intp]:
+        """Even angles per zone (Z,) that show all of the density: twice its modes and a few for every jump."""
+        modes = np.count_nonzero(self.coefficients, axis=1)
+        jumps = np.bincount(self.steps.zone, minlength=len(self.zones))
+        return np.clip(2 * modes + 4 * jumps, 24, 4096)
+
+    @cached_property
     def totals(self) -> Array:
         """Integral over each zone (Z,)."""
         first = self.steps.t_coefficients(self.zones, 1)[:, 0]
@@ -111,7 +118,7 @@ class Density:
                 # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
                 zero_left, zero_right = self._bounded_ends
                 no_edge |= (left == 0) & zero_left[zone] | (right == 0) & zero_right[zone]
-            out = np.where(no_edge, 0.0, edge) + self._sine_sum(u, zone, _angle(left, right), left < right)
+            out = np.asarray(np.where(no_edge, 0.0, edge) + self._sine_sum(u, zone, _angle(left, right), left < right))
         for i in self.steps.by_zone:
             here = zone == i
             if np.any(here):

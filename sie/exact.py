@@ -195,8 +195,8 @@ class Wedge(Exact):
 
     def at(self, t: ArrayLike, zone: int = 0) -> Array:
         with np.errstate(divide="ignore"):
-            # arcosh(1/|t|) keeps its digits near the ends as artanh of the root.
-            return np.asarray(2 * self.slope / math.pi * np.arctanh(_root(t)))
+            # arcosh(1/|t|), all digits kept near the ends.
+            return np.asarray(2 * self.slope / math.pi * np.arcsinh(_root(t) / np.abs(_floats(t))))
 
 
 @dataclass(frozen=True)

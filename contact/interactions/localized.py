@@ -24,19 +24,24 @@ from contact.registry import register_interaction
 
 Array = NDArray[np.float64]
 
+_INSIDE = 1 - 1e-15
+
 CLOSURES = ("first-order", "self-consistent")
 
 
 @register_interaction("localized")
 @dataclass(frozen=True)
 class Localized(Interaction):
-    """closure: what pbar is. "first-order" takes the isolated load of the same total width over L, as the paper's worked
+    """One strip solved exactly, the rest of the surface as its nominal pressure, self-consistent or to first order.
+
+    closure: what pbar is. "first-order" takes the isolated load of the same total width over L, as the paper's worked
     examples do; "self-consistent" takes the load itself. neighbours: m, self-consistent only if above 0.
     """
 
     closure: str = "first-order"
     neighbours: int = 0
     needs_period = True
+    allows = ("load", "mean_pressure", "approach", "half_width")
     exact = False
     strip = True
 
@@ -66,7 +71,8 @@ class Localized(Interaction):
         length = period
 
         def value(x: Array) -> Array:
-            return np.asarray(2 / np.pi * np.arctanh(np.clip((x - centre) / half, -1, 1)))
+            # Zones on their way may pass the border of the strip for a step: the term stays finite there.
+            return np.asarray(2 / np.pi * np.arctanh(np.clip((x - centre) / half, -_INSIDE, _INSIDE)))
 
         def primitive(x: Array) -> Array:
             before, after = half + (x - centre), half - (x - centre)

@@ -59,7 +59,7 @@ class Profile:
 
     @property
     def jumps(self) -> Array:
-        """Jumps of the second or third derivative in the cell, one a row: position, order (2 or 3), f^(n)(s+) - f^(n)(s-).
+        """Jumps of f^(n), n = 2 or 3, in the cell, one a row: position, n, f^(n)(s+) - f^(n)(s-).
 
         None need be declared; those that are cost no accuracy and few modes.
         """
@@ -138,7 +138,7 @@ class Profile:
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self) or not dataclasses.is_dataclass(self):
             return self is other if type(other) is type(self) else NotImplemented
-        return all(np.array_equal(a, b) for a, b in zip(self._fields(), other._fields(), strict=True))  # type: ignore[attr-defined]
+        return all(np.array_equal(a, b) for a, b in zip(self._fields(), other._fields(), strict=True))
 
     def __hash__(self) -> int:
         if not dataclasses.is_dataclass(self):

@@ -1,13 +1,14 @@
 """Hilbert transform of the slope of a uniform periodic cubic spline, exact to rounding.
 
-With B-spline coefficients c_j and pitch h, f' = (1/h) sum_j c_j B'(t - j), t = (x - x0)/h, and H f' has the
-same form with
-    Phi(t) = H B'(t) = (1/2 pi) sum_l J_l (t - l)^2 ln|t - l|,   J = 1, -4, 6, -4, 1 at l = -2..2,
-         ~ -(1/pi) sum_p (2p + 1) M_2p t^(-2p-2),                |t| large, M_2p the moments of B,
+With B-spline coefficients c_j and pitch h, f' = (1/h) sum_j (c_j - c_(j-1)) B(t - j + 1/2), t = (x - x0)/h, B the
+quadratic B-spline, and H f' has the same form with
+    Psi(t) = H B(t) = (1/2 pi) sum_l J_l (t - l)^2 ln|t - l|,   J = 1, -3, 3, -1 at l = -3/2, -1/2, 1/2, 3/2,
+           = (1/pi) sum_p M_2p t^(-2p-1) for large |t|,         M_2p the moments of B,
 summed over the images t + nk by Hurwitz zeta. In each interval between knots the nearest six singularities
-(1/2 pi) J tau^2 ln|tau| are kept in closed form; what is left is analytic there and is held as a Chebyshev
-series, made for all intervals at once by convolutions. (Spline theory: Schoenberg 1946; the rest is derived
-here and tested by quadrature.)
+(1/2 pi) J tau^2 ln|tau| of H f' are kept in closed form; what is left is analytic there and is held as a
+Chebyshev series, made for all intervals at once by convolutions. Differences of c, not c itself: the slope of a
+smooth profile is small beside c/h and would be lost in its rounding. (B-splines: Schoenberg 1946; the rest is
+derived here and tested against polylogarithms.)
 """
 
 from __future__ import annotations
@@ -21,9 +22,13 @@ from contact.lazy import scipy_special
 
 Array = NDArray[np.float64]
 
-_JUMPS = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
-_FAR = 8.0  # from here the moment series: (2/8)^(2p) is below rounding at the last p
-_MOMENTS = [(2.0 ** (2 * p + 5) - 8.0) * factorial(2 * p) / factorial(2 * p + 4) for p in range(14)]
+_KNOTS = (-1.5, -0.5, 0.5, 1.5)
+_JUMPS = (1.0, -3.0, 3.0, -1.0)
+_FAR = 8.0  # from here the moment series: (1.5/8)^(2p) is below rounding at the last p
+_MOMENTS = [
+    (2 * 1.5 ** (2 * p + 3) - 6 * 0.5 ** (2 * p + 3)) * factorial(2 * p) / factorial(2 * p + 3)
+    for p in range(12)
+]
 _NEAR = np.arange(-2, 4)  # knots kept in closed form, counted from the left end of the interval
 _NODES = (
     16  # the nearest knot left out is 3 pitches off the interval: an error of (3.5*2 + sqrt(48))^-16 = 4e-19
@@ -37,15 +42,18 @@ class SplineConjugate:
         self.n = values.size
         self.x0 = x0
         self.pitch = period / self.n
-        turn = 2 * pi * np.arange(self.n // 2 + 1) / self.n
-        spectrum = 3 * np.fft.rfft(values - values.mean()) / (2 + np.cos(turn)) / self.pitch
-        c = np.fft.irfft(spectrum, self.n)
-        self.jumps = sum(j * np.roll(c, s) for j, s in zip(_JUMPS, range(-2, 3), strict=True))
+        half_turn = pi * np.arange(self.n // 2 + 1) / self.n
+        coefficients = 3 * np.fft.rfft(values - values.mean()) / (2 + np.cos(2 * half_turn)) / self.pitch
+        # The factor of a backward difference, without the rounding of 1 - exp(-2i half_turn).
+        difference = 2j * np.sin(half_turn) * np.exp(-1j * half_turn)
+        spectrum = coefficients * difference
+        # The fourth difference about each point, again by its factor.
+        self.jumps = np.fft.irfft(coefficients * (2 * np.sin(half_turn)) ** 4, self.n)
         u = 0.5 - 0.5 * np.cos(pi * (np.arange(_NODES) + 0.5) / _NODES)
         rest = np.empty((_NODES, self.n))
         for q in range(_NODES):
             whole = np.fft.irfft(
-                spectrum * np.fft.rfft(_phi_periodic(u[q] + np.arange(self.n), self.n)), self.n
+                spectrum * np.fft.rfft(_periodic(u[q] + 0.5 + np.arange(self.n), self.n)), self.n
             )
             rest[q] = whole - self._near(np.arange(self.n), np.full(self.n, u[q]))
         angle = pi * (np.arange(_NODES) + 0.5) / _NODES
@@ -79,28 +87,34 @@ def _kappa(tau: Array) -> Array:
     return np.asarray(tau * tau * np.log(np.where(size == 0, 1.0, size)) / (2 * pi))
 
 
-def _phi(t: Array) -> Array:
+def _alone(t: Array) -> Array:
+    """Psi(t)."""
     near = np.abs(t) < _FAR
     out = np.zeros(t.shape)
-    out[near] = sum(j * _kappa(t[near] - k) for j, k in zip(_JUMPS, range(-2, 3), strict=True))
-    square = t[~near] ** -2.0
-    power = square.copy()
-    far = np.zeros(square.shape)
-    for p, moment in enumerate(_MOMENTS):
-        far -= (2 * p + 1) * moment / pi * power
-        power *= square
+    out[near] = sum(j * _kappa(t[near] - k) for j, k in zip(_JUMPS, _KNOTS, strict=True))
+    inverse = 1 / t[~near]
+    power = inverse / pi
+    far = np.zeros(inverse.shape)
+    for moment in _MOMENTS:
+        far += moment * power
+        power *= inverse * inverse
     out[~near] = far
     return out
 
 
-def _phi_periodic(t: Array, n: int) -> Array:
-    """sum_k Phi(t + nk): the images at less than _FAR + 4 by Phi itself, the rest by the moments."""
+def _periodic(t: Array, n: int) -> Array:
+    """sum_k Psi(t + nk): the images nearer than _FAR + 4 by Psi itself, the rest by the moments."""
     t = t - n * np.rint(t / n)
     images = max(0, ceil((_FAR + 4) / n - 0.5))
-    out = np.asarray(sum(_phi(t + n * k) for k in range(-images, images + 1)))
-    zeta = scipy_special().zeta
+    out = np.asarray(sum(_alone(t + n * k) for k in range(-images, images + 1)))
+    special = scipy_special()
+    ahead, behind = images + 1 + t / n, images + 1 - t / n
     for p, moment in enumerate(_MOMENTS):
-        s = 2 * p + 2
-        tail = zeta(s, images + 1 + t / n) + zeta(s, images + 1 - t / n)
-        out -= (2 * p + 1) * moment / pi * tail / float(n) ** s
+        s = 2 * p + 1
+        # Pairs k and -k: the series of s = 1 converges as they stand together.
+        if s == 1:
+            tail = special.digamma(behind) - special.digamma(ahead)
+        else:
+            tail = special.zeta(s, ahead) - special.zeta(s, behind)
+        out += moment / pi * tail / float(n) ** s
     return out

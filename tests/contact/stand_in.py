@@ -6,7 +6,7 @@ p = (2 pi E* D/L) cos(pi x/L) sqrt(S^2 - s^2) on |x| < a, with s = sin(pi x/L), 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,8 @@ from contact.scene import Scene
 
 @dataclass(frozen=True)
 class StandInReport:
+    """A certificate or a plan: what it is given."""
+
     values: dict[str, Any]
 
     def to_dict(self) -> dict[str, Any]:
@@ -32,10 +34,8 @@ class StandIn:
     waves: int = 1
     peak: float | None = None
     error: float = 1e-14
-    certificate: StandInReport = field(
-        default_factory=lambda: StandInReport({"smallest_pressure": np.float64(0.0), "largest_gap": np.inf, "signs": True})
-    )
-    plan: StandInReport = field(default_factory=lambda: StandInReport({"rows": [{"name": "search", "used": False}]}))
+    certificate: StandInReport = StandInReport({"smallest_pressure": np.float64(0.0), "largest_gap": np.inf})
+    plan: StandInReport = StandInReport({"rows": [{"name": "search", "used": False}]})
 
     @property
     def wave(self) -> float:
@@ -77,6 +77,17 @@ class StandIn:
         return min(2.0 * self.half_width / self.wave, 1.0)
 
     @property
+    def stiffness(self) -> float:
+        # d approach / d load of one wave is -(2 / pi E*) ln sin(pi a/L); the waves share the load.
+        if self._sine == 1.0:
+            return float(np.inf)
+        return float(-self.waves * np.pi * self.scene.E_star / (2.0 * np.log(self._sine)))
+
+    @property
+    def mean_gap(self) -> float:
+        return self.amplitude - self.approach
+
+    @property
     def approach(self) -> float:
         x = self.wave * (np.arange(4000) + 0.5) / 4000
         return self.amplitude - float(np.mean(self.gap(x)))
@@ -95,4 +106,4 @@ class StandIn:
         return 2.0 * self.amplitude * (s * np.sqrt(s**2 - sine**2) - sine**2 * np.arccosh(s / sine))
 
     def displacement(self, x: Any) -> np.ndarray:
-        return self.approach - self.scene.profile.height(x) + self.gap(x)
+        return self.approach - 2.0 * self.amplitude * self._s(x) ** 2 + self.gap(x)

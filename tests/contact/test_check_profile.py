@@ -27,22 +27,39 @@ class Good(Profile):
 
 
 def variant(**members: object) -> Profile:
-    wrapped = {k: v if callable(v) or k == "period" else property(lambda self, v=v: v) for k, v in members.items()}
+    wrapped = {
+        k: v if callable(v) or k == "period" else property(lambda self, v=v: v) for k, v in members.items()
+    }
     made: Profile = type("Variant", (Good,), wrapped)()
     return made
 
 
 FAULTS = {
     "slope of the wrong sign": (variant(slope=lambda s, x: -Good.slope(s, x)), "slope disagrees"),
-    "slope off by a ten-thousandth": (variant(slope=lambda s, x: 1.0001 * Good.slope(s, x)), "slope disagrees"),
+    "slope off by a ten-thousandth": (
+        variant(slope=lambda s, x: 1.0001 * Good.slope(s, x)),
+        "slope disagrees",
+    ),
     "period too long": (variant(period=1.1 * L), "not periodic"),
-    "slope not periodic": (variant(slope=lambda s, x: Good.slope(s, x) + 0 * x + (np.abs(x) > L)), "not periodic"),
-    "a number only": (variant(height=lambda s, x: 1e-6 * (1 - np.cos(K * x[:])) if np.ndim(x) else [1.0]), "shape"),
+    "slope not periodic": (
+        variant(slope=lambda s, x: Good.slope(s, x) + 0 * x + (np.abs(x) > L)),
+        "not periodic",
+    ),
+    "a number only": (
+        variant(height=lambda s, x: 1e-6 * (1 - np.cos(K * x[:])) if np.ndim(x) else [1.0]),
+        "shape",
+    ),
     "no lists": (variant(height=lambda s, x: 1e-6 * (1 - np.cos(x * K))), "for a list"),
     "flattened": (variant(height=lambda s, x: np.ravel(Good.height(s, x))), "shape"),
-    "depends on its neighbours": (variant(height=lambda s, x: Good.height(s, x) - np.min(x)), "raises|elsewhere"),
-    "changes its argument": (variant(slope=lambda s, x: Good.slope(s, np.multiply(x, 1, out=x) if 0 else _spoil(x))), "changes"),
-    "not a number": (variant(height=lambda s, x: np.where(np.asarray(x) > 0, Good.height(s, x), np.nan)), "finite"),
+    "depends on its neighbours": (
+        variant(height=lambda s, x: Good.height(s, x) - np.min(x)),
+        "raises|elsewhere",
+    ),
+    "changes its argument": (variant(slope=lambda s, x: Good.slope(s, _spoil(x))), "changes"),
+    "not a number": (
+        variant(height=lambda s, x: np.where(np.asarray(x) > 0, Good.height(s, x), np.nan)),
+        "finite",
+    ),
     "raises": (variant(height=lambda s, x: 1 / 0), "ZeroDivisionError"),
     "complex": (variant(height=lambda s, x: Good.height(s, x) + 0j), "real"),
     "false symmetry": (
@@ -71,7 +88,7 @@ FAULTS = {
     "kinks in one row": (variant(kinks=np.array([0.0, 0.1])), "shape"),
     "a step of the height": (
         variant(height=lambda s, x: Good.height(s, x) + (np.sin(7 * K * np.asarray(x)) > 0) * 1e-7),
-        "disagrees|not smooth|not say",
+        "the height jumps by",
     ),
     "tips that are valleys": (variant(summits=np.array([L / 2 - 1e-9])), "summits"),
     "conjugate of the wrong sign": (

@@ -54,7 +54,9 @@ def test_taking_the_rounded_positions_as_they_stand_invents_slopes() -> None:
 
 
 def test_the_stylus_file_becomes_one_period() -> None:
-    s = Sampled.from_file(STYLUS, units=["um", "um"], detrend="quadratic", regrid=True, taper=0.05, period=True)
+    s = Sampled.from_file(
+        STYLUS, units=["um", "um"], detrend="quadratic", regrid=True, taper=0.05, period=True
+    )
     assert s.period == pytest.approx(9599 * 1500e-6 / 9600, rel=1e-6)
     assert s.slope_conjugate([0.0]) is not None
     assert len(s.history) == 5
@@ -87,13 +89,13 @@ def test_a_scene_table_reads_a_file_next_to_it(tmp_path: Path) -> None:
         ("x,z\n" + ROWS, ("x", "z")),
         ('"z" , "x"\n' + "\n".join(",".join(r.split(",")[::-1]) for r in ROWS.split()), ("x", "z")),
         ("i,x,z\n" + "\n".join(f"9,{r}" for r in ROWS.split()), (1, "z")),
-        ("9,8,7\n" + "\n".join(f"9,{r}" for r in ROWS.split())[0:0] + "\n".join(f"a,{r}" for r in ROWS.split()), (1, 2)),
     ],
 )
-def test_the_table_is_found_in_any_usual_layout(tmp_path: Path, text: str, columns: tuple[int | str, int | str]) -> None:
+def test_the_table_is_found_in_any_usual_layout(
+    tmp_path: Path, text: str, columns: tuple[int | str, int | str]
+) -> None:
     x, h, _ = read_columns(write(tmp_path, text), columns)
-    start = -5
-    assert x[start:].tolist() == [0, 1, 2, 3, 4] and h[start:].tolist() == [1, 2, 0, 1, 5]
+    assert x.tolist() == [0, 1, 2, 3, 4] and h.tolist() == [1, 2, 0, 1, 5]
 
 
 @pytest.mark.parametrize(
@@ -180,7 +182,8 @@ def test_a_taper_leaves_the_middle_alone_and_makes_the_ends_meet() -> None:
     inside = (x > 0.1) & (x < 0.9)
     assert np.allclose(t[inside], h[inside], rtol=0, atol=1e-15)
     assert t[0] == t[-1]
-    assert abs(t[1] - t[0]) < 1e-3 * abs(h[1] - h[0]) + 1e-5
+    # The blend begins as (pi s)^2/4, s the distance over a tenth of the length: 6e-5 of the offset one point in.
+    assert abs(t[1] - t[0]) == pytest.approx((np.pi * 0.005) ** 2 / 4 * abs(h[1] - t[0]), rel=1e-4)
 
 
 def test_regrid_keeps_even_points_and_interpolates_uneven_ones() -> None:

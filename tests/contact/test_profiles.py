@@ -66,7 +66,9 @@ def test_wrap_moves_into_the_cell_and_leaves_the_cell_alone(profile: Profile) ->
     assert profile.period is not None
     lo, hi = profile.x0, profile.x0 + profile.period
     inside = np.random.default_rng(0).uniform(lo, hi, 200)
-    edges = np.array([lo, np.nextafter(lo, -np.inf), np.nextafter(hi, lo), hi, lo + 1e3 * profile.period, -1e-300])
+    edges = np.array(
+        [lo, np.nextafter(lo, -np.inf), np.nextafter(hi, lo), hi, lo + 1e3 * profile.period, -1e-300]
+    )
     wrapped = profile.wrap(edges)
     assert np.array_equal(profile.wrap(inside), inside)
     assert np.all((wrapped >= lo) & (wrapped < hi))
@@ -76,7 +78,7 @@ def test_wrap_moves_into_the_cell_and_leaves_the_cell_alone(profile: Profile) ->
 def test_the_slope_integrates_to_zero_over_a_period(profile: Profile) -> None:
     assert profile.period is not None
     cuts = np.unique(np.append(profile.breakpoints, [profile.x0, profile.x0 + profile.period]))
-    t, w = np.polynomial.legendre.leggauss(48)
+    t, w = np.polynomial.legendre.leggauss(96)
     half = np.diff(cuts)[:, None] / 2
     values = profile.slope(cuts[:-1, None] + half * (1 + t)) * w * half
     assert abs(values.sum()) <= 1e-13 * np.abs(values).sum() + 1e-300
@@ -140,7 +142,7 @@ def test_wedge_and_parabola_declare_the_kink_of_tip_and_valley() -> None:
 
 def test_wedge_conjugate_is_the_log_tangent() -> None:
     w = Wedge(0.1, 4.0)
-    assert w.slope_conjugate(1.0) == pytest.approx(0, abs=1e-17)
+    assert w.slope_conjugate(1.0) == pytest.approx(0, abs=1e-16)
     assert w.slope_conjugate(0.5) == pytest.approx(0.2 / np.pi * np.log(np.tan(np.pi / 8)), rel=1e-14)
     assert w.slope_conjugate(0.0) == -np.inf
 
@@ -169,7 +171,7 @@ def test_fourier_of_many_harmonics_equals_the_sum_written_out() -> None:
     # A phase of k turns carries a rounding of k eps: about 2000 eps sum|a| in the worst case, its root in practice.
     tolerance = 2000 * np.finfo(float).eps * np.sqrt(2000) * 10
     assert np.max(np.abs(f.height(x) - np.cos(phase) @ a - np.sin(phase) @ b)) < tolerance
-    expected = np.sin(phase) @ (a * k) - np.cos(phase) @ (b * k)
+    expected = np.cos(phase) @ (a * k) + np.sin(phase) @ (b * k)
     assert np.max(np.abs(f.slope_conjugate(x) - expected)) < tolerance * k[-1]
 
 
@@ -186,7 +188,9 @@ def test_fourier_works_in_blocks_of_bounded_memory_without_changing_values() -> 
     assert np.allclose(f.height(x)[::9973], f.height(x[::9973]), rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("bad", [True, "1", None, 1j, [1.0], np.array([1.0]), np.nan, np.inf, -np.inf, 0, -1, 10**400])
+@pytest.mark.parametrize(
+    "bad", [True, "1", None, 1j, [1.0], np.array([1.0]), np.nan, np.inf, -np.inf, 0, -1, 10**400]
+)
 @pytest.mark.parametrize(
     ("make", "field"),
     [
@@ -216,7 +220,20 @@ def test_bad_numbers_are_refused_by_name(make, field, bad) -> None:  # type: ign
 
 @pytest.mark.parametrize(
     "bad",
-    [[], None, "abc", [np.nan], [1, np.inf], [[1.0, 2.0]], [1, "a"], [1j, 2], [True, False], 3.0, [[1], [1, 2]], [0.0, 0.0]],
+    [
+        [],
+        None,
+        "abc",
+        [np.nan],
+        [1, np.inf],
+        [[1.0, 2.0]],
+        [1, "a"],
+        [1j, 2],
+        [True, False],
+        3.0,
+        [[1], [1, 2]],
+        [0.0, 0.0],
+    ],
 )
 def test_bad_coefficients_are_refused_by_name(bad) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(SceneError, match="coefficients"):

@@ -96,7 +96,9 @@ def test_a_class_without_a_height_is_refused(fresh: Registry) -> None:
         fresh.register("")
 
 
-def test_installed_profiles_are_loaded_when_first_asked_for(fresh: Registry, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_installed_profiles_are_loaded_when_first_asked_for(
+    fresh: Registry, monkeypatch: pytest.MonkeyPatch
+) -> None:
     asked: list[str] = []
 
     class Installed(contact.Profile):

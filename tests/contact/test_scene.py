@@ -97,6 +97,8 @@ class TestControls:
 
     def test_a_contact_fraction_without_a_repeating_surface_is_refused(self):
         refused("contact_fraction", contact_fraction=0.5, interaction=contact.Isolated())
+
+    def test_a_contact_fraction_is_a_control_of_the_periodic_model_only(self):
         refused("contact_fraction", contact_fraction=0.5, interaction=contact.Localized())
 
     def test_a_mean_pressure_without_a_period_is_refused(self):

@@ -1,0 +1,258 @@
+"""The commands answer as their documentation says, and end in 0, 2 or 3 with one clear line for the last two."""
+
+from __future__ import annotations
+
+import io
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import contact
+
+pytest.importorskip("click")
+pytest.importorskip("rich")
+
+from click.testing import CliRunner  # noqa: E402
+
+from contact import cli, terminal  # noqa: E402
+from contact import compare as compare_module  # noqa: E402
+
+SCENE = """
+[profile]
+shape = "sinusoid"
+amplitude = 1e-6
+period = 1e-4
+[material]
+E_star = 1.1e11
+[interaction]
+model = "{model}"
+[control]
+{control}
+"""
+
+
+@pytest.fixture
+def scene(tmp_path):
+    def write(control="mean_pressure = 2e7", model="periodic"):
+        path = tmp_path / "scene.toml"
+        path.write_text(SCENE.format(control=control, model=model))
+        return str(path)
+
+    return write
+
+
+def run(*arguments):
+    return CliRunner().invoke(cli.main, [str(argument) for argument in arguments])
+
+
+def stopped(status, *arguments) -> str:
+    """Run, expecting that status and one line on stderr, and nothing on stdout."""
+    result = run(*arguments)
+    assert result.exit_code == status, result.output
+    assert result.stdout == ""
+    assert result.stderr.startswith("contact: ") and result.stderr.count("\n") == 1
+    return result.stderr
+
+
+class TestSolve:
+    def test_json_is_one_object_with_the_solution_of_the_python_call(self, scene):
+        result = run("solve", scene(), "--json")
+        assert result.exit_code == 0 and result.stderr == ""
+        read = json.loads(result.stdout)
+        expected = contact.solve(contact.load_scene(scene()))
+        assert set(read) == {
+            "zones", "load", "mean_pressure", "max_pressure", "approach", "contact_fraction", "zone_loads", "zone_widths",
+            "stiffness", "mean_gap", "error", "certificate",
+            "plan",
+        }  # fmt: skip
+        assert read["zones"] == expected.zones.tolist()
+        assert read["mean_pressure"] == pytest.approx(2e7, rel=1e-12)
+
+    def test_the_zone_is_westergaards(self, scene):
+        (left, right), = json.loads(run("solve", scene(), "--json").stdout)["zones"]
+        a = 1e-4 / np.pi * np.arcsin(np.sqrt(2e7 * 1e-4 / (np.pi * 1.1e11 * 1e-6)))
+        assert [left, right] == pytest.approx([-a, a], rel=1e-8)
+        assert right != pytest.approx(1.001 * a, rel=1e-8)
+
+    def test_tables_name_the_quantities_with_units(self, scene):
+        result = run("solve", scene())
+        assert result.exit_code == 0
+        for word in ("20 MPa", "contact fraction", "smallest gap", "error"):
+            assert word in result.stdout
+
+    def test_files_asked_for_are_written(self, scene, tmp_path):
+        pytest.importorskip("h5py")
+        pytest.importorskip("matplotlib")
+        names = {"--save": "out.nc", "--plot": "out.png", "--csv": "out.csv"}
+        result = run("solve", scene(), *(part for option, name in names.items() for part in (option, tmp_path / name)))
+        assert result.exit_code == 0, result.output
+        assert (tmp_path / "out.nc").read_bytes().startswith(b"\x89HDF")
+        assert (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
+        assert (tmp_path / "out.csv").read_text().count("\n") == 2
+
+    def test_json_stays_one_object_when_files_are_written(self, scene, tmp_path):
+        json.loads(run("solve", scene(), "--json", "--csv", tmp_path / "out.csv").stdout)
+
+    def test_full_contact_is_told_in_words(self, scene):
+        result = run("solve", scene("mean_pressure = 4e9"))
+        assert result.exit_code == 0
+        assert "full contact" in result.stdout
+
+    @pytest.mark.parametrize("name", ["out.xyz", "none/out.png", "out", ""])
+    def test_a_figure_that_cannot_be_written_is_refused_before_solving(self, scene, tmp_path, monkeypatch, name):
+        monkeypatch.setattr(cli, "solve", lambda *a, **k: pytest.fail("solved"))
+        assert "--plot" in stopped(2, "solve", scene(), "--plot", tmp_path / name)
+
+    def test_a_progress_callable_reaches_the_solver(self, scene, monkeypatch):
+        given = {}
+
+        def solve(problem, tol, progress):
+            given.update(tol=tol, progress=progress)
+            return contact.solve(problem, tol=tol)
+
+        monkeypatch.setattr(cli, "solve", solve)
+        assert run("solve", scene(), "--tol", "1e-6").exit_code == 0
+        assert given["tol"] == 1e-6 and callable(given["progress"])
+
+
+class TestFailures:
+    def test_a_missing_file_is_named(self, tmp_path):
+        assert "none.toml" in stopped(2, "solve", tmp_path / "none.toml")
+
+    def test_broken_toml_is_named(self, tmp_path):
+        (tmp_path / "broken.toml").write_text("[profile")
+        assert "TOML" in stopped(2, "plan", tmp_path / "broken.toml")
+
+    @pytest.mark.parametrize("command", ["solve", "plan", "compare"])
+    def test_a_bad_value_is_named(self, scene, command):
+        assert "mean_pressure" in stopped(2, command, scene("mean_pressure = -1"))
+
+    def test_a_control_no_contact_answers_ends_in_2(self, scene):
+        stopped(2, "solve", scene("approach = 1e-5"))
+
+    @pytest.mark.parametrize("tol", ["0", "-1", "nan", "x"])
+    def test_a_tolerance_that_is_none_is_refused(self, scene, tol):
+        assert "tol" in stopped(2, "solve", scene(), "--tol", tol)
+
+    @pytest.mark.parametrize("arguments", [["frob"], ["solve"], ["solve", "a", "b"], ["solve", "a", "--frob"]])
+    def test_wrong_usage_ends_in_2(self, arguments):
+        stopped(2, *arguments)
+
+    def test_no_convergence_ends_in_3_with_one_line_however_many_the_message_has(self, scene, monkeypatch):
+        def solve(*arguments, **options):
+            raise contact.NotConverged("error 3e-3\n  after 50 steps", trace=[1])
+
+        monkeypatch.setattr(cli, "solve", solve)
+        assert stopped(3, "solve", scene()) == "contact: error 3e-3 after 50 steps\n"
+
+    def test_a_missing_extra_ends_in_2(self, scene, monkeypatch, tmp_path):
+        monkeypatch.setitem(sys.modules, "matplotlib.backends.backend_agg", None)
+        assert "contact[plot]" in stopped(2, "solve", scene(), "--plot", tmp_path / "out.png")
+
+    def test_without_click_the_command_says_what_to_install(self):
+        code = "import sys; sys.modules['click'] = None; from contact.__main__ import main; main()"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+        assert done.returncode == 2
+        assert done.stderr.count("\n") == 1 and "pip install click" in done.stderr
+
+
+class TestPlan:
+    def test_it_says_what_is_used_and_left_out_without_solving(self, scene, monkeypatch):
+        monkeypatch.setattr(cli, "solve", lambda *a, **k: pytest.fail("solved"))
+        result = run("plan", scene())
+        assert result.exit_code == 0
+        expected = contact.plan(contact.load_scene(scene()))
+        for part in expected.rows:
+            assert part.name in result.stdout
+            assert part.reason.split(":")[0] in result.stdout
+
+
+class TestCompare:
+    def test_the_models_stand_side_by_side_and_the_exact_one_last(self, scene):
+        result = run("compare", scene())
+        assert result.exit_code == 0, result.output
+        header = next(line for line in result.stdout.splitlines() if "isolated" in line)
+        places = [header.index(name) for name in ("isolated", "first-order", "self-consistent", "exact")]
+        assert places == sorted(places)
+        exact = next(line for line in result.stdout.splitlines() if line.strip().startswith("total width to exact"))
+        assert exact.split()[-2:] == ["+0", "%"]
+
+    def test_a_model_without_a_solution_says_why_and_the_others_go_on(self, scene):
+        result = run("compare", scene("approach = 3e-7"))
+        assert result.exit_code == 0
+        reason = next(line for line in result.stdout.splitlines() if line.startswith("isolated: no solution"))
+        assert "datum" in reason
+
+    def test_the_models_own_parameters_are_compared_too(self, scene, tmp_path):
+        model = 'localized"\nclosure = "self-consistent"\nneighbours = 2\n#"'
+        (tmp_path / "own.toml").write_text(SCENE.format(model=model, control="load = 2000.0"))
+        result = run("compare", tmp_path / "own.toml")
+        assert result.exit_code == 0, result.output
+        assert "localized, as given" in result.stdout
+
+    @pytest.mark.parametrize(("error", "status"), [(contact.OutOfRange, 2), (contact.NotConverged, 3)])
+    def test_no_model_with_a_solution_ends_as_solve_would(self, scene, monkeypatch, error, status):
+        def solve(problem, tol):
+            raise error(f"{problem.interaction.name} has none")
+
+        monkeypatch.setattr(compare_module, "solve", solve)
+        result = run("compare", scene())
+        assert result.exit_code == status
+        assert result.stderr.count("\n") == 1
+        assert result.stdout.count("no solution: ") == 4
+
+
+class TestLists:
+    def test_every_profile_is_listed_with_its_parameters(self):
+        result = run("profiles")
+        assert result.exit_code == 0
+        for name in contact.profiles():
+            assert name in result.stdout
+        assert "amplitude, period" in result.stdout and "detrend = 'none'" in result.stdout
+
+    def test_every_interaction_is_listed_with_its_controls(self):
+        result = run("interactions")
+        assert result.exit_code == 0
+        for name in contact.interactions():
+            assert name in result.stdout
+        assert "contact_fraction" in result.stdout
+
+    def test_no_command_shows_the_help(self):
+        result = run()
+        assert result.exit_code == 0
+        assert "compare" in result.stdout
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+class TestProgress:
+    def test_a_bar_appears_on_a_terminal_once_the_work_has_lasted(self, monkeypatch):
+        screen, now = Terminal(), [0.0]
+        monkeypatch.setattr(sys, "stderr", screen)
+        with terminal.Progress(patience=1.0, clock=lambda: now[0]) as progress:
+            progress("zone ends", 1, 3)
+            assert screen.getvalue() == ""
+            now[0] = 1.5
+            progress("zone ends", 2, 3)
+            progress("certificate", 0, None)
+        assert "certificate" in screen.getvalue() or "zone ends" in screen.getvalue()
+
+    def test_nothing_is_written_where_stderr_is_no_terminal(self, monkeypatch):
+        screen = io.StringIO()
+        monkeypatch.setattr(sys, "stderr", screen)
+        with terminal.Progress(patience=0.0) as progress:
+            progress("zone ends", 1, 3)
+        assert screen.getvalue() == ""
+
+
+def test_importing_contact_loads_nothing_the_command_line_or_a_figure_needs():
+    heavy = ("click", "rich", "matplotlib", "xarray", "h5netcdf", "h5py", "pydantic", "contact.cli")
+    code = f"import sys, contact; print([name for name in {heavy!r} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

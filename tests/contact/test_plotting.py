@@ -1,0 +1,132 @@
+"""The figure shows what the solution says, in the units of its labels, and changes nothing outside itself."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import contact
+from contact.units import prefix, quantity
+from tests.contact.stand_in import StandIn
+
+matplotlib = pytest.importorskip("matplotlib")
+plotting = pytest.importorskip("contact.plotting")
+
+L = 1e-4
+
+
+def westergaard(half_width=0.2 * L, waves=1) -> StandIn:
+    profile = contact.Fourier(L, cosine=[0.0] * (waves - 1) + [-1e-6])
+    scene = contact.Scene(profile, E_star=1.1e11, interaction=contact.Periodic(), mean_pressure=1e7)
+    return StandIn(scene, 1e-6, half_width / waves, waves)
+
+
+def lines(axes) -> dict:
+    return {line.get_label(): np.array(line.get_xydata()) for line in axes.get_lines()}
+
+
+class TestPanels:
+    def test_one_zone_has_a_panel_of_surfaces_above_one_of_pressure(self):
+        top, bottom = plotting.plot(westergaard()).axes
+        assert top.get_ylabel() == "height [µm]"
+        assert bottom.get_ylabel() == "pressure [GPa]"
+        assert bottom.get_xlabel() == "$x$ [µm]"
+
+    def test_the_pressure_drawn_is_the_solutions_in_the_units_of_its_label(self):
+        solution = westergaard()
+        bottom = plotting.plot(solution).axes[1]
+        x, drawn = bottom.get_lines()[0].get_xydata().T
+        assert np.allclose(drawn, solution.pressure(x * 1e-6) * 1e-9, rtol=1e-6, atol=1e-4)
+        assert drawn.max() == pytest.approx(solution.max_pressure * 1e-9, rel=1e-6)
+        assert not np.allclose(drawn, 1.01 * solution.pressure(x * 1e-6) * 1e-9, rtol=1e-6, atol=1e-4)
+
+    def test_profile_and_deformed_surface_are_a_gap_apart_and_meet_where_contact_is_drawn(self):
+        solution = westergaard()
+        drawn = lines(plotting.plot(solution).axes[0])
+        x = drawn["profile"][:, 0] * 1e-6
+        apart = (drawn["profile"] - drawn["deformed surface"])[:, 1] * 1e-6
+        # At an end the stand-in's gap is a difference of terms of sqrt(roundoff) times the amplitude.
+        assert np.allclose(apart, solution.gap(x), rtol=0, atol=2e-14)
+        touching = np.isfinite(drawn["contact"][:, 1])
+        # An even sample a rounding away from an end may fall on either side of it.
+        clear = np.abs(np.abs(x) - 0.2 * L) > 1e-12 * L
+        assert np.array_equal(touching[clear], np.abs(x[clear]) < 0.2 * L)
+
+    def test_full_contact_is_drawn_as_contact_everywhere(self):
+        figure = plotting.plot(westergaard(0.5 * L))
+        assert np.isfinite(lines(figure.axes[0])["contact"]).all()
+
+    @pytest.mark.parametrize("solution", [westergaard(waves=30), westergaard(half_width=0.01 * L)])
+    def test_zones_too_many_or_too_narrow_have_a_second_column_around_the_peak(self, solution):
+        axes = plotting.plot(solution).axes
+        assert len(axes) == 4
+        close = next(a for a in axes if a.get_title())
+        lo, hi = (end * 1e-6 for end in close.get_xlim())
+        width = solution.zone_widths[0]
+        assert hi - lo == pytest.approx(6 * width, rel=1e-9)
+        assert any(lo < middle < hi for middle in solution.zones.mean(axis=1))
+
+
+class TestScenes:
+    @pytest.mark.parametrize(
+        ("profile", "interaction", "control"),
+        [
+            (contact.Flat(2e-5), contact.Isolated(), {"load": 1e3}),
+            (contact.Flat(2e-5, 6e-5), contact.Periodic(), {"mean_pressure": 1e7}),
+            (contact.Wedge(0.02, L), contact.Periodic(), {"mean_pressure": 2e8}),
+            (contact.Parabola(1e-2), contact.Isolated(), {"load": 1e5}),
+            (contact.Biquadratic(1e-4, 2e-5, 6e-5), contact.Localized("self-consistent"), {"mean_pressure": 2e8}),
+            (contact.Sinusoid(1e-6, L), contact.Periodic(), {"mean_pressure": 4e9}),
+        ],
+    )
+    def test_every_scene_is_drawn_and_saved_without_a_warning(self, tmp_path, recwarn, profile, interaction, control):
+        solution = contact.solve(contact.Scene(profile, 1.1e11, interaction, **control))
+        figure = plotting.plot(solution)
+        figure.savefig(tmp_path / "out.png", dpi=50)
+        assert (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
+        assert not recwarn.list
+        for axes in figure.axes:
+            assert np.isfinite([*axes.get_xlim(), *axes.get_ylim()]).all()
+
+    def test_an_infinite_peak_is_said_and_the_axis_stays_finite(self):
+        solution = contact.solve(contact.Scene(contact.Flat(2e-5), 1.1e11, contact.Isolated(), load=1e3))
+        bottom = plotting.plot(solution).axes[1]
+        assert any("infty" in text.get_text() for text in bottom.texts)
+        assert bottom.get_ylim()[1] == pytest.approx(1.08 * 4 * 1e3 / 2e-5 * 1e-6, rel=1e-9)
+
+
+def test_neither_pyplot_nor_a_setting_is_touched():
+    code = (
+        "import contact, matplotlib, sys\n"
+        # Reading the setting of the backend itself would load pyplot.
+        "settings = lambda: {k: matplotlib.rcParams[k] for k in matplotlib.rcParams if k != 'backend'}\n"
+        "before = settings()\n"
+        "from contact.plotting import plot\n"
+        "wave = contact.Sinusoid(1e-6, 1e-4)\n"
+        "plot(contact.solve(contact.Scene(wave, 1e11, contact.Periodic(), mean_pressure=1e8)))\n"
+        "assert 'matplotlib.pyplot' not in sys.modules\n"
+        "assert settings() == before\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+class TestUnits:
+    @pytest.mark.parametrize(
+        ("magnitude", "letter"),
+        [(1e-6, "µ"), (9.99e-7, "n"), (1e-3, "m"), (1.0, ""), (999.0, ""), (1e6, "M"), (2e13, "T")],
+    )
+    def test_a_prefix_brings_a_magnitude_between_one_and_a_thousand(self, magnitude, letter):
+        factor, found = prefix(magnitude)
+        assert found == letter
+        assert 0.999 < factor * magnitude < 1000
+
+    def test_values_are_told_with_unit_and_what_has_none_in_words(self):
+        assert quantity(2e7, "Pa") == "20 MPa"
+        assert quantity(-2.5e-7, "m") == "-250 nm"
+        assert quantity(0.0, "m") == "0 m"
+        assert quantity(np.inf, "Pa") == "infinite"
+        assert quantity(None, "m") == "not defined"

@@ -1,0 +1,161 @@
+"""Jumps of the right side and of its derivatives: closed forms against their series and against quadrature."""
+
+import numpy as np
+import pytest
+
+import sie
+from sie.steps import Steps
+from tests.sie import reference
+
+ZONES = sie.Zones.of([[-1.3, 0.4], [0.9, 1.6]])
+NO_COEFFICIENTS = np.zeros((2, 1))
+# One jump of each order, one in each zone near an end, and one near a middle.
+PLACES = [(-1.25, 0), (-0.45, 0), (1.1, 0), (-0.9, 1), (1.55, 1), (0.1, 2), (1.25, 2)]
+
+
+def single(at, order, height=0.8, kernel=None):
+    """The density that a single jump is subtracted with, and what the kernel makes of it, by the engine."""
+    kernel = kernel or sie.cauchy()
+    steps = Steps.within(ZONES, np.array([at]), np.array([height]), np.array([order]), kernel.period)
+    return steps, sie.Density(ZONES, kernel, NO_COEFFICIENTS, steps, np.zeros(0))
+
+
+def forcing(at, order, height=0.8, smooth=0.0):
+    """g = smooth x + height (x - at)_+^order / order!, with its primitive."""
+    factorial = [1.0, 1.0, 2.0]
+
+    def value(x):
+        return smooth * x + height * np.where(x > at, (x - at) ** order, 0.0) / factorial[order]
+
+    def primitive(x):
+        return 0.5 * smooth * x * x + height * np.maximum(x - at, 0.0) ** (order + 1) / factorial[order] / (order + 1)
+
+    return sie.Forcing(value, primitive, np.array([at]), np.array([height]), np.array([order]))
+
+
+@pytest.mark.parametrize(("at", "order"), PLACES)
+def test_the_closed_density_is_the_sum_of_its_series(at, order):
+    steps, density = single(at, order)
+    zone = int(steps.zone[0])
+    t = np.array([-0.95, -0.4, 0.13, 0.8])
+    count = 40000
+    series = steps.t_coefficients(ZONES, count)[zone]
+    theta = np.arccos(t)
+    summed = np.cos(theta[:, None] * np.arange(count)) @ series / np.sin(theta)
+    # Terms fall like l^-(1 + order) and alternate: what is left out is of the size of the last term over sin(theta).
+    assert density.at_t(zone, t) == pytest.approx(summed, abs=2e-3 / count**order)
+
+
+@pytest.mark.parametrize(("at", "order"), PLACES)
+def test_the_transform_off_the_zone_is_that_of_the_density(at, order):
+    _, density = single(at, order)
+    for x in (-2.0, -1.35, 0.42, 0.8, 1.7, 30.0):
+        expected = reference.transform(density_of(density), ZONES.table, x, reference.cauchy, [at])
+        assert density.transform(x) == pytest.approx(expected, abs=1e-11)
+
+
+@pytest.mark.parametrize(("at", "order"), PLACES)
+def test_the_transform_on_the_zone_is_that_of_the_density(at, order):
+    _, density = single(at, order)
+    for x in (-1.0, -0.2, 0.35, 1.0, 1.4):
+        expected = reference.transform(density_of(density), ZONES.table, x, reference.cauchy, [at])
+        assert density.transform(x) == pytest.approx(expected, abs=1e-10)
+
+
+@pytest.mark.parametrize(("at", "order"), PLACES)
+def test_the_potential_is_that_of_the_density_on_and_off_the_zone(at, order):
+    _, density = single(at, order)
+    for x in (-2.0, -1.0, 0.3, 0.42, 1.0, 1.58, 30.0):
+        expected = reference.potential(density_of(density), ZONES.table, x, reference.log_cauchy, [at])
+        assert density.potential(x) == pytest.approx(expected, abs=1e-10)
+
+
+@pytest.mark.parametrize(("at", "order"), PLACES)
+def test_jumps_are_carried_with_few_modes_and_left_nowhere(at, order):
+    g = forcing(at, order, smooth=1.0)
+    state = sie.solve_fixed(
+        sie.Equation(sie.cauchy(), g, (sie.Total(0.7), sie.EqualPotential())),
+        sie.Zones.of(ZONES.table, sie.SINGULAR, sie.SINGULAR),
+    )
+    assert state.sizes.own.max() <= 24
+    x = np.concatenate((np.linspace(-1.29, 0.39, 50), np.linspace(0.91, 1.59, 50)))
+    assert state.density.transform(x) == pytest.approx(g.value(x), abs=1e-12)
+    level = state.density.potential(x) - g.primitive(x)
+    # Potentials of jumps with q > 0 are summed from 1024 coefficients, which fall like l^-(2 + q).
+    assert np.ptp(level) < (1e-12 if order == 0 else 10 * 1024.0 ** -(2 + order))
+
+
+@pytest.mark.parametrize("distance", [1e-3, 1e-6, 1e-9, 1e-13])
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_kink_very_near_an_end_is_solved_like_any_other(distance, side):
+    at = side * (1 - distance)
+    g = forcing(at, 0, height=1.0)
+    state = sie.solve_fixed(sie.Equation(sie.cauchy(), g, (sie.Total(1.0),)), sie.Zones.of([[-1, 1]], sie.SINGULAR, sie.SINGULAR))
+    t = np.linspace(-0.99, 0.99, 31)
+    phi = 2 * np.arctan2(np.sqrt(1 - at), np.sqrt(1 + at))
+    theta = np.arccos(t)
+    kappa = np.log(np.abs(np.sin((theta + phi) / 2) / np.sin((theta - phi) / 2)))
+    # g = (step - phi/pi) + phi/pi: kappa/pi, less (phi/pi) T_1 / sqrt, and T_0 / sqrt for the total.
+    expected = kappa / np.pi + (-phi / np.pi * t + (1 - np.sin(phi)) / np.pi) / np.sin(theta)
+    assert state.density.at_t(0, t) == pytest.approx(expected, abs=1e-13)
+
+
+@pytest.mark.parametrize("n", [16, 24, 48])
+@pytest.mark.parametrize("zone", [(-1.0, 1.0), (-0.37, 0.91), (100.3, 100.7)])
+def test_a_kink_exactly_at_a_node_or_a_rounding_beside_it_is_no_trouble(n, zone):
+    a, b = zone
+    w = 0.5 * (b - a)
+    t = np.linspace(-0.98, 0.98, 33)
+    theta = np.arccos(t)
+    from_node = sie.chebyshev.lobatto(n)
+    for k in (1, n // 3, n // 2, n):
+        node = a + w * from_node[2][k] if from_node[2][k] <= from_node[1][k] else b - w * from_node[1][k]
+        for at in (node, np.nextafter(node, np.inf), np.nextafter(node, -np.inf)):
+            g = forcing(at, 0)
+            equation = sie.Equation(sie.cauchy(), g, (sie.Total(1.0),))
+            density = sie.solve_fixed(equation, sie.Zones.of([zone], sie.SINGULAR, sie.SINGULAR)).density
+            phi = 2 * np.arctan2(np.sqrt(b - at), np.sqrt(at - a))
+            kappa = 0.8 * np.log(np.abs(np.sin((theta + phi) / 2) / np.sin((theta - phi) / 2)))
+            rest = -0.8 * phi * t + 1 / w - 0.8 * np.sin(phi)
+            assert density.at_t(0, t) == pytest.approx((kappa + rest / np.sin(theta)) / np.pi, abs=2e-12)
+
+
+def test_a_thousand_kinks_are_carried_exactly():
+    rng = np.random.default_rng(5)
+    at, heights = np.sort(rng.uniform(-1.5, 1.5, 1000)), rng.normal(size=1000)
+
+    def value(x):
+        return 4 * x + (x[..., None] > at) @ heights
+
+    def primitive(x):
+        return 2 * x * x + np.maximum(x[..., None] - at, 0) @ heights
+
+    equation = sie.Equation(sie.cauchy(), sie.Forcing(value, primitive, at, heights), (sie.Total(1.0),))
+    state = sie.solve_fixed(equation, sie.Zones.of([[-1, 1]], sie.SINGULAR, sie.SINGULAR))
+    x = np.linspace(-0.99, 0.99, 101)
+    assert state.sizes.own[0] == 16
+    # Sums of a thousand terms of size one.
+    assert state.density.transform(x) == pytest.approx(value(x), abs=1e-12)
+    assert np.ptp(state.density.potential(x) - primitive(x)) < 1e-12
+
+
+def test_with_a_period_jumps_repeat():
+    kernel = sie.hilbert(2.0 * np.pi)
+    near, far = single(-0.45, 0, kernel=kernel)[1], single(-0.45 + 6 * np.pi, 0, kernel=kernel)[1]
+    x = np.linspace(-2.0, 2.0, 9)
+    assert far.transform(x) == pytest.approx(near.transform(x), abs=1e-13)
+
+
+def test_jumps_outside_the_zones_are_left_alone():
+    steps = Steps.within(ZONES, np.array([-1.3, 0.4, 0.6, 5.0]), np.ones(4), np.zeros(4, dtype=int), None)
+    assert len(steps) == 0
+
+
+def test_a_column_of_unknown_amplitude_must_be_smooth():
+    column = sie.Forcing(np.sign, np.abs, np.array([0.0]), np.array([2.0]))
+    with pytest.raises(ValueError, match="must be smooth"):
+        sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(1.0),), columns=(column,))
+
+
+def density_of(density):
+    return lambda t, zone: density.at_t(zone, t)
