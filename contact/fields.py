@@ -120,6 +120,10 @@ class ZoneFields:
         shape = self.problem.shape(x)
         return np.where(self.inside(x), 0.0, shape + self.level + self._sunk(x))
 
+    def formal_gap(self, x: Array) -> Array:
+        """F - V + lambda C + level everywhere, rounding left as it is on the zones."""
+        return np.asarray(self.problem.shape(x) + self.level + self._sunk(x))
+
     def gap_between(self, lo: float, hi: float) -> Callable[[Array], Array]:
         """The scaled gap as a function on an interval without contact; cheap at many points where zones are many."""
         if len(self.density.zones) < _MANY:
@@ -155,7 +159,7 @@ class ZoneFields:
         ends = np.concatenate((zones.a, zones.b))
         # On the zones the displacement is the shape less the level: no more than both of them together.
         size = float(np.abs(self.problem.shape(ends)).max()) + abs(self.level)
-        return 64 * 2.2e-16 * size
+        return 64 * 2.2e-16 * size + 8 * self.problem.shape_rounding(ends[:: max(1, len(ends) // 32)])
 
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
         """Scaled intervals without contact: (from, to, starts at a zone, ends at a zone); half-lines up to far away."""

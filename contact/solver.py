@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 from numbers import Real
 
 import numpy as np
@@ -22,7 +23,7 @@ from contact.interactions.periodic import Periodic
 from contact.planning import Plan
 from contact.problem import Control, Problem, Units
 from contact.scene import Scene
-from contact.search import find_window, propose
+from contact.search import find_window, grid_height, propose
 from contact.single import guess_half_width, largest_single_load, single_half_width
 from contact.solution import Solution
 from contact.topology import Found, Progress, WrongTopology, settle
@@ -33,26 +34,32 @@ Array = NDArray[np.float64]
 _MOST_POINTS = 2**17
 
 
-def solve(scene: Scene, tol: float = 1e-8, progress: Progress | None = None) -> Solution:
+def solve(
+    scene: Scene, tol: float = 1e-8, progress: Progress | None = None, near: Solution | None = None
+) -> Solution:
     """Solve a scene: zones, pressure, gap, and numbers, with error at most `tol` (see `Solution.error`).
 
-    tol: relative, 1e-14 <= tol < 1. progress: called with (stage, done, total or None).
+    tol: relative, 1e-14 <= tol < 1. progress: called with (stage, done, total or None). near: a solution of the same
+    profile and model whose zones are a good start; it saves the search, and never changes the answer.
     Raises SceneError (bad input), OutOfRange (no contact answers the control), NotConverged (with the best state).
     """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
     if isinstance(tol, bool) or not isinstance(tol, Real) or not 1e-14 <= float(tol) < 1.0:
         raise SceneError.of("tol", tol, "a number from 1e-14 to below 1")
-    return _Run(scene, float(tol), planning.plan(scene), progress).solution()
+    if near is not None and (near.scene.profile, near.scene.interaction) != (scene.profile, scene.interaction):
+        raise SceneError("near must be a solution of the same profile and interaction model", "near", near.scene)
+    return _Run(scene, float(tol), planning.plan(scene), progress, near).solution()
 
 
 class _Run:
     """One solve: scene, tolerance, plan, and the scaled problem made of them."""
 
-    def __init__(self, scene: Scene, tol: float, plan: Plan, progress: Progress | None) -> None:
+    def __init__(self, scene: Scene, tol: float, plan: Plan, progress: Progress | None, near: Solution | None) -> None:
         self.scene, self.tol, self.plan, self.progress = scene, tol, plan, progress
         self.tolerance = max(0.1 * tol, 2e-15)
         self.single = planning.starts_from_one_zone(scene)
+        self.near = near
 
     def solution(self) -> Solution:
         kind, value = self.scene.control
@@ -97,11 +104,14 @@ class _Run:
             a = guess_half_width(rough, self._control(rough.units))
             return 0.0, a, (-2 * a, 2 * a)
         datum = getattr(scene.interaction, "datum", None)
-        window = find_window(
-            lambda x: np.asarray(profile.height(x)), scene.E_star,
-            load=value if kind == "load" else None, level=None if kind == "load" else value,
-            start_scale=profile.resolution, datum=datum or 1.0, limits=profile.extent,
-        )
+        by_load = kind == "load"
+        find = partial(find_window, start_scale=profile.resolution, datum=datum or 1.0, limits=profile.extent)
+        if by_load:
+            window = find(partial(grid_height, profile), scene.E_star, load=value)
+        else:
+            # The lowest point is in contact at any load: a window of any contact holds it.
+            first = find(profile.height, scene.E_star, load=1e-3 * scene.E_star * (datum or 1.0))
+            window = find(profile.height, scene.E_star, level=self._lowest(first) + value)
         origin = 0.0 if profile.symmetric else 0.5 * (window[0] + window[1])
         return origin, 0.5 * (window[1] - window[0]), window
 
@@ -190,7 +200,13 @@ class _Run:
             return self._first_order()
         if interaction.strip:
             return self._centred(problem, self.control, None)
-        return self._search(problem, self.control)
+        return self._search(problem, self.control, self._start())
+
+    def _start(self) -> Array | None:
+        """Zones of the near solution, scaled; None if there is none or it is in full contact."""
+        if self.near is None or len(self.near.zones) == 0 or self.control.kind == "half_width":
+            return None
+        return self._placed(self.problem, self.near.zones)
 
     def _search(self, problem: Problem, control: Control, start: Array | None = None) -> Found | None:
         if control.kind == "approach":
@@ -310,7 +326,7 @@ class _Run:
             return self._proposal_by_width(problem, control, points)
         by_load = control.kind == "load"
         proposal = propose(
-            lambda x: np.asarray(profile.height(x)), self.cell, E=scene.E_star, periodic=periodic,
+            partial(grid_height, profile) if by_load else profile.height, self.cell, E=scene.E_star, periodic=periodic,
             datum=getattr(scene.interaction, "datum", None) or 1.0, resolution=profile.resolution, points=points,
             load=control.value * units.load if by_load else None,
             level=None if by_load else problem.lowest + control.value * units.height,

@@ -1,0 +1,262 @@
+"""Load paths: solutions at a list of loads, and the events between them at which the number of zones changes.
+
+Frictionless contact grows with the load: every zone at a load lies inside one at a higher load. So between two loads a zone
+is born where the higher one has none below it, and zones merge where it has several. Each event is found on its own
+condition, with the topology held fixed and the signs free:
+
+    birth (death)   the least gap at the place of the new zone is zero, without that zone,
+    merge (split)   the least pressure between the two zones is zero, with the two already one,
+    full            the least pressure of full contact is zero (contact.full).
+
+Names are given for a growing load; for a falling one the same event is a death or a split.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact import lazy
+from contact.checks import finite_array
+from contact.errors import NotConverged, SceneError
+from contact.extrema import maximum
+from contact.fields import ZoneFields
+from contact.problem import Control
+from contact.scene import Scene
+from contact.solution import Solution
+from contact.solver import solve
+from contact.topology import Progress, WrongTopology, settle
+
+Array = NDArray[np.float64]
+
+# Loads closer than this part of themselves are one: events within it are reported at their own loads but not separated.
+_CLOSE = 1e-7
+_REVERSED = {"birth": "death", "merge": "split", "full": "full"}
+
+
+@dataclass(frozen=True, eq=False)
+class Event:
+    """A change of the number of zones: kind (birth, death, merge, split, full), load [N/m], position [m], and the zones (n, 2)
+    just before and just after in the direction of the path; full contact has none."""
+
+    kind: str
+    load: float
+    position: float
+    before: Array
+    after: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Solutions at the given loads and the events between them, in the order of the path."""
+
+    solutions: tuple[Solution, ...]
+    events: tuple[Event, ...]
+
+    @property
+    def loads(self) -> Array:
+        return np.array([solution.load for solution in self.solutions])
+
+
+def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress | None = None) -> Path:
+    """Solve a scene along loads [N/m] (per period where there is one), each from the zones of the last, with all events.
+
+    The scene's own control is replaced by each load in turn. loads: one or more, in any order.
+    Raises what `contact.solve` raises.
+    """
+    if not isinstance(scene, Scene):
+        raise SceneError.of("scene", scene, "a contact.Scene")
+    values = finite_array("loads", loads)
+    if np.any(values <= 0):
+        raise SceneError.of("loads", loads, "positive")
+    run = _Path(scene, tol, progress)
+    solutions: list[Solution] = []
+    events: list[Event] = []
+    for k, load in enumerate(values):
+        if progress is not None:
+            progress("load", k, len(values))
+        here = run.at(float(load), solutions[-1] if solutions else None)
+        if solutions:
+            events += run.between(solutions[-1], here)
+        solutions.append(here)
+    return Path(tuple(solutions), tuple(events))
+
+
+@dataclass(frozen=True)
+class _Change:
+    """What must happen between two solutions: the kind, and the indices it is about in the lower and the higher one."""
+
+    kind: str
+    lower: tuple[int, ...]
+    higher: int
+
+
+class _Path:
+    def __init__(self, scene: Scene, tol: float, progress: Progress | None) -> None:
+        self.scene, self.tol, self.progress = scene, tol, progress
+
+    def at(self, load: float, near: Solution | None) -> Solution:
+        scene = replace(
+            self.scene, load=load, mean_pressure=None, approach=None, half_width=None, contact_fraction=None
+        )
+        return solve(scene, self.tol, near=near)
+
+    def between(self, first: Solution, last: Solution) -> list[Event]:
+        """The events on the way from one solution to the next."""
+        rising = last.load >= first.load
+        low, high = (first, last) if rising else (last, first)
+        events = sorted(self._events(low, high), key=lambda event: event.load)
+        if rising:
+            return events
+        return [
+            Event(_REVERSED[e.kind], e.load, e.position, e.after, e.before) for e in reversed(events)
+        ]
+
+    def _events(self, low: Solution, high: Solution) -> list[Event]:
+        changes = _changes(low, high)
+        if not changes:
+            return []
+        apart = high.load - low.load > _CLOSE * high.load
+        if apart and (len(changes) > 1 or high.load > 1.3 * low.load):
+            middle = self.at(float(np.sqrt(low.load * high.load)), low)
+            return self._events(low, middle) + self._events(middle, high)
+        events = []
+        for change in changes:
+            event = self._event(change, low, high)
+            if event is None and apart:
+                middle = self.at(0.5 * (low.load + high.load), low)
+                return self._events(low, middle) + self._events(middle, high)
+            if event is None:
+                raise NotConverged(f"the {change.kind} between loads {low.load:.17g} and {high.load:.17g} was not located")
+            events.append(event)
+        return events
+
+    def _event(self, change: _Change, low: Solution, high: Solution) -> Event | None:
+        """The event of one change; None if its condition does not change sign between the two loads."""
+        if change.kind == "full":
+            return _full_event(self.scene, low)
+        side = low if change.kind == "birth" else high
+        fields = side.fields
+        assert isinstance(fields, ZoneFields)
+        condition = _Birth(fields, high, change) if change.kind == "birth" else _Merge(fields, low, high, change)
+        load = fields.problem.units.load
+        try:
+            ends = condition(low.load / load), condition(high.load / load)
+            if not ends[0] * ends[1] < 0:
+                return None
+            root = lazy.scipy_optimize().brentq(
+                condition, low.load / load, high.load / load, xtol=1e-300, rtol=4e-15, maxiter=100
+            )
+        except WrongTopology:
+            return None
+        condition(root)
+        return Event(change.kind, root * load, condition.position, low.zones, high.zones)
+
+
+def _changes(low: Solution, high: Solution) -> list[_Change]:
+    """Births and merges that lead from the zones of the lower load to those of the higher one."""
+    if len(high.zones) == 0:
+        return [] if len(low.zones) == 0 else [_Change("full", tuple(range(len(low.zones))), 0)]
+    period = low.scene.period
+    middles = low.zones.mean(axis=1)
+    changes = []
+    for k, (a, b) in enumerate(high.zones):
+        x = middles if period is None else middles + np.ceil((a - middles) / period) * period
+        held = np.flatnonzero((x >= a) & (x <= b))
+        if len(held) == 0:
+            changes.append(_Change("birth", (), k))
+        held = held[np.argsort(x[held])]
+        changes += [_Change("merge", (int(i), int(j)), k) for i, j in zip(held[:-1], held[1:], strict=True)]
+    return changes
+
+
+class _Condition:
+    """A scaled function of the scaled load that is zero at the event; `position` [m] is where it was last evaluated."""
+
+    position = 0.0
+
+    def __init__(self, fields: ZoneFields, table: Array) -> None:
+        self.problem, self.table = fields.problem, table
+        self.tolerance = 1e-13
+
+    def formal(self, load: float) -> ZoneFields:
+        """Fields with this number of zones at a load, whatever the signs; the next call starts from these zones."""
+        found = settle(self.problem, Control("load", load), self.table, self.tolerance, formal=True)
+        self.table = found.free.density.zones.table
+        return found.fields
+
+
+class _Birth(_Condition):
+    """The least gap about the place where the higher load has a zone of its own."""
+
+    def __init__(self, fields: ZoneFields, high: Solution, change: _Change) -> None:
+        super().__init__(fields, fields.density.zones.table)
+        self.where = _scaled_zone(fields, high.zones[change.higher])
+
+    def __call__(self, load: float) -> float:
+        fields = self.formal(load)
+        a, b = self.where
+        x = np.linspace(a, b, 17)
+        place, value = maximum(lambda points: -fields.formal_gap(points), x, peaks=1)
+        self.position = float(self.problem.units.x(np.array(place)))
+        return -value
+
+
+class _Merge(_Condition):
+    """The least pressure between two zones that have become one."""
+
+    def __init__(self, fields: ZoneFields, low: Solution, high: Solution, change: _Change) -> None:
+        super().__init__(fields, fields.density.zones.table)
+        i, j = change.lower
+        left, right = _scaled_zone(fields, low.zones[i]), _scaled_zone(fields, low.zones[j])
+        period = fields.problem.period
+        start = left[1]
+        gap = right[0] - start if period is None else (right[0] - start) % period
+        self.where = start, start + gap
+
+    def __call__(self, load: float) -> float:
+        density = self.formal(load).density
+        a, b = self.where
+        x = np.linspace(a - 0.25 * (b - a), b + 0.25 * (b - a), 25)
+        place, value = maximum(lambda points: -density(points), x, peaks=1)
+        self.position = float(self.problem.units.x(np.array(place)))
+        return -value
+
+
+def _scaled_zone(fields: ZoneFields, zone: Array) -> tuple[float, float]:
+    """A zone in the scaled period in which the fields' own zones stand."""
+    units, period = fields.problem.units, fields.problem.period
+    a, b = (float(v) for v in units.scaled(zone))
+    if period is not None:
+        zones = fields.density.zones
+        middle = 0.5 * float(zones.a[0] + zones.b[-1])
+        turn = np.floor((0.5 * (a + b) - middle) / period + 0.5) * period
+        a, b = a - turn, b - turn
+    return a, b
+
+
+def _full_event(scene: Scene, low: Solution) -> Event:
+    full = solve(replace(_bare(scene), contact_fraction=1.0))
+    x = np.linspace(*_gap_before(low), 65)
+    place, _ = maximum(lambda points: -full.pressure(points), x)
+    return Event("full", full.load, place, low.zones, np.zeros((0, 2)))
+
+
+def _bare(scene: Scene) -> Any:
+    control, _ = scene.control
+    return replace(scene, **{control: None, "contact_fraction": 1.0})
+
+
+def _gap_before(low: Solution) -> Sequence[float]:
+    """The widest gap between zones."""
+    zones, period = low.zones, low.scene.period
+    assert period is not None
+    right = zones[:, 1]
+    left = np.append(zones[1:, 0], zones[0, 0] + period)
+    k = int(np.argmax(left - right))
+    return float(right[k]), float(left[k])
+
