@@ -88,8 +88,9 @@ def _pressures(fields: ZoneFields) -> tuple[Array, float, int]:
         finite = np.where(np.isfinite(value), value, np.inf)
         scale = np.abs(np.where(np.isfinite(value), value, 0.0)).max(axis=1)
         # At nearly merged zones the pressure there is small of higher order: rounding is not a failure.
-        fails = finite < -1e-12 * scale[:, None]
-        worst = np.where(np.abs(finite) <= 1e-12 * scale[:, None], np.abs(finite), finite)
+        rounding = scale * np.clip(8 * fields.state.neglected[group], 1e-12, 1e-6)
+        fails = finite < -rounding[:, None]
+        worst = np.where(np.abs(finite) <= rounding[:, None], np.abs(finite), finite)
         least = min(least, float(worst.min()))
         for row in np.flatnonzero(fails.any(axis=1)):
             i = group[row]
@@ -98,14 +99,14 @@ def _pressures(fields: ZoneFields) -> tuple[Array, float, int]:
                 lo = zones.a[i] if e == n - 1 else 0.5 * (x[e] + x[e + 1])
                 hi = zones.b[i] if s == 0 else 0.5 * (x[s] + x[s - 1])
                 bad.append((lo, hi))
-        dips, lowest = _dips(fields, group, theta, finite, scale)
+        dips, lowest = _dips(fields, group, theta, finite, rounding)
         bad += dips
         least = min(least, lowest)
     return np.array(sorted(bad)).reshape(-1, 2), least, points
 
 
 def _dips(
-    fields: ZoneFields, group: NDArray[np.intp], theta: Array, value: Array, scale: Array
+    fields: ZoneFields, group: NDArray[np.intp], theta: Array, value: Array, rounding: Array
 ) -> tuple[list[tuple[float, float]], float]:
     """Minima of p / sqrt(1 - t^2) that may be negative between the samples: (intervals where they are, least value)."""
     density = fields.density
@@ -127,9 +128,9 @@ def _dips(
         right, left = 2 * np.sin(angle / 2) ** 2, 2 * np.cos(angle / 2) ** 2
         here = density.at(zone, left, right) / np.sqrt(left * right)
         here = np.where(np.isfinite(here), here, np.inf)
-        least = min(least, float(here[here > 1e-12 * scale[rows, None]].min(initial=np.inf)))
+        least = min(least, float(here[here > rounding[rows, None]].min(initial=np.inf)))
         best = np.clip(np.argmin(here, axis=1), 1, 15)
-        fails = here < -1e-12 * scale[rows, None]
+        fails = here < -rounding[rows, None]
         for k in np.flatnonzero(fails.any(axis=1)):
             i, at = group[rows[k]], np.flatnonzero(fails[k])
             ends = zones.middle[i] + zones.half[i] * np.cos(angle[k, [min(at[-1] + 1, 16), max(at[0] - 1, 0)]])

@@ -1,15 +1,17 @@
-"""Pressure, displacement and gap of a solution, from the density on its zones or from the profile in full contact."""
+"""Pressure, displacement and gap of a solution, and its numbers, from the density on its zones."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import sie
+from contact.extrema import maximum
 from contact.problem import Problem
 
 Array = NDArray[np.float64]
@@ -18,6 +20,31 @@ Array = NDArray[np.float64]
 _MANY = 8
 # How far from the zones a half-line is looked at, in units of what the zones span.
 _FAR = 1e3
+
+
+class Fields(Protocol):
+    """What a solution reads of its fields, SI; zones are counted as the fields have them, `starts` [m] their left ends."""
+
+    def pressure(self, x: ArrayLike) -> Array: ...
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array: ...
+    def gap(self, x: ArrayLike) -> Array: ...
+    def displacement(self, x: ArrayLike) -> Array: ...
+    @property
+    def starts(self) -> Array: ...
+    @property
+    def load(self) -> float: ...
+    @property
+    def loads(self) -> Array: ...
+    @property
+    def max_pressure(self) -> float: ...
+    @property
+    def approach(self) -> float | None: ...
+    @property
+    def contact_fraction(self) -> float: ...
+    @property
+    def stiffness(self) -> float | None: ...
+    @property
+    def mean_gap(self) -> float: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,11 +81,13 @@ class ZoneFields:
         return -self.level * self.problem.units.height
 
     @cached_property
-    def stiffness(self) -> float:
+    def stiffness(self) -> float | None:
         """d load / d approach [N/m^2]: the ends may be held, since their motion does not change the density at first order.
 
-        Under the first-order closure the nominal pressure follows the load at `amplitude_rate`.
+        Under the first-order closure the nominal pressure follows the load at `amplitude_rate`. None without an approach.
         """
+        if self.approach is None:
+            return None
         values = np.zeros(len(self.state.condition_scale))
         index = self.state.condition_index
         values[index[0]] = 1.0
@@ -192,6 +221,52 @@ class ZoneFields:
             scaled = scaled - np.floor((scaled - middle) / problem.period + 0.5) * problem.period
         return np.asarray(scaled)
 
+    @property
+    def starts(self) -> Array:
+        return self.problem.units.x(self.density.zones.a)
+
+    @property
+    def load(self) -> float:
+        return self.density.total * self.problem.units.load
+
+    @cached_property
+    def loads(self) -> Array:
+        return self.density.totals * self.problem.units.load
+
+    @property
+    def contact_fraction(self) -> float:
+        assert self.problem.period is not None
+        zones = self.density.zones
+        return float((zones.b - zones.a).sum()) / self.problem.period
+
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
+        return self.density.at_t(zone, t) * self.problem.units.pressure
+
+    @cached_property
+    def max_pressure(self) -> float:
+        """Sampled on every zone, and followed below the sampling on that of the highest sample."""
+        density = self.density
+        if any(end.intensity is None for end in (*density.zones.left, *density.zones.right)):
+            left, right = density.intensities
+            if max(left.max(), right.max()) > 1e-12 * np.abs(density.coefficients).max():
+                return np.inf
+        if np.any((density.steps.height > 0) & (density.steps.order == 0)):
+            return np.inf
+        peak, zone, counts = -np.inf, 0, density.sampling
+        for n in np.unique(counts):
+            group = np.flatnonzero(counts == n)
+            theta = (np.arange(n) + 0.5) * np.pi / n
+            values = density.at(group[:, None], 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
+            highest = values.max(axis=1)
+            if highest.max() > peak:
+                peak, zone = float(highest.max()), int(group[np.argmax(highest)])
+
+        def pressure(angle: Array) -> Array:
+            return density.at(zone, 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
+
+        angles = np.linspace(0, np.pi, int(counts[zone]) + 1)
+        return maximum(pressure, angles, levels=7, peaks=1)[1] * self.problem.units.pressure
+
     def pressure(self, x: ArrayLike) -> Array:
         return self.density(self._scaled(x)) * self.problem.units.pressure
 
@@ -228,29 +303,3 @@ def mean_shape(problem: Problem) -> float:
     x = middle[:, None] + half[:, None] * t
     values = problem.shape(np.asarray(units.scaled(x.ravel()))).reshape(x.shape)
     return float(half @ (values @ weights)) / length
-
-
-@dataclass(frozen=True, eq=False)
-class FullFields:
-    """Full contact of a periodic profile: p = pbar - (E*/2) H f', with H the periodic Hilbert transform; no gap."""
-
-    problem: Problem
-    mean_pressure: float
-    conjugate: object
-    mean_height: float
-
-    @property
-    def approach(self) -> float:
-        """mean f - min f, at any load: the displacement has no mean."""
-        return self.mean_height
-
-    def pressure(self, x: ArrayLike) -> Array:
-        slope = self.conjugate(np.asarray(x, dtype=float))  # type: ignore[operator]
-        return np.asarray(self.mean_pressure - 0.5 * self.problem.units.E_star * slope)
-
-    def gap(self, x: ArrayLike) -> Array:
-        return np.zeros(np.shape(x))
-
-    def displacement(self, x: ArrayLike) -> Array:
-        height = np.asarray(self.problem.profile.height(x))
-        return np.asarray(self.mean_height + self.problem.lowest - height)

@@ -32,7 +32,7 @@ class FirstOrder:
 
     def __init__(self, problem: Problem, search: Search, tolerance: float, single: bool) -> None:
         self.problem, self.search, self.tolerance, self.single = problem, search, tolerance, single
-        self.isolated = replace(problem, interaction=Isolated(), centre=0.0, amplitude=None)
+        self.isolated = replace(problem, interaction=Isolated(), centre=0.0, amplitude=None, reference=True)
         self.alone: Found | None = None
         self.together: Found | None = None
 

@@ -59,7 +59,8 @@ class Control:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Profile and interaction in scaled variables. centre: of the strip; amplitude: the column's, where it is given."""
+    """Profile and interaction in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
+    reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell."""
 
     profile: Profile
     interaction: Interaction
@@ -67,6 +68,7 @@ class Problem:
     lowest: float
     centre: float = 0.0
     amplitude: float | None = None
+    reference: bool = False
 
     @property
     def period(self) -> float | None:
@@ -96,7 +98,7 @@ class Problem:
     def borders(self) -> tuple[float, float]:
         """Scaled limits that no zone may reach: of one isolated cell, or of a measured trace; infinite without."""
         profile = self.profile
-        if self.period is not None:
+        if self.period is not None or self.reference:
             return -np.inf, np.inf
         if profile.period is not None:
             known: tuple[float, float] | None = (profile.x0, profile.x0 + profile.period)
@@ -115,8 +117,9 @@ class Problem:
         # A jump of f^(n) is one of the slope's derivative of order n - 1.
         orders = np.concatenate((np.zeros(len(kinks), dtype=np.intp), jumps[:, 1].astype(np.intp) - 1))
         heights = np.concatenate((kinks[:, 1], jumps[:, 2])) * units.length**orders / units.slope
-        if self.period is not None and len(at):
-            at = at - np.round((at - self.centre) / self.period) * self.period
+        repeat = self.cell if self.reference else self.period
+        if repeat is not None and len(at):
+            at = at - np.round((at - self.centre) / repeat) * repeat
 
         def value(x: Array) -> Array:
             return np.asarray(profile.slope(units.x(x))) / units.slope
@@ -126,6 +129,16 @@ class Problem:
     def shape(self, x: Array) -> Array:
         """F = (f - min f) / (slope length)."""
         return np.asarray((np.asarray(self.profile.height(self.units.x(x))) - self.lowest) / self.units.height)
+
+    def shape_rounding(self, x: Array) -> float:
+        """What rounding does to F at scaled points: its departure from straight lines over a few units in the last digit."""
+        at = self.units.x(x)
+        near = at[:, None] + 4 * np.spacing(np.abs(at))[:, None] * np.arange(-4, 5)
+        height = np.asarray(self.profile.height(near)) / self.units.height
+        with np.errstate(invalid="ignore"):
+            bend = 0.5 * np.abs(np.diff(height, 2, axis=1))
+            least = np.finfo(float).eps * np.abs(height)
+        return float(max(np.max(a[np.isfinite(a)], initial=0.0) for a in (bend, least)))
 
     @cached_property
     def columns(self) -> tuple[sie.Forcing, ...]:

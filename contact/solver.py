@@ -16,8 +16,9 @@ from contact.certificate import Certificate
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.extrema import maximum
 from contact.first_order import FirstOrder
-from contact.fields import FullFields, ZoneFields, mean_shape
-from contact.full import conjugate_slope, has_kinked_valley, largest_conjugate, period_samples
+from contact.fields import ZoneFields, mean_shape
+from contact.full import FullFields, conjugate_slope, has_kinked_valley, largest_conjugate, period_samples
+from contact.gapped import Gapped, find_gaps
 from contact.interactions.isolated import Isolated
 from contact.interactions.periodic import Periodic
 from contact.planning import Plan
@@ -32,6 +33,8 @@ Array = NDArray[np.float64]
 
 # Finest coarse grid; a scene whose zones are narrower needs more than a grid to find them.
 _MOST_POINTS = 2**17
+# Contact of more than this part of the period is solved by its gaps.
+_NEARLY_FULL = 0.7
 
 
 def solve(
@@ -69,7 +72,7 @@ class _Run:
         found = self._found()
         if found is None:
             return self._full(self._mean_pressure())
-        return self._solved(found)
+        return self._gapped(found) if isinstance(found, Gapped) else self._solved(found)
 
     # scaled problem -------------------------------------------------------------------------------------------------
     def _scaled(self) -> tuple[Problem, Array | None, Control]:
@@ -193,7 +196,7 @@ class _Run:
         return Solution(scene, np.zeros((0, 2)), fields, 1e-13, certificate, self.plan)
 
     # zones ----------------------------------------------------------------------------------------------------------
-    def _found(self) -> Found | None:
+    def _found(self) -> Found | Gapped | None:
         """Zones that pass the certificate; None in full contact."""
         interaction, problem = self.scene.interaction, self.problem
         if interaction.follows_isolated:
@@ -208,10 +211,10 @@ class _Run:
             return None
         return self._placed(self.problem, self.near.zones)
 
-    def _search(self, problem: Problem, control: Control, start: Array | None = None) -> Found | None:
+    def _search(self, problem: Problem, control: Control, start: Array | None = None) -> Found | Gapped | None:
         if control.kind == "approach":
             self._below_full_approach(control)
-        if start is not None:
+        if start is not None and not self._worth_gaps(problem, float((start[:, 1] - start[:, 0]).sum())):
             try:
                 return settle(problem, control, start, self.tolerance, self.progress)
             except WrongTopology:
@@ -225,10 +228,34 @@ class _Run:
                 guess = guess_half_width(problem, control)
             if problem.period is not None and guess > 0.25 * problem.period and self._is_full(control):
                 return None
+            gapped = self._by_gaps(problem, control, 2 * guess)
+            if gapped is not None:
+                return gapped
             found = self._from_one_zone(problem, control, guess)
             if found is not None:
                 return found
         return self._from_grid(problem, control)
+
+    def _worth_gaps(self, problem: Problem, width: float) -> bool:
+        """Whether contact of about this scaled width is better solved by its gaps."""
+        if self.scene.interaction.images is not None or problem.period is None or has_kinked_valley(self.scene.profile):
+            return False
+        return width > _NEARLY_FULL * problem.period
+
+    def _by_gaps(self, problem: Problem, control: Control, width: float) -> Gapped | None:
+        """The contact solved by its gaps, where it is about as wide as that; None if it is not or that fails."""
+        if control.kind == "half_width" or not self._worth_gaps(problem, width):
+            return None
+        units, full = problem.units, self._full_pressure()
+
+        def conjugate(x: Array) -> Array:
+            return np.asarray(self._conjugate(units.x(x))) / units.slope
+
+        with self.plan.timed("zone ends"):
+            try:
+                return find_gaps(problem, control, conjugate, full / units.pressure, self.tolerance)
+            except WrongTopology:
+                return None
 
     def _is_full(self, control: Control) -> bool:
         """Whether the load is that of full contact or above."""
@@ -291,7 +318,7 @@ class _Run:
                     pass
         return None
 
-    def _from_grid(self, problem: Problem, control: Control) -> Found | None:
+    def _from_grid(self, problem: Problem, control: Control) -> Found | Gapped | None:
         """Zones from a coarse grid, refined until Newton and the certificate agree with it."""
         search = self.plan["coarse search"]
         search.used, search.reason = True, search.reason if search.used else "one zone did not pass the certificate"
@@ -303,13 +330,17 @@ class _Run:
             search.detail = f"{points} points, {len(table)} zones proposed"
             if border:
                 raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
-            wide = problem.period is not None and (full or np.sum(table[:, 1] - table[:, 0]) > 0.4 * problem.period * problem.units.length)
-            if wide and self._is_full(control):
+            width = math.inf if full else float(np.sum(table[:, 1] - table[:, 0])) / problem.units.length
+            if problem.period is not None and width > 0.4 * problem.period and self._is_full(control):
                 return None
+            gapped = self._by_gaps(problem, control, width)
+            if gapped is not None:
+                return gapped
             if not full and len(table):
                 with self.plan.timed("zone ends"):
+                    placed = self._placed(problem, table)
                     try:
-                        return settle(problem, control, self._placed(problem, table), self.tolerance, self.progress)
+                        return settle(self._about(problem, placed), control, placed, self.tolerance, self.progress)
                     except WrongTopology as error:
                         failure = error
             points *= 4
@@ -337,7 +368,7 @@ class _Run:
         """The load at which the grid's zones have the given total width, by bisection on its logarithm."""
         units = problem.units
         width = control.value * units.length
-        low, high = 1e-12, 1e3
+        low, high = 1e-40, 1e3
         best = None
         for _ in range(40):
             load = math.sqrt(low * high)
@@ -361,11 +392,20 @@ class _Run:
             # About the origin, so that mirror images stand together.
             scaled = scaled - np.round(scaled.mean(axis=1) / period)[:, None] * period
             scaled = scaled[np.argsort(scaled[:, 0])]
-        if problem.interaction.strip and not self.scene.profile.symmetric:
+        if problem.interaction.strip and len(scaled):
             gaps = np.append(scaled[1:, 0] - scaled[:-1, 1], scaled[0, 0] + period - scaled[-1, 1])
-            first = (int(np.argmax(gaps)) + 1) % len(scaled)
-            scaled = np.concatenate((scaled[first:], scaled[:first] + period))
+            if gaps[-1] < (1 - 1e-6) * gaps.max():
+                first = int(np.argmax(gaps)) + 1
+                scaled = np.concatenate((scaled[first:], scaled[:first] + period))
         return np.asarray(scaled)
+
+    def _about(self, problem: Problem, table: Array) -> Problem:
+        """The problem with its strip centred on the zones from which Newton starts."""
+        if not problem.interaction.strip:
+            return problem
+        middle = 0.5 * float(table[0, 0] + table[-1, 1])
+        near_origin = abs(middle) < 0.25 * float((table[:, 1] - table[:, 0]).min())
+        return problem.about(0.0 if self.scene.profile.symmetric and near_origin else middle)
 
     # strips ---------------------------------------------------------------------------------------------------------
     def _centred(self, problem: Problem, control: Control, start: Array | None) -> Found | None:
@@ -379,7 +419,7 @@ class _Run:
             centre = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1])
             width = float((zones.b - zones.a).min())
             start = zones.table
-            if abs(centre - problem.centre) <= 0.1 * self.tolerance * width:
+            if abs(centre - found.fields.problem.centre) <= 0.1 * self.tolerance * width + np.spacing(abs(centre)):
                 return found
             problem = problem.about(centre)
         assert found is not None
@@ -409,6 +449,9 @@ class _Run:
             found = self._from_grid(replace(self.problem, interaction=Periodic()), control)
             assert found is not None
             start = found.free.density.zones.table
+        middle = 0.5 * float(start[0, 0] + start[-1, 1])
+        if len(start) > 1 or abs(middle) > 0.25 * float(start[0, 1] - start[0, 0]):
+            problem = problem.about(middle)
         try:
             return settle(problem, control, start, self.tolerance, formal=True)
         except WrongTopology as failure:
@@ -417,7 +460,9 @@ class _Run:
     # solution -------------------------------------------------------------------------------------------------------
     def _si(self, zones: sie.Zones) -> Array:
         """Zones in metres, left ends in [x0, x0 + L) and ascending."""
-        table = np.asarray(self.problem.units.x(zones.table))
+        return self._in_cell(np.asarray(self.problem.units.x(zones.table)))
+
+    def _in_cell(self, table: Array) -> Array:
         period = self.scene.period
         if period is None:
             return table
@@ -446,10 +491,29 @@ class _Run:
             self.scene, self._si(zones), replace(found.fields, problem=found.fields.problem), error, found.certificate, plan,
             found.free.trace,
         )
-        if error > self.tol:
+        return self._within_tolerance(solution)
+
+    def _gapped(self, found: Gapped) -> Solution:
+        """The solution of a nearly full contact from its gaps."""
+        fields, plan = found.fields, self.plan
+        sizes = found.free.state.sizes
+        plan["zone ends"].reason = "nearly full contact: the gaps are solved for"
+        plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {len(fields.zones)} gaps"
+        plan["symmetry"].used, plan["symmetry"].reason = False, "the gaps are solved for"
+        plan.counts.update(
+            zones=len(fields.zones), own_modes=int(sizes.own.sum()), kernel_evaluations=sizes.kernel_evaluations,
+            profile_evaluations=sizes.profile_evaluations, solves=sizes.solves,
+        )
+        error = found.error
+        table = self._in_cell(np.asarray(self.problem.units.x(fields.zones)))
+        solution = Solution(self.scene, table, fields, error, found.certificate, plan, found.free.trace)
+        return self._within_tolerance(solution)
+
+    def _within_tolerance(self, solution: Solution) -> Solution:
+        if solution.error > self.tol:
             raise NotConverged(
-                f"the stated error {error:.2g} is above the tolerance {self.tol:.2g}; the best state is attached", found.free.trace,
-                solution,
+                f"the stated error {solution.error:.2g} is above the tolerance {self.tol:.2g}; the best state is attached",
+                solution.trace, solution,
             )
         return solution
 

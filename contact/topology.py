@@ -57,6 +57,8 @@ def settle(
     for done in range(1, ROUNDS + 1):
         if len(table) == 0:
             raise WrongTopology("all zones vanished", free)
+        if not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
+            raise WrongTopology("the zones are too narrow to tell their ends apart", free)
         if progress is not None:
             progress("zones", done, None)
         zones = kinds(problem, control, table)
@@ -173,6 +175,8 @@ def _corrected(zones: sie.Zones, certificate: Certificate, problem: Problem) -> 
         else:
             table[keep[-1], 1] = max(table[keep[-1], 1], table[k, 1])
     table = table[keep]
+    if len(table) > 4 * len(zones) + 64:
+        raise WrongTopology("the signs of pressure and gap change ever more often", None)
     if problem.period is not None and table[-1, 1] - table[0, 0] >= problem.period:
         raise WrongTopology("the zones fill the period", None)
     return np.asarray(table)

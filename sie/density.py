@@ -167,6 +167,26 @@ class Density:
         out[inside] = self.at(z, (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w)
         return out
 
+    def integral_at(self, zone: ArrayLike, theta: ArrayLike) -> Array:
+        """Integral of the density from a zone's left end to the angle theta (t = cos theta), smooth densities only:
+        int T_j / sqrt(1 - t^2) dt = -sin(j theta) / j, and (pi - theta) for j = 0."""
+        if len(self.steps):
+            raise ValueError("the integral along a zone is for densities without jumps of the right side")
+        zone, theta = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), _float(theta))
+        w, c = self.zones.half[zone], self.coefficients
+        table = c[:, 1:] / np.arange(1, c.shape[1])
+        sums = self._sine_sum(table, zone, np.minimum(theta, np.pi - theta), theta > 0.5 * np.pi)
+        return np.asarray(w * (c[zone, 0] * (np.pi - theta) - sums))
+
+    def integral(self, x: ArrayLike) -> Array:
+        """Integral of the density from the left end of its zone to x, zero off the zones."""
+        x, i, inside = self.locate(x)
+        out = np.zeros(x.shape)
+        z, w = i[inside], self.zones.half[i[inside]]
+        left, right = (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w
+        out[inside] = self.integral_at(z, 2 * np.arctan2(np.sqrt(right), np.sqrt(left)))
+        return out
+
     def transform(self, x: ArrayLike) -> Array:
         """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end."""
         x = _float(x)

@@ -71,6 +71,7 @@ def find_ends(
     value: float = 0.0,
     collapse: float = 1e-3,
     walls: tuple[float, float] = (-np.inf, np.inf),
+    signs: tuple[float, float] = (1.0, 1.0),
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -78,7 +79,7 @@ def find_ends(
     value: first guess for the value of an open condition. collapse: a zone that has shrunk to this part of its first
     width, or a gap to this part of its first size, stops the search, which then reports it in `lost` or `met`.
     walls: free ends do not pass these; one that reaches a wall stays there as a singular end, until its intensity turns
-    negative.
+    negative. signs: of the wanted density next to left and to right ends (the slope of a gap falls at its right end).
     """
     decay = max(0.1 * tolerance, 3e-16)
     first_width, first_gap = zones.b - zones.a, modes.gaps(zones, equation.kernel)[1]
@@ -94,7 +95,7 @@ def find_ends(
         zones, released = _release(zones, walls, state.density)
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
         target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
-        delta, noise, change, certain = _newton(state, moves, target, sizes, decay)
+        delta, noise, change, certain = _newton(state, moves, target, sizes, decay, signs)
         width = zones.b - zones.a
         # The right side is known at places rounded to a few units in their last digit, and so are the ends.
         noise = noise + np.where(moves, 4 * np.spacing(np.abs([zones.a, zones.b])), 0.0)
@@ -104,7 +105,7 @@ def find_ends(
         floor = float((noise / width).max(initial=0.0))
         stalled = stalled + 1 if move > 0.5 * best else 0
         best = min(best, move)
-        stuck = (stalled >= 2 and move < 1e-9) or (stalled >= 5 and move < 1e-6)
+        stuck = (stalled >= 2 and move < 1e-9) or (stalled >= 5 and move < max(1e-6, min(100 * floor, 1e-2)))
         if stuck:
             # Rounding keeps the ends moving: the largest of the last moves is what they are known to.
             error = error * (max(step.move for step in trace[-4:]) / max(move, 1e-300))
@@ -159,7 +160,7 @@ def _intensity(end: End) -> float:
 
 
 def _newton(
-    state: State, moves: NDArray[np.bool_], target: Array, sizes: Sizes, tolerance: float
+    state: State, moves: NDArray[np.bool_], target: Array, sizes: Sizes, tolerance: float, signs: tuple[float, float]
 ) -> tuple[Array, Array, float, bool]:
     """(outward moves (2, Z), their roundoff, change of the open condition's value, whether the step can be trusted)."""
     equation = state.system.equation
@@ -167,9 +168,10 @@ def _newton(
     k = np.array(density.intensities)
     a = np.array(density.edge_slopes)
     w = density.zones.half
-    # The bounded solution's slope at an end is positive; where the guess is far off, only the sign of K is a guide.
+    # The bounded solution's slope at an end has the sign of the density; where the guess is far off, only K is a guide.
+    side = np.array(signs)[:, None]
     natural = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(state.system.known).max(axis=1)
-    weak = a < 1e-8 * natural / np.sqrt(w)
+    weak = side * a < 1e-8 * natural / np.sqrt(w)
     prescribed = np.any(target != 0)
     # Rounding acts on what is subtracted, the right side and the other zones' fields, however small their difference is.
     noise_k = 2e-16 * np.sqrt(w / 2) * (np.abs(density.coefficients).sum(axis=1) + np.abs(state.system.g).sum(axis=1) + natural)
@@ -178,9 +180,9 @@ def _newton(
     if prescribed:
         delta, noise, change = _full_newton(equation, state, moves, residual, noise_k, unit, sizes, tolerance)
         return delta, noise, change, True
-    safe = np.where(weak, natural / np.sqrt(w) + 1e-300, a)
+    safe = np.where(weak, side * (natural / np.sqrt(w) + 1e-300), a)
     delta = np.where(moves, 2 * residual / safe, 0.0)
-    noise = np.where(moves, 2 * noise_k / safe, 0.0)
+    noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
     change = 0.0
     if unit is None and len(equation.forcing.steps_at):
         bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, residual, a, delta, INWARD, OUTWARD)

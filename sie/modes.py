@@ -22,6 +22,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 OWN_SIZES = np.array([8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192])
+# Only below this part of the largest coefficient can a plateau be rounding.
+_NOISE = 1e-5
 COUPLED_SIZES = np.array([0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768])
 
 
@@ -66,6 +68,7 @@ def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: 
     own = own.copy()
     found: dict[int, Array] = {}
     tail = np.zeros(len(zones))
+    settled = np.zeros(len(zones), dtype=np.intp)
     pending = zones.solved
     evaluations = 0
     while len(pending):
@@ -81,7 +84,11 @@ def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: 
             scale = np.abs(g).max(axis=1)
             grow = (last > tolerance * scale) & (n < largest)
             for place, i in enumerate(group):
+                # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
+                slow = i in found and last[place] > tail[i] * (len(found[i]) / n) ** 0.75
+                settled[i] = settled[i] + 1 if slow and last[place] < _NOISE * scale[place] else 0
                 found[i], tail[i] = g[place], last[place]
+            grow &= settled[group] < 3
             bad = group[grow]
             own[bad] = OWN_SIZES[np.searchsorted(OWN_SIZES, n, side="right")] if len(bad) else n
             retry.append(bad)

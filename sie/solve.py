@@ -144,7 +144,7 @@ def solve_fixed(
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
         state = _solve_once(equation, zones, m, samples, steps, sizes)
         adaptive = bool(equation.columns) or kernel.reach == 0.0
-        if not adaptive or state.field_tail <= tolerance * 10 or sizes.least >= modes.COUPLED_SIZES[-1]:
+        if not adaptive or state.field_tail <= tolerance * 10 or int(m.max()) >= modes.COUPLED_SIZES[-1]:
             return state
         sizes.least = int(modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES, int(m.max()), side="right")])
 
@@ -238,7 +238,10 @@ def _field_tail(system: System, y: Array, density: Density) -> float:
     k = np.arange(field.shape[1])
     last = (k <= layout.m[:, None]) & (k > layout.m[:, None] - 3) & (layout.m[:, None] >= 8)
     top = np.maximum(np.abs(density.coefficients).max(axis=1), np.abs(system.known).max(axis=1, initial=0.0))
-    return float((np.abs(np.where(last, field, 0.0)).max(axis=1) / np.where(top > 0, top, 1.0)).max())
+    # What is left is a difference of numbers of the size of the right side: below their rounding there is no tail.
+    rounding = 8 * 2.2e-16 * np.abs(g).max(axis=1)
+    tail = np.maximum(np.abs(np.where(last, field, 0.0)).max(axis=1) - rounding, 0.0)
+    return float((tail / np.where(top > 0, top, 1.0)).max())
 
 
 def _mirror_signs(system: System) -> tuple[Index, Index, Array, Index]:

@@ -69,6 +69,19 @@ class Polynomial(Profile):
         return np.array([[self.x0, jump]]) if abs(jump) > _ROUNDING * size else np.empty((0, 2))
 
     @property
+    def jumps(self) -> Array:
+        """Where the cells meet, the second and the third derivative jump too."""
+        if self.period is None:
+            return np.empty((0, 3))
+        found, d = [], self._c[1:] * np.arange(1, self._c.size)
+        for order in (2, 3):
+            d = d[1:] * np.arange(1, d.size)
+            jump = float(_horner(d, self.x0) - _horner(d, -self.x0))
+            if abs(jump) > _ROUNDING * float(_horner(np.abs(d), -self.x0)):
+                found.append((self.x0, order, jump))
+        return np.array(found, dtype=np.float64).reshape(-1, 3)
+
+    @property
     def breakpoints(self) -> Array:
         # Even with equal slopes some higher derivative jumps where the cells meet.
         return np.empty(0) if self.period is None else np.array([self.x0])

@@ -99,7 +99,7 @@ class Sampled(Profile):
         return {"x": self.x, "height": self.heights, "period": self.period}
 
     def height(self, x: ArrayLike) -> Array:
-        return np.asarray(self._top - self._spline(self._inside(x)))
+        return np.asarray(-self._spline(self._inside(x)))
 
     def slope(self, x: ArrayLike) -> Array:
         return np.asarray(-self._spline(self._inside(x), 1))
@@ -145,7 +145,9 @@ class Sampled(Profile):
 
     @cached_property
     def _spline(self) -> Any:
-        values = self.heights if self.period is None else np.append(self.heights, self.heights[0])
+        # Counted from the highest point, so that an offset of the instrument's zero costs no digits.
+        depth = self.heights - self._top
+        values = depth if self.period is None else np.append(depth, depth[0])
         kind = "not-a-knot" if self.period is None else "periodic"
         return scipy_interpolate().CubicSpline(
             self._knots, values, bc_type=kind, extrapolate=self.period is not None

@@ -1,0 +1,285 @@
+"""Free ends: found where the closed forms have them, quadratically, whatever the start, the scale and the control."""
+
+import math
+
+import numpy as np
+import pytest
+
+import sie
+from sie import exact
+
+T = np.cos(np.pi * np.arange(1, 39) / 39)
+
+
+def forcing_of(form):
+    at = np.array(getattr(form, "steps_at", ()))
+    return sie.Forcing(form.value, form.primitive, at, np.array(getattr(form, "steps", ())))
+
+
+def kernel_of(form):
+    return sie.cauchy() if form.period is None else sie.hilbert(form.period)
+
+
+def search(form, start, tolerance=1e-13, end=sie.FREE, symmetric=False, conditions=None, **options):
+    if conditions is None:
+        conditions = (sie.Total(form.total), sie.EqualPotential())
+    equation = sie.Equation(kernel_of(form), forcing_of(form), conditions, **options)
+    return sie.find_ends(equation, sie.Zones.of(start, end, end, symmetric=symmetric), tolerance)
+
+
+def end_errors(found, form):
+    table = found.density.zones.table
+    return np.abs(table - form.zones) / (form.zones[:, 1:] - form.zones[:, :1])
+
+
+def assert_found(found, form, tolerance=1e-13):
+    assert found.converged
+    error = end_errors(found, form)
+    assert error.max() < tolerance
+    assert np.all(error <= found.end_error + 4e-16)  # the closed forms' own ends are rounded
+    for i in range(len(form.zones)):
+        exact_values = form.at(T, i)
+        assert np.abs(found.density.at_t(i, T) - exact_values).max() < 10 * tolerance * np.abs(exact_values).max()
+
+
+# Closed forms ------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("start", [(-0.6, 0.9), (-0.1, 0.1), (-3.0, 2.0), (0.2, 0.9), (-1.0, 1.0)])
+def test_hertz_is_found_from_anywhere_near_or_far(start):
+    assert_found(search(exact.Hertz(1.0), [start]), exact.Hertz(1.0))
+
+
+@pytest.mark.parametrize("start", [(-0.4, 0.5), (-0.71, 0.69), (-0.05, 0.9), (-2.0, 2.0)])
+def test_the_wedge_is_found_with_its_kink_inside(start):
+    assert_found(search(exact.Wedge(0.7, 1.5), [start]), exact.Wedge(0.7, 1.5))
+
+
+@pytest.mark.parametrize("share", [0.001, 0.01, 0.1, 0.25, 0.4, 0.45, 0.49, 0.499])
+@pytest.mark.parametrize("symmetric", [False, True])
+def test_westergaard_is_found_from_first_touch_to_almost_full_contact(share, symmetric):
+    form = exact.Westergaard(share, 1.0)
+    start = min(0.7 * share, 0.43)
+    # Near full contact the load fixes the gap through its square: rounding over the gap, (1/2 - a/L).
+    tolerance = max(1e-13, 4e-15 / (0.5 - share), 4e-16 / share)
+    found = search(form, [[-start, start]], symmetric=symmetric)
+    assert_found(found, form, tolerance)
+
+
+@pytest.mark.parametrize("symmetric", [False, True])
+@pytest.mark.parametrize("start", [[(-0.9, -0.2), (0.2, 0.9)], [(-0.75, -0.35), (0.35, 0.75)]])
+def test_two_zones_are_found(symmetric, start):
+    assert_found(search(exact.TwoZones(0.3, 0.8, 2.0), start, symmetric=symmetric), exact.TwoZones(0.3, 0.8, 2.0))
+
+
+def test_a_sharp_end_stays_while_the_free_one_is_found():
+    form = exact.Tilted(-0.3, 0.9, 2.0)
+    zones = sie.Zones.of([[0.1, 0.9]], sie.FREE, sie.SINGULAR)
+    found = sie.find_ends(sie.Equation(sie.cauchy(), forcing_of(form), (sie.Total(form.total),)), zones, 1e-13)
+    assert_found(found, form)
+    assert found.density.zones.b[0] == 0.9
+
+
+def test_ends_of_a_density_off_by_a_millionth_do_not_pass():
+    found = search(exact.Hertz(1.0, 1 + 1e-6), [(-0.6, 0.9)])
+    with pytest.raises(AssertionError):
+        assert_found(found, exact.Hertz(1.0 + 1e-6))
+
+
+# Controls ------------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("form", [exact.Westergaard(0.25, 1.0), exact.Hertz(0.7, 3.0), exact.TwoZones(0.3, 0.8, 2.0)])
+def test_a_total_width_instead_of_the_total_finds_the_total(form):
+    width = float(np.sum(form.zones[:, 1] - form.zones[:, 0]))
+    start = form.zones + 0.1 * np.array([-0.3, 0.5])
+    conditions = (sie.Total(None), sie.EqualPotential())
+    found = search(form, start, conditions=conditions, end_conditions=(sie.TotalWidth(width),))
+    assert_found(found, form, 2e-13)
+    assert found.value == pytest.approx(form.total, rel=1e-12)
+    assert found.density.total == pytest.approx(form.total, rel=1e-12)
+
+
+def test_a_level_instead_of_the_total_finds_the_same_ends():
+    form = exact.Hertz(0.7, 3.0)
+    level = float(search(form, [(-0.6, 0.9)]).density.potential(0.0))
+    assert_found(search(form, [(-0.6, 0.9)], conditions=(sie.Level(level),)), form)
+
+
+# Prescribed intensities ----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("start", [(-0.8, 0.8), (-1.5, 1.5), (-1.3, 0.7), (-1.02, 1.02)])
+@pytest.mark.parametrize("intensity", [-0.2, -0.01, 0.1])
+def test_ends_of_prescribed_intensity_are_found(start, intensity):
+    form = exact.PrescribedIntensity(1.0, intensity)
+    found = search(form, [start], 1e-12, sie.free_with_intensity(intensity))
+    # The Jacobian is differenced: the last step is right to 1e-10 of itself.
+    assert found.converged
+    assert end_errors(found, form).max() < 1e-12
+    assert np.array(found.density.intensities) == pytest.approx(np.full((2, 1), intensity), rel=1e-11)
+    assert found.density.at_t(0, T) == pytest.approx(form.at(T), rel=1e-10, abs=1e-11)
+
+
+def test_prescribed_intensity_in_half_a_symmetric_problem():
+    form = exact.PrescribedIntensity(1.0, -0.2)
+    found = search(form, [(-0.8, 0.8)], 1e-12, sie.free_with_intensity(-0.2), symmetric=True)
+    assert found.converged
+    assert end_errors(found, form).max() < 1e-12
+
+
+def test_prescribed_intensity_and_total_width_together_find_the_total():
+    form = exact.PrescribedIntensity(1.0, -0.2)
+    found = search(
+        form, [(-0.9, 0.8)], 1e-12, sie.free_with_intensity(-0.2), conditions=(sie.Total(None),),
+        end_conditions=(sie.TotalWidth(2.0),),
+    )
+    assert found.converged
+    assert end_errors(found, form).max() < 1e-12
+    assert found.value == pytest.approx(form.total, rel=1e-11)
+    assert found.density.total == pytest.approx(form.total, rel=1e-11)
+
+
+# Newton --------------------------------------------------------------------------------------------------------------
+def order(found):
+    """Exponent q of move_{n+1} ~ move_n^q over the steps between the first and rounding."""
+    moves = np.array([step.move for step in found.trace])
+    inside = (moves < 0.2) & (moves > 1e-12)
+    steps = np.flatnonzero(inside[:-1] & inside[1:])
+    return np.polyfit(np.log(moves[steps]), np.log(moves[steps + 1]), 1)[0]
+
+
+@pytest.mark.parametrize(
+    ("form", "start"),
+    [
+        (exact.Westergaard(0.3, 1.0), [(-0.23, 0.27)]),
+        (exact.TwoZones(0.3, 0.8), [(-0.83, -0.26), (0.33, 0.79)]),
+        (exact.Wedge(0.7), [(-0.5, 0.9)]),
+    ],
+)
+def test_the_ends_converge_quadratically(form, start):
+    found = search(form, start)
+    assert found.converged
+    assert 1.8 < order(found) < 2.3
+
+
+def test_prescribed_intensities_converge_quadratically_too():
+    found = search(exact.PrescribedIntensity(1.0, -0.2), [(-1.5, 1.5)], 1e-12, sie.free_with_intensity(-0.2))
+    assert 1.8 < order(found) < 2.3
+
+
+def intensities(form, zones):
+    equation = sie.Equation(kernel_of(form), forcing_of(form), (sie.Total(form.total), sie.EqualPotential()))
+    return sie.solve_fixed(equation, sie.Zones.of(zones)).density
+
+
+@pytest.mark.parametrize("form", [exact.TwoZones(0.3, 0.8), exact.Westergaard(0.3, 1.0), exact.Wedge(0.7)])
+def test_at_the_solution_each_intensity_depends_on_its_own_end_only(form):
+    slopes = np.array(intensities(form, form.zones).edge_slopes)
+    count = len(form.zones)
+    for side in (0, 1):
+        for j in range(count):
+            h = 1e-5 * (form.zones[j, 1] - form.zones[j, 0])
+            outward = np.zeros((count, 2))
+            outward[j, side] = h if side else -h
+            change = np.array(intensities(form, form.zones + outward).intensities)
+            change -= np.array(intensities(form, form.zones - outward).intensities)
+            expected = np.zeros((2, count))
+            expected[side, j] = -0.5 * slopes[side, j]
+            # Central differences, of second order in 1e-5.
+            assert change / (2 * h) == pytest.approx(expected, abs=1e-8 * np.abs(slopes).max())
+
+
+def test_the_trace_tells_the_steps():
+    found = search(exact.Hertz(1.0), [(-0.6, 0.9)])
+    assert len(found.trace) == 5
+    assert found.trace[0].zones == pytest.approx(np.array([[-0.6, 0.9]]))
+    assert found.trace[-1].move < 1e-13
+    assert found.value is None
+
+
+# Scales and places ---------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("length", 10.0 ** np.arange(-9, 4))
+@pytest.mark.parametrize("period", [None, 1.0])
+def test_the_units_of_length_and_of_the_density_do_not_matter(length, period):
+    stress = 1e7 / length
+    form = exact.Wedge(0.3, 1.0) if period is None else exact.Westergaard(0.3, 1.0)
+    at = np.array(getattr(form, "steps_at", ())) * length
+    forcing = sie.Forcing(
+        lambda x: stress * form.value(x / length), lambda x: stress * length * form.primitive(x / length), at,
+        stress * np.array(getattr(form, "steps", ())),
+    )
+    kernel = sie.cauchy() if period is None else sie.hilbert(length)
+    equation = sie.Equation(kernel, forcing, (sie.Total(form.total * stress * length),))
+    found = sie.find_ends(equation, sie.Zones.of([[-0.2 * length, 0.25 * length]]), 1e-13)
+    assert found.converged
+    assert len(found.trace) <= 6
+    assert found.density.zones.table / length == pytest.approx(form.zones, abs=1e-13)
+    assert found.density.at_t(0, T) / stress == pytest.approx(form.at(T), rel=1e-12)
+
+
+@pytest.mark.parametrize("periods", [-4, 1, 1000, 1_000_000])
+def test_zones_are_found_many_periods_away_to_the_rounding_of_their_place(periods):
+    form = exact.Westergaard(0.3, 1.0)
+    equation = sie.Equation(sie.hilbert(1.0), forcing_of(form), (sie.Total(form.total),))
+    found = sie.find_ends(equation, sie.Zones.of(periods + np.array([[-0.2, 0.25]])), 1e-13)
+    assert found.converged
+    error = np.abs(found.density.zones.table - periods - form.zones) / 0.6
+    # sin(2 pi x) is known to 2 pi eps |x|.
+    assert error.max() < 10 * np.spacing(abs(float(periods)) + 1)
+    assert np.all(error <= found.end_error + 4e-16)
+
+
+# Kinks near the ends -------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("distance", [0.3, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6])
+@pytest.mark.parametrize("start", [(-0.3, 0.4), (-0.95, 0.97), (-1.4, 1.2)])
+def test_ends_just_past_a_kink_are_found(distance, start):
+    kink, jump = 1 - distance, 0.5
+
+    def value(x):
+        return x + jump * (x > kink) - jump * (x < -kink)
+
+    forcing = sie.Forcing(value, None, np.array([-kink, kink]), np.array([jump, jump]))
+    # The total of a density with bounded ends is int g x / sqrt(1 - x^2) dx.
+    total = 0.5 * math.pi + 2 * jump * math.sqrt(distance * (2 - distance))
+    found = sie.find_ends(sie.Equation(sie.cauchy(), forcing, (sie.Total(total),)), sie.Zones.of([start]), 1e-12)
+    assert found.converged
+    assert len(found.trace) <= 12
+    assert found.density.zones.table == pytest.approx(np.array([[-1.0, 1.0]]), abs=2e-12)
+
+
+def test_ends_just_short_of_a_kink_are_found():
+    for distance in (1e-1, 1e-3, 1e-6):
+        kink = 1 + distance
+        forcing = sie.Forcing(
+            lambda x, kink=kink: x + 0.5 * np.sign(x) * (np.abs(x) > kink), None, np.array([-kink, kink]), np.array([0.5, 0.5])
+        )
+        equation = sie.Equation(sie.cauchy(), forcing, (sie.Total(0.5 * math.pi),))
+        for start in ((-0.3, 0.4), (-1.4, 1.9)):
+            found = sie.find_ends(equation, sie.Zones.of([start]), 1e-12)
+            assert found.converged
+            assert found.density.zones.table == pytest.approx(np.array([[-1.0, 1.0]]), abs=2e-12)
+
+
+# What cannot be found ------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("total", [0.0, -1.0])
+def test_a_total_no_zone_can_have_loses_the_zone(total):
+    equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(total),))
+    found = sie.find_ends(equation, sie.Zones.of([[-1, 1]]))
+    assert not found.converged
+    assert list(found.lost) == [0]
+
+
+def test_a_total_beyond_the_full_period_closes_the_gap():
+    equation = sie.Equation(sie.hilbert(1.0), forcing_of(exact.Westergaard(0.3, 1.0)), (sie.Total(1.1),))
+    found = sie.find_ends(equation, sie.Zones.of([[-0.4, 0.3]]))
+    assert not found.converged
+    assert list(found.met) == [0]
+
+
+def test_zones_that_should_be_one_meet():
+    equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x, lambda x: x * x / 2), (sie.Total(math.pi / 2), sie.EqualPotential()))
+    found = sie.find_ends(equation, sie.Zones.of([[-0.9, -0.05], [0.05, 0.9]]))
+    assert not found.converged
+    assert list(found.met) == [0]
+
+
+def test_few_steps_are_not_convergence():
+    equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(math.pi / 2),))
+    found = sie.find_ends(equation, sie.Zones.of([[-0.3, 0.2]]), 1e-13, max_steps=2)
+    assert not found.converged
+    assert found.end_error.max() > 1e-3

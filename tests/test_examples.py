@@ -1,0 +1,105 @@
+"""Every example runs, says something true, and is short enough to read; every scene file solves to its tolerance."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+import contact
+
+FOLDER = Path(__file__).parents[1] / "examples"
+DOCS = FOLDER.parent / "docs"
+SCRIPTS = sorted(FOLDER.glob("*.py"))
+SCENES = sorted(FOLDER.glob("*.toml"))
+
+
+def module(name: str) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(f"examples_{name}", FOLDER / f"{name}.py")
+    assert spec is not None and spec.loader is not None
+    made = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(made)
+    return made
+
+
+@pytest.fixture
+def own_names():
+    """Names that examples register are taken out again."""
+    before = set(contact.profiles())
+    yield
+    for name in set(contact.profiles()) - before:
+        contact.registry.PROFILES.forget(name)
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda f: f.stem)
+def test_an_example_has_at_most_forty_lines_and_stands_in_the_docs(script: Path) -> None:
+    assert len(script.read_text(encoding="utf-8").splitlines()) <= 40
+    assert any(f"examples/{script.name}" in page.read_text(encoding="utf-8") for page in DOCS.glob("*.md"))
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda f: f.stem)
+def test_a_scene_file_is_solved_to_the_tolerance_with_a_certificate(scene: Path) -> None:
+    solution = contact.solve(contact.load_scene(scene))
+    assert solution.error <= 1e-8
+    assert solution.certificate.holds
+
+
+def test_the_rounded_wedge_carries_the_load_of_its_closed_form(own_names) -> None:
+    solution = module("own_profile").main()
+    # One symmetric zone: P = int f' x / sqrt(a^2 - x^2) dx E*/2, here by Gauss-Chebyshev in x = a t.
+    a, t = solution.zones[0, 1], np.cos((np.arange(400) + 0.5) * np.pi / 800)
+    load = 0.5e11 * np.pi * a * np.mean(solution.scene.profile.slope(a * t) * t)
+    assert load == pytest.approx(solution.load, rel=1e-12)
+    assert solution.scene.profile.slope(a) > 0
+
+
+def test_two_tips_come_into_contact_apart_and_merge() -> None:
+    solutions = module("two_zones").main()
+    assert [len(s.zones) for s in solutions] == [2, 2, 2, 1, 1]
+    assert np.all(np.diff([s.contact_fraction for s in solutions]) > 0)
+    assert np.all(np.diff([s.mean_gap for s in solutions]) < 0)
+
+
+def test_models_come_closer_to_the_exact_one_with_every_neighbour_they_keep() -> None:
+    table = module("compare_models").main()
+    names = ["isolated", "localized, self-consistent", "one neighbour each side"]
+    for fraction in (0.2, 0.5):
+        off = [abs(table[fraction, name] / table[fraction, "exact"] - 1) for name in names]
+        assert off[0] > off[1] > off[2]
+    assert np.isnan(table[0.7, "isolated"])
+    exact = np.pi * 1.1e11 * 1e-6 * np.sin(np.pi * 0.5 / 2) ** 2
+    assert table[0.5, "exact"] == pytest.approx(exact, rel=1e-12)
+
+
+def test_a_designed_texture_shares_its_load_among_more_zones_as_the_load_grows() -> None:
+    solutions = module("designed_texture").main()
+    assert [len(s.zones) for s in solutions] == [1, 4, 5]
+    assert np.all(np.diff([s.stiffness for s in solutions]) > 0)
+
+
+def test_flat_punches_have_the_pressure_of_their_closed_form() -> None:
+    solution, closed = module("flat_punch").main()
+    assert np.isinf(solution.max_pressure)
+    assert solution.approach == pytest.approx(closed.approach, rel=1e-12)
+    t = np.linspace(-0.99, 0.99, 101)
+    assert np.max(np.abs(solution.pressure_at(t) / closed.pressure_at(t) - 1)) < 1e-11
+    assert np.max(np.abs(solution.pressure_at(t) / closed.pressure_at(t * (1 - 1e-6)) - 1)) > 1e-11
+
+
+def rms_slope(profile: contact.Sampled) -> float:
+    """Of the spline itself: f' squared is of degree 4 between knots, which three Gauss points integrate exactly."""
+    knots = np.append(profile.x, profile.x[0] + profile.period)
+    t, weights = np.polynomial.legendre.leggauss(3)
+    half, middle = 0.5 * np.diff(knots), 0.5 * (knots[1:] + knots[:-1])
+    squares = profile.slope(middle[:, None] + half[:, None] * t) ** 2
+    return float(np.sqrt(half @ (squares @ weights) / profile.period))
+
+
+@pytest.mark.parametrize(("name", "part", "zones"), [("stylus", 0.003, 6), ("stylus-ground", 0.0155, 77)])
+def test_the_trace_touches_where_its_page_says(name: str, part: float, zones: int) -> None:
+    scene = contact.load_scene(FOLDER / f"{name}.toml")
+    assert scene.control[1] == pytest.approx(part * scene.E_star * rms_slope(scene.profile), rel=2e-4)
+    assert len(contact.solve(scene).zones) == zones
