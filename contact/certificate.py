@@ -95,7 +95,7 @@ def _pressures(fields: ZoneFields) -> tuple[Array, float, int]:
         for row in np.flatnonzero(fails.any(axis=1)):
             i = group[row]
             x = np.where(left <= right, zones.a[i] + zones.half[i] * left, zones.b[i] - zones.half[i] * right)
-            for s, e in _runs(fails[row]):
+            for s, e in runs_of(fails[row]):
                 lo = zones.a[i] if e == n - 1 else 0.5 * (x[e] + x[e + 1])
                 hi = zones.b[i] if s == 0 else 0.5 * (x[s] + x[s - 1])
                 bad.append((lo, hi))
@@ -146,7 +146,7 @@ def _dips(
     return bad, least
 
 
-def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def runs_of(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """First and last index of every run of True."""
     change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
     return [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]
@@ -171,7 +171,7 @@ def _gaps(fields: ZoneFields) -> tuple[float | None, Array, float, int]:
         fails = finite < -rounding
         bad += [
             (float(x[max(s - 1, 0)]) if s else lo, float(x[min(e + 1, len(x) - 1)]) if e < len(x) - 1 else hi)
-            for s, e in _runs(fails)
+            for s, e in runs_of(fails)
         ]
     return smallest, np.array(bad).reshape(-1, 2), rounding, points
 

@@ -10,11 +10,13 @@ from contact.exact.base import SymmetricZone
 from contact.exact.biquadratic import IsolatedBiquadratic
 from contact.exact.flat import IsolatedPunch, PeriodicPunch
 from contact.exact.localized import LocalizedZone, correction_load, correction_pressure, localized_at_load
+from contact.exact.pair import EvenPair, PeriodicBiquadratic
 from contact.exact.parabola import HertzLine, PeriodicParabola
 from contact.exact.sinusoid import FullContactSinusoid, IsolatedSinusoid, Westergaard, sinusoid
 from contact.exact.wedge import IsolatedWedge, PeriodicWedge
 
 __all__ = [
+    "EvenPair",
     "FullContactSinusoid",
     "HertzLine",
     "IsolatedBiquadratic",
@@ -22,6 +24,7 @@ __all__ = [
     "IsolatedSinusoid",
     "IsolatedWedge",
     "LocalizedZone",
+    "PeriodicBiquadratic",
     "PeriodicParabola",
     "PeriodicPunch",
     "PeriodicWedge",

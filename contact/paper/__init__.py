@@ -1,0 +1,50 @@
+"""The equations of the paper, apart from the solver: I. G. Goryacheva & I. Tsukanov, "Analysis of Elastic Normal Contact of
+Surfaces With Regular Microgeometry Based on the Localization Principle", Front. Mech. Eng. 6 (2020) 45,
+doi 10.3389/fmech.2020.00045.
+
+    (6)-(17)   principle    any symmetric shape, by quadrature
+    (18)-(24)  wave         LocalizedWave, AlmostFullWave (Johnson's, which the results name)
+    (25)-(27)  wedge        LocalizedWedge
+    (28)-(30)  parabola     LocalizedParabola
+    (31)-(39)  two_zones    LocalizedPair (the full artanh), CubicPair (37)-(38)
+
+Plain names are the corrected equations. What the paper prints instead has `Printed` or `printed` before its name. The exact
+solutions beside them are those of `contact.exact`.
+"""
+
+from contact.exact.localized import FIRST_ORDER, SELF_CONSISTENT
+from contact.paper.parabola import LocalizedParabola
+from contact.paper.principle import (
+    LocalizedShape,
+    PrintedLocalizedShape,
+    cauchy_slope,
+    neighbour_slope,
+    printed_cauchy_slope,
+    printed_strip_slope,
+    strip_slope,
+)
+from contact.paper.two_zones import CubicPair, LocalizedPair, PrintedArtanhPair, PrintedCubicPair
+from contact.paper.wave import AlmostFullWave, LocalizedWave, PrintedWestergaard
+from contact.paper.wedge import LocalizedWedge, PrintedLocalizedWedge
+
+__all__ = [
+    "FIRST_ORDER",
+    "SELF_CONSISTENT",
+    "AlmostFullWave",
+    "CubicPair",
+    "LocalizedPair",
+    "LocalizedParabola",
+    "LocalizedShape",
+    "LocalizedWave",
+    "LocalizedWedge",
+    "PrintedArtanhPair",
+    "PrintedCubicPair",
+    "PrintedLocalizedShape",
+    "PrintedLocalizedWedge",
+    "PrintedWestergaard",
+    "cauchy_slope",
+    "neighbour_slope",
+    "printed_cauchy_slope",
+    "printed_strip_slope",
+    "strip_slope",
+]

@@ -1,0 +1,179 @@
+"""The localization principle for one zone |x| <= a under any symmetric shape: equations (6)-(17).
+
+I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045. The rest of the surface is its
+nominal pressure P_s/L outside a strip of width L, which bends the half-plane under the zone by
+
+    (13) h'(x) = f'(x) + (4 P_s/pi E* L) artanh(2x/L),
+
+and the zone is then an isolated one under h. Where print and proof differ, the plain name is the proved form and the name
+that begins with `printed` (or `Printed`) is what the paper says, so that both can be computed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.checks import between, one_of, positive
+from contact.exact import correction_load, correction_pressure
+from contact.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Array
+from contact.exact.localized import FIRST_ORDER, SELF_CONSISTENT
+
+Shape = Callable[[Array], Array]
+
+CLOSURES = (FIRST_ORDER, SELF_CONSISTENT)
+
+
+def strip_slope(x: ArrayLike, strip: float, period: float, mean_pressure: float, E_star: float) -> Array:
+    """(12) summed: the slope u'(x) that pressure p on strips |x| < b, once in every period, gives the half-plane,
+
+    u' = -(2 p/pi E*) ln|sin(pi (x + b)/L)/sin(pi (x - b)/L)|,   strip = 2b;
+
+    zero everywhere when 2b = L, as the paper needs: a uniform pressure on everything bends nothing.
+    """
+    x, b = np.asarray(x, dtype=float), 0.5 * strip
+    ratio = np.sin(pi * (x + b) / period) / np.sin(pi * (x - b) / period)
+    return np.asarray(-2.0 * mean_pressure / (pi * E_star) * np.log(np.abs(ratio)))
+
+
+def printed_strip_slope(x: ArrayLike, strip: float, period: float, mean_pressure: float, terms: int = 4000) -> Array:
+    """(12) as printed, u' = (4 p/pi) sum sin(2 pi n b/L) sin(2 pi n x/L)/n: without 1/E* and with the other sign."""
+    n = np.arange(1, terms + 1)
+    waves = np.sin(2.0 * pi / period * np.multiply.outer(np.asarray(x, dtype=float), n))
+    return np.asarray(4.0 / pi * mean_pressure * (waves @ (np.sin(pi * n * strip / period) / n)))
+
+
+def neighbour_slope(x: ArrayLike, period: float, nominal_load: float, E_star: float) -> Array:
+    """f2'(x) of (10) and (13): (4 P_s/pi E* L) artanh(2x/L), the bend by the pressure outside the strip."""
+    return np.asarray(4.0 * nominal_load / (pi * E_star * period) * np.arctanh(2.0 / period * np.asarray(x)))
+
+
+def cauchy_slope(pressure_at: Callable[[Array], Array], half_width: float, E_star: float, t: ArrayLike) -> Array:
+    """(6) for h': (2/pi E*) PV int p(xi)/(x - xi) dxi at x = a t, for a pressure bounded at both ends.
+
+    pressure_at: p as a function of t in [-1, 1].
+    """
+    n = 400
+    phi = np.arange(1, n) * pi / n
+    # p/sin(phi) is smooth: sqrt(1 - t^2) U_j has the transform T_(j+1).
+    coefficients = 2.0 / n * (np.sin(np.outer(np.arange(1, n), phi)) @ pressure_at(np.cos(phi)))
+    angle = np.arccos(np.asarray(t, dtype=float))
+    return np.asarray(2.0 / E_star * (np.cos(np.multiply.outer(angle, np.arange(1, n))) @ coefficients))
+
+
+def printed_cauchy_slope(
+    pressure_at: Callable[[Array], Array], half_width: float, E_star: float, t: ArrayLike
+) -> Array:
+    """(6) as printed, with 1/2pi for 1/pi: half of the slope, in contradiction to (7)."""
+    return 0.5 * cauchy_slope(pressure_at, half_width, E_star, t)
+
+
+@dataclass(frozen=True)
+class LocalizedShape:
+    """(13)-(17) for an odd slope f'(x) of any shape, which may jump at x = 0 only, by quadrature.
+
+    (16) P = P0 + P_s (L - sqrt(L^2 - 4a^2))/L,   P0 = (E*/2) int f' x dx/sqrt(a^2 - x^2),
+    (17) p = p0 + (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)),   p0 by (7).
+
+    closure: P_s = P0 ("first-order", as in the paper's examples) or P_s = P ("self-consistent").
+    """
+
+    slope: Shape
+    E_star: float
+    period: float
+    half_width: float
+    closure: str = FIRST_ORDER
+
+    def __post_init__(self) -> None:
+        positive("E_star", self.E_star)
+        positive("period", self.period)
+        between("half_width", self.half_width, 0.0, 0.5 * self.period)
+        one_of("closure", self.closure, CLOSURES)
+
+    @property
+    def isolated_load(self) -> float:
+        """P0, the first term of (16)."""
+        angle, x = 0.5 * pi * FROM_LEFT, self.half_width * np.sin(0.5 * pi * FROM_LEFT)
+        return float(self.E_star * np.sum(0.5 * pi * WEIGHT * self.slope(x) * self.half_width * np.sin(angle)))
+
+    @property
+    def load(self) -> float:
+        """(16) with the closure's P_s."""
+        if self.closure == FIRST_ORDER:
+            return self.isolated_load + correction_load(self.half_width, self.period, self.isolated_load)
+        a = self.half_width
+        return self.isolated_load * self.period / sqrt((self.period - 2.0 * a) * (self.period + 2.0 * a))
+
+    @property
+    def nominal_load(self) -> float:
+        """P_s."""
+        return self.isolated_load if self.closure == FIRST_ORDER else self.load
+
+    @property
+    def mean_pressure(self) -> float:
+        return self.load / self.period
+
+    def contact_slope(self, x: ArrayLike) -> Array:
+        """h'(x) by (13)."""
+        x = np.asarray(x, dtype=float)
+        return self.slope(x) + neighbour_slope(x, self.period, self.nominal_load, self.E_star)
+
+    def printed_contact_slope(self, x: ArrayLike) -> Array:
+        """h' by (8) as printed, h = delta - (f + f2): the opposite sign, with which (7) would give a negative pressure."""
+        return -self.contact_slope(x)
+
+    def isolated_pressure(self, x: ArrayLike) -> Array:
+        """p0 by (7), folded onto 0 < xi < a, with f'(x) subtracted: its own integral is ln((a + q)/(a - q))."""
+        x = np.abs(np.asarray(x, dtype=float))
+        return self._inverse(x, self.slope)
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """(17), 0 outside the zone."""
+        x = np.abs(np.asarray(x, dtype=float))
+        return np.where(x < self.half_width, self.isolated_pressure(x) + self._correction(x), 0.0)
+
+    def pressure_14(self, x: ArrayLike) -> Array:
+        """(14): the same by putting all of h' into (7)."""
+        x = np.abs(np.asarray(x, dtype=float))
+        return np.where(x < self.half_width, self._inverse(x, self.contact_slope), 0.0)
+
+    def _correction(self, x: Array) -> Array:
+        return correction_pressure(x, self.half_width, self.period, self.nominal_load)
+
+    def _inverse(self, x: Array, slope: Shape) -> Array:
+        a = self.half_width
+        inside = np.where(x < a, x, 0.5 * a)
+        q = np.sqrt((a - inside) * (a + inside))
+        own = slope(inside)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            singular = np.where(own == 0.0, 0.0, own * 2.0 * np.arcsinh(q / np.where(inside > 0.0, inside, 0.0)))
+        # xi = a sin(psi); the quotient is smooth but for x = 0, so each side of x has its own rule.
+        top = np.arcsin(inside / a)
+        regular = np.zeros_like(inside)
+        for low, width in ((np.zeros_like(top), top), (top, 0.5 * pi - top)):
+            psi = low[..., None] + width[..., None] * FROM_LEFT
+            # xi - x = 2 a cos((psi + top)/2) sin((psi - top)/2), from the distance to the common end of the two parts.
+            apart = width[..., None] * (FROM_LEFT if low is top else -FROM_RIGHT)
+            xi = a * np.sin(psi)
+            gap = 2.0 * a * np.cos(0.5 * (psi + top[..., None])) * np.sin(0.5 * apart)
+            quotient = (slope(xi) - own[..., None]) * 2.0 * xi / (gap * (xi + inside[..., None]))
+            regular += width * np.sum(WEIGHT * np.where(gap == 0.0, 0.0, quotient), axis=-1)
+        return np.asarray(self.E_star / (2.0 * pi) * (singular + q * regular))
+
+
+@dataclass(frozen=True)
+class PrintedLocalizedShape(LocalizedShape):
+    """(17) as its brackets are printed: (xi - x) stands behind the integrand's fraction, as a factor, so that the first term is
+
+    (E*/2pi) sqrt(a^2 - x^2) int f'(xi) (xi - x) dxi/sqrt(a^2 - xi^2) = sqrt(a^2 - x^2) P0/pi,
+
+    with the wrong dimension and the same semi-ellipse for every shape.
+    """
+
+    def isolated_pressure(self, x: ArrayLike) -> Array:
+        x = np.abs(np.asarray(x, dtype=float))
+        return np.sqrt(np.maximum(self.half_width**2 - x * x, 0.0)) * self.isolated_load / pi

@@ -1,0 +1,239 @@
+"""Pairs of parabolic asperities in a row of period L, each with its zone a <= |x| <= b: equations (31)-(39).
+
+f = (x^2 - c^2)^2/8Rc^2 is (31) with its tips at height 0. The neighbouring pairs act by the nominal pressure p outside a strip
+of width L about the pair, so that on the zones
+
+    (35) h'(x) = x^3/2Rc^2 - x/2R + (4 p/pi E*) artanh(2x/L),
+    (36) p(x) = (E* sqrt(Z)/pi) x PV int_a^b h'(xi) dxi/((xi^2 - x^2) sqrt(Z(xi))),  Z = (b^2 - x^2)(x^2 - a^2),
+
+with int_a^b h' dxi/sqrt(Z) = 0, without which the pressure is not bounded at the ends. (36) is corrected: printed, it leaves
+out the second zone. Three solutions: with the full artanh (`LocalizedPair`), with its cubic (37) and the relation of the ends
+that follows (`CubicPair`), and with the relation the paper has (`PrintedCubicPair`). Exact: `contact.exact.PeriodicBiquadratic`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.checks import one_of, positive
+from contact.errors import OutOfRange, SceneError
+from contact.exact import IsolatedBiquadratic, PeriodicBiquadratic
+from contact.exact.base import Array
+from contact.exact.localized import FIRST_ORDER, SELF_CONSISTENT
+from contact.exact.pair import EvenPair, pair_at_load
+
+CENTRES = ("pair", "valley")
+
+
+@dataclass(frozen=True)
+class TwoZones:
+    """Base of the solutions: shape, load, and what is read of the ends. `spacing` is 2c, the mean pressure the load of both
+    zones over L, as in (39)."""
+
+    radius: float
+    spacing: float
+    period: float
+    E_star: float
+    mean_pressure: float
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "spacing", "period", "E_star", "mean_pressure"):
+            positive(name, getattr(self, name))
+        if not self.spacing < self.period:
+            raise SceneError.of("spacing", self.spacing, f"below the period {self.period:.17g}")
+
+    @property
+    def isolated(self) -> IsolatedBiquadratic:
+        """(32)-(33) at the same load, the mean pressure being (39)."""
+        return IsolatedBiquadratic(self.radius, self.spacing, self.E_star, self.load)
+
+    @property
+    def exact(self) -> PeriodicBiquadratic:
+        """The exact periodic solution at the same mean pressure."""
+        return PeriodicBiquadratic(self.radius, self.spacing, self.period, self.E_star, self.mean_pressure)
+
+    @property
+    def load(self) -> float:
+        """Of both zones [N/m]."""
+        return self.mean_pressure * self.period
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """a, b."""
+        raise NotImplementedError
+
+    @property
+    def zones(self) -> Array:
+        a, b = self.ends
+        return np.array([[-b, -a], [a, b]])
+
+    @property
+    def width(self) -> float:
+        """b - a."""
+        a, b = self.ends
+        return b - a
+
+    @property
+    def end_ratio(self) -> float:
+        """(a^2 + b^2)/2c^2: 1 for the pair alone."""
+        a, b = self.ends
+        return 2.0 * (a * a + b * b) / self.spacing**2
+
+    @property
+    def max_pressure(self) -> float:
+        """Peak pressure [Pa]."""
+        raise NotImplementedError
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """p(x) [Pa] in the cell |x| < L/2; 0 outside the zones."""
+        raise NotImplementedError
+
+    def _shape_slope(self, x: Array) -> Array:
+        """f'(x)."""
+        c = 0.5 * self.spacing
+        return np.asarray(x * (x - c) * (x + c) / (2.0 * self.radius * c * c))
+
+
+@dataclass(frozen=True)
+class LocalizedPair(TwoZones):
+    """(35) with the full artanh, and (36) by its Chebyshev series in x^2.
+
+    closure: the nominal pressure is the given mean ("self-consistent", as in the paper), or that of the isolated pair of the
+    same total width ("first-order"). centre: the strip is about the "pair" (the paper) or about the "valley" at L/2 between
+    two pairs, where the nearest asperities are when L < 4c.
+    """
+
+    closure: str = SELF_CONSISTENT
+    centre: str = "pair"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        one_of("closure", self.closure, (FIRST_ORDER, SELF_CONSISTENT))
+        one_of("centre", self.centre, CENTRES)
+
+    @cached_property
+    def pair(self) -> EvenPair:
+        """The solution in s, the distance from the centre of the strip."""
+
+        def ratio(y: Array, middle: float, half: float) -> Array:
+            s = np.sqrt(y)
+            x = s if self.centre == "pair" else s - 0.5 * self.period
+            width = 2.0 * half / (sqrt(middle + half) + sqrt(max(middle - half, 0.0)))
+            bend = 4.0 * self._nominal(width) / (pi * self.E_star) * np.arctanh(2.0 * s / self.period)
+            return np.asarray((self._shape_slope(x) + bend) / s)
+
+        return pair_at_load(ratio, self.load, self.E_star, 0.25 * self.period**2)
+
+    def _nominal(self, width: float) -> float:
+        """The pressure outside the strip."""
+        if self.closure == SELF_CONSISTENT:
+            return self.mean_pressure
+        # Alone, a^2 + b^2 = 2c^2, and h = (b^2 - a^2)/2 follows from b - a.
+        c = 0.5 * self.spacing
+        half = 0.5 * width * sqrt(max(4.0 * c * c - width * width, 0.0))
+        return pi * self.E_star * half * half / (8.0 * self.radius * c * c) / self.period
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        inner, outer = self.pair.ends
+        return (inner, outer) if self.centre == "pair" else (0.5 * self.period - outer, 0.5 * self.period - inner)
+
+    @property
+    def max_pressure(self) -> float:
+        return self.pair.max_pressure
+
+    def pressure(self, x: ArrayLike) -> Array:
+        r = np.abs(np.asarray(x, dtype=float))
+        return self.pair.pressure(r if self.centre == "pair" else 0.5 * self.period - r)
+
+    def contact_slope(self, x: ArrayLike) -> Array:
+        """h'(x) of (35), about the strip's centre."""
+        x = np.asarray(x, dtype=float)
+        s = x if self.centre == "pair" else x - 0.5 * self.period
+        a, b = self.ends
+        return self._shape_slope(x) + 4.0 * self._nominal(b - a) / (pi * self.E_star) * np.arctanh(2.0 * s / self.period)
+
+
+@dataclass(frozen=True)
+class PrintedArtanhPair(LocalizedPair):
+    """(36) as printed, on the ends of `LocalizedPair`: one integral over [a, b] with 1/(xi - x) and E*/2pi, which is the
+    corrected one without the other zone, -(E* sqrt(Z)/2pi) int_a^b h' dxi/((xi + x) sqrt(Z))."""
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """(36) as printed for a <= |x| <= b; 0 outside."""
+        r = np.abs(np.asarray(x, dtype=float))
+        pair = self.pair
+        n = len(pair.ratio)
+        theta = (np.arange(n) + 0.5) * pi / n
+        xi = np.sqrt((pair.middle - pair.half) + 2.0 * pair.half * np.cos(0.5 * theta) ** 2)
+        # dxi/sqrt(Z) = dtheta/2 xi
+        own = self.contact_slope(xi) / (2.0 * xi) * pi / n
+        a, b = self.ends
+        root = np.sqrt(np.maximum((b - r) * (b + r) * (r - a) * (r + a), 0.0))
+        other = np.sum(own / (xi + r[..., None]), axis=-1)
+        return pair.pressure(r) + self.E_star * root / (2.0 * pi) * other
+
+
+@dataclass(frozen=True)
+class CubicPair(TwoZones):
+    """(37)-(38) with the relation of the ends that follows from them:
+
+    h' = alpha x^3 - beta x,  alpha = 1/2Rc^2 + 32 p/3 pi E* L^3,  beta = 1/2R - 8 p/pi E* L,
+    p(x) = (E* alpha/2) |x| sqrt(Z),  P = pi E* alpha (b^2 - a^2)^2/16,  (a^2 + b^2)/2 = beta/alpha.
+
+    The cubic stands for artanh(z), z = 2x/L; at z = 0.94 it is 1.22 for 1.74.
+    """
+
+    @property
+    def alpha(self) -> float:
+        c = 0.5 * self.spacing
+        bend = 32.0 * self.mean_pressure / (3.0 * pi * self.E_star * self.period**3)
+        return 1.0 / (2.0 * self.radius * c * c) + bend
+
+    @property
+    def beta(self) -> float:
+        return 1.0 / (2.0 * self.radius) - 8.0 * self.mean_pressure / (pi * self.E_star * self.period)
+
+    @property
+    def _middle(self) -> float:
+        """(a^2 + b^2)/2."""
+        return self.beta / self.alpha
+
+    @property
+    def _half(self) -> float:
+        """(b^2 - a^2)/2, by the load."""
+        return sqrt(4.0 * self.load / (pi * self.E_star * self.alpha))
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        middle, half = self._middle, self._half
+        if half >= middle:
+            raise OutOfRange(f"mean_pressure = {self.mean_pressure:.6g} Pa is out of range: the two zones have merged")
+        return sqrt(middle - half), sqrt(middle + half)
+
+    @property
+    def max_pressure(self) -> float:
+        # y (h^2 - (y - m)^2) is greatest at 3(y - m) = -m + sqrt(m^2 + 3h^2)
+        middle, half = self._middle, self._half
+        rise = half * half / (middle + sqrt(middle * middle + 3.0 * half * half))
+        return 0.5 * self.E_star * self.alpha * sqrt((middle + rise) * (half - rise) * (half + rise))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        r = np.abs(np.asarray(x, dtype=float))
+        a, b = self.ends
+        root = np.sqrt(np.maximum((b - r) * (b + r) * (r - a) * (r + a), 0.0))
+        return 0.5 * self.E_star * self.alpha * r * root
+
+
+@dataclass(frozen=True)
+class PrintedCubicPair(CubicPair):
+    """(38) as printed, with a^2 + b^2 = 2c^2: the ends of the pair alone, where the pressure (36) would not be bounded."""
+
+    @property
+    def _middle(self) -> float:
+        return 0.25 * self.spacing**2
