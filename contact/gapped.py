@@ -29,6 +29,8 @@ from contact.topology import WrongTopology
 Array = NDArray[np.float64]
 
 _ROUNDS = 8
+# Newton steps: from the first guess of gaps a few are enough, or it is no problem for gaps.
+_STEPS = 25
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +146,7 @@ class GapFields:
         values = np.zeros(len(self.state.condition_scale))
         values[self.state.condition_index[0]] = 1.0
         response = self.state.response(values)
-        rate = response.moment() / self.period * self.problem.units.height  # d approach / d scaled mean pressure
+        rate = response.moment() / self.period * self.problem.units.height
         return self.period * self.problem.units.load / rate
 
 
@@ -214,17 +216,16 @@ def solve_gaps(problem: Problem, mean: float, conjugate: Callable[[Array], Array
 
     Raises WrongTopology where that does not come to an end that passes.
     """
+    # The mean pressure is a column: taken off the right side it would leave little but the rounding of both.
     equation = sie.Equation(
-        problem.kernel,
-        sie.Forcing(conjugate),
-        (sie.Amplitude(0, mean), sie.ZoneTotals(0.0)),
-        (sie.Forcing(lambda x: np.full(np.shape(x), -1.0)),),
+        problem.kernel, sie.Forcing(conjugate), (sie.Amplitude(0, mean), sie.ZoneTotals(0.0)),
+        (sie.Forcing(lambda x: np.full(np.shape(x), -1.0), modes=1),),
     )
     table = _first_gaps(problem, mean, conjugate)
     for _ in range(_ROUNDS):
         if len(table) == 0:
             raise WrongTopology("no gap is left", None)
-        free = sie.find_ends(equation, sie.Zones.of(table), tolerance, signs=(1.0, -1.0))
+        free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, signs=(1.0, -1.0))
         if len(free.lost):
             table = np.delete(free.density.zones.table, free.lost, axis=0)
             continue

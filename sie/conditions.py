@@ -49,6 +49,8 @@ class Condition:
     """Base: `open` conditions have an unknown value, found from a condition on the ends."""
 
     open: bool = False
+    levels: bool = False
+    """Whether the condition speaks of potentials."""
 
     def count(self, zones: Zones) -> int:
         raise NotImplementedError
@@ -122,6 +124,8 @@ class ZoneTotals(Condition):
 class EqualPotential(Condition):
     """Potential less primitive of the right side takes one unknown value on all zones."""
 
+    levels = True
+
     def count(self, zones: Zones) -> int:
         return len(zones.solved) - 1
 
@@ -138,6 +142,7 @@ class Level(Condition):
     """Potential less primitive of the right side takes the given value on every zone."""
 
     value: float
+    levels = True
 
     def count(self, zones: Zones) -> int:
         return len(zones.solved)

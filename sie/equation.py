@@ -35,6 +35,7 @@ class Forcing:
     primitive: an antiderivative of g, continuous over all zones; only needed by conditions on potentials.
     steps_at, steps, orders: positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its
         derivatives, all (k,); for a kernel with a period they repeat. orders left out: all 0, jumps of g itself.
+    modes: of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
     """
 
     value: Function
@@ -42,6 +43,7 @@ class Forcing:
     steps_at: Array = field(default_factory=lambda: np.zeros(0))
     steps: Array = field(default_factory=lambda: np.zeros(0))
     orders: NDArray[np.intp] | None = None
+    modes: int | None = None
 
     def jumps_within(self, zones: Zones, period: float | None) -> Steps:
         """The jumps that lie inside zones."""
@@ -62,6 +64,11 @@ class Equation:
     def __post_init__(self) -> None:
         if any(len(column.steps_at) for column in self.columns):
             raise ValueError("a column of unknown amplitude must be smooth: steps belong to the right side")
+
+    @property
+    def grows(self) -> bool:
+        """Whether the coupled modes must be grown until they show all of the columns and of a user's regular kernel."""
+        return any(column.modes is None for column in self.columns) or self.kernel.reach == 0.0
 
     @property
     def open_condition(self) -> int | None:

@@ -19,8 +19,9 @@ from sie import modes
 from sie.density import Density
 from sie.ends import FREE, SINGULAR, End
 from sie.equation import Equation
+from sie.gap_steps import gap_steps
 from sie.near_jumps import bent_steps
-from sie.solve import Sizes, State, assembled, density_of, solve_fixed
+from sie.solve import Sizes, State, assembled, density_of, first_sizes, solve_fixed
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -83,8 +84,7 @@ def find_ends(
     """
     decay = max(0.1 * tolerance, 3e-16)
     first_width, first_gap = zones.b - zones.a, modes.gaps(zones, equation.kernel)[1]
-    adaptive = bool(equation.columns) or equation.kernel.reach == 0.0
-    sizes = Sizes(np.full(len(zones), 16), 16 if adaptive else 0)
+    sizes = first_sizes(equation, zones)
     trace: list[Step] = []
     best = np.inf
     stalled = 0
@@ -174,7 +174,8 @@ def _newton(
     weak = side * a < 1e-8 * natural / np.sqrt(w)
     prescribed = np.any(target != 0)
     # Rounding acts on what is subtracted, the right side and the other zones' fields, however small their difference is.
-    noise_k = 2e-16 * np.sqrt(w / 2) * (np.abs(density.coefficients).sum(axis=1) + np.abs(state.system.g).sum(axis=1) + natural)
+    noise_k = 4e-16 * np.sqrt(w / 2) * (np.abs(density.coefficients).sum(axis=1) + np.abs(state.system.g).sum(axis=1) + natural)
+    noise_k = noise_k + _level_noise(state) / np.sqrt(2 * w)
     residual = np.where(moves, k - target, 0.0)
     unit = _unit_response(state) if equation.open_condition is not None else None
     if prescribed:
@@ -184,13 +185,28 @@ def _newton(
     delta = np.where(moves, 2 * residual / safe, 0.0)
     noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
     change = 0.0
-    if unit is None and len(equation.forcing.steps_at):
-        bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, residual, a, delta, INWARD, OUTWARD)
-        delta = np.where(moves & ~weak, bent, delta)
     if unit is not None:
         slope = np.where(moves, 2 * np.array(unit.intensities) / safe, 0.0)
         delta, change = _bordered(equation, density.zones, delta, slope)
+        residual = np.where(moves, residual + change * np.array(unit.intensities), 0.0)
+        a = a + change * np.array(unit.edge_slopes)
+    gaps = np.array(modes.gaps(density.zones, equation.kernel))
+    across, holds = gap_steps(gaps, moves, side * residual, side * a, signs[0] == signs[1])
+    delta, weak = np.where(holds, across, delta), weak & ~holds
+    if len(equation.forcing.steps_at):
+        bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, residual, a, delta, INWARD, OUTWARD)
+        delta = np.where(moves & ~weak, bent, delta)
     return delta, noise, change, not np.any(weak & moves)
+
+
+def _level_noise(state: State) -> Array | float:
+    """Rounding of the potentials that the zones' totals are matched by, per zone: a lightly loaded zone between heavy ones
+    feels what theirs, and the primitive of the right side, are rounded to."""
+    if len(state.density.zones) == 1 or not any(c.levels for c in state.system.equation.conditions):
+        return 0.0
+    matrix, constants = state.system.levels()
+    size = np.abs(matrix) @ np.abs(state.unknowns) + np.abs(constants)
+    return 2 * 2.2e-16 * float(size.max())
 
 
 def _unit_response(state: State) -> Density:

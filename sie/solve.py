@@ -102,9 +102,16 @@ class State:
             return 0.0
         neglected = float((self.neglected * coefficients).max()) / peak
         residual = self._residual() / peak
-        rounding = 4e-15
         coupled = self.system.layout.m[self.density.zones.solved]
-        return neglected + float((np.maximum(residual - rounding, 0.0) * coupled + residual).max())
+        # A few points see the residual to a factor; its rounding adds up as the modes do, but does not grow with their order.
+        beyond = 3 * np.maximum(residual - 4e-15, 0.0) * coupled
+        return neglected + float((beyond + residual + 3e-16 * coupled).max())
+
+    @cached_property
+    def waviness(self) -> Array:
+        """Mean order of each zone's coefficients: how fast the density varies over the zone."""
+        size = np.abs(self.density.coefficients)
+        return np.asarray((size @ np.arange(size.shape[1])) / np.maximum(size.sum(axis=1), 1e-300))
 
     @cached_property
     def neglected(self) -> Array:
@@ -143,6 +150,12 @@ class State:
         return np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.intp)
 
 
+def first_sizes(equation: Equation, zones: Zones) -> Sizes:
+    """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for."""
+    least = 16 if equation.grows else max((column.modes or 0 for column in equation.columns), default=0)
+    return Sizes(np.full(len(zones), 16), least)
+
+
 def solve_fixed(
     equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None, largest: int = 8192
 ) -> State:
@@ -152,7 +165,7 @@ def solve_fixed(
     """
     equation.check_count(zones)
     if sizes is None:
-        sizes = Sizes(np.full(len(zones), 16), 16 if equation.columns or equation.kernel.reach == 0.0 else 0)
+        sizes = first_sizes(equation, zones)
     kernel = equation.kernel
     steps = equation.forcing.jumps_within(zones, kernel.period)
     samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, largest)
@@ -161,8 +174,7 @@ def solve_fixed(
     while True:
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
         state = _solve_once(equation, zones, m, samples, steps, sizes)
-        adaptive = bool(equation.columns) or kernel.reach == 0.0
-        if not adaptive or state.field_tail <= tolerance * 10 or int(m.max()) >= modes.COUPLED_SIZES[-1]:
+        if not equation.grows or state.field_tail <= tolerance * 10 or int(m.max()) >= modes.COUPLED_SIZES[-1]:
             return state
         sizes.least = int(modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES, int(m.max()), side="right")])
 

@@ -1,0 +1,132 @@
+"""Where the spots stand: hexagonal and square lattices, or a mere number per unit area.
+
+A ring is all the spots at one distance from the spot looked at.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, pi, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.checks import positive
+from contact.errors import SceneError
+
+Array = NDArray[np.float64]
+Site = tuple[float, float]
+
+_SAME = 1e-9  # distances that differ by less, relative to the spacing, are one ring
+
+
+@dataclass(frozen=True)
+class Density:
+    """So many spots per unit area [1/m^2], their places unknown: the first step of the localization only."""
+
+    value: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "value", positive("value", self.value))
+
+    @property
+    def density(self) -> float:
+        return self.value
+
+    @property
+    def nearest(self) -> float:
+        """Distance of the nearest spot; inf where none is known."""
+        return inf
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Base of the lattices: a subclass names its two unit vectors, in units of the spacing l."""
+
+    spacing: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "spacing", positive("spacing", self.spacing))
+
+    @property
+    def unit_basis(self) -> Array:
+        raise NotImplementedError(f"{type(self).__name__} must define unit_basis")
+
+    @property
+    def unit_area(self) -> float:
+        """Area of the cell over l^2."""
+        return float(abs(np.linalg.det(self.unit_basis)))
+
+    @property
+    def density(self) -> float:
+        """Cells per unit area [1/m^2]: the spots', one a cell."""
+        return 1.0 / (self.unit_area * self.spacing**2)
+
+    @property
+    def nearest(self) -> float:
+        """Distance of the nearest spot, l."""
+        return self.spacing
+
+    def distances(self, shift: Site, reach: float) -> Array:
+        """|R + shift|/l up to `reach`, ascending, over all cells R; the shift in fractions of the unit vectors.
+
+        The distance 0, the spot's own, is left out.
+        """
+        basis = self.unit_basis
+        # The rows of the inverse bound the fractions of any point within the reach.
+        count = np.ceil(reach * np.linalg.norm(np.linalg.inv(basis), axis=0)).astype(int) + 2
+        i, j = np.meshgrid(*(np.arange(-n, n + 1) for n in count), indexing="ij")
+        points = np.stack([i.ravel() + shift[0], j.ravel() + shift[1]], axis=1) @ basis
+        length = np.sort(np.hypot(points[:, 0], points[:, 1]))
+        return length[(length > _SAME) & (length <= reach * (1 + _SAME))]
+
+    def neighbours(self, rings: int) -> tuple[Array, NDArray[np.int64]]:
+        """Distances [m] of the first `rings` rings, and how many spots each has."""
+        radii, counts = group(self.reaching([(0.0, 0.0)], rings))
+        return radii[:rings] * self.spacing, counts[:rings]
+
+    def reaching(self, shifts: list[Site], rings: int) -> Array:
+        """All distances/l of the lattice's points moved by the shifts, far enough to hold that many rings."""
+        reach = 1.0 + sqrt(rings)
+        while True:
+            found = np.sort(np.concatenate([self.distances(s, reach) for s in shifts]))
+            if len(group(found)[0]) > rings:
+                return found
+            reach *= 1.5
+
+
+@dataclass(frozen=True)
+class Hexagonal(Lattice):
+    """Spots at the corners of equal triangles of side l: 2/(sqrt(3) l^2) of them per unit area."""
+
+    @property
+    def unit_basis(self) -> Array:
+        return np.array([[1.0, 0.0], [0.5, 0.5 * sqrt(3.0)]])
+
+
+@dataclass(frozen=True)
+class Square(Lattice):
+    """Spots at the corners of squares of side l: 1/l^2 of them per unit area."""
+
+    @property
+    def unit_basis(self) -> Array:
+        return np.eye(2)
+
+
+def group(distances: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Ascending distances gathered into rings: radius and number of each."""
+    first = np.flatnonzero(np.diff(distances, prepend=-1.0) > _SAME)
+    return distances[first], np.diff(np.append(first, distances.size))
+
+
+def own_radius(density: float) -> float:
+    """A = (pi N)^(-1/2), the circle whose area is a spot's share."""
+    return 1.0 / sqrt(pi * density)
+
+
+def as_lattice(value: Any) -> Lattice | Density | None:
+    """A lattice or a density, or None: a spot alone."""
+    if value is None or isinstance(value, (Lattice, Density)):
+        return value
+    raise SceneError.of("lattice", value, "Hexagonal(spacing), Square(spacing), Density(value) or None")

@@ -1,0 +1,107 @@
+r"""What neighbouring spots do to a spot, in the plane of its Abel transform.
+
+A point force Q at distance D lifts the ring of radius r < D by (Q/(pi E*)) mean 1/|r - D| = (2Q/(pi^2 E* D)) K(r/D), and
+that is (2/pi) int_0^r psi(x) dx/sqrt(r^2 - x^2) with psi = (Q/(pi E*))/sqrt(D^2 - x^2). Averaged over the places of an
+axisymmetric pressure with u = (2/pi) int w/sqrt(r^2 - t^2) of its own, 1/sqrt(D^2 - x^2) is the potential of that pressure
+at the height i x, where complex sources t give it in closed form:
+
+    psi(x) = (1/pi) int_-a^a w(t) dt / sqrt(D^2 - (x - t)^2),        |x| + a < D.
+
+The azimuthal mean of every neighbour is thus exact, and one smooth difference kernel. Beyond the rings that are kept stands
+the nominal pressure N P outside the circle A of the same number of spots, pi A^2 N = their number (A = 0: none kept):
+
+    psi(x) = -(2 N P/E*) sqrt(A^2 - x^2),                            x < A,
+
+from the mean plane. All rings: no circle, and lattice sums in place of the far part of the series in (x - t)^2/D^2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, isinf, pi, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact.axisymmetric.lattice_sums import epstein
+from contact.axisymmetric.lattices import Lattice, Site, group
+
+Array = NDArray[np.float64]
+
+_NEAR = 3.5  # spacings: beyond, (x - t)^2/D^2 < 1/12
+_TERMS = 16  # 12^-16 is below rounding
+
+# 1/sqrt(1 - z) = sum_k B_k z^k
+_BINOMIAL = np.cumprod([1.0, *((2 * k - 1) / (2 * k) for k in range(1, _TERMS))])
+
+
+@dataclass(frozen=True)
+class NeighbourKernel:
+    """K(y) = sum of 1/sqrt(D^2 - y^2) over the spots of one kind around a spot, less a constant where a circle is.
+
+    Built by `kernel_of`. `radii`, `counts`: the near rings [m]; `tail`: coefficients of (y/l)^(2k)/l for the rest.
+    """
+
+    radii: Array
+    counts: NDArray[np.int64]
+    tail: Array
+    spacing: float
+
+    @property
+    def nearest(self) -> float:
+        return float(self.radii[0]) if self.radii.size else inf
+
+    def value(self, y: ArrayLike) -> Array:
+        y = np.asarray(y, dtype=np.float64)
+        total = np.polynomial.polynomial.polyval((y / self.spacing) ** 2, self.tail) / self.spacing
+        for radius, count in zip(self.radii, self.counts, strict=True):
+            total = total + count / np.sqrt((radius - y) * (radius + y))
+        return np.asarray(total)
+
+    def slope(self, y: ArrayLike) -> Array:
+        """K'(y)."""
+        y = np.asarray(y, dtype=np.float64)
+        k = np.arange(1, self.tail.size)
+        series = np.polynomial.polynomial.polyval((y / self.spacing) ** 2, 2 * k * self.tail[1:])
+        total = series * y / self.spacing**3
+        for radius, count in zip(self.radii, self.counts, strict=True):
+            total = total + count * y / ((radius - y) * (radius + y)) ** 1.5
+        return np.asarray(total)
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """The spots of one kind as seen from a spot: their kernel, None if none is kept, and their circle A, 0 if none."""
+
+    kernel: NeighbourKernel | None
+    circle: float
+    density: float
+
+
+def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundings:
+    """Of the points of the lattice moved by the shifts: those within `cut` spacings kept, inf for all of them."""
+    density = lattice.density * len(shifts)
+    kept = np.sort(np.concatenate([lattice.distances(s, min(cut, _NEAR) if isinf(cut) else cut) for s in shifts]))
+    radii, counts = group(kept)
+    near = radii <= _NEAR
+    powers = -(2 * np.arange(_TERMS) + 1)
+    if isinf(cut):
+        circle = 0.0
+        whole = np.array([sum(epstein(lattice, s, -int(p)) for s in shifts) for p in powers])
+        sums = whole - np.sum(counts * radii ** powers[:, None], axis=1)
+    else:
+        own = any(_on_lattice(lattice, s) for s in shifts)
+        circle = sqrt((kept.size + own) / (pi * density))
+        if not kept.size:
+            return Surroundings(None, circle, density)
+        sums = np.sum(counts[~near] * radii[~near] ** powers[:, None], axis=1)
+        # The mean 2 pi N A of the same load spread over the circle, so that no large constants meet later.
+        sums[0] -= 2.0 * pi * density * circle * lattice.spacing
+    return Surroundings(
+        NeighbourKernel(radii[near] * lattice.spacing, counts[near], _BINOMIAL * sums, lattice.spacing), circle, density
+    )
+
+
+def _on_lattice(lattice: Lattice, shift: Site) -> bool:
+    rest = np.array([shift[0] - round(shift[0]), shift[1] - round(shift[1])])
+    return float(np.hypot(*(rest @ lattice.unit_basis))) < 1e-9

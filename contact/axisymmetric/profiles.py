@@ -1,0 +1,305 @@
+r"""Axisymmetric asperities f(r), f(0) = 0, and what their Abel transform says of a round spot of radius a.
+
+    g(x)     = x int_0^x f'(r) dr / sqrt(x^2 - r^2)             the equivalent plane profile
+    P(a)     = 2 E* int_0^a r^2 f'(r) dr / sqrt(a^2 - r^2)      = 2 E* int_0^a x g'(x) dx
+    p(r)     = (E*/pi) int_r^a g'(x) dx / sqrt(x^2 - r^2)       = (E*/pi) int_0^a (s f')'(s) M(r, s) ds
+    M(r, s)  = int_max(r,s)^a dx / sqrt((x^2 - r^2)(x^2 - s^2))
+
+(Galin; Green & Collins; Sneddon 1965, doi 10.1016/0020-7225(65)90019-4; method of dimensionality reduction). Any f will
+do; a subclass needs its slope alone, and may give the rest in closed form.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import gamma, inf, pi, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import elliprf
+
+from contact.axisymmetric.quadrature import panels, quarter
+from contact.checks import finite, positive
+from contact.errors import SceneError
+from contact.profiles.derive import slope_of
+
+Array = NDArray[np.float64]
+
+
+class AxisymmetricProfile:
+    """Base of all shapes: subclasses are frozen dataclasses that define `slope` and, if they can, closed forms."""
+
+    def slope(self, r: ArrayLike) -> Array:
+        """f'(r), r >= 0."""
+        raise NotImplementedError(f"{type(self).__name__} must define slope(r)")
+
+    def height(self, r: ArrayLike) -> Array:
+        """f(r) [m], f(0) = 0; the integral of the slope."""
+        r = np.asarray(r, dtype=np.float64)
+        s, weight = panels([np.zeros_like(r), *(np.minimum(b, r) for b in self.breakpoints), r])
+        return np.asarray(np.sum(weight * self.slope(s), axis=-1))
+
+    def r_laplacian(self, r: ArrayLike) -> Array:
+        """r times the Laplacian of f, (r f')' = f' + r f''."""
+        r = np.asarray(r, dtype=np.float64)
+        return self.slope(r) + log_derivative(self.slope, r)
+
+    @property
+    def breakpoints(self) -> Array:
+        """Radii > 0 where f is not smooth, ascending."""
+        return np.empty(0)
+
+    @property
+    def jumps(self) -> Array:
+        """f'(b+) - f'(b-) at the breakpoints: an edge, and a logarithmic peak of pressure, where not 0."""
+        b = self.breakpoints
+        return self.slope(np.nextafter(b, inf)) - self.slope(np.nextafter(b, 0.0))
+
+    def pointed(self, a: float) -> bool:
+        """Whether f'(0+) is not 0, seen from a spot of radius a: the pressure at the tip is infinite."""
+        tip, near, far = self.slope(a * np.array([1e-200, 1e-100, 0.5]))
+        return bool(tip > 0.5 * near and tip > 1e-7 * abs(far))
+
+    def line(self, x: ArrayLike) -> Array:
+        """g(x) [m], the equivalent plane profile; g(a) is the penetration of an isolated spot of radius a."""
+        r, weight = quarter(x, self.breakpoints)
+        return np.asarray(np.asarray(x) * np.sum(weight * self.slope(r), axis=-1))
+
+    def line_slope(self, x: ArrayLike) -> Array:
+        """g'(x) = int_0^(pi/2) (r f')'(x sin phi) dphi + sum of b J/sqrt(x^2 - b^2) over the edges inside x."""
+        x = np.asarray(x, dtype=np.float64)
+        r, weight = quarter(x, self.breakpoints)
+        total = np.sum(weight * self.r_laplacian(r), axis=-1)
+        for b, jump in zip(self.breakpoints, self.jumps, strict=True):
+            outside = x > b
+            total = total + np.where(outside, b * jump / np.sqrt(np.where(outside, (x - b) * (x + b), 1.0)), 0.0)
+        return np.asarray(total)
+
+    def load_integral(self, a: float) -> float:
+        """P/E* of an isolated spot [m^2]."""
+        r, weight = quarter(np.float64(a), self.breakpoints)
+        return float(2.0 * np.sum(weight * r**2 * self.slope(r)))
+
+    def line_integral(self, a: float) -> float:
+        """int_0^a g dx = a g(a) - P/(2 E*)."""
+        return float(a * self.line(a)) - 0.5 * self.load_integral(a)
+
+    def pressure_shape(self, r: ArrayLike, a: float) -> Array:
+        """p(r)/E* of an isolated spot, 0 <= r <= a."""
+        r = np.asarray(r, dtype=np.float64)
+        infinite = np.isin(r, self.breakpoints[(self.jumps != 0) & (self.breakpoints < a)])
+        infinite = infinite | ((r == 0) & self.pointed(a))
+        safe = np.where(infinite, 0.5 * a, r)
+        edges = np.sort(np.stack([np.broadcast_to(np.minimum(b, a), safe.shape) for b in (*self.breakpoints, safe)]), 0)
+        s, weight = panels([np.zeros_like(safe), *edges, np.full_like(safe, a)])
+        total = np.sum(weight * self.r_laplacian(s) * abel_kernel(safe[..., None], s, a), axis=-1)
+        for b, jump in zip(self.breakpoints, self.jumps, strict=True):
+            if b < a and jump != 0:
+                total = total + b * jump * abel_kernel(safe, np.full_like(safe, b), a)
+        return np.asarray(np.where(infinite, inf, total / pi))
+
+
+def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
+    """M(r, s) of this file's head, by Carlson's R_F (DLMF 19.29.4): no cancellation at r = s nor at a.
+
+    H1 of the paper's (3) is 4 s M(r, s).
+    """
+    far, near = np.maximum(r, s), np.minimum(r, s)
+    whole = (a - near) * (a + near)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # The logarithm at r = s is cut below rounding: a node that falls there has no weight to speak of.
+        apart = np.maximum((far - near) * (far + near) / whole, 1e-33)
+        value = np.sqrt((a - far) * (a + far) / whole) / far * elliprf(apart, apart * (a / far) ** 2, 1.0)
+    return np.asarray(np.where((0 < far) & (far < a), value, 0.0))
+
+
+def log_derivative(function: Callable[[Any], Any], r: Array) -> Array:
+    """r F'(r), by d/d ln r: no step leaves r > 0, where alone an author's function need make sense."""
+    positive_r = np.maximum(r, 1e-300)
+    return slope_of(lambda t: function(np.exp(t)), np.log(positive_r), length=1.0)
+
+
+@dataclass(frozen=True)
+class Sphere(AxisymmetricProfile):
+    """f = r^2/(2 radius), the paraboloid of Hertz: g = x^2/R, P = 4 E* a^3/(3R), p = (2 E*/(pi R)) sqrt(a^2 - r^2)."""
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", positive("radius", self.radius))
+
+    def height(self, r: ArrayLike) -> Array:
+        return np.asarray(r, dtype=np.float64) ** 2 / (2 * self.radius)
+
+    def slope(self, r: ArrayLike) -> Array:
+        return np.asarray(r, dtype=np.float64) / self.radius
+
+    def r_laplacian(self, r: ArrayLike) -> Array:
+        return 2.0 * np.asarray(r, dtype=np.float64) / self.radius
+
+    def pointed(self, a: float) -> bool:
+        return False
+
+    def line(self, x: ArrayLike) -> Array:
+        return np.asarray(x, dtype=np.float64) ** 2 / self.radius
+
+    def line_slope(self, x: ArrayLike) -> Array:
+        return 2.0 * np.asarray(x, dtype=np.float64) / self.radius
+
+    def load_integral(self, a: float) -> float:
+        return 4.0 * a**3 / (3.0 * self.radius)
+
+    def pressure_shape(self, r: ArrayLike, a: float) -> Array:
+        r = np.asarray(r, dtype=np.float64)
+        return 2.0 / (pi * self.radius) * np.sqrt((a - r) * (a + r))
+
+
+@dataclass(frozen=True)
+class Cone(AxisymmetricProfile):
+    """f = slope r (Sneddon): g = pi slope x/2, P = pi E* slope a^2/2, p = (E* slope/2) arcosh(a/r)."""
+
+    steepness: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "steepness", positive("steepness", self.steepness))
+
+    def height(self, r: ArrayLike) -> Array:
+        return self.steepness * np.asarray(r, dtype=np.float64)
+
+    def slope(self, r: ArrayLike) -> Array:
+        return np.full(np.shape(r), self.steepness)
+
+    def r_laplacian(self, r: ArrayLike) -> Array:
+        return self.slope(r)
+
+    def line(self, x: ArrayLike) -> Array:
+        return 0.5 * pi * self.height(x)
+
+    def line_slope(self, x: ArrayLike) -> Array:
+        return 0.5 * pi * self.slope(x)
+
+    def load_integral(self, a: float) -> float:
+        return 0.5 * pi * self.steepness * a**2
+
+    def pressure_shape(self, r: ArrayLike, a: float) -> Array:
+        r = np.asarray(r, dtype=np.float64)
+        with np.errstate(divide="ignore"):
+            return np.asarray(self.steepness * np.arcsinh(np.sqrt(0.5 * (a - r) / r)))
+
+
+@dataclass(frozen=True)
+class PowerLaw(AxisymmetricProfile):
+    """f = scale r^exponent, exponent >= 1 (scale in m^(1 - exponent)): g = k scale x^n, P = 2 E* n/(n+1) a g(a).
+
+    k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2) (Galin; Popov 2013).
+    """
+
+    exponent: float
+    scale: float
+
+    def __post_init__(self) -> None:
+        exponent = finite("exponent", self.exponent, "a finite number >= 1")
+        if not 1.0 <= exponent <= 300.0:
+            raise SceneError.of("exponent", self.exponent, "a finite number from 1 to 300")
+        object.__setattr__(self, "exponent", exponent)
+        object.__setattr__(self, "scale", positive("scale", self.scale))
+
+    @property
+    def _stretch(self) -> float:
+        n = self.exponent
+        return sqrt(pi) * gamma(0.5 * n + 1.0) / gamma(0.5 * (n + 1.0))
+
+    def height(self, r: ArrayLike) -> Array:
+        return np.asarray(self.scale * np.asarray(r, dtype=np.float64) ** self.exponent)
+
+    def slope(self, r: ArrayLike) -> Array:
+        return np.asarray(self.exponent * self.scale * np.asarray(r, dtype=np.float64) ** (self.exponent - 1.0))
+
+    def r_laplacian(self, r: ArrayLike) -> Array:
+        return self.exponent * self.slope(r)
+
+    def pointed(self, a: float) -> bool:
+        return self.exponent == 1.0
+
+    def line(self, x: ArrayLike) -> Array:
+        return self._stretch * self.height(x)
+
+    def line_slope(self, x: ArrayLike) -> Array:
+        return self._stretch * self.slope(x)
+
+    def load_integral(self, a: float) -> float:
+        return float(2.0 * self.exponent / (self.exponent + 1.0) * a * self.line(a))
+
+
+@dataclass(frozen=True)
+class Revolved(AxisymmetricProfile):
+    """Any shape of revolution, from a callable f(r), or f'(r), or both, of arrays r >= 0.
+
+    `second` is f'' if known, else it is derived (exactly, by a complex step, where the slope takes complex numbers).
+    `breaks`: radii where f is not smooth, an edge for instance; with them both derivatives must be given.
+    """
+
+    height_of: Callable[[Any], Any] | None = None
+    slope_of: Callable[[Any], Any] | None = None
+    second: Callable[[Any], Any] | None = None
+    breaks: Sequence[float] = ()
+
+    def __post_init__(self) -> None:
+        for field in ("height_of", "slope_of", "second"):
+            value = getattr(self, field)
+            if value is not None and not callable(value):
+                raise SceneError.of(field, value, "a callable of r, or left out")
+        if self.height_of is None and self.slope_of is None:
+            raise SceneError("height_of and slope_of are both left out: one of them must be given")
+        breaks = tuple(sorted(positive("breaks", b) for b in self.breaks))
+        if breaks and (self.slope_of is None or self.second is None):
+            raise SceneError("breaks need slope_of and second: a difference across an edge is not a derivative")
+        object.__setattr__(self, "breaks", breaks)
+        probe = np.array([0.25, 0.5])
+        for field in ("height_of", "slope_of", "second"):
+            if getattr(self, field) is not None:
+                self._called(field, probe)
+
+    def _called(self, field: str, r: Array) -> Array:
+        """What the author's function makes of r, refused if it is not as many real numbers."""
+        value = np.asarray(getattr(self, field)(r))
+        if value.dtype.kind not in "iuf" or value.shape not in ((), r.shape):
+            raise SceneError.of(field, getattr(self, field), "a function of an array that returns as many real numbers")
+        return np.broadcast_to(value, r.shape).astype(np.float64)
+
+    @property
+    def breakpoints(self) -> Array:
+        return np.array(self.breaks, dtype=np.float64)
+
+    def height(self, r: ArrayLike) -> Array:
+        if self.height_of is None:
+            return super().height(r)
+        r = np.asarray(r, dtype=np.float64)
+        return np.asarray(self._called("height_of", r) - self._called("height_of", np.zeros(1))[0])
+
+    def slope(self, r: ArrayLike) -> Array:
+        r = np.asarray(r, dtype=np.float64)
+        if self.slope_of is not None:
+            return self._called("slope_of", r)
+        assert self.height_of is not None
+        value = slope_of(self.height_of, r)
+        rest = ~np.isfinite(value) & (r > 0)  # where every step would have left r > 0
+        value[rest] = log_derivative(self.height_of, r[rest]) / r[rest]
+        return value
+
+    def r_laplacian(self, r: ArrayLike) -> Array:
+        r = np.asarray(r, dtype=np.float64)
+        if self.second is not None:
+            return np.asarray(self.slope(r) + r * self._called("second", r))
+        return self.slope(r) + log_derivative(self.slope_of or self.slope, r)
+
+
+def as_profile(shape: Any) -> AxisymmetricProfile:
+    """A shape as it is, or a bare callable taken as f(r)."""
+    if isinstance(shape, AxisymmetricProfile):
+        return shape
+    if callable(shape):
+        return Revolved(height_of=shape)
+    raise SceneError.of("profile", shape, "an axisymmetric profile or a callable f(r)")

@@ -1,0 +1,50 @@
+"""Newton's step of two free ends that face each other across a narrow gap.
+
+On the scale of a gap |x| < c the intensities of its two ends are no straight lines in their motion, and K pollutes the slope
+A that Newton divides by. But there the density is that of a crack under what the merged zones would bear,
+P_0 + P_1 x + P_2 x^2/2: outside the gap
+
+    phi = |x| / sqrt(x^2 - c^2) (P_0 + P_2 (x^2 - c^2/2)/2) + sgn(x) P_1 (x^2 - c^2/2) / sqrt(x^2 - c^2),
+
+so the two K and the two A tell P_0, P_1, P_2, and these the place where both K vanish: the middle moves by -P_1/P_2, and
+the new half gap is sqrt(-4 P_0/P_2) there. With rho = K / (c S), S what is left of A without K:
+
+    middle / c = -(rho_right - rho_left),   (new half gap / c)^2 = 1 - 2 (rho_right + rho_left) + 2 (rho_right - rho_left)^2.
+
+If the density changes sign from one end to the other (the slope of a gap on both sides of a contact strip), the narrow strip
+is Hertz's and the last square is absent. For small K all of this is the plain step 2 K / A.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def facing(of_ends: Array) -> Array:
+    """(2, Z) values of the ends across the gap: the left end of a zone faces the right end of the one before."""
+    left, right = of_ends
+    return np.array([np.roll(right, 1), np.roll(left, -1)])
+
+
+def gap_steps(gaps: Array, moves: NDArray[np.bool_], k: Array, slopes: Array, alike: bool) -> tuple[Array, NDArray[np.bool_]]:
+    """(outward steps (2, Z), where they hold): for ends that move, with an end that moves at a finite gap before them.
+
+    k, slopes: K less its target and A, positive where a density of the right sign pushes outward. alike: whether the density
+    has the same sign at both ends of a gap.
+    """
+    pairs = moves & facing(moves) & np.isfinite(gaps)
+    c = np.where(pairs, 0.5 * gaps, 1.0)
+    other = facing(k)
+    straight = slopes - (0.75 * k + 1.5 * (k - other) if alike else -0.25 * k + 0.5 * (k - other)) / c
+    beyond = facing(straight)
+    holds = pairs & (straight > 0) & (beyond > 0)
+    rho = k / np.where(holds, c * straight, 1.0)
+    rho_other = other / np.where(holds, c * beyond, 1.0)
+    shift = rho - rho_other
+    square = 1 - 2 * (rho + rho_other) + (2 * shift**2 if alike else 0.0)
+    # 1 - sqrt(square) without cancellation; a gap that wants to close altogether moves by all of its half.
+    closing = np.where(square > 0, (1 - square) / (1 + np.sqrt(np.maximum(square, 0.0))), 1.0)
+    return np.where(holds, c * (shift + closing), 0.0), holds
