@@ -2,6 +2,7 @@
 
 from contact.errors import ContactError, MissingExtra, NotConverged, OutOfRange, SceneError
 from contact.interactions import Interaction, Isolated, Localized, Periodic
+from contact.paths import Event, Path, path
 from contact.planning import Plan, plan
 from contact.profiles import (
     Biquadratic,
@@ -21,8 +22,8 @@ from contact.solution import Solution
 from contact.solver import solve
 
 __all__ = [
-    "Biquadratic", "ContactError", "E_star", "Flat", "Fourier", "Interaction", "Isolated", "Localized", "MissingExtra",
-    "NotConverged", "OutOfRange", "Parabola", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene", "SceneError",
-    "Sinusoid", "Solution", "Wedge", "interaction", "interactions", "load_scene", "plan", "profile", "profiles",
+    "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Interaction", "Isolated", "Localized", "MissingExtra",
+    "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene", "SceneError",
+    "Sinusoid", "Solution", "Wedge", "interaction", "interactions", "load_scene", "path", "plan", "profile", "profiles",
     "register_interaction", "register_profile", "solve",
 ]

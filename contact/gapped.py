@@ -216,11 +216,7 @@ def solve_gaps(problem: Problem, mean: float, conjugate: Callable[[Array], Array
 
     Raises WrongTopology where that does not come to an end that passes.
     """
-    # The mean pressure is a column: taken off the right side it would leave little but the rounding of both.
-    equation = sie.Equation(
-        problem.kernel, sie.Forcing(conjugate), (sie.Amplitude(0, mean), sie.ZoneTotals(0.0)),
-        (sie.Forcing(lambda x: np.full(np.shape(x), -1.0), modes=1),),
-    )
+    equation = _equation(problem, mean, conjugate)
     table = _first_gaps(problem, mean, conjugate)
     for _ in range(_ROUNDS):
         if len(table) == 0:
@@ -242,6 +238,23 @@ def solve_gaps(problem: Problem, mean: float, conjugate: Callable[[Array], Array
             raise WrongTopology("a gap is not open everywhere", free)
         table = _united(np.concatenate((free.density.zones.table, negative)), fields.period)
     raise WrongTopology("the number of gaps did not settle", free)
+
+
+def with_gaps(fields: GapFields, mean: float, table: Array, tolerance: float) -> GapFields:
+    """The same profile at another mean pressure with this many gaps, whatever the signs."""
+    equation = _equation(fields.problem, mean, fields.conjugate)
+    free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, signs=(1.0, -1.0))
+    if not free.converged:
+        raise WrongTopology("the ends of the gaps did not settle", free)
+    return GapFields(fields.problem, free.state, mean, fields.conjugate)
+
+
+def _equation(problem: Problem, mean: float, conjugate: Callable[[Array], Array]) -> sie.Equation:
+    # The mean pressure is a column: taken off the right side it would leave little but the rounding of both.
+    return sie.Equation(
+        problem.kernel, sie.Forcing(conjugate), (sie.Amplitude(0, mean), sie.ZoneTotals(0.0)),
+        (sie.Forcing(lambda x: np.full(np.shape(x), -1.0), modes=1),),
+    )
 
 
 def _samples(problem: Problem, count: int = 32) -> Array:

@@ -547,7 +547,7 @@ class _Run:
         """Bound of the errors of pressure and ends: decay of coefficients, remaining moves of the ends, roundoff."""
         free, state = found.free, found.fields.state
         # At equal normalised position the pressure changes with a zone's width as fast as it varies along it.
-        moved = free.end_error.max(axis=1) * 4 * (1 + state.waviness)
+        moved = (free.end_error.max(axis=1) + state.end_truncation) * 4 * (1 + state.waviness)
         singular = any(end.intensity is None for end in (*state.density.zones.left, *state.density.zones.right))
         # Beside a singular end the pressure is several times the mean, to which its error is referred.
         return float(moved.max(initial=0.0)) + (8 if singular else 1) * (state.density_error + 2e-15)

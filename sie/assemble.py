@@ -1,13 +1,13 @@
 """The linear system for given zones: every zone sees the others through closed forms.
 
-Unknown are, per zone, the coefficients c_0 ... c_m of T_l / sqrt(1 - t^2), and the amplitudes of the columns. Projected on
-U_{k-1}, a zone's own transform is -c_k, so the rows read
+Unknown are, per zone, the coefficients c_0 ... c_m of T_l / sqrt(1 - t^2), and the amplitudes of the columns. Projected
+on U_{k-1}, a zone's own transform is -c_k, so the rows read
 
     -c_k + (what the other zones, the images and the regular part do to zone i)_k - sum lambda C_k = g_k,   k = 1 ... m,
 
-a second-kind system; coefficients beyond m are -g_k at once, because what the other zones do is smooth there. Off a zone,
-z = (x - middle)/w and rho = z - sgn(z) sqrt(z^2 - 1), the transform of T_l / sqrt is sgn(z) rho^l / sqrt(z^2 - 1) and its
-potential -rho^l / l (log(1/(2 rho)) for l = 0).
+a second-kind system; coefficients beyond m are -g_k at once, because what the other zones do is smooth there. Off a
+zone, z = (x - middle)/w and rho = z - sgn(z) sqrt(z^2 - 1), the transform of T_l / sqrt is sgn(z) rho^l / sqrt(z^2 - 1)
+and its potential -rho^l / l (log(1/(2 rho)) for l = 0).
 """
 
 from __future__ import annotations
@@ -99,8 +99,9 @@ class Targets:
 def excess(zones: Zones, targets: Targets, sources: Index, shift: float) -> tuple[Array, Array]:
     """(|z| - 1, sgn z) of the targets seen from zones `sources` shifted by `shift`; (points, sources).
 
-    From the gap between the zones and the distance of the point from its own zone's end, so nothing cancels but the ends.
-    On a source's own zone (shift 0) the excess is negative: there the caller has the closed form of the zone itself.
+    From the gap between the zones and the distance of the point from its own zone's end, so nothing cancels but the
+    ends. On a source's own zone (shift 0) the excess is negative: there the caller has the closed form of the zone
+    itself.
     """
     a, b = zones.a[sources] + shift, zones.b[sources] + shift
     z = targets.zone

@@ -1,8 +1,8 @@
 """Chebyshev nodes and transforms on one zone, t = cos(theta) in (-1, 1).
 
 Densities are sums c_j T_j(t) / sqrt(1 - t^2); what the Cauchy kernel makes of them on the zone are sums of
-U_{j-1}(t) = sin(j theta) / sin(theta). Nodes are the zeros of U_n, theta_k = k pi / (n + 1), so that U coefficients are a
-sine transform; with the two ends they are the Lobatto nodes of the weight 1 / sqrt(1 - t^2).
+U_{j-1}(t) = sin(j theta) / sin(theta). Nodes are the zeros of U_n, theta_k = k pi / (n + 1), so that U coefficients are
+a sine transform; with the two ends they are the Lobatto nodes of the weight 1 / sqrt(1 - t^2).
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Side conditions: linear statements about the density, one object each.
 
-A condition turns itself into rows over the unknown coefficients with the help of a `Rows` object (see `assemble`), which
-knows how total, potential, weighted integral and edge intensity of each zone depend on them. A new condition is one class
-with `count` and `rows`.
+A condition turns itself into rows over the unknown coefficients with the help of a `Rows` object (see `assemble`),
+which knows how total, potential, weighted integral and edge intensity of each zone depend on them. A new condition is
+one class with `count` and `rows`.
 """
 
 from __future__ import annotations
@@ -108,7 +108,8 @@ def moment(value: float, about: float = 0.0) -> Weighted:
 
 @dataclass(frozen=True)
 class ZoneTotals(Condition):
-    """The integral of the density over each zone: one value for all, or one per solved zone (0: no net, as in cracks)."""
+    """The integral of the density over each zone: one value for all, or one per solved zone (0: no net, as in
+    cracks)."""
 
     values: tuple[float, ...] | float = 0.0
 
@@ -154,7 +155,8 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The amplitude of column k is `value` plus `per_total` times the total: a closure that names what it multiplies."""
+    """The amplitude of column k is `value` plus `per_total` times the total: a closure that names what it
+    multiplies."""
 
     k: int
     value: float = 0.0

@@ -39,8 +39,8 @@ class Density:
     def settled(self) -> Density:
         """The same density with the last traces of 1/sqrt(d) taken out at free ends, where the exact one has none.
 
-        An end off by delta leaves K = A delta / 2 there: at equal normalised position the rest is right to delta over the
-        width, while K / sqrt(d) would grow without bound towards the end.
+        An end off by delta leaves K = A delta / 2 there: at equal normalised position the rest is right to delta over
+        the width, while K / sqrt(d) would grow without bound towards the end.
         """
         zones = self.zones
         alpha, beta, u = self.bounded
@@ -131,8 +131,8 @@ class Density:
         return self.at(zone, 1 + t, 1 - t)
 
     def _sine_sum(self, u: Array, zone: Index, angle: Array, flip: NDArray[np.bool_]) -> Array:
-        """sum_k u_k sin((k+1) theta), by the angle from the nearer end, theta = pi - angle where `flip`: no digit is lost
-        near either end. Zones one after the other, in blocks of bounded memory."""
+        """sum_k u_k sin((k+1) theta), by the angle from the nearer end, theta = pi - angle where `flip`: no digit is
+        lost near either end. Zones one after the other, in blocks of bounded memory."""
         out = np.zeros(angle.shape)
         flat_zone, flat_angle, flat_flip, flat_out = zone.ravel(), angle.ravel(), flip.ravel(), out.reshape(-1)
         for i in np.unique(flat_zone):
@@ -230,7 +230,8 @@ class Density:
 
     @cached_property
     def potential_coefficients(self) -> Array:
-        """Coefficients of all but the logarithms of kinks, those over l = 1, 2, ... divided by l: potentials need these."""
+        """Coefficients of all but the logarithms of kinks, those over l = 1, 2, ... divided by l: potentials need
+        these."""
         c, high = self.coefficients, self.steps.high_coefficients(self.zones)
         table = np.zeros((len(c), max(c.shape[1], high.shape[1])))
         table[:, : c.shape[1]] = c

@@ -6,7 +6,8 @@ rho = z - sgn(z) sqrt(z^2 - 1):
     transform  T_l / sqrt -> sgn(z) rho^l / sqrt(z^2 - 1),    sqrt U_l -> rho^(l+1)
     potential  T_l / sqrt -> -w rho^l / l,                    T_0 / sqrt -> w log(w / (2 |rho|)),
 
-and on the zone itself -U_{l-1}(t) and the real parts at rho = e^{i theta}. The rest of the kernel is finished by quadrature.
+and on the zone itself -U_{l-1}(t) and the real parts at rho = e^{i theta}. The rest of the kernel is finished by
+quadrature.
 """
 
 from __future__ import annotations
@@ -61,7 +62,8 @@ class Sources:
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """Points seen from sources, (points, sources): distances from the ends over w (positive on the zone), rho, whether on."""
+    """Points seen from sources, (points, sources): distances from the ends over w (positive on the zone), rho, whether
+    on."""
 
     left: Array
     right: Array

@@ -1,11 +1,11 @@
 """Zone ends found by Newton on the edge intensities.
 
-For given zones the density is solved with singular ends allowed: near an end, K / sqrt(d) + A sqrt(d). At the solution K is
-the prescribed one. Moving ends outward by delta changes K_i by -(A_i / 2) delta_i only, where the prescribed intensities are
-zero: the first-order change of a bounded density with the ends has no singular homogeneous part. So delta = 2 K / A is a
-Newton step with one linear solve. A condition on the ends alone (their total width) borders this diagonal by the response
-of K to the unknown value it fixes. Where an intensity is prescribed, the density's own change with the end is
-d^(-3/2)-singular and couples all ends: there the assembled rows are differenced in every end.
+For given zones the density is solved with singular ends allowed: near an end, K / sqrt(d) + A sqrt(d). At the solution
+K is the prescribed one. Moving ends outward by delta changes K_i by -(A_i / 2) delta_i only, where the prescribed
+intensities are zero: the first-order change of a bounded density with the ends has no singular homogeneous part. So
+delta = 2 K / A is a Newton step with one linear solve. A condition on the ends alone (their total width) borders this
+diagonal by the response of K to the unknown value it fixes. Where an intensity is prescribed, the density's own change
+with the end is d^(-3/2)-singular and couples all ends: there the assembled rows are differenced in every end.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ Index = NDArray[np.intp]
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
-# Ends are moved by this part of their zone's width to difference the rows: the errors of truncation and rounding are equal.
+# Ends are moved by this part of their zone's width to difference the rows: the errors of truncation and rounding are
+# equal.
 _NUDGE = 1e-5
 
 
@@ -47,8 +48,8 @@ class Free:
     """Result of the search for the ends.
 
     converged; end_error: each end's remaining move over its zone's width (Z, 2), roundoff included; trace of the steps;
-    value: that of the open condition, if there is one; lost: zones that shrank away; met: gaps (by the zone left of them)
-    that closed.
+    value: that of the open condition, if there is one; lost: zones that shrank away; met: gaps (by the zone left of
+    them) that closed.
     """
 
     state: State
@@ -173,7 +174,8 @@ def _newton(
     natural = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(state.system.known).max(axis=1)
     weak = side * a < 1e-8 * natural / np.sqrt(w)
     prescribed = np.any(target != 0)
-    # Rounding acts on what is subtracted, the right side and the other zones' fields, however small their difference is.
+    # Rounding acts on what is subtracted, the right side and the other zones' fields, however small their difference
+    # is.
     noise_k = 4e-16 * np.sqrt(w / 2) * (np.abs(density.coefficients).sum(axis=1) + np.abs(state.system.g).sum(axis=1) + natural)
     noise_k = noise_k + _level_noise(state) / np.sqrt(2 * w)
     residual = np.where(moves, k - target, 0.0)
@@ -191,7 +193,7 @@ def _newton(
         residual = np.where(moves, residual + change * np.array(unit.intensities), 0.0)
         a = a + change * np.array(unit.edge_slopes)
     gaps = np.array(modes.gaps(density.zones, equation.kernel))
-    across, holds = gap_steps(gaps, moves, side * residual, side * a, signs[0] == signs[1])
+    across, holds = gap_steps(gaps, 2 * w, moves, side * residual, side * a, signs[0] == signs[1])
     delta, weak = np.where(holds, across, delta), weak & ~holds
     if len(equation.forcing.steps_at):
         bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, residual, a, delta, INWARD, OUTWARD)
@@ -200,8 +202,8 @@ def _newton(
 
 
 def _level_noise(state: State) -> Array | float:
-    """Rounding of the potentials that the zones' totals are matched by, per zone: a lightly loaded zone between heavy ones
-    feels what theirs, and the primitive of the right side, are rounded to."""
+    """Rounding of the potentials that the zones' totals are matched by, per zone: a lightly loaded zone between heavy
+    ones feels what theirs, and the primitive of the right side, are rounded to."""
     if len(state.density.zones) == 1 or not any(c.levels for c in state.system.equation.conditions):
         return 0.0
     matrix, constants = state.system.levels()
@@ -218,7 +220,8 @@ def _unit_response(state: State) -> Density:
 
 
 def _bordered(equation: Equation, zones: Zones, delta: Array, slope: Array) -> tuple[Array, float]:
-    """(moves, change of the unknown value) that meet the condition on the ends; slope: moves caused by a unit change."""
+    """(moves, change of the unknown value) that meet the condition on the ends; slope: moves caused by a unit
+    change."""
     miss, by_left, by_right = equation.end_conditions[0].residual(zones)
     gradient = np.array([by_left, by_right])
     change = -(miss + float(np.sum(gradient * delta))) / float(np.sum(gradient * slope))
@@ -240,11 +243,11 @@ def _full_newton(
     equation: Equation, state: State, moves: NDArray[np.bool_], residual: Array, noise_k: Array, unit: Density | None,
     sizes: Sizes, tolerance: float,
 ) -> tuple[Array, Array, float]:
-    """Outward moves (2, Z), their roundoff and the change of the open condition's value by Newton with the full Jacobian
-    dK_i/d(end_j), for prescribed intensities.
+    """Outward moves (2, Z), their roundoff and the change of the open condition's value by Newton with the full
+    Jacobian dK_i/d(end_j), for prescribed intensities.
 
-    The rows A(e) y = b(e) are differenced in each end at fixed coefficients, and A dy = -d(A y - b) is solved with the LU
-    factors at hand. Of a mirrored pair of ends, the right one stands for both.
+    The rows A(e) y = b(e) are differenced in each end at fixed coefficients, and A dy = -d(A y - b) is solved with the
+    LU factors at hand. Of a mirrored pair of ends, the right one stands for both.
     """
     zones = state.density.zones
     mirrored = int(zones.solved[0]) if zones.central else -1
@@ -292,7 +295,8 @@ def _nudged(zones: Zones, side: int, i: int, outward: float) -> Zones:
 def _residual_rows(
     equation: Equation, zones: Zones, state: State, sizes: Sizes, tolerance: float
 ) -> tuple[Array, Array]:
-    """(rows at moved zones applied to the old coefficients, less the right side; intensities of the old coefficients)."""
+    """(rows at moved zones applied to the old coefficients, less the right side; intensities of the old
+    coefficients)."""
     system, matrix, right, _ = assembled(equation, zones, state.system.layout.m, sizes, tolerance, state.condition_scale)
     moved = density_of(system, state.unknowns)
     return matrix @ state.folded_unknowns - right, np.array(moved.intensities)

@@ -1,18 +1,19 @@
 """Newton's step of two free ends that face each other across a narrow gap.
 
-On the scale of a gap |x| < c the intensities of its two ends are no straight lines in their motion, and K pollutes the slope
-A that Newton divides by. But there the density is that of a crack under what the merged zones would bear,
+On the scale of a gap |x| < c the intensities of its two ends are no straight lines in their motion, and K pollutes the
+slope A that Newton divides by. But there the density is that of a crack under what the merged zones would bear,
 P_0 + P_1 x + P_2 x^2/2: outside the gap
 
     phi = |x| / sqrt(x^2 - c^2) (P_0 + P_2 (x^2 - c^2/2)/2) + sgn(x) P_1 (x^2 - c^2/2) / sqrt(x^2 - c^2),
 
-so the two K and the two A tell P_0, P_1, P_2, and these the place where both K vanish: the middle moves by -P_1/P_2, and
-the new half gap is sqrt(-4 P_0/P_2) there. With rho = K / (c S), S what is left of A without K:
+so the two K and the two A tell P_0, P_1, P_2, and these the place where both K vanish: the middle moves by -P_1/P_2,
+and the new half gap is sqrt(-4 P_0/P_2) there. With rho = K / (c S), S what is left of A without K:
 
-    middle / c = -(rho_right - rho_left),   (new half gap / c)^2 = 1 - 2 (rho_right + rho_left) + 2 (rho_right - rho_left)^2.
+    middle / c = -(rho_right - rho_left),   (new half gap / c)^2 = 1 - 2 (rho_right + rho_left) + 2 (rho_right -
+    rho_left)^2.
 
-If the density changes sign from one end to the other (the slope of a gap on both sides of a contact strip), the narrow strip
-is Hertz's and the last square is absent. For small K all of this is the plain step 2 K / A.
+If the density changes sign from one end to the other (the slope of a gap on both sides of a contact strip), the narrow
+strip is Hertz's and the last square is absent. For small K all of this is the plain step 2 K / A.
 """
 
 from __future__ import annotations
@@ -29,13 +30,19 @@ def facing(of_ends: Array) -> Array:
     return np.array([np.roll(right, 1), np.roll(left, -1)])
 
 
-def gap_steps(gaps: Array, moves: NDArray[np.bool_], k: Array, slopes: Array, alike: bool) -> tuple[Array, NDArray[np.bool_]]:
-    """(outward steps (2, Z), where they hold): for ends that move, with an end that moves at a finite gap before them.
+def gap_steps(
+    gaps: Array, widths: Array, moves: NDArray[np.bool_], k: Array, slopes: Array, alike: bool
+) -> tuple[Array, NDArray[np.bool_]]:
+    """(outward steps (2, Z), where they hold): for pairs of ends that move, across gaps (2, Z) narrower than both
+    zones.
 
-    k, slopes: K less its target and A, positive where a density of the right sign pushes outward. alike: whether the density
-    has the same sign at both ends of a gap.
+    k, slopes: K less its target and A, positive where a density of the right sign pushes outward. alike: whether the
+    density has the same sign at both ends of a gap.
     """
-    pairs = moves & facing(moves) & np.isfinite(gaps)
+    of_both = np.array([widths, widths])
+    pairs = moves & facing(moves) & (gaps < np.minimum(of_both, facing(of_both)))
+    if not np.any(pairs):
+        return np.zeros_like(k), pairs
     c = np.where(pairs, 0.5 * gaps, 1.0)
     other = facing(k)
     straight = slopes - (0.75 * k + 1.5 * (k - other) if alike else -0.25 * k + 0.5 * (k - other)) / c

@@ -1,9 +1,10 @@
 """Kernels K(x, xi) and what they declare: where their poles are, and what remains when the poles are taken out.
 
-    transform  (1/pi) PV int phi(xi) K(x, xi) dxi         potential  (1/pi) int phi(xi) Lambda(x, xi) dxi,  dLambda/dx = K
+    transform  (1/pi) PV int phi(xi) K(x, xi) dxi         potential  (1/pi) int phi(xi) Lambda(x, xi) dxi,  dLambda/dx =
+    K
 
-A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, which the engine carries out in closed form, and a regular
-part, which Gauss-Chebyshev quadrature finishes.
+A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, which the engine carries out in closed form, and a
+regular part, which Gauss-Chebyshev quadrature finishes.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """The potential on a stretch without zones, at many points: near zones one by one, far ones by interpolation.
 
-What a zone does is analytic away from it. On [lo, hi], zones at a distance of at least half the stretch are seen through
-Chebyshev interpolation at a fixed number of nodes: with z = 2, rho = 2 - sqrt(3) = 0.268, and 26 nodes leave 1e-15.
+What a zone does is analytic away from it. On [lo, hi], zones at a distance of at least half the stretch are seen
+through Chebyshev interpolation at a fixed number of nodes: with z = 2, rho = 2 - sqrt(3) = 0.268, and 26 nodes leave
+1e-15.
 """
 
 from __future__ import annotations

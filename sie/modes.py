@@ -1,8 +1,9 @@
-"""How many modes each zone has: its own, from the right side's decay, and the coupled ones, from the distance to others.
+"""How many modes each zone has: its own, from the right side's decay, and the coupled ones, from the distance to
+others.
 
-Coefficients of the right side decay as smoothness allows and are sampled on nodes that double until they have decayed; this
-is cheap, because a zone's own operator is diagonal. What other zones do decays as rho^k, where rho belongs to the nearest
-foreign end (or image, or singularity of a column), so few coupled modes are enough for narrow zones far apart.
+Coefficients of the right side decay as smoothness allows and are sampled on nodes that double until they have decayed;
+this is cheap, because a zone's own operator is diagonal. What other zones do decays as rho^k, where rho belongs to the
+nearest foreign end (or image, or singularity of a column), so few coupled modes are enough for narrow zones far apart.
 """
 
 from __future__ import annotations

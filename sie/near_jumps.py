@@ -1,8 +1,8 @@
 """Newton's step of a free end that has a jump of the right side close by.
 
-A jump J > 0 at distance r inside an end puts C / sqrt(r) into the slope A of the density there, C = (J/pi) sqrt(2 l), l the
-distance of the jump from the other end over the half width: on the scale of r, K is no straight line in the end's motion.
-The part that is not is known, so the step solves
+A jump J > 0 at distance r inside an end puts C / sqrt(r) into the slope A of the density there, C = (J/pi) sqrt(2 l), l
+the distance of the jump from the other end over the half width: on the scale of r, K is no straight line in the end's
+motion. The part that is not is known, so the step solves
 
     K - (A - C / sqrt(r)) delta / 2 - C (sqrt(r + delta) - sqrt(r)) = 0,
 
@@ -27,8 +27,8 @@ _HALVINGS = 60
 def bent_steps(
     forcing: Forcing, zones: Zones, period: float | None, k: Array, slopes: Array, plain: Array, inward: float, outward: float
 ) -> Array:
-    """Steps (2, Z) of the left and right ends: `plain` = 2 K / A but where a jump is near. No step is longer than `inward`
-    or `outward` of the width there. k, slopes: K less its target, and A."""
+    """Steps (2, Z) of the left and right ends: `plain` = 2 K / A but where a jump is near. No step is longer than
+    `inward` or `outward` of the width there. k, slopes: K less its target, and A."""
     rising = np.asarray(forcing.steps) > 0
     if forcing.orders is not None:
         rising &= np.asarray(forcing.orders) == 0

@@ -44,8 +44,8 @@ class Sizes:
 class State:
     """The solution on given zones, with what its error is made of.
 
-    density; the LU factors for further right sides; `truncation`: what the neglected coefficients may amount to, over the
-    largest coefficient of the same zone (Z,); `field_tail`: the same for the coupled modes of all zones.
+    density; the LU factors for further right sides; `truncation`: what the neglected coefficients may amount to, over
+    the largest coefficient of the same zone (Z,); `field_tail`: the same for the coupled modes of all zones.
     """
 
     density: Density
@@ -94,18 +94,34 @@ class State:
         """Estimated error of the density on these zones, over its peak: neglected coefficients, and the equation's
         residual between the nodes.
 
-        With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k (near an end): so much does an error of c_k count.
+        With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k (near an end): so much does an error of c_k
+        count.
         """
         coefficients = np.abs(self.density.coefficients).max(axis=1) + np.abs(self.system.known).max(axis=1, initial=0.0)
         peak = float(coefficients.max())
         if peak == 0.0:
             return 0.0
         neglected = float((self.neglected * coefficients).max()) / peak
-        residual = self._residual() / peak
+        residual = self._residual / peak
         coupled = self.system.layout.m[self.density.zones.solved]
-        # A few points see the residual to a factor; its rounding adds up as the modes do, but does not grow with their order.
+        # A few points see the residual to a factor; its rounding adds up as the modes do, but does not grow with their
+        # order.
         beyond = 3 * np.maximum(residual - 4e-15, 0.0) * coupled
-        return neglected + float((beyond + residual + 3e-16 * coupled).max())
+        return neglected + float((beyond + residual + 6e-16 * coupled).max())
+
+    @cached_property
+    def end_truncation(self) -> Array:
+        """What the density's error may shift each zone's moving ends by, over its width: 2 K / A for the K that it
+        makes."""
+        zones, solved = self.density.zones, self.density.zones.solved
+        size = np.abs(self.density.coefficients).max(axis=1) + np.abs(self.system.known).max(axis=1, initial=0.0)
+        missing = np.zeros(len(zones))
+        missing[solved] = (self.neglected * size)[solved] / np.maximum(self.sizes.own[solved], 1)
+        missing[solved] += 3 * np.maximum(self._residual - 2e-15 * size[solved], 0.0)
+        intensity = np.sqrt(zones.half / 2) * missing
+        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+        slopes = np.where(moves, np.abs(self.density.edge_slopes), np.inf).min(axis=0)
+        return np.asarray(intensity / np.maximum(slopes, 1e-300) / zones.half)
 
     @cached_property
     def waviness(self) -> Array:
@@ -115,8 +131,8 @@ class State:
 
     @cached_property
     def neglected(self) -> Array:
-        """Sum of 0.73 k |c_k| over the neglected coefficients, estimated from the decay of the last ones, over the largest of
-        the zone."""
+        """Sum of 0.73 k |c_k| over the neglected coefficients, estimated from the decay of the last ones, over the
+        largest of the zone."""
         n = self.sizes.own[: len(self.truncation)]
         if len(n) == 0:
             return self.truncation
@@ -130,8 +146,10 @@ class State:
         weight = np.where(last > 0.5 * head, 2 * np.sqrt(n), 0.73 * n * fall**window / np.maximum(1 - fall, 1.0 / n))
         return np.asarray(self.truncation * np.maximum(weight, 1.0))
 
+    @cached_property
     def _residual(self) -> Array:
-        """Residual of the equation times sqrt(1 - t^2), the largest of a few points of every solved zone that are no nodes."""
+        """Residual of the equation times sqrt(1 - t^2), the largest of a few points of every solved zone that are no
+        nodes."""
         system, zones = self.system, self.density.zones
         theta = (np.arange(9) + 0.4142) * np.pi / 9
         t = np.cos(theta)
@@ -258,7 +276,8 @@ def _held(end: End) -> bool:
 
 
 def _field_tail(system: System, y: Array, density: Density) -> float:
-    """Last coupled coefficients of what the other zones and the columns do, over the largest coefficient of the zone."""
+    """Last coupled coefficients of what the other zones and the columns do, over the largest coefficient of the
+    zone."""
     layout, g = system.layout, system.g
     if layout.m.max() < 8:
         return 0.0

@@ -10,9 +10,9 @@ the kernel makes of (h/pi) (t - s)^q kappa(t), on the zone and off it,
     (h/pi) ((z - s)^q 2 Im(-ln(1 - rho e^{i phi})) - P_q(z))
     P_0 = 0,   P_1 = sin(phi),   P_2 = (t - 2 s) sin(phi) + sin(2 phi)/4,
 
-P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa. So a jump J of the q-th derivative of g, with
-h = J w^q / q!, leaves a smooth right side once this is subtracted: q = 0 is a kink of the profile, q = 1 a jump of its
-curvature, q = 2 a knot of a cubic spline.
+P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa. So a jump J of the q-th derivative of g,
+with h = J w^q / q!, leaves a smooth right side once this is subtracted: q = 0 is a kink of the profile, q = 1 a jump of
+its curvature, q = 2 a knot of a cubic spline.
 """
 
 from __future__ import annotations
@@ -98,8 +98,8 @@ class Steps:
         return np.asarray((h * (-taken + (self.phi[k] * power + self._polynomial(k, left[..., None] - 1)) / np.pi)).sum(-1))
 
     def mean_offsets(self, zones: Zones) -> Array:
-        """Mean over each zone of the primitive of g (zero where its values at the ends are), less what the smooth part's own
-        coefficients say, over w: see `System.levels`."""
+        """Mean over each zone of the primitive of g (zero where its values at the ends are), less what the smooth
+        part's own coefficients say, over w: see `System.levels`."""
         phi, s, q = self.phi, self.s, self.order
         sine, double = np.sin(phi), np.sin(2 * phi)
         # Primitives of (t - s)_+^q at t = 1, and their means.
@@ -133,7 +133,8 @@ class Steps:
         return np.asarray(c[:, :count])
 
     def high_coefficients(self, zones: Zones) -> Array:
-        """Coefficients of the parts with q > 0, as many as potentials near an end need; (zones, 0) if there are none."""
+        """Coefficients of the parts with q > 0, as many as potentials near an end need; (zones, 0) if there are
+        none."""
         high = np.flatnonzero(self.order > 0)
         out = np.zeros((len(zones), _SERIES if len(high) else 0))
         if len(high):

@@ -45,7 +45,7 @@ CONTACT = """
     export plotting topology
     first_order gapped solution
     solver
-    compare path
+    compare paths
     __init__
     cli
     __main__

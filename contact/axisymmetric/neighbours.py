@@ -18,7 +18,7 @@ from the mean plane. All rings: no circle, and lattice sums in place of the far 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, isinf, pi, sqrt
+from math import asin, cos, inf, isinf, pi, sin, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -76,6 +76,29 @@ class Surroundings:
     kernel: NeighbourKernel | None
     circle: float
     density: float
+
+    def outside(self, x: ArrayLike) -> Array:
+        """sqrt(A^2 - x^2), less the A that the kernel's constant holds; 0 without a circle and beyond it."""
+        x = np.asarray(x, dtype=np.float64)
+        root = np.sqrt(np.maximum((self.circle - x) * (self.circle + x), 0.0))
+        if self.kernel is None:
+            return root
+        return np.where(x < self.circle, -(x**2) / np.maximum(self.circle + root, 1e-300), -self.circle)
+
+    def outside_slope(self, x: ArrayLike) -> Array:
+        """-x/sqrt(A^2 - x^2), x < A."""
+        x = np.asarray(x, dtype=np.float64)
+        inside = x < self.circle
+        square = np.where(inside, (self.circle - x) * (self.circle + x), 1.0)
+        return np.where(inside, -x / np.sqrt(square), 0.0)
+
+    def outside_integral(self, a: float) -> float:
+        """int_-a^a of `outside`, a <= A."""
+        if self.circle == 0.0:
+            return 0.0
+        turn = asin(a / self.circle)
+        whole = self.circle**2 * (turn + sin(turn) * cos(turn))
+        return whole - (2.0 * a * self.circle if self.kernel is not None else 0.0)
 
 
 def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundings:

@@ -145,9 +145,9 @@ def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
     def miss(middle: float) -> float:
         return float(np.mean(_values(ratio, middle, half, limit)))
 
-    if miss(half) >= 0.0:
+    if 2.0 * half >= limit or miss(half) >= 0.0:
         return None
-    high = min(2.0 * half, 0.5 * limit)
+    high = min(2.0 * half, 0.5 * limit)  # above h, and h below the limit
     while miss(high) <= 0.0:
         high = 2.0 * high if 2.0 * high + half < limit else 0.5 * (high + limit - half)
     return float(brentq(miss, half, high, xtol=1e-300, rtol=1e-15))

@@ -13,7 +13,7 @@ Names are given for a growing load; for a falling one the same event is a death 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -24,7 +24,7 @@ from contact import lazy
 from contact.checks import finite_array
 from contact.errors import NotConverged, SceneError
 from contact.extrema import maximum
-from contact.fields import ZoneFields
+from contact.gapped import GapFields, with_gaps
 from contact.problem import Control
 from contact.scene import Scene
 from contact.solution import Solution
@@ -35,6 +35,10 @@ Array = NDArray[np.float64]
 
 # Loads closer than this part of themselves are one: events within it are reported at their own loads but not separated.
 _CLOSE = 1e-7
+_TOLERANCE = 1e-13
+_USEFUL = 1e-3
+# Where the last gap but one has closed, as a rule: this far below the load of full contact.
+_BEFORE_FULL = 1e-7
 _REVERSED = {"birth": "death", "merge": "split", "full": "full"}
 
 
@@ -105,6 +109,15 @@ class _Path:
         )
         return solve(scene, self.tol, near=near)
 
+    def on_the_way(self, load: float, near: Solution) -> Solution:
+        """A state between two loads: close to an event a zone or gap may be too narrow for the tolerance, and still serve."""
+        try:
+            return self.at(load, near)
+        except NotConverged as failure:
+            if isinstance(failure.best, Solution) and failure.best.certificate.holds and failure.best.error < _USEFUL:
+                return failure.best
+            raise
+
     def between(self, first: Solution, last: Solution) -> list[Event]:
         """The events on the way from one solution to the next."""
         rising = last.load >= first.load
@@ -120,15 +133,21 @@ class _Path:
         changes = _changes(low, high)
         if not changes:
             return []
+        if changes[0].kind == "full" and len(low.zones) > 1:
+            # Other gaps close before the last one does.
+            full = _full(self.scene).load
+            before = max(low.load, full * (1 - _BEFORE_FULL))
+            last = self.on_the_way(before, low)
+            return [*self._events(low, last), _full_event(self.scene, last)]
         apart = high.load - low.load > _CLOSE * high.load
         if apart and (len(changes) > 1 or high.load > 1.3 * low.load):
-            middle = self.at(float(np.sqrt(low.load * high.load)), low)
+            middle = self.on_the_way(float(np.sqrt(low.load * high.load)), low)
             return self._events(low, middle) + self._events(middle, high)
         events = []
         for change in changes:
             event = self._event(change, low, high)
             if event is None and apart:
-                middle = self.at(0.5 * (low.load + high.load), low)
+                middle = self.on_the_way(0.5 * (low.load + high.load), low)
                 return self._events(low, middle) + self._events(middle, high)
             if event is None:
                 raise NotConverged(f"the {change.kind} between loads {low.load:.17g} and {high.load:.17g} was not located")
@@ -140,10 +159,9 @@ class _Path:
         if change.kind == "full":
             return _full_event(self.scene, low)
         side = low if change.kind == "birth" else high
-        fields = side.fields
-        assert isinstance(fields, ZoneFields)
-        condition = _Birth(fields, high, change) if change.kind == "birth" else _Merge(fields, low, high, change)
-        load = fields.problem.units.load
+        make = _conditions(side)[change.kind]
+        condition = make(side.fields, low, high, change)
+        load = condition.problem.units.load
         try:
             ends = condition(low.load / load), condition(high.load / load)
             if not ends[0] * ends[1] < 0:
@@ -175,59 +193,80 @@ def _changes(low: Solution, high: Solution) -> list[_Change]:
 
 
 class _Condition:
-    """A scaled function of the scaled load that is zero at the event; `position` [m] is where it was last evaluated."""
+    """A function of the scaled load that is zero at the event; `position` [m] is where it was last evaluated."""
 
     position = 0.0
 
-    def __init__(self, fields: ZoneFields, table: Array) -> None:
-        self.problem, self.table = fields.problem, table
-        self.tolerance = 1e-13
+    def __init__(self, fields: Any, low: Solution, high: Solution, change: _Change) -> None:
+        self.problem, self.fields, self.table = fields.problem, fields, fields.density.zones.table
+        if change.kind == "birth":
+            self.where = _scaled(fields, high.zones[change.higher])
+        else:
+            i, j = change.lower
+            left, right = _scaled(fields, low.zones[i]), _scaled(fields, low.zones[j])
+            gap = right[0] - left[1]
+            if fields.problem.period is not None:
+                gap %= fields.problem.period
+            # The pressure is least between where the two zones ended, or a little beside.
+            self.where = left[1] - 0.25 * gap, left[1] + 1.25 * gap
 
-    def formal(self, load: float) -> ZoneFields:
+    def formal(self, load: float) -> Any:
         """Fields with this number of zones at a load, whatever the signs; the next call starts from these zones."""
-        found = settle(self.problem, Control("load", load), self.table, self.tolerance, formal=True)
+        found = settle(self.problem, Control("load", load), self.table, _TOLERANCE, formal=True)
         self.table = found.free.density.zones.table
         return found.fields
+
+    def least(self, function: Callable[[Array], Array]) -> float:
+        place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), peaks=1)
+        self.position = float(self.problem.units.x(np.array(place)))
+        return -value
 
 
 class _Birth(_Condition):
     """The least gap about the place where the higher load has a zone of its own."""
 
-    def __init__(self, fields: ZoneFields, high: Solution, change: _Change) -> None:
-        super().__init__(fields, fields.density.zones.table)
-        self.where = _scaled_zone(fields, high.zones[change.higher])
-
     def __call__(self, load: float) -> float:
-        fields = self.formal(load)
-        a, b = self.where
-        x = np.linspace(a, b, 17)
-        place, value = maximum(lambda points: -fields.formal_gap(points), x, peaks=1)
-        self.position = float(self.problem.units.x(np.array(place)))
-        return -value
+        return self.least(self.formal(load).formal_gap)
 
 
 class _Merge(_Condition):
     """The least pressure between two zones that have become one."""
 
-    def __init__(self, fields: ZoneFields, low: Solution, high: Solution, change: _Change) -> None:
-        super().__init__(fields, fields.density.zones.table)
-        i, j = change.lower
-        left, right = _scaled_zone(fields, low.zones[i]), _scaled_zone(fields, low.zones[j])
-        period = fields.problem.period
-        start = left[1]
-        gap = right[0] - start if period is None else (right[0] - start) % period
-        self.where = start, start + gap
+    def __call__(self, load: float) -> float:
+        return self.least(self.formal(load).density)
+
+
+class _ByGaps(_Condition):
+    """The same for fields that come from their gaps."""
+
+    def formal(self, load: float) -> GapFields:
+        assert self.problem.period is not None
+        fields = with_gaps(self.fields, load / self.problem.period, self.table, _TOLERANCE)
+        self.table = fields.density.zones.table
+        return fields
+
+
+class _BirthInGap(_ByGaps):
+    """The least opening of a gap about the place where the higher load has a zone."""
 
     def __call__(self, load: float) -> float:
-        density = self.formal(load).density
-        a, b = self.where
-        x = np.linspace(a - 0.25 * (b - a), b + 0.25 * (b - a), 25)
-        place, value = maximum(lambda points: -density(points), x, peaks=1)
-        self.position = float(self.problem.units.x(np.array(place)))
-        return -value
+        return self.least(self.formal(load).density.integral)
 
 
-def _scaled_zone(fields: ZoneFields, zone: Array) -> tuple[float, float]:
+class _GapClosed(_ByGaps):
+    """The least pressure where a gap was."""
+
+    def __call__(self, load: float) -> float:
+        return self.least(self.formal(load).scaled_pressure)
+
+
+def _conditions(side: Solution) -> dict[str, type[_Condition]]:
+    if isinstance(side.fields, GapFields):
+        return {"birth": _BirthInGap, "merge": _GapClosed}
+    return {"birth": _Birth, "merge": _Merge}
+
+
+def _scaled(fields: Any, zone: Array) -> tuple[float, float]:
     """A zone in the scaled period in which the fields' own zones stand."""
     units, period = fields.problem.units, fields.problem.period
     a, b = (float(v) for v in units.scaled(zone))
@@ -239,16 +278,16 @@ def _scaled_zone(fields: ZoneFields, zone: Array) -> tuple[float, float]:
     return a, b
 
 
-def _full_event(scene: Scene, low: Solution) -> Event:
-    full = solve(replace(_bare(scene), contact_fraction=1.0))
-    x = np.linspace(*_gap_before(low), 65)
-    place, _ = maximum(lambda points: -full.pressure(points), x)
-    return Event("full", full.load, place, low.zones, np.zeros((0, 2)))
-
-
-def _bare(scene: Scene) -> Any:
+def _full(scene: Scene) -> Solution:
+    """Full contact at its smallest load."""
     control, _ = scene.control
-    return replace(scene, **{control: None, "contact_fraction": 1.0})
+    return solve(replace(scene, **{control: None, "contact_fraction": 1.0}))
+
+
+def _full_event(scene: Scene, low: Solution) -> Event:
+    full = _full(scene)
+    place, _ = maximum(lambda points: -full.pressure(points), np.linspace(*_gap_before(low), 65))
+    return Event("full", full.load, place, low.zones, np.zeros((0, 2)))
 
 
 def _gap_before(low: Solution) -> Sequence[float]:

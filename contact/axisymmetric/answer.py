@@ -1,0 +1,169 @@
+r"""A solved spot: pressure, gap and displacement from the Abel transforms, and what was checked.
+
+    p(r)   = E* p_f(r) + sum (2 N P/pi) arctan(sqrt(a^2 - r^2)/sqrt(A^2 - a^2))
+             + (E*/pi) sqrt(a^2 - r^2) int_0^1 (e'(x)/x) ds,   x^2 = r^2 + (a^2 - r^2) s^2
+    gap(r) = (2/pi) int_a^r [g(x) + d + e(x) - sum (2 N P/E*) sqrt(A^2 - x^2) - delta] dx / sqrt(r^2 - x^2)
+
+p_f the profile's own, e and A as in `system`. All is the mean over the angle; displacements count from the mean plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import inf, isinf, log, pi, sqrt
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike, NDArray
+
+from contact.axisymmetric.profiles import AxisymmetricProfile
+from contact.axisymmetric.quadrature import panels
+from contact.axisymmetric.system import Surface
+from contact.checks import finite_array
+from contact.errors import OutOfRange, SceneError
+
+Array = NDArray[np.float64]
+
+_ROWS = 64  # radii taken together: bounds the memory of a field
+_SAMPLES = 48
+_TENSION = 1e-9  # relative to the mean pressure, or to the height met: rounding of the checks below
+
+
+@dataclass(frozen=True)
+class Spot:
+    """One round spot of contact, and its surroundings. `error` bounds the relative error of load, radius and pressure
+    (to the mean pressure of the spot) as a solution of the equations of its model; it does not know the model's own."""
+
+    profile: AxisymmetricProfile
+    E_star: float
+    radius: float
+    load: float
+    depth: float
+    approach: float
+    density: float
+    rings: float
+    surface: Surface = field(repr=False)
+    reach: float
+    error: float = 0.0
+
+    @property
+    def nominal_pressure(self) -> float | None:
+        """Load times density [Pa]; None for a spot alone."""
+        return self.load * self.density if self.density > 0 else None
+
+    @property
+    def mean_pressure(self) -> float:
+        """Load over the area of the spot [Pa]."""
+        return self.load / (pi * self.radius**2)
+
+    @property
+    def contact_fraction(self) -> float | None:
+        """Area of contact over area; None for a spot alone."""
+        return pi * self.radius**2 * self.density if self.density > 0 else None
+
+    @property
+    def circle(self) -> float:
+        """A = (pi N)^(-1/2) [m], the circle whose area is a spot's share; inf for a spot alone."""
+        return 1.0 / sqrt(pi * self.density) if self.density > 0 else inf
+
+    def pressure(self, r: ArrayLike) -> Array:
+        """p(r) [Pa], 0 outside the spot."""
+        r = np.abs(finite_array("r", r, None))
+        inside = r < self.radius
+        total = np.zeros(r.shape)
+        if np.any(inside):
+            total[inside] = self._pressure(r[inside])
+        return total
+
+    def _pressure(self, r: Array) -> Array:
+        a = self.radius
+        flat = np.concatenate([self.profile.pressure_shape(part, a) for part in _parts(r)])
+        square = (a - r) * (a + r)
+        for strength, around in self.surface.nominal:
+            flat = flat + strength / pi * np.arctan(np.sqrt(square / ((around.circle - a) * (around.circle + a))))
+        if self.surface.sources:
+            nodes, weights = self._gauss
+            place = (r[:, None] ** 2 + square[:, None] * nodes**2) / a**2
+            flat = flat + np.sqrt(square) / pi * (chebyshev.chebval(2.0 * place - 1.0, self._bend) @ weights)
+        return np.asarray(self.E_star * flat)
+
+    @cached_property
+    def _bend(self) -> Array:
+        """e'(x)/x as Chebyshev series in x^2/a^2; its singularity, the neighbours' rim, sets the degree."""
+        rim = 2.0 * (self.reach / self.radius) ** 2 - 1.0
+        degree = min(400, 8 + int(36.0 / log(rim + sqrt(rim**2 - 1.0))))
+
+        def bend(z: Array) -> Array:
+            x = self.radius * np.sqrt(0.5 * (1.0 + z))
+            return self.surface.kept_slope(x) / x
+
+        return np.asarray(chebyshev.chebinterpolate(bend, degree))
+
+    @cached_property
+    def _gauss(self) -> tuple[Array, Array]:
+        nodes, weights = np.polynomial.legendre.leggauss(self._bend.size)
+        return 0.5 * (1.0 + nodes), 0.5 * weights
+
+    @property
+    def max_pressure(self) -> float:
+        """Peak pressure [Pa]; inf under a point or an edge."""
+        edges = self.profile.breakpoints[self.profile.jumps != 0]
+        if self.profile.pointed(self.radius) or np.any(edges < self.radius):
+            return inf
+        r = np.linspace(0.0, self.radius, 129)
+        p = self.pressure(r)
+        at = int(np.argmax(p))
+        while 0 < at < r.size - 1 and r[-1] - r[0] > 1e-8 * self.radius:
+            r = np.linspace(r[at - 1], r[at + 1], 17)
+            p = self.pressure(r)
+            at = int(np.argmax(p))
+        return float(p[at])
+
+    def gap(self, r: ArrayLike) -> Array:
+        """Mean over the angle of the gap [m], 0 in the spot, up to `reach`, where the neighbours begin."""
+        r = np.abs(finite_array("r", r, None))
+        if np.any(r > self.reach):
+            raise SceneError.of("r", float(np.max(r)), f"at most {self.reach:.17g}: there the neighbours begin")
+        total = np.zeros(r.shape)
+        outside = r > self.radius
+        if np.any(outside):
+            total[outside] = np.concatenate([self._gap(part) for part in _parts(r[outside])])
+        return total
+
+    def _gap(self, r: Array) -> Array:
+        breaks = [np.arcsin(np.clip(b / r, self.radius / r, 1.0)) for b in self.profile.breakpoints]
+        phi, weight = panels([np.arcsin(self.radius / r), *breaks, np.full_like(r, 0.5 * pi)])
+        x = np.minimum(r[:, None] * np.sin(phi), self.reach)
+        above = self.profile.line(x) + self.surface.value(x) - (self.approach - self.depth)
+        return np.asarray(2.0 / pi * np.sum(weight * above, axis=-1))
+
+    def displacement(self, r: ArrayLike) -> Array:
+        """Mean over the angle of the displacement into the body [m], from its mean (alone: from that at infinity)."""
+        r = np.abs(finite_array("r", r, None))
+        return self.approach - self.depth - self.profile.height(r) + self.gap(r)
+
+    def balance(self) -> float:
+        """int p dA over the load, less one: the transforms against one another."""
+        nodes, weights = panels([0.0, *np.minimum(self.profile.breakpoints, self.radius), self.radius])
+        pressure = self.pressure(nodes)
+        known = np.isfinite(pressure)  # a node on an edge itself has no weight
+        return float(2.0 * pi * np.sum((weights * nodes * pressure)[known]) / self.load) - 1.0
+
+    def check(self) -> None:
+        """OutOfRange if contact is not one full circle: tension in it, or another contact around it."""
+        angle = (np.arange(_SAMPLES) + 0.5) * (0.5 * pi / _SAMPLES)
+        least = float(np.min(self.pressure(self.radius * np.cos(angle))))
+        if least < -_TENSION * self.mean_pressure:
+            raise OutOfRange(f"contact is not a full circle: the pressure would fall to {least:.6g} Pa in the spot")
+        # Beyond half the way stands the neighbour's share of the surface.
+        end = 3.0 * self.radius if isinf(self.reach) else max(self.radius, min(self.reach, 0.5 * (self.reach + self.radius)))
+        r = np.linspace(self.radius, end, _SAMPLES + 1)[1:]
+        gap = self.gap(r)
+        if np.min(gap) < -_TENSION * float(np.max(np.abs(self.profile.height(r)))):
+            at = int(np.argmin(gap))
+            raise OutOfRange(f"contact is not one circle: the surfaces would meet again at r = {r[at]:.6g} m")
+
+
+def _parts(r: Array) -> list[Array]:
+    return [r[k : k + _ROWS] for k in range(0, r.size, _ROWS)]

@@ -1,0 +1,119 @@
+r"""Equal spots on a lattice by the localization principle: the paper's (1)-(4), and its second, more accurate step.
+
+`rings` = 0 is (1) with (4): the spot's own pressure and, outside A = (pi N)^(-1/2), the nominal pressure N P_s,
+
+    p(r) = p_f(r) + (2/pi) N P_s arctan(sqrt(a^2 - r^2)/sqrt(A^2 - a^2)),    P_s = 2 pi int_0^a p r dr,
+
+so P_s (1 - F) = P_f(a), F = (2/pi)[arcsin(a/A) - (a/A) sqrt(1 - a^2/A^2)]. `rings` = n keeps n rings of neighbours in
+their places, `math.inf` all of them: then only what varies with the angle is left out.
+"""
+
+from __future__ import annotations
+
+from math import asin, inf, isinf, pi, sqrt
+from typing import Any
+
+import numpy as np
+
+from contact.axisymmetric.answer import Spot
+from contact.axisymmetric.lattices import Density, Lattice, as_lattice, group, own_radius
+from contact.axisymmetric.neighbours import Surroundings, surroundings
+from contact.axisymmetric.profiles import AxisymmetricProfile, as_profile
+from contact.axisymmetric.refine import NODES, first_radius, refined, settled
+from contact.axisymmetric.system import Kind, Linear, State, closed_edge, force
+from contact.checks import integer, positive
+from contact.errors import OutOfRange, SceneError
+
+_ALONE = Surroundings(None, 0.0, 0.0)
+
+
+def solve_spot(
+    profile: Any,
+    E_star: float,
+    lattice: Lattice | Density | None = None,
+    *,
+    load: float | None = None,
+    nominal_pressure: float | None = None,
+    spot_radius: float | None = None,
+    rings: float = 0,
+    tol: float = 1e-10,
+) -> Spot:
+    """The spot under a load per spot [N], a nominal pressure [Pa] or of a given radius [m]: exactly one of them.
+
+    `profile` is an axisymmetric profile or a callable f(r); without a lattice the spot is alone.
+    """
+    shape, E = as_profile(profile), positive("E_star", E_star)
+    place = as_lattice(lattice)
+    kept, tol = ring_count(rings, place), positive("tol", tol)
+    name, value = one_control(load=load, nominal_pressure=nominal_pressure, spot_radius=spot_radius)
+    density = 0.0 if place is None else place.density
+    if name == "nominal_pressure":
+        if place is None:
+            raise SceneError("nominal_pressure needs a lattice or a density", name, value, "left out for a spot alone")
+        value /= density
+
+    kinds, seen = [Kind(shape, 0.0, density)], _seen(place, kept)
+    limit = min(inf if seen.kernel is None else 0.5 * seen.kernel.nearest, seen.circle or inf)
+    if name == "spot_radius":
+        if not value < limit:
+            raise OutOfRange(f"spot_radius = {value:.6g} m is out of range: it must be below {limit:.6g} m")
+        states = (Linear(kinds, [[seen]], np.array([value]), n).solve(closed_edge(0)) for n in NODES)
+    else:
+        start = first_radius(shape.load_integral, value / E, 1.0 if isinf(limit) else limit)
+        states = settled(kinds, [[seen]], np.array([min(start, 0.9 * limit)]), force(0, value / E))
+
+    def spots_of(state: State) -> list[Spot]:
+        a = float(state.radii[0])
+        reach = inf if place is None else seen.circle if seen.kernel is None else seen.kernel.nearest - a
+        return [
+            Spot(shape, E, a, E * float(state.forces[0]), 0.0, state.delta, density, kept, state.surfaces[0], reach)
+        ]
+
+    return refined(states, spots_of, tol)[0]
+
+
+def correction_share(ratio: float) -> float:
+    """F(a/A), the part of P_s that the nominal pressure around brings to the spot in the first step."""
+    if not 0.0 <= ratio <= 1.0:
+        raise SceneError.of("ratio", ratio, "a number from 0 to 1")
+    return 2.0 / pi * (asin(ratio) - ratio * sqrt((1.0 - ratio) * (1.0 + ratio)))
+
+
+def first_step_load(profile: Any, E_star: float, density: float, spot_radius: float) -> float:
+    """P_s = P_f(a)/(1 - F(a/A)) [N], the closed form of (1) with (4)."""
+    A = own_radius(positive("density", density))
+    a = positive("spot_radius", spot_radius)
+    if not a < A:
+        raise OutOfRange(f"spot_radius = {a:.6g} m is out of range: it must be below A = {A:.6g} m")
+    shape: AxisymmetricProfile = as_profile(profile)
+    return positive("E_star", E_star) * shape.load_integral(a) / (1.0 - correction_share(a / A))
+
+
+def one_control(**given: float | None) -> tuple[str, float]:
+    """The one control that is not left out, as a positive number."""
+    named = {name: value for name, value in given.items() if value is not None}
+    if len(named) != 1:
+        got = ", ".join(named) or "none"
+        raise SceneError(f"exactly one of {', '.join(given)} must be given (got {got})")
+    name, value = next(iter(named.items()))
+    return name, positive(name, value)
+
+
+def ring_count(rings: Any, place: Lattice | Density | None) -> float:
+    """How many rings of neighbours are kept: a whole number, or inf; more than 0 needs their places."""
+    count: float = inf if isinstance(rings, float) and rings == inf else integer("rings", rings)
+    if count > 0 and not isinstance(place, Lattice):
+        raise SceneError.of("rings", rings, "0 where no lattice says where the neighbours stand")
+    return count
+
+
+def _seen(place: Lattice | Density | None, rings: float) -> Surroundings:
+    if place is None:
+        return _ALONE
+    if not isinstance(place, Lattice):
+        return Surroundings(None, own_radius(place.density), place.density)
+    origin = [(0.0, 0.0)]
+    if rings == 0 or isinf(rings):
+        return surroundings(place, origin, rings)
+    radii, _ = group(place.reaching(origin, int(rings)))
+    return surroundings(place, origin, float(radii[int(rings) - 1]))

@@ -1,0 +1,308 @@
+r"""Spots of one or several kinds that carry each other's neighbours: the second-kind equation, and Newton for the radii.
+
+With w_j(x), |x| <= a_j, the Abel transform of kind j's own displacement (P_j = E* int w_j, p_j = -(E*/pi) int w_j'/sqrt),
+
+    w_j(x) = delta - d_j - g_j(x) - e_j(x) + sum_i (2 N_i P_i/E*) sqrt(A_ji^2 - x^2),
+    e_j(x) = (1/pi) sum_i int_-a_i^a_i w_i(t) K_ji(x - t) dt,
+
+g_j the profile's transform, d_j the depth of its tip, K and A from `neighbours`. For given radii this is linear in e_j at
+Gauss nodes, the loads and delta, closed by one side condition: a total load, w = 0 at the edge, or a tip that just touches.
+The right radii have w_j(a_j) = 0. A shift of a_j changes the integrals by w_j(a_j) da_j only, which vanishes there: the
+Jacobian of the edge values is diagonal, w_j'(a_j), and a_j -> a_j - w_j(a_j)/w_j'(a_j) is Newton's step, under any side
+condition.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact.axisymmetric.neighbours import Surroundings
+from contact.axisymmetric.profiles import AxisymmetricProfile
+from contact.axisymmetric.quadrature import half_gauss, panels
+from contact.errors import NotConverged, OutOfRange
+
+Array = NDArray[np.float64]
+
+_STEPS = 100
+_SETTLED = 1e-13  # relative step of the radii: the next one would be its square
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Spots of one profile, tip depth and density [1/m^2]."""
+
+    profile: AxisymmetricProfile
+    depth: float
+    density: float
+
+
+@dataclass(frozen=True)
+class Source:
+    """One kind's w at quadrature nodes 0 < t < a, acting through a kernel."""
+
+    nodes: Array
+    weighted: Array  # 2 x weight x w: summing it gives P/E*
+    around: Surroundings
+
+    def value(self, x: ArrayLike) -> Array:
+        """Its part of e(x)."""
+        x = np.asarray(x, dtype=np.float64)[..., None]
+        kernel = self.around.kernel
+        assert kernel is not None
+        both = kernel.value(x - self.nodes) + kernel.value(x + self.nodes)
+        return np.asarray(np.sum(self.weighted * both, axis=-1) / (2.0 * pi))
+
+    def slope(self, x: ArrayLike) -> Array:
+        x = np.asarray(x, dtype=np.float64)[..., None]
+        kernel = self.around.kernel
+        assert kernel is not None
+        both = kernel.slope(x - self.nodes) + kernel.slope(x + self.nodes)
+        return np.asarray(np.sum(self.weighted * both, axis=-1) / (2.0 * pi))
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What all the other spots do to one: `value` is its part of the ring displacement's transform, from the mean plane."""
+
+    sources: tuple[Source, ...]
+    nominal: tuple[tuple[float, Surroundings], ...]  # 2 N P/E* outside its circle
+
+    def value(self, x: ArrayLike) -> Array:
+        x = np.asarray(x, dtype=np.float64)
+        total = np.zeros(x.shape)
+        for source in self.sources:
+            total = total + source.value(x)
+        for strength, around in self.nominal:
+            total = total - strength * around.outside(x)
+        return total
+
+    def slope(self, x: ArrayLike) -> Array:
+        x = np.asarray(x, dtype=np.float64)
+        return self.kept_slope(x) - sum((s * around.outside_slope(x) for s, around in self.nominal), np.zeros(x.shape))
+
+    def kept_slope(self, x: ArrayLike) -> Array:
+        """That of the neighbours kept, without the nominal pressure: smooth up to D - a."""
+        x = np.asarray(x, dtype=np.float64)
+        return sum((source.slope(x) for source in self.sources), np.zeros(x.shape))
+
+
+@dataclass(frozen=True)
+class State:
+    """A solved system: radii, P/E* and w(a) of every kind (0 where it does not touch), delta, and what acts on whom."""
+
+    radii: Array
+    forces: Array
+    edges: Array
+    delta: float
+    surfaces: tuple[Surface, ...]
+
+
+# A side condition: (kinds, radii) -> (coefficients of the forces P/E*, target) and such; see the three below.
+Condition = Callable[["Linear"], tuple[Array, float]]
+
+
+class Linear:
+    """The linear system at given radii; the unknowns are e at the nodes of every touching kind, P/E*, and delta."""
+
+    def __init__(self, kinds: Sequence[Kind], around: Sequence[Sequence[Surroundings]], radii: Array, n: int) -> None:
+        self.kinds, self.around, self.radii = kinds, around, radii
+        self.active = [j for j in range(len(kinds)) if radii[j] > 0]
+        coupled = any(around[j][i].kernel is not None for j in self.active for i in self.active)
+        self.unit, self.weight = half_gauss(n) if coupled else (np.empty(0), np.empty(0))
+        m = self.unit.size
+        self.at_e = {j: slice(k * m, (k + 1) * m) for k, j in enumerate(self.active)}
+        self.at_force = {j: len(self.active) * m + k for k, j in enumerate(self.active)}
+        self.at_delta = len(self.active) * (m + 1)
+        self.size = self.at_delta + 1
+        self.smooth = {j: radii[j] * self.unit for j in self.active}
+        self.rough = {j: self._rough(j) for j in self.active}
+
+    def _rough(self, j: int) -> tuple[Array, Array]:
+        """Nodes and 2 x weights for the profile's g, which need not be smooth."""
+        a = float(self.radii[j])
+        breaks = [min(b, a) for b in self.kinds[j].profile.breakpoints]
+        nodes, weights = panels([0.0, *breaks, a])
+        return nodes, 2.0 * weights
+
+    def displacement_rows(self, j: int, x: Array) -> tuple[Array, Array]:
+        """e_j(x) as rows over the unknowns, and a constant."""
+        rows, constant = np.zeros((x.size, self.size)), np.zeros(x.size)
+        for i in self.active:
+            around = self.around[j][i]
+            kernel = around.kernel
+            if kernel is None:
+                continue
+            t = self.smooth[i]
+            heavy = self.weight * self.radii[i] / pi
+            smooth = heavy * (kernel.value(x[:, None] - t) + kernel.value(x[:, None] + t))
+            rows[:, self.at_e[i]] -= smooth
+            rows[:, self.at_delta] += np.sum(smooth, axis=1)
+            for k in self.active:
+                strength = 2.0 * self.kinds[k].density
+                rows[:, self.at_force[k]] += strength * (smooth @ self.around[i][k].outside(t))
+            s, w = self.rough[i]
+            rough = w / (2.0 * pi) * (kernel.value(x[:, None] - s) + kernel.value(x[:, None] + s))
+            constant -= rough @ self.kinds[i].profile.line(s) + self.kinds[i].depth * np.sum(smooth, axis=1)
+        return rows, constant
+
+    def edge_row(self, j: int, x: float) -> tuple[Array, float]:
+        """delta - d_j - e_j(x) + nominal terms, as a row and a constant: w_j(x) but for g_j."""
+        rows, constant = self.displacement_rows(j, np.array([x]))
+        row = -rows[0]
+        row[self.at_delta] += 1.0
+        for k in self.active:
+            row[self.at_force[k]] += 2.0 * self.kinds[k].density * float(self.around[j][k].outside(x))
+        return row, -float(constant[0]) - self.kinds[j].depth
+
+    def solve(self, condition: Condition) -> State:
+        matrix, right = np.zeros((self.size, self.size)), np.zeros(self.size)
+        for j in self.active:
+            at, a = self.at_e[j], float(self.radii[j])
+            rows, constant = self.displacement_rows(j, self.smooth[j])
+            matrix[at] = -rows
+            matrix[at, at] += np.eye(self.unit.size)
+            right[at] = constant
+            # P_j/E* = int w_j
+            row, kind = self.at_force[j], self.kinds[j]
+            matrix[row, row] = 1.0
+            matrix[row, at] = 2.0 * a * self.weight
+            matrix[row, self.at_delta] = -2.0 * a
+            for k in self.active:
+                matrix[row, self.at_force[k]] -= 2.0 * self.kinds[k].density * self.around[j][k].outside_integral(a)
+            right[row] = -2.0 * (a * kind.depth + kind.profile.line_integral(a))
+        matrix[-1], right[-1] = condition(self)
+        # Rows and columns have units; bring each row, then each column, to size one.
+        rows = 1.0 / np.max(np.abs(matrix), axis=1)
+        columns = 1.0 / np.max(np.abs(matrix * rows[:, None]), axis=0)
+        unknown = columns * np.linalg.solve(matrix * rows[:, None] * columns, right * rows)
+        return self._state(unknown)
+
+    def _state(self, unknown: Array) -> State:
+        delta = float(unknown[self.at_delta])
+        forces = np.zeros(len(self.kinds))
+        for j in self.active:
+            forces[j] = unknown[self.at_force[j]]
+        strength = [2.0 * kind.density * force for kind, force in zip(self.kinds, forces, strict=True)]
+        sources: dict[int, tuple[Array, Array]] = {}
+        for i in self.active if self.unit.size else []:
+            t, (s, w) = self.smooth[i], self.rough[i]
+            smooth = delta - self.kinds[i].depth - unknown[self.at_e[i]]
+            smooth = smooth + sum(strength[k] * self.around[i][k].outside(t) for k in self.active)
+            sources[i] = (
+                np.concatenate([t, s]),
+                np.concatenate([2.0 * self.radii[i] * self.weight * smooth, -w * self.kinds[i].profile.line(s)]),
+            )
+        surfaces, edges = [], np.zeros(len(self.kinds))
+        for j, kind in enumerate(self.kinds):
+            seen = self.around[j]
+            acting = tuple(Source(*sources[i], seen[i]) for i in self.active if seen[i].kernel is not None)
+            nominal = tuple((strength[i], seen[i]) for i in self.active if seen[i].circle > 0)
+            surfaces.append(Surface(acting, nominal))
+            if j in self.active:
+                a = self.radii[j]
+                edges[j] = delta - kind.depth - float(kind.profile.line(a)) - float(surfaces[j].value(a))
+        return State(self.radii.copy(), forces, edges, delta, tuple(surfaces))
+
+
+def total_load(pressure_over_E: float) -> Condition:
+    """sum_j N_j P_j = nominal pressure."""
+
+    def row(linear: Linear) -> tuple[Array, float]:
+        value = np.zeros(linear.size)
+        for j in linear.active:
+            value[linear.at_force[j]] = linear.kinds[j].density
+        return value, pressure_over_E
+
+    return row
+
+
+def force(kind: int, force_over_E: float) -> Condition:
+    """P_j given."""
+
+    def row(linear: Linear) -> tuple[Array, float]:
+        value = np.zeros(linear.size)
+        value[linear.at_force[kind]] = 1.0
+        return value, force_over_E
+
+    return row
+
+
+def closed_edge(kind: int) -> Condition:
+    """w_j(a_j) = 0 at the radius given."""
+
+    def row(linear: Linear) -> tuple[Array, float]:
+        a = float(linear.radii[kind])
+        value, constant = linear.edge_row(kind, a)
+        return value, float(linear.kinds[kind].profile.line(a)) - constant
+
+    return row
+
+
+def approach(delta: float) -> Condition:
+    """delta given."""
+
+    def row(linear: Linear) -> tuple[Array, float]:
+        value = np.zeros(linear.size)
+        value[linear.at_delta] = 1.0
+        return value, delta
+
+    return row
+
+
+def touching_tip(kind: int) -> Condition:
+    """A kind that carries nothing yet, its tip on the deformed surface."""
+
+    def row(linear: Linear) -> tuple[Array, float]:
+        value, constant = linear.edge_row(kind, 0.0)
+        return value, -constant
+
+    return row
+
+
+def settle(
+    kinds: Sequence[Kind], around: Sequence[Sequence[Surroundings]], start: Array, condition: Condition, n: int
+) -> State:
+    """Newton's radii from a start; 0 marks a kind that does not touch."""
+    radii = np.array(start, dtype=np.float64)
+    active = np.flatnonzero(radii > 0)
+    trace = []
+    for _ in range(_STEPS):
+        state = Linear(kinds, around, radii, n).solve(condition)
+        steps = np.zeros_like(radii)
+        for j in active:
+            a = radii[j]
+            slope = float(kinds[j].profile.line_slope(a)) + float(state.surfaces[j].slope(a))
+            # A profile flat at a, or one pushed from beside, has no step of Newton's: a doubling finds its way.
+            steps[j] = state.edges[j] / slope if slope > 0 else np.copysign(a, state.edges[j])
+        steps[active] = np.clip(steps[active], -0.5 * radii[active], radii[active])
+        trace.append(float(np.max(np.abs(steps[active] / radii[active]))))
+        if trace[-1] <= _SETTLED or (trace[-1] <= 1e-11 and len(trace) > 1 and trace[-1] >= 0.5 * trace[-2]):
+            return state
+        share = 1.0
+        while room(around, radii + share * steps) <= 0:
+            share *= 0.5
+        # Not onto the limit itself: half of what is left, at most.
+        if room(around, radii + share * steps) < 0.25 * room(around, radii):
+            share *= 0.5
+        radii = radii + share * steps
+        if room(around, radii) < 1e-7:
+            raise OutOfRange("the spots would grow into their neighbours before this state is reached: it is out of range")
+    raise NotConverged(f"the radii have not settled in {_STEPS} steps (last {trace[-1]:.2e})", trace)
+
+
+def room(around: Sequence[Sequence[Surroundings]], radii: Array) -> float:
+    """What is left, relative, before spots meet their neighbours or their circle; <= 0: they do."""
+    least = 1.0
+    for j in np.flatnonzero(radii > 0):
+        for i in np.flatnonzero(radii > 0):
+            seen = around[j][i]
+            if seen.kernel is not None:
+                least = min(least, 1.0 - (radii[j] + radii[i]) / seen.kernel.nearest)
+            if seen.circle > 0:
+                least = min(least, 1.0 - radii[j] / seen.circle)
+    return float(least)

@@ -1,0 +1,87 @@
+"""Nearly full contact, solved by its gaps: closed forms, agreement with the zones, and the smallest gaps."""
+
+import numpy as np
+import pytest
+
+import contact
+from contact import exact, solver
+from contact.inverse import random_problem
+
+AMPLITUDE, PERIOD, MODULUS = 1e-6, 1e-4, 1.1e11
+WAVE = contact.Sinusoid(AMPLITUDE, PERIOD)
+T = np.array([-0.999, -0.9, -0.3, 0.0, 0.5, 0.99])
+
+
+def closed(gap):
+    """Westergaard's contact with a gap of this part of the period."""
+    return exact.Westergaard(AMPLITUDE, PERIOD, MODULUS, 0.5 * PERIOD * (1 - gap))
+
+
+def errors(solution, truth):
+    pressure = np.abs(solution.pressure_at(T) - truth.pressure_at(T)).max() / truth.max_pressure
+    ends = np.abs(solution.zones - truth.zones).max() / truth.zone_widths[0]
+    return max(pressure, ends)
+
+
+@pytest.mark.parametrize("gap", [0.2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
+def test_the_wave_is_exact_up_to_gaps_of_a_millionth_of_the_period(gap):
+    truth = closed(gap)
+    solution = contact.solve(contact.Scene(WAVE, MODULUS, contact.Periodic(), load=truth.load))
+    assert solution.certificate.note == "solved by its gaps"
+    assert errors(solution, truth) < 1e-9
+    assert errors(solution, truth) <= solution.error
+
+
+def test_a_load_a_part_in_a_million_off_is_seen():
+    truth = closed(1e-2)
+    solution = contact.solve(contact.Scene(WAVE, MODULUS, contact.Periodic(), load=truth.load * (1 + 1e-6)))
+    assert errors(solution, truth) > 1e-8
+
+
+@pytest.mark.parametrize("gap", [0.2, 1e-2])
+def test_numbers_and_fields_are_those_of_the_closed_form(gap):
+    truth = closed(gap)
+    solution = contact.solve(contact.Scene(WAVE, MODULUS, contact.Periodic(), load=truth.load), tol=1e-10)
+    x = np.linspace(-0.7, 0.7, 41) * PERIOD
+    assert solution.approach == pytest.approx(truth.approach, rel=1e-12)
+    assert solution.stiffness == pytest.approx(truth.stiffness, rel=1e-9)
+    assert solution.max_pressure == pytest.approx(truth.max_pressure, rel=1e-12)
+    assert solution.zone_loads.sum() == pytest.approx(truth.load, rel=1e-12)
+    assert solution.gap(x) == pytest.approx(truth.gap(x), abs=1e-12 * AMPLITUDE)
+    assert solution.displacement(x) == pytest.approx(truth.displacement(x), abs=1e-12 * AMPLITUDE)
+    assert solution.mean_gap == pytest.approx(AMPLITUDE - truth.approach, abs=1e-12 * AMPLITUDE)
+
+
+@pytest.mark.parametrize("control", ["approach", "contact_fraction"])
+def test_other_controls_come_to_the_same_contact(control):
+    truth = closed(0.05)
+    scene = contact.Scene(WAVE, MODULUS, contact.Periodic(), **{control: getattr(truth, control)})
+    assert errors(contact.solve(scene), truth) < 1e-9
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_gaps_and_zones_give_the_same_contact(seed, monkeypatch):
+    design = random_problem(np.random.default_rng(seed), zones=4, period=1.0, fraction=0.8)
+    scene = contact.Scene(design.profile, 1.0, contact.Periodic(), load=design.load)
+    by_gaps = contact.solve(scene)
+    monkeypatch.setattr(solver, "_NEARLY_FULL", 2.0)
+    by_zones = contact.solve(scene)
+    assert (by_gaps.certificate.note, by_zones.certificate.note) == ("solved by its gaps", "")
+    assert by_gaps.zones == pytest.approx(design.zones, abs=1e-9)
+    assert by_zones.zones == pytest.approx(design.zones, abs=1e-9)
+    assert by_gaps.zone_loads == pytest.approx(by_zones.zone_loads, rel=1e-7)
+    assert by_gaps.approach == pytest.approx(by_zones.approach, rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.99, 1 - 1e-6, 1 - 1e-10])
+def test_a_rough_profile_next_to_full_contact_is_open_where_it_should_be(share):
+    rng = np.random.default_rng(3)
+    k = np.arange(1, 31)
+    profile = contact.Fourier(1.0, 0.01 * rng.normal(size=30) * k**-1.3, 0.01 * rng.normal(size=30) * k**-1.3)
+    full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0))
+    solution = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), load=share * full.load))
+    x = np.linspace(-0.5, 0.5, 20001)
+    assert 0.9 < solution.contact_fraction < 1.0
+    assert solution.pressure(x).min() > -1e-9 * solution.max_pressure
+    assert solution.gap(x).min() >= 0.0
+    assert solution.mean_gap > 0.0

@@ -1,0 +1,78 @@
+"""Load paths: the events are where their own conditions say, and loading and unloading give the same states."""
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+import contact
+from contact import exact
+from contact import path
+
+BIQUADRATIC = contact.Biquadratic(radius=1.0, spacing=0.1)
+MERGING = exact.IsolatedBiquadratic(1.0, 0.1, 1.0, 1e-4).merging_load
+ROUGH = contact.Fourier(1.0, cosine=[-0.01, -0.003, -0.004], sine=[0.001, 0.002, 0.001])
+
+
+def scene(profile, interaction):
+    return contact.Scene(profile, E_star=1.0, interaction=interaction, load=1.0)
+
+
+@lru_cache
+def rough_path(count, falling=False):
+    full = contact.solve(contact.Scene(ROUGH, 1.0, contact.Periodic(), contact_fraction=1.0)).load
+    loads = np.geomspace(1e-3, 1.1, count) * full
+    return path(scene(ROUGH, contact.Periodic()), loads[::-1] if falling else loads)
+
+
+def test_the_two_zones_of_the_biquadratic_merge_at_the_closed_form_load():
+    found = path(scene(BIQUADRATIC, contact.Isolated()), [0.3 * MERGING, 3 * MERGING])
+    (event,) = found.events
+    assert event.kind == "merge"
+    assert event.load == pytest.approx(MERGING, rel=1e-11, abs=0)
+    assert event.position == pytest.approx(0.0, abs=1e-9)
+    assert (len(event.before), len(event.after)) == (2, 1)
+    assert not event.load == pytest.approx(MERGING * (1 + 1e-9), rel=1e-11, abs=0)
+
+
+def test_unloading_meets_the_same_events_under_their_other_names():
+    up, down = rough_path(5), rough_path(5, falling=True)
+    other = {"birth": "death", "merge": "split", "full": "full"}
+    assert [other[e.kind] for e in up.events] == [e.kind for e in reversed(down.events)]
+    assert [e.load for e in up.events] == pytest.approx([e.load for e in reversed(down.events)], rel=1e-10)
+    for one, two in zip(up.solutions, reversed(down.solutions), strict=True):
+        assert one.zones == pytest.approx(two.zones, abs=1e-9)
+
+
+def test_the_number_of_zones_is_that_of_the_events_passed():
+    found = rough_path(5)
+    assert {e.kind for e in found.events} == {"birth", "merge", "full"}
+    assert [e.load for e in found.events] == sorted(e.load for e in found.events)
+    for solution in found.solutions:
+        passed = [e.kind for e in found.events if e.load < solution.load]
+        assert len(solution.zones) == 1 + passed.count("birth") - passed.count("merge") - passed.count("full")
+
+
+def test_just_beside_a_birth_the_solver_finds_the_zones_it_predicts():
+    birth = next(e for e in rough_path(5).events if e.kind == "birth")
+    below = contact.solve(contact.Scene(ROUGH, 1.0, contact.Periodic(), load=birth.load * (1 - 1e-4)))
+    above = contact.solve(contact.Scene(ROUGH, 1.0, contact.Periodic(), load=birth.load * (1 + 1e-4)))
+    assert len(above.zones) == len(below.zones) + 1
+    assert np.abs(above.zones.mean(axis=1) - birth.position).min() < 1e-2
+
+
+def test_full_contact_is_reached_at_the_closed_form_load():
+    wave = contact.Sinusoid(amplitude=1e-6, period=1e-4)
+    full = np.pi * 1.1e11 * 1e-6
+    waves = contact.Scene(wave, 1.1e11, contact.Periodic(), load=1.0)
+    found = path(waves, [0.5 * full, 2 * full])
+    (event,) = found.events
+    assert event.kind == "full"
+    assert event.load == pytest.approx(full, rel=1e-13)
+    assert abs(event.position) == pytest.approx(0.5e-4, rel=1e-6)
+
+
+@pytest.mark.parametrize("loads", [[], [0.0], [-1.0], [np.nan], "many", None])
+def test_loads_that_are_none_are_refused_by_name(loads):
+    with pytest.raises(contact.SceneError, match="loads"):
+        path(scene(BIQUADRATIC, contact.Isolated()), loads)
