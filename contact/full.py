@@ -80,6 +80,25 @@ def largest_conjugate(profile: Profile, conjugate: Callable[[Array], Array]) -> 
     return maximum(conjugate, period_samples(profile))[1]
 
 
+class FullLimit:
+    """Where full contact begins: the smallest mean pressure [Pa], inf if there is none, found when first asked for."""
+
+    def __init__(self, profile: Profile, E_star: float, periodic: bool) -> None:
+        self.profile, self.E_star = profile, E_star
+        self.possible = periodic and not has_kinked_valley(profile)
+
+    @cached_property
+    def conjugate(self) -> Callable[[Array], Array]:
+        """H f' of x [m]."""
+        return conjugate_slope(self.profile)
+
+    @cached_property
+    def pressure(self) -> float:
+        if not self.possible:
+            return np.inf
+        return 0.5 * self.E_star * largest_conjugate(self.profile, self.conjugate)
+
+
 def period_samples(profile: Profile) -> Array:
     """Even samples of a period, closer than anything varies, as far as the profile tells."""
     length = profile.period

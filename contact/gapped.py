@@ -207,7 +207,7 @@ def find_gaps(
     if control.kind == "approach":
         # The approach is a difference of numbers of the size of the profile, and hardly changes near full contact.
         rate = found.fields.stiffness / found.fields.period * units.height / units.load
-        rounding += 1e-15 * abs(rate) * max(control.value, mean_shape(problem))
+        rounding += 3e-16 * abs(rate) * max(control.value, mean_shape(problem))
     return replace(found, off=rounding / (full - found.fields.mean))
 
 

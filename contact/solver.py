@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import partial
 from numbers import Real
 
 import numpy as np
@@ -14,17 +13,17 @@ import sie
 from contact import planning
 from contact.certificate import Certificate
 from contact.errors import NotConverged, OutOfRange, SceneError
-from contact.extrema import maximum
-from contact.first_order import FirstOrder
 from contact.fields import ZoneFields, mean_shape
-from contact.full import FullFields, conjugate_slope, has_kinked_valley, largest_conjugate, period_samples
+from contact.first_order import FirstOrder
+from contact.framing import framed, lowest
+from contact.full import FullFields, FullLimit, period_samples
 from contact.gapped import Gapped, find_gaps
 from contact.interactions.isolated import Isolated
 from contact.interactions.periodic import Periodic
 from contact.planning import Plan
 from contact.problem import Control, Problem, Units
+from contact.proposals import about, placed, proposed
 from contact.scene import Scene
-from contact.search import find_window, grid_height, propose
 from contact.single import guess_half_width, largest_single_load, single_half_width
 from contact.solution import Solution
 from contact.topology import Found, Progress, WrongTopology, settle
@@ -63,12 +62,14 @@ class _Run:
         self.tolerance = max(0.1 * tol, 2e-15)
         self.single = planning.starts_from_one_zone(scene)
         self.near = near
+        self.full = FullLimit(scene.profile, scene.E_star, scene.interaction.images is None)
 
     def solution(self) -> Solution:
         kind, value = self.scene.control
         if kind == "contact_fraction" and value == 1.0:
             return self._full(self._full_pressure_or_refuse())
-        self.problem, self.start, self.control = self._scaled()
+        self.frame = framed(self.scene, self.single)
+        self.problem, self.control = self.frame.problem, self.frame.control
         found = self._found()
         if found is None:
             return self._full(self._mean_pressure())
@@ -100,87 +101,6 @@ class _Run:
             return None if isinstance(again, Gapped) else again
         return settle(problem, self.control, table, self.tolerance, self.progress)
 
-    # scaled problem -------------------------------------------------------------------------------------------------
-    def _scaled(self) -> tuple[Problem, Array | None, Control]:
-        """Units, the scaled problem, and the zones known before any search (None if they must be searched)."""
-        scene = self.scene
-        profile, period = scene.profile, scene.profile.period
-        if period is not None:
-            origin = 0.0 if profile.symmetric else profile.x0 + 0.5 * period
-            cell: tuple[float, float] | None = (profile.x0, profile.x0 + period)
-            length = period
-        else:
-            origin, length, cell = self._isolated_frame()
-        lowest = self._lowest(cell)
-        slope = self._typical_slope(origin, length, cell)
-        units = Units(origin, length, slope, scene.E_star)
-        problem = Problem(profile, scene.interaction, units, lowest)
-        self.cell = cell
-        control = self._control(units)
-        return problem, None, control
-
-    def _isolated_frame(self) -> tuple[float, float, tuple[float, float] | None]:
-        """Origin, length and search window of a profile without a period."""
-        scene, profile = self.scene, self.scene.profile
-        kind, value = scene.control
-        if kind == "half_width":
-            return 0.0, value, (-value, value)
-        if profile.support is not None:
-            lo, hi = profile.support
-            return 0.5 * (lo + hi), 0.5 * (hi - lo), (lo, hi)
-        if self.single:
-            rough = Problem(profile, scene.interaction, Units(0.0, 1.0, 1.0, scene.E_star), float(profile.height(0.0)))
-            a = guess_half_width(rough, self._control(rough.units))
-            return 0.0, a, (-2 * a, 2 * a)
-        datum = getattr(scene.interaction, "datum", None)
-        by_load = kind == "load"
-        find = partial(find_window, start_scale=profile.resolution, datum=datum or 1.0, limits=profile.extent)
-        if by_load:
-            window = find(partial(grid_height, profile), scene.E_star, load=value)
-        else:
-            # The lowest point is in contact at any load: a window of any contact holds it.
-            first = find(profile.height, scene.E_star, load=1e-3 * scene.E_star * (datum or 1.0))
-            window = find(profile.height, scene.E_star, level=self._lowest(first) + value)
-        origin = 0.0 if profile.symmetric else 0.5 * (window[0] + window[1])
-        return origin, 0.5 * (window[1] - window[0]), window
-
-    def _lowest(self, cell: tuple[float, float] | None) -> float:
-        profile = self.scene.profile
-        if profile.summits is not None:
-            return float(np.min(profile.height(np.asarray(profile.summits))))
-        if profile.period is not None:
-            x = period_samples(profile)
-        else:
-            assert cell is not None
-            x = np.linspace(*cell, 1025)
-        return -maximum(lambda points: -np.asarray(profile.height(points)), x)[1]
-
-    def _typical_slope(self, origin: float, length: float, cell: tuple[float, float] | None) -> float:
-        lo, hi = cell if cell is not None else (origin - length, origin + length)
-        x = lo + (hi - lo) * (np.arange(32) + 0.4142) / 32
-        with np.errstate(over="ignore", invalid="ignore"):
-            slopes = np.abs(np.asarray(self.scene.profile.slope(x)))
-        slope = float(np.max(slopes[np.isfinite(slopes)], initial=0.0))
-        if slope > 0.0:
-            return slope
-        kind, value = self.scene.control
-        return value / (self.scene.E_star * length) if kind == "load" else 1.0
-
-    def _control(self, units: Units) -> Control:
-        kind, value = self.scene.control
-        period = self.scene.profile.period
-        if kind == "mean_pressure":
-            assert period is not None
-            return Control("load", value * period / units.load)
-        if kind == "load":
-            return Control("load", value / units.load)
-        if kind == "approach":
-            return Control("approach", value / units.height)
-        if kind == "half_width":
-            return Control("half_width", value / units.length)
-        assert period is not None
-        return Control("width", value * period / units.length)
-
     def _mean_pressure(self) -> float:
         kind, value = self.scene.control
         period = self.scene.profile.period
@@ -188,19 +108,8 @@ class _Run:
         return value if kind == "mean_pressure" else value / period
 
     # full contact ---------------------------------------------------------------------------------------------------
-    def _full_pressure(self) -> float:
-        """Smallest mean pressure of full contact; inf if there is none."""
-        if not hasattr(self, "_full_from"):
-            profile = self.scene.profile
-            if self.scene.interaction.images is not None or has_kinked_valley(profile):
-                self._full_from = math.inf
-            else:
-                self._conjugate = conjugate_slope(profile)
-                self._full_from = 0.5 * self.scene.E_star * largest_conjugate(profile, self._conjugate)
-        return self._full_from
-
     def _full_pressure_or_refuse(self) -> float:
-        pressure = self._full_pressure()
+        pressure = self.full.pressure
         if not math.isfinite(pressure):
             raise OutOfRange("no load brings this scene into full contact: its valleys have kinks, or the model has none")
         return pressure
@@ -209,9 +118,9 @@ class _Run:
         scene, profile = self.scene, self.scene.profile
         self._full_pressure_or_refuse()
         units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
-        problem = Problem(profile, scene.interaction, units, self._lowest(None))
-        fields = FullFields(problem, mean_pressure, self._conjugate, mean_shape(problem) * units.height)
-        least = mean_pressure - self._full_from
+        problem = Problem(profile, scene.interaction, units, lowest(profile))
+        fields = FullFields(problem, mean_pressure, self.full.conjugate, mean_shape(problem) * units.height)
+        least = mean_pressure - self.full.pressure
         certificate = Certificate(
             smallest_pressure=least, smallest_gap=None, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
             points=len(period_samples(profile)), holds=True, note="full contact: the pressure is nowhere negative",
@@ -235,7 +144,7 @@ class _Run:
         """Zones of the near solution, scaled; None if there is none or it is in full contact."""
         if self.near is None or len(self.near.zones) == 0 or self.control.kind == "half_width":
             return None
-        return self._placed(self.problem, self.near.zones)
+        return placed(self.problem, self.near.zones)
 
     def _search(self, problem: Problem, control: Control, start: Array | None = None) -> Found | Gapped | None:
         if control.kind == "approach":
@@ -264,18 +173,16 @@ class _Run:
 
     def _worth_gaps(self, problem: Problem, width: float) -> bool:
         """Whether contact of about this scaled width is better solved by its gaps."""
-        if self.scene.interaction.images is not None or problem.period is None or has_kinked_valley(self.scene.profile):
-            return False
-        return width > _NEARLY_FULL * problem.period
+        return self.full.possible and problem.period is not None and width > _NEARLY_FULL * problem.period
 
     def _by_gaps(self, problem: Problem, control: Control, width: float) -> Gapped | None:
         """The contact solved by its gaps, where it is about as wide as that; None if it is not or that fails."""
         if control.kind == "half_width" or not self._worth_gaps(problem, width):
             return None
-        units, full = problem.units, self._full_pressure()
+        units, full = problem.units, self.full.pressure
 
         def conjugate(x: Array) -> Array:
-            return np.asarray(self._conjugate(units.x(x))) / units.slope
+            return np.asarray(self.full.conjugate(units.x(x))) / units.slope
 
         with self.plan.timed("zone ends"):
             try:
@@ -285,12 +192,12 @@ class _Run:
 
     def _is_full(self, control: Control) -> bool:
         """Whether the load is that of full contact or above."""
-        if control.kind != "load" or self.scene.interaction.images is not None:
+        if control.kind != "load" or not self.full.possible:
             return False
-        return self._mean_pressure() >= self._full_pressure()
+        return self._mean_pressure() >= self.full.pressure
 
     def _below_full_approach(self, control: Control) -> None:
-        if self.scene.interaction.images is not None or has_kinked_valley(self.scene.profile):
+        if not self.full.possible:
             return
         highest, units = mean_shape(self.problem), self.problem.units
         if control.value >= highest:
@@ -351,87 +258,29 @@ class _Run:
         points: int | None = None
         failure: WrongTopology | None = None
         while points is None or points <= _MOST_POINTS:
+            if self.progress is not None:
+                self.progress("coarse grid", 0, None)
             with self.plan.timed("coarse search"):
-                table, points, full, border = self._proposal(problem, control, points)
-            search.detail = f"{points} points, {len(table)} zones proposed"
-            if border:
+                proposal = proposed(self.frame, problem, control, points)
+            points = proposal.points
+            search.detail = f"{points} points, {len(proposal.zones)} zones proposed"
+            if proposal.touches_border:
                 raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
-            width = math.inf if full else float(np.sum(table[:, 1] - table[:, 0])) / problem.units.length
+            width = proposal.width / problem.units.length
             if problem.period is not None and width > 0.4 * problem.period and self._is_full(control):
                 return None
             gapped = self._by_gaps(problem, control, width)
             if gapped is not None:
                 return gapped
-            if not full and len(table):
+            if not proposal.full and len(proposal.zones):
                 with self.plan.timed("zone ends"):
-                    placed = self._placed(problem, table)
+                    table = placed(problem, proposal.zones)
                     try:
-                        return settle(self._about(problem, placed), control, placed, self.tolerance, self.progress)
+                        return settle(about(problem, table), control, table, self.tolerance, self.progress)
                     except WrongTopology as error:
                         failure = error
             points *= 4
         raise self._not_converged(failure or WrongTopology("the grid is in full contact, the profile is not", None))
-
-    def _proposal(self, problem: Problem, control: Control, points: int | None) -> tuple[Array, int, bool, bool]:
-        scene, units = self.scene, problem.units
-        profile = scene.profile
-        assert self.cell is not None
-        if self.progress is not None:
-            self.progress("coarse grid", 0, None)
-        periodic = scene.interaction.needs_period
-        if control.kind == "width":
-            return self._proposal_by_width(problem, control, points)
-        by_load = control.kind == "load"
-        proposal = propose(
-            partial(grid_height, profile) if by_load else profile.height, self.cell, E=scene.E_star, periodic=periodic,
-            datum=getattr(scene.interaction, "datum", None) or 1.0, resolution=profile.resolution, points=points,
-            load=control.value * units.load if by_load else None,
-            level=None if by_load else problem.lowest + control.value * units.height,
-        )
-        return proposal.zones, proposal.points, proposal.full, proposal.touches_border
-
-    def _proposal_by_width(self, problem: Problem, control: Control, points: int | None) -> tuple[Array, int, bool, bool]:
-        """The load at which the grid's zones have the given total width, by bisection on its logarithm."""
-        units = problem.units
-        width = control.value * units.length
-        low, high = 1e-40, 1e3
-        best = None
-        for _ in range(40):
-            load = math.sqrt(low * high)
-            table, points, full, border = self._proposal(problem, Control("load", load), points)
-            got = math.inf if full else float(np.sum(table[:, 1] - table[:, 0]))
-            if not full:
-                best = (table, points, full, border)
-            if abs(got / width - 1) < 0.03:
-                break
-            low, high = (load, high) if got < width else (low, load)
-        assert best is not None
-        return best
-
-    def _placed(self, problem: Problem, table: Array) -> Array:
-        """Zones in scaled variables, cut at the widest gap of the period where the model wants them in one strip."""
-        scaled = problem.units.scaled(table)
-        period = problem.period
-        if period is None:
-            return scaled
-        if self.scene.profile.symmetric:
-            # About the origin, so that mirror images stand together.
-            scaled = scaled - np.round(scaled.mean(axis=1) / period)[:, None] * period
-            scaled = scaled[np.argsort(scaled[:, 0])]
-        if problem.interaction.strip and len(scaled):
-            gaps = np.append(scaled[1:, 0] - scaled[:-1, 1], scaled[0, 0] + period - scaled[-1, 1])
-            if gaps[-1] < (1 - 1e-6) * gaps.max():
-                first = int(np.argmax(gaps)) + 1
-                scaled = np.concatenate((scaled[first:], scaled[:first] + period))
-        return np.asarray(scaled)
-
-    def _about(self, problem: Problem, table: Array) -> Problem:
-        """The problem with its strip centred on the zones from which Newton starts."""
-        if not problem.interaction.strip:
-            return problem
-        middle = 0.5 * float(table[0, 0] + table[-1, 1])
-        near_origin = abs(middle) < 0.25 * float((table[:, 1] - table[:, 0]).min())
-        return problem.about(0.0 if self.scene.profile.symmetric and near_origin else middle)
 
     # strips ---------------------------------------------------------------------------------------------------------
     def _centred(self, problem: Problem, control: Control, start: Array | None) -> Found | None:
@@ -550,4 +399,10 @@ class _Run:
         moved = (free.end_error.max(axis=1) + state.end_truncation) * 4 * (1 + state.waviness)
         singular = any(end.intensity is None for end in (*state.density.zones.left, *state.density.zones.right))
         # Beside a singular end the pressure is several times the mean, to which its error is referred.
-        return float(moved.max(initial=0.0)) + (8 if singular else 1) * (state.density_error + 2e-15)
+        error = float(moved.max(initial=0.0)) + (8 if singular else 1) * (state.density_error + 2e-15)
+        if self.control.kind != "approach":
+            return error
+        # A stiff contact turns the rounding of its level into load.
+        fields, units = found.fields, found.fields.problem.units
+        rounding = fields.gap_rounding / 16 + 4e-16 * state.density.total
+        return error + abs(rounding * fields.stiffness * units.height / (units.load * state.density.total))

@@ -19,7 +19,7 @@ SIE = """
     zones
     conditions steps
     equation
-    modes near_jumps
+    gap_steps lazy modes near_jumps tree
     assemble
     field
     density
@@ -42,8 +42,8 @@ CONTACT = """
     problem interactions.__init__ scene
     fields planning single scene_file answer
     certificate full sampling
-    export plotting topology
-    first_order gapped solution
+    export framing plotting topology
+    first_order gapped proposals solution
     solver
     compare paths
     __init__
