@@ -23,7 +23,8 @@ from contact.solver import solve
 
 __all__ = [
     "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Interaction", "Isolated", "Localized", "MissingExtra",
-    "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene", "SceneError",
+    "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
+    "SceneError",
     "Sinusoid", "Solution", "Wedge", "interaction", "interactions", "load_scene", "path", "plan", "profile", "profiles",
     "register_interaction", "register_profile", "solve",
 ]

@@ -1,4 +1,4 @@
-"""The command line: `contact solve | plan | compare | profiles | interactions`.
+"""The command line: `contact solve | plan | compare | figures | bench | stability | profiles | interactions`.
 
 Exit status 0: solved; 2: bad input or out of range; 3: not converged. For 2 and 3 stderr has one line.
 """
@@ -18,7 +18,8 @@ import numpy as np
 
 from contact import lazy
 from contact.answer import Answer
-from contact.compare import Attempt, compare, difference, total_width
+from contact.compare import compare, refusals, table, total_width
+from contact.compare_plot import plot_comparison
 from contact.errors import ContactError, NotConverged, SceneError
 from contact.export import ZONE_COLUMNS, to_json, write_csv, write_netcdf, zone_table
 from contact.planning import plan
@@ -116,16 +117,75 @@ def plan_command(scene: Path) -> None:
 
 @main.command("compare")
 @_SCENE
+@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw pressures and errors.")
 @_TOL
-def compare_command(scene: Path, tol: float) -> None:
-    """Solve a SCENE as isolated, localized and exact contact, side by side."""
+def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
+    """Solve a SCENE as isolated, localized (with and without explicit neighbours) and exact contact, side by side."""
     problem = load_scene(scene)
+    if figure is not None:
+        _checked_figure(figure)
     with Progress() as progress:
         attempts = compare(problem, tol, progress)
-    _show_comparison(attempts)
+    show_table("models", ("", *(a.name for a in attempts)), table(attempts), numeric=range(1, len(attempts) + 1))
+    for line in refusals(attempts):
+        click.echo(line)
     if all(attempt.solution is None for attempt in attempts):
         failures = [attempt.refusal for attempt in attempts if attempt.refusal is not None]
         raise next((error for error in failures if isinstance(error, NotConverged)), failures[-1])
+    if figure is not None:
+        plot_comparison(attempts).savefig(figure, dpi=200)
+        click.echo(f"written: {figure}")
+
+
+@main.command("figures")
+@click.argument("numbers", nargs=-1, metavar="[N]...")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("figures"), show_default=True, help="Folder, made.")
+def figures_command(numbers: tuple[str, ...], out: Path) -> None:
+    """Draw figures N (2A 2B 7 8 9 10 11 12 13; all if none is named) of the paper, with their numbers as CSV.
+
+    Each has the exact solution beside the paper's curves; see docs/paper.
+    """
+    figures = lazy.paper_figures()
+    wanted = figures.chosen(numbers)
+    with Progress() as progress:
+        for done, number in enumerate(wanted):
+            progress(f"figure {number}", done, len(wanted))
+            for path in figures.write(number, out):
+                click.echo(f"written: {path}")
+
+
+@main.command("bench")
+@click.option("--quick", is_flag=True, help="Fewer and smaller scenes: about a minute.")
+@click.option("--peers", is_flag=True, help="Run tamaas and ContactMechanics on the same scenes (extra `peers`).")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for tables, CSV and figures, made.")
+def bench_command(quick: bool, peers: bool, out: Path) -> None:
+    """Measure error against run time, and cost against size; see docs/benchmarks."""
+    suites = lazy.bench()
+    lazy.matplotlib_figure()
+    out.mkdir(parents=True, exist_ok=True)
+    with Progress() as progress:
+        tables = suites.bench(out, quick, peers, progress)
+    for title, columns, rows in tables:
+        show_table(title, columns, rows)
+    click.echo(f"written: {out}")
+
+
+@main.command("stability")
+@click.option("--quick", is_flag=True, help="Without the scenes that take more than a few seconds.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for the table and a CSV, made.")
+def stability_command(quick: bool, out: Path | None) -> None:
+    """Solve stiff and extreme scenes and hold each error against what the scene's condition allows.
+
+    Exit status 3 if any fails that is not known to.
+    """
+    suites = lazy.bench()
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+    with Progress() as progress:
+        (title, columns, rows), failed = suites.extremes(out, quick, progress)
+    show_table(title, columns, rows)
+    if failed:
+        raise NotConverged(f"{failed} of {len(rows)} scenes fail")
 
 
 @main.command("profiles")
@@ -157,9 +217,13 @@ def _outputs(save: Path | None, table: Path | None, figure: Path | None) -> dict
     if table is not None:
         outputs[_checked("--csv", table, (".csv",))] = write_csv
     if figure is not None:
-        known = lazy.matplotlib_agg().FigureCanvasAgg.get_supported_filetypes()
-        outputs[_checked("--plot", figure, [f".{kind}" for kind in known])] = _write_figure
+        outputs[_checked_figure(figure)] = _write_figure
     return outputs
+
+
+def _checked_figure(path: Path) -> Path:
+    known = lazy.matplotlib_agg().FigureCanvasAgg.get_supported_filetypes()
+    return _checked("--plot", path, [f".{kind}" for kind in known])
 
 
 def _checked(option: str, path: Path, endings: Iterable[str]) -> Path:
@@ -208,30 +272,6 @@ def _show_solution(solution: Answer, seconds: float) -> None:
     show_table("zones", names, shown, numeric=range(len(names)))
     if len(rows) > _ZONES_SHOWN:
         click.echo(f"{len(rows) - _ZONES_SHOWN} more zones: --csv writes them all")
-
-
-def _show_comparison(attempts: list[Attempt]) -> None:
-    exact = attempts[-1]
-    lines: list[tuple[str, Callable[[Answer], str]]] = [
-        ("load", lambda s: quantity(s.load, "N/m", 6)),
-        ("mean pressure", lambda s: quantity(s.mean_pressure, "Pa", 6)),
-        ("max pressure", lambda s: quantity(s.max_pressure, "Pa", 6)),
-        ("contact fraction", lambda s: "-" if s.contact_fraction is None else f"{s.contact_fraction:.6g}"),
-        ("total width", lambda s: quantity(total_width(s), "m", 6)),
-        ("zones", lambda s: str(len(s.zones)) if len(s.zones) else "full contact"),
-        ("first zone, left", lambda s: quantity(s.zones[0, 0], "m", 6) if len(s.zones) else "-"),
-        ("first zone, right", lambda s: quantity(s.zones[0, 1], "m", 6) if len(s.zones) else "-"),
-    ]
-    rows = [(label, *("-" if a.solution is None else tell(a.solution) for a in attempts)) for label, tell in lines]
-    for name in ("load", "max_pressure", "total_width"):
-        apart = [difference(attempt, exact, name) for attempt in attempts]
-        told = ("-" if value is None else f"{100.0 * value:+.3g} %" for value in apart)
-        rows.append((f"{name.replace('_', ' ')} to exact", *told))
-    rows.append(("time", *(quantity(attempt.seconds, "s", 3) for attempt in attempts)))
-    show_table("models", ("", *(a.name for a in attempts)), rows, numeric=range(1, len(attempts) + 1))
-    for attempt in attempts:
-        if attempt.refusal is not None:
-            click.echo(f"{attempt.name}: no solution: {' '.join(str(attempt.refusal).split())}")
 
 
 def _told(value: Any) -> str:

@@ -1,7 +1,8 @@
 """One scene under each interaction model, at the same control.
 
-The models are the paper's isolated contact and its localization principle with both closures, the scene's own where it
-is another, and the exact periodic contact, in that order. One that has no solution says why and does not stop the rest.
+The models are the paper's isolated contact and its localization principle with both closures, the same principle with m
+neighbours on each side kept explicitly, the scene's own where it is another, and the exact periodic contact, in that order.
+One that has no solution says why and does not stop the rest.
 """
 
 from __future__ import annotations
@@ -18,8 +19,17 @@ from contact.interactions.base import Interaction
 from contact.registry import interaction
 from contact.scene import Scene
 from contact.solver import solve
+from contact.units import quantity
 
 Report = Callable[[str, int, int | None], None]
+
+NEIGHBOURS = (1, 2, 4, 8)
+
+# A table of more zones than this is for a file.
+_ZONES_SHOWN = 4
+
+# Normalised positions in a zone at which pressures are compared: inside, closer at the ends.
+_T = np.cos((np.arange(41) + 0.5) * np.pi / 41)
 
 
 @dataclass(frozen=True)
@@ -53,11 +63,80 @@ def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
     return value / reference - 1.0
 
 
+def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
+    """The largest distance of a zone's end from the exact model's, over that zone's width; None if the zones are others."""
+    if attempt.solution is None or exact.solution is None:
+        return None
+    ours, zones = attempt.solution.zones, exact.solution.zones
+    if len(ours) != len(zones) or len(zones) == 0:
+        return None
+    return float(np.max(np.abs(ours - zones) / exact.solution.zone_widths[:, None]))
+
+
+def pressure_apart(attempt: Attempt, exact: Attempt) -> float | None:
+    """The largest difference of pressure at equal normalised positions in corresponding zones, over the exact peak (over the
+    mean on the zones where the peak is infinite)."""
+    if ends_apart(attempt, exact) is None:
+        return None
+    assert attempt.solution is not None and exact.solution is not None
+    reference = exact.solution
+    scale = reference.max_pressure
+    if not np.isfinite(scale):
+        scale = reference.load / total_width(reference)
+    ours, theirs = (s.pressure(_within(s.zones)) for s in (attempt.solution, reference))
+    return float(np.max(np.abs(ours - theirs)) / scale)
+
+
 def total_width(solution: Answer) -> float:
     """Length in contact: of all zones, or the period at full contact."""
     if len(solution.zones) == 0 and solution.scene.period is not None:
         return solution.scene.period
     return float(np.sum(solution.zone_widths))
+
+
+def table(attempts: list[Attempt]) -> list[tuple[str, ...]]:
+    """Rows of text, the first column the quantity, then one for each model."""
+    exact = attempts[-1]
+    lines: list[tuple[str, Callable[[Answer], str]]] = [
+        ("load", lambda s: quantity(s.load, "N/m", 6)),
+        ("mean pressure", lambda s: quantity(s.mean_pressure, "Pa", 6)),
+        ("max pressure", lambda s: quantity(s.max_pressure, "Pa", 6)),
+        ("contact fraction", lambda s: "-" if s.contact_fraction is None else f"{s.contact_fraction:.6g}"),
+        ("total width", lambda s: quantity(total_width(s), "m", 6)),
+        ("zones", lambda s: str(len(s.zones)) if len(s.zones) else "full contact"),
+    ]
+    most = max((len(a.solution.zones) for a in attempts if a.solution is not None), default=0)
+    for zone in range(min(most, _ZONES_SHOWN)):
+        lines += [(f"zone {zone + 1}, {side}", _end(zone, place)) for place, side in enumerate(("left", "right"))]
+    rows = [(label, *("-" if a.solution is None else tell(a.solution) for a in attempts)) for label, tell in lines]
+    for name in ("load", "max_pressure", "total_width"):
+        apart = [difference(attempt, exact, name) for attempt in attempts]
+        rows.append((f"{name.replace('_', ' ')} to exact", *(_percent(value, "+.3g") for value in apart)))
+    rows.append(("zone ends to exact", *(_percent(ends_apart(attempt, exact)) for attempt in attempts)))
+    rows.append(("pressure to exact", *(_percent(pressure_apart(attempt, exact)) for attempt in attempts)))
+    rows.append(("time", *(quantity(attempt.seconds, "s", 3) for attempt in attempts)))
+    return rows
+
+
+def refusals(attempts: list[Attempt]) -> list[str]:
+    """A line for each reason why models have no solution, with the names of those it holds for."""
+    reasons: dict[str, list[str]] = {}
+    for attempt in attempts:
+        if attempt.refusal is not None:
+            reasons.setdefault(" ".join(str(attempt.refusal).split()), []).append(attempt.name)
+    return [f"{', '.join(names)}: no solution: {reason}" for reason, names in reasons.items()]
+
+
+def _end(zone: int, place: int) -> Callable[[Answer], str]:
+    return lambda s: quantity(float(s.zones[zone, place]), "m", 6) if zone < len(s.zones) else "-"
+
+
+def _percent(value: float | None, form: str = ".3g") -> str:
+    return "-" if value is None else f"{100.0 * value:{form}} %"
+
+
+def _within(zones: np.ndarray) -> np.ndarray:
+    return np.asarray(0.5 * (zones[:, :1] + zones[:, 1:]) + 0.5 * np.diff(zones) * _T)
 
 
 def _value(solution: Answer, quantity: str) -> float | None:
@@ -71,9 +150,11 @@ def _models(own: Interaction) -> dict[str, Interaction]:
     """The models by the name they have in the table."""
     models = {
         "isolated": own if own.name == "isolated" else interaction("isolated"),
-        "localized, first-order": interaction("localized", closure="first-order"),
-        "localized, self-consistent": interaction("localized", closure="self-consistent"),
+        "first-order": interaction("localized", closure="first-order"),
+        "self-consistent": interaction("localized", closure="self-consistent"),
     }
+    for m in NEIGHBOURS:
+        models[f"m = {m}"] = interaction("localized", closure="self-consistent", neighbours=m)
     exact = interaction("periodic")
     if own not in (*models.values(), exact):
         models[f"{own.name}, as given"] = own

@@ -66,8 +66,7 @@ class ZoneFields:
         if len(zones) == 1:
             end = zones.b
             return -(self._sunk(end) + self.problem.shape(end))
-        matrix, constants = self.state.system.levels()
-        return np.asarray(matrix @ self.state.unknowns + constants)
+        return self.state.system.level_values(self.state.unknowns)
 
     @cached_property
     def level(self) -> float:
@@ -94,8 +93,7 @@ class ZoneFields:
         if self.amplitude_rate:
             values[index[2]] = self.amplitude_rate
         response = self.state.response_unknowns(values)
-        matrix, _ = self.state.system.levels()
-        rate = -float((matrix @ response).mean())
+        rate = -float(self.state.system.level_changes(response).mean())
         units = self.problem.units
         return units.load / (units.height * rate)
 

@@ -16,8 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact import lazy
-from contact.errors import OutOfRange
+from contact.errors import ContactError, OutOfRange
 from contact.interactions.isolated import Isolated
+from contact.interactions.localized import Localized
 from contact.problem import Control, Problem
 from contact.topology import Found
 
@@ -35,17 +36,23 @@ class FirstOrder:
         self.isolated = replace(problem, interaction=Isolated(), centre=0.0, amplitude=None, reference=True)
         self.alone: Found | None = None
         self.together: Found | None = None
+        self.seed: Found | None = None
 
     def at_width(self, width: float) -> tuple[Found, float]:
         """(localized zones of this total width, amplitude), each found from the last one's zones."""
         kind, value = ("half_width", 0.5 * width) if self.single else ("width", width)
         control = Control(kind, value)
-        self.alone = self.search(self.isolated, control, _scaled(self.alone, width))
+        near = self.seed if self.alone is None else self.alone
+        self.alone = self.search(self.isolated, control, _scaled(near, width))
         assert self.problem.period is not None
         amplitude = self.alone.fields.density.total / self.problem.period
-        problem = self.problem.with_amplitude(amplitude)
-        start = _scaled(self.together, width)
-        self.together = self.search(problem, control, self.alone.free.density.zones.table if start is None else start)
+        start = _scaled(self.seed if self.together is None else self.together, width)
+        if start is None:
+            start = self.alone.free.density.zones.table
+        middle = 0.5 * float(start[0, 0] + start[-1, 1])
+        # Zones about another place than the centre may reach the border of its strip, where the column is infinite.
+        centre = 0.0 if abs(middle) < 1e-9 * width else middle
+        self.together = self.search(self.problem.about(centre).with_amplitude(amplitude), control, start)
         return self.together, amplitude
 
     def found(self, control: Control, guess: float) -> tuple[Found, float]:
@@ -55,7 +62,7 @@ class FirstOrder:
         elif control.kind == "width":
             width = control.value
         else:
-            width = self._width_for(control, guess)
+            width = self._width_for(control, guess if self.single else self._near_width(control, guess))
         found, amplitude = self.at_width(width)
         # dP0/dW over dP/dW, by central differences: the stiffness needs no more digits than they have.
         step = 1e-5 * width
@@ -64,9 +71,21 @@ class FirstOrder:
         behind, less = self.at_width(width - step)
         rate = (more - less) / (total_ahead - behind.fields.density.total)
         final = self.search(
-            self.problem.with_amplitude(amplitude), Control("load", found.fields.density.total), found.free.density.zones.table
+            found.fields.problem.with_amplitude(amplitude), Control("load", found.fields.density.total),
+            found.free.density.zones.table,
         )
         return replace(final, fields=replace(final.fields, amplitude_rate=rate)), amplitude
+
+    def _near_width(self, control: Control, guess: float) -> float:
+        """Total width of the self-consistent zones under the same control, which are kept as a start: many zones are not found
+        from widths far off."""
+        closed = replace(self.problem, interaction=Localized(closure="self-consistent"), amplitude=None)
+        try:
+            self.seed = self.search(closed, control, None)
+        except ContactError:
+            return guess
+        zones = self.seed.free.density.zones
+        return float((zones.b - zones.a).sum())
 
     def _width_for(self, control: Control, guess: float) -> float:
         """Bracket the root upwards from zero width, then close the bracket by the Illinois secant."""
@@ -80,11 +99,13 @@ class FirstOrder:
         limit = 0.9998 * self.problem.period
         high = min(guess, 0.5 * limit)
         at_high = miss(high)
+        share = 0.5 if self.seed is None else 0.02
         while at_high > 0:
-            high *= 0.5
+            high *= 1 - share
+            share = min(2 * share, 0.5)
             at_high = miss(high)
         low, at_low = high, at_high
-        step = 0.25 * high
+        step = (0.25 if self.seed is None else 0.02) * high
         while at_high <= 0:
             low, at_low = high, at_high
             if limit - high < 1e-9:
@@ -105,6 +126,8 @@ class FirstOrder:
                 limit = min(limit, high)
                 step *= 0.25
                 high, at_high = low, at_low
+            elif self.seed is not None:
+                step *= 2
         root = lazy.scipy_optimize().brentq(miss, low, high, xtol=4e-16 * high, rtol=1e-15, maxiter=_STEPS)
         return float(root)
 

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import sie
 from contact import lazy
-from contact.certificate import Certificate, runs_of
+from contact.certificate import ROUNDING, Certificate, runs_of
 from contact.extrema import maximum
 from contact.fields import mean_shape
 from contact.problem import Control, Problem
@@ -170,13 +170,14 @@ class Gapped:
         fields, gaps = self.fields, self.fields.density.zones
         units, profile = fields.problem.units, fields.problem.profile
         # A gap's width goes with the square root of that distance.
-        shift = float(((self.free.end_error + 0.5 * self.off) * (gaps.b - gaps.a)[:, None]).max())
+        moved = self.free.end_error + self.free.state.end_truncation[:, None] + 0.5 * self.off
+        shift = float((moved * (gaps.b - gaps.a)[:, None]).max())
         widths = fields.zones[:, 1] - fields.zones[:, 0]
         varies = (profile.resolution or units.length * fields.period) / units.length / (2 * np.pi)
         slopes = np.abs(fields.density.coefficients).max()
         return float(
             2 * shift / min(widths.min(), varies) + self.free.state.density_error * slopes * units.pressure / fields.max_pressure
-            + 8 * 2.2e-16 * (1 + abs(fields.mean) * units.pressure / fields.max_pressure)
+            + ROUNDING * (1 + abs(fields.mean) * units.pressure / fields.max_pressure)
         )
 
 

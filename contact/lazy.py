@@ -101,6 +101,31 @@ def command_line() -> ModuleType:
     return importlib.import_module("contact.cli")
 
 
+def paper_figures() -> ModuleType:
+    """The figures of the paper, which only their command draws."""
+    return importlib.import_module("contact.figures")
+
+
+def tamaas() -> ModuleType:
+    """A boundary-element code to compare with."""
+    return _module("tamaas", "peers")
+
+
+def contact_mechanics() -> ModuleType:
+    """Another one."""
+    return _module("ContactMechanics", "peers")
+
+
+def surface_topography() -> ModuleType:
+    """The surfaces of ContactMechanics."""
+    return _module("SurfaceTopography", "peers")
+
+
+def bench() -> ModuleType:
+    """What `contact bench` and `contact stability` run; no solve needs it."""
+    return importlib.import_module("contact.bench.run")
+
+
 def entry_points(group: str) -> Iterable[Any]:
     """Entry points of the installed packages in one group."""
     metadata = _module("importlib.metadata")

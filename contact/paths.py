@@ -13,7 +13,7 @@ Names are given for a growing load; for a falling one the same event is a death 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -197,6 +197,9 @@ class _Condition:
 
     position = 0.0
 
+    def __call__(self, load: float) -> float:
+        raise NotImplementedError
+
     def __init__(self, fields: Any, low: Solution, high: Solution, change: _Change) -> None:
         self.problem, self.fields, self.table = fields.problem, fields, fields.density.zones.table
         if change.kind == "birth":
@@ -280,17 +283,19 @@ def _scaled(fields: Any, zone: Array) -> tuple[float, float]:
 
 def _full(scene: Scene) -> Solution:
     """Full contact at its smallest load."""
-    control, _ = scene.control
-    return solve(replace(scene, **{control: None, "contact_fraction": 1.0}))
+    return solve(
+        replace(scene, load=None, mean_pressure=None, approach=None, half_width=None, contact_fraction=1.0)
+    )
 
 
 def _full_event(scene: Scene, low: Solution) -> Event:
     full = _full(scene)
-    place, _ = maximum(lambda points: -full.pressure(points), np.linspace(*_gap_before(low), 65))
+    first, last = _gap_before(low)
+    place, _ = maximum(lambda points: -full.pressure(points), np.linspace(first, last, 65))
     return Event("full", full.load, place, low.zones, np.zeros((0, 2)))
 
 
-def _gap_before(low: Solution) -> Sequence[float]:
+def _gap_before(low: Solution) -> tuple[float, float]:
     """The widest gap between zones."""
     zones, period = low.zones, low.scene.period
     assert period is not None

@@ -128,7 +128,8 @@ class Problem:
 
     def shape(self, x: Array) -> Array:
         """F = (f - min f) / (slope length)."""
-        return np.asarray((np.asarray(self.profile.height(self.units.x(x))) - self.lowest) / self.units.height)
+        with np.errstate(over="ignore"):  # far outside heights may overflow to inf: nothing touches there
+            return np.asarray((np.asarray(self.profile.height(self.units.x(x))) - self.lowest) / self.units.height)
 
     def shape_rounding(self, x: Array) -> float:
         """What rounding does to F at scaled points: its departure from straight lines over a few units in the last digit."""

@@ -49,17 +49,20 @@ def proposed(frame: Framed, problem: Problem, control: Control, points: int | No
 def _by_width(frame: Framed, problem: Problem, control: Control, points: int | None) -> Proposed:
     """At the load at which the grid's zones have the given total width, by bisection on its logarithm."""
     width = control.value * problem.units.length
-    low, high = 1e-40, 1e3
+    low, high, load = 0.0, math.inf, 0.1
     best: Proposed | None = None
-    for _ in range(40):
-        load = math.sqrt(low * high)
+    for _ in range(60):
         found = proposed(frame, problem, Control("load", load), points)
-        points = found.points
-        if not found.full:
+        if best is None or not found.full:
             best = found
         if abs(found.width / width - 1) < 0.03:
             break
         low, high = (load, high) if found.width < width else (low, load)
+        # Coarse grids do for large loads; only where the zones are narrow must the grid be fine.
+        if low == 0.0:
+            load = high * min(max((width / found.width) ** 2, 1e-3), 0.3) if found.width < math.inf else 0.3 * high
+        else:
+            load = 10 * low if high == math.inf else math.sqrt(low * high)
     assert best is not None
     return best
 

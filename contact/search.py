@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 Height = Callable[[Array], ArrayLike]
 
 COARSEST = 64  # points of the first of the nested grids
+MOST_POINTS = 2**22  # of the last grid, however fine the shape is
 NARROW = 3  # cells: below this a zone or a gap is not resolved
 
 
@@ -167,8 +168,8 @@ def propose(
 ) -> Proposal:
     """Zones of `height` (+ `extra`) on one period or window `cell` from nested grids.
 
-    `resolution` is the smallest length of the shape and sets the first final grid, doubled while something is
-    narrower than three cells; `points` fixes the final grid instead. `periodic=False` is isolated, with
+    `resolution` is the smallest length of the shape and sets the first final grid, doubled up to `max_points`
+    while something is narrower than three cells; `points` fixes the final grid instead. `periodic=False` is isolated, with
     `images` copies of the cell each side; then `level` is counted with the length `datum` in the
     logarithm."""
     width = cell[1] - cell[0]
@@ -177,8 +178,10 @@ def propose(
     else:
         features = 16.0 if resolution is None else width / resolution
         wanted = max(4 * COARSEST, points_per_feature * features)
-        target = min(2 ** int(np.ceil(np.log2(wanted))), max_points)
-        limit = max_points
+        target = 2 ** int(np.ceil(np.log2(wanted)))
+        # A shape of known resolution is worth as many points as it asks for.
+        limit = max_points if resolution is None else max(max_points, min(target, MOST_POINTS))
+        target = min(target, limit)
     n = target
     while n % 2 == 0 and n // 2 >= COARSEST:
         n //= 2
@@ -257,7 +260,8 @@ class _Window:
         influence = Influence.isolated(
             self.points, (window[1] - window[0]) / self.points, self.E, datum=self.datum
         )
-        return x, solve_grid(f, influence, load=load, tol=1e-3)
+        with np.errstate(over="ignore", invalid="ignore"):
+            return x, solve_grid(f, influence, load=load, tol=1e-3)
 
     def _clip(self, window: tuple[float, float]) -> tuple[float, float]:
         if self.limits is None:

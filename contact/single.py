@@ -27,7 +27,6 @@ _T = np.cos((np.arange(8) + 0.5) * np.pi / 16)  # the positive half of 16 Gauss 
 _SCAN = 40
 _WITHIN = np.geomspace(1e-10, 1.0, 41)  # half widths over the widest possible one
 _ANYWHERE = np.geomspace(1e-12, 1e12, 97)
-_FINER = np.linspace(0.0, 1.0, 17)
 
 
 def guess_half_width(problem: Problem, control: Control) -> float:
@@ -38,28 +37,30 @@ def guess_half_width(problem: Problem, control: Control) -> float:
         return 0.5 * control.value
     limit = widest(problem)
     a = limit * _WITHIN if math.isfinite(limit) else _ANYWHERE
-    for _ in range(2):
-        value = _carried(problem, control, a)
-        above = np.flatnonzero(value >= control.value)
-        if len(above) == 0:
-            return float(a[np.argmax(value)])
-        k = int(above[0])
-        if k == 0:
-            return float(a[0])
-        low, high, at_low, at_high = float(a[k - 1]), float(a[k]), float(value[k - 1]), float(value[k])
-        a = low * (high / low) ** _FINER
-    # Secant steps in the logarithms, where a power law is straight; the bracket is kept.
-    for _ in range(6):
-        share = math.log(control.value / at_low) / math.log(at_high / at_low) if at_low > 0 else 0.5
-        middle = low * (high / low) ** share
-        here = float(_carried(problem, control, np.array([middle]))[0])
-        if abs(here / control.value - 1) < 1e-14 or not low < middle < high:
-            return middle
-        if here < control.value:
-            low, at_low = middle, here
-        else:
-            high, at_high = middle, here
-    return middle
+    value = _carried(problem, control, a)
+    above = np.flatnonzero(value >= control.value)
+    if len(above) == 0:
+        return float(a[np.argmax(value)])
+    k = int(above[0])
+    if k == 0:
+        return float(a[0])
+    low, high, at_low, at_high = float(a[k - 1]), float(a[k]), float(value[k - 1]), float(value[k])
+    if at_low <= 0:
+        return low * math.sqrt(high / low)
+    # Secant steps in the logarithms, where a power law is straight; what leaves the bracket is brought back to its middle.
+    goal, bounds = math.log(control.value), (math.log(low), math.log(high))
+    old, at_old, new, at_new = bounds[0], math.log(at_low) - goal, bounds[1], math.log(at_high) - goal
+    for _ in range(12):
+        step = new - at_new * (new - old) / (at_new - at_old) if at_new != at_old else new
+        if not bounds[0] < step < bounds[1]:
+            step = 0.5 * (bounds[0] + bounds[1])
+        old, at_old, new = new, at_new, step
+        carried = float(_carried(problem, control, np.array([math.exp(step)]))[0])
+        at_new = math.log(carried) - goal if carried > 0 else -math.inf
+        if abs(at_new) < 2e-15 * max(1.0, abs(goal)) or not math.isfinite(at_new) or abs(new - old) < 1e-15:
+            break
+        bounds = (step, bounds[1]) if at_new < 0 else (bounds[0], step)
+    return math.exp(new)
 
 
 def widest(problem: Problem) -> float:
@@ -90,7 +91,7 @@ def _carried(problem: Problem, control: Control, a: Array) -> Array:
             half = np.sin(np.pi * a / period) if period is not None else 0.5 * a / problem.kernel.datum
             value = shape - value / np.pi * np.log(half)
     value = np.where(np.isfinite(value), value, -np.inf)
-    falls = np.flatnonzero(np.diff(value) < 0)
+    falls = np.flatnonzero(value[1:] < value[:-1])
     if len(falls):
         value[falls[0] + 1 :] = -np.inf
     if value.max() == -np.inf:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import sie
 from contact import planning
-from contact.certificate import Certificate
+from contact.certificate import ROUNDING, Certificate
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.fields import ZoneFields, mean_shape
 from contact.first_order import FirstOrder
@@ -24,6 +24,7 @@ from contact.planning import Plan
 from contact.problem import Control, Problem, Units
 from contact.proposals import about, placed, proposed
 from contact.scene import Scene
+from contact.search import MOST_POINTS
 from contact.single import guess_half_width, largest_single_load, single_half_width
 from contact.solution import Solution
 from contact.topology import Found, Progress, WrongTopology, settle
@@ -41,14 +42,14 @@ def solve(
 ) -> Solution:
     """Solve a scene: zones, pressure, gap, and numbers, with error at most `tol` (see `Solution.error`).
 
-    tol: relative, 1e-14 <= tol < 1. progress: called with (stage, done, total or None). near: a solution of the same
+    tol: relative, 1e-13 <= tol < 1. progress: called with (stage, done, total or None). near: a solution of the same
     profile and model whose zones are a good start; it saves the search, and never changes the answer.
     Raises SceneError (bad input), OutOfRange (no contact answers the control), NotConverged (with the best state).
     """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
-    if isinstance(tol, bool) or not isinstance(tol, Real) or not 1e-14 <= float(tol) < 1.0:
-        raise SceneError.of("tol", tol, "a number from 1e-14 to below 1")
+    if isinstance(tol, bool) or not isinstance(tol, Real) or not 1e-13 <= float(tol) < 1.0:
+        raise SceneError.of("tol", tol, "a number from 1e-13 to below 1")
     if near is not None and (near.scene.profile, near.scene.interaction) != (scene.profile, scene.interaction):
         raise SceneError("near must be a solution of the same profile and interaction model", "near", near.scene)
     return _Run(scene, float(tol), planning.plan(scene), progress, near).solution()
@@ -211,7 +212,8 @@ class _Run:
             return settle(problem, control, table, self.tolerance, self.progress)
         except WrongTopology as failure:
             if control.kind == "half_width":
-                raise OutOfRange(f"one zone of this half width carries no pressure that is positive everywhere: {failure}") from failure
+                message = f"one zone of this half width carries no pressure that is positive everywhere: {failure}"
+                raise OutOfRange(message) from failure
             raise self._not_converged(failure) from failure
 
     def _not_converged(self, failure: WrongTopology) -> NotConverged:
@@ -241,8 +243,9 @@ class _Run:
                         units = problem.units
                         unit = units.load if control.kind == "load" else units.height
                         raise OutOfRange(
-                            f"{control.kind} {control.value * unit:.6g} is beyond the largest that {self.scene.interaction.name} "
-                            f"carries on the branch from zero load, {top[1] * unit:.6g} at half width {top[0] * units.length:.6g} m"
+                            f"{control.kind} {control.value * unit:.6g} is beyond the largest that "
+                            f"{self.scene.interaction.name} carries on the branch from zero load, {top[1] * unit:.6g} at "
+                            f"half width {top[0] * units.length:.6g} m"
                         )
                     return None
                 try:
@@ -257,14 +260,17 @@ class _Run:
         search.used, search.reason = True, search.reason if search.used else "one zone did not pass the certificate"
         points: int | None = None
         failure: WrongTopology | None = None
-        while points is None or points <= _MOST_POINTS:
+        most = _MOST_POINTS
+        while points is None or points <= most:
             if self.progress is not None:
                 self.progress("coarse grid", 0, None)
             with self.plan.timed("coarse search"):
                 proposal = proposed(self.frame, problem, control, points)
+            if points is None:
+                most = max(most, min(4 * proposal.points, MOST_POINTS))
             points = proposal.points
             search.detail = f"{points} points, {len(proposal.zones)} zones proposed"
-            if proposal.touches_border:
+            if proposal.touches_border and self.scene.profile.support is None:
                 raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
             width = proposal.width / problem.units.length
             if problem.period is not None and width > 0.4 * problem.period and self._is_full(control):
@@ -290,6 +296,7 @@ class _Run:
             found = self._search(problem, control, start)
             if found is None:
                 return None
+            assert isinstance(found, Found)  # a strip has no full contact to be near to
             zones = found.free.density.zones
             centre = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1])
             width = float((zones.b - zones.a).min())
@@ -297,7 +304,7 @@ class _Run:
             if abs(centre - found.fields.problem.centre) <= 0.1 * self.tolerance * width + np.spacing(abs(centre)):
                 return found
             problem = problem.about(centre)
-        assert found is not None
+        assert isinstance(found, Found)
         raise self._not_converged(WrongTopology("the centre of the strip did not settle", found.free))
 
     def _first_order(self) -> Found:
@@ -359,7 +366,7 @@ class _Run:
         plan["certificate"].detail = f"{found.certificate.points} points"
         plan["kinks"].used = len(density.steps) > 0
         plan.counts.update(
-            zones=len(zones), own_modes=int(sizes.own.sum()), coupled_unknowns=int(found.free.state.factors[0].shape[0]),
+            zones=len(zones), own_modes=int(sizes.own.sum()), coupled_unknowns=int(found.free.state.solver.size),
             kernel_evaluations=sizes.kernel_evaluations, profile_evaluations=sizes.profile_evaluations, solves=sizes.solves,
         )
         solution = Solution(
@@ -399,10 +406,11 @@ class _Run:
         moved = (free.end_error.max(axis=1) + state.end_truncation) * 4 * (1 + state.waviness)
         singular = any(end.intensity is None for end in (*state.density.zones.left, *state.density.zones.right))
         # Beside a singular end the pressure is several times the mean, to which its error is referred.
-        error = float(moved.max(initial=0.0)) + (8 if singular else 1) * (state.density_error + 2e-15)
+        error = float(moved.max(initial=0.0)) + (8 if singular else 1) * (state.density_error + ROUNDING)
         if self.control.kind != "approach":
             return error
         # A stiff contact turns the rounding of its level into load.
         fields, units = found.fields, found.fields.problem.units
+        assert fields.stiffness is not None
         rounding = fields.gap_rounding / 16 + 4e-16 * state.density.total
         return error + abs(rounding * fields.stiffness * units.height / (units.load * state.density.total))

@@ -11,7 +11,8 @@ from sie.solve import SingularSystem, State, solve_fixed
 from sie.zones import Zones
 
 __all__ = [
-    "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EqualPotential", "Equation",
-    "Forcing", "Free", "Kernel", "Level", "LocalPotential", "SingularSystem", "Smooth", "State", "Total", "TotalWidth", "Weighted", "ZoneTotals",
-    "Zones", "cauchy", "find_ends", "free_with_intensity", "hilbert", "images", "moment", "solve_fixed",
+    "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EqualPotential",
+    "Equation", "Forcing", "Free", "Kernel", "Level", "LocalPotential", "SingularSystem", "Smooth", "State", "Total",
+    "TotalWidth", "Weighted", "ZoneTotals", "Zones", "cauchy", "find_ends", "free_with_intensity", "hilbert",
+    "images", "moment", "solve_fixed",
 ]

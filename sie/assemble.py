@@ -207,10 +207,10 @@ class System:
         raw = fields(zones, self.equation.kernel, self.targets, layout, "transform")
         if self.equation.kernel.reach == 0.0:
             # A regular kernel of unknown reach: its last coefficients in xi tell whether they are enough.
-            last = np.concatenate([layout.offset[i] + np.arange(max(0, m - 2), m + 1) for i, m in enumerate(layout.m)])
+            last = (layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)).ravel()
             self.source_tail = float(np.abs(raw[:, last]).max() / max(1.0, np.abs(raw).max()))
-        for k, column in enumerate(self.equation.columns):
-            raw[:, layout.coefficients + k] = -column.value(self.targets.x)
+        for number, column in enumerate(self.equation.columns):
+            raw[:, layout.coefficients + number] = -column.value(self.targets.x)
         blocks, rights = [], []
         for place, i in enumerate(zones.solved):
             m = int(layout.m[i])
@@ -288,6 +288,20 @@ class System:
         row = np.zeros((1, self.layout.size))
         row[0, self.layout.coefficients + k] = 1.0
         return row, np.zeros(1)
+
+    def level_values(self, y: Array) -> Array:
+        """Levels of the zones for unknowns y."""
+        matrix, constants = self.levels()
+        return np.asarray(matrix @ y + constants)
+
+    def level_changes(self, y: Array) -> Array:
+        """What unknowns y add to the levels."""
+        return np.asarray(self.levels()[0] @ y)
+
+    def level_rounding(self, y: Array) -> float:
+        """Rounding of the largest level: of all its terms."""
+        matrix, constants = self.levels()
+        return 2.2e-16 * float((np.abs(matrix) @ np.abs(y) + np.abs(constants)).max())
 
     def levels(self) -> Linear:
         """See `Rows`. The mean of a zone's own potential is w c_0 log(w / 2); the mean of the primitive comes from its

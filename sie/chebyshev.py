@@ -22,7 +22,7 @@ _MATRIX_SIZE = 96
 @lru_cache(maxsize=64)
 def angles(n: int) -> Array:
     """theta_k = k pi / (n + 1), k = 0 ... n + 1: both ends and the n zeros of U_n; t runs from +1 down to -1."""
-    theta = np.arange(n + 2) * (np.pi / (n + 1))
+    theta: Array = np.arange(n + 2.0) * (np.pi / (n + 1))
     theta.flags.writeable = False
     return theta
 

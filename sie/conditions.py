@@ -24,7 +24,9 @@ Linear = tuple[Array, Array]
 class Rows(Protocol):
     """What a condition may ask of the assembled system. Each answer covers the solved zones, in order."""
 
-    zones: Zones
+    @property
+    def zones(self) -> Zones:
+        """The zones the system is assembled for."""
 
     def totals(self) -> Linear:
         """Integral of the density over each zone."""
@@ -108,8 +110,7 @@ def moment(value: float, about: float = 0.0) -> Weighted:
 
 @dataclass(frozen=True)
 class ZoneTotals(Condition):
-    """The integral of the density over each zone: one value for all, or one per solved zone (0: no net, as in
-    cracks)."""
+    """The integral of the density over each zone: one value for all, or one per solved zone (0: as in cracks)."""
 
     values: tuple[float, ...] | float = 0.0
 
@@ -155,8 +156,7 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The amplitude of column k is `value` plus `per_total` times the total: a closure that names what it
-    multiplies."""
+    """The amplitude of column k is `value` plus `per_total` times the total: a closure by name."""
 
     k: int
     value: float = 0.0

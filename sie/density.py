@@ -9,13 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie import chebyshev
-from sie.field import CHUNK, Sources, potential_at, quadrature, transform_at
+from sie.everywhere import Everywhere
+from sie.fast import reaches
+from sie.field import CHUNK, Sources, of_zones, potential_at, quadrature, transform_at
 from sie.kernels import Kernel
 from sie.steps import Steps
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
+
+_MANY_ZONES = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,11 +122,17 @@ class Density:
                 # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
                 zero_left, zero_right = self._bounded_ends
                 no_edge |= (left == 0) & zero_left[zone] | (right == 0) & zero_right[zone]
-            out = np.asarray(np.where(no_edge, 0.0, edge) + self._sine_sum(u, zone, _angle(left, right), left < right))
-        for i in self.steps.by_zone:
-            here = zone == i
-            if np.any(here):
-                out[here] += self.steps.density(i, left[here], right[here])
+            if zone.ndim == 2 and zone.strides[1] == 0 == left.strides[0] == right.strides[0]:
+                sums = self._same_places(u, zone[:, 0], left[0], right[0])
+            else:
+                sums = self._sine_sum(u, zone, _angle(left, right), left < right)
+            out = np.asarray(np.where(no_edge, 0.0, edge) + sums)
+        if len(self.steps):
+            out = out.copy()
+            flat, flat_left, flat_right = out.reshape(-1), left.ravel(), right.ravel()
+            for i, here in of_zones(zone.ravel()):
+                if i in self.steps.by_zone:
+                    flat[here] += self.steps.density(i, flat_left[here], flat_right[here])
         return np.asarray(out)
 
     def at_t(self, zone: ArrayLike, t: ArrayLike) -> Array:
@@ -130,13 +140,21 @@ class Density:
         t = _float(t)
         return self.at(zone, 1 + t, 1 - t)
 
+    def _same_places(self, u: Array, zones: Index, left: Array, right: Array) -> Array:
+        """The sums of `_sine_sum` at the same places of several zones, as a matrix product."""
+        rows = u[zones]
+        used = np.flatnonzero(np.any(rows != 0, axis=0))
+        k = np.arange(1, used[-1] + 2 if len(used) else 1)
+        flip = (left < right)[:, None]
+        sines = np.sin(_angle(left, right)[:, None] * k) * np.where(flip, 2.0 * (k % 2) - 1.0, 1.0)
+        return np.asarray(rows[:, : len(k)] @ sines.T)
+
     def _sine_sum(self, u: Array, zone: Index, angle: Array, flip: NDArray[np.bool_]) -> Array:
         """sum_k u_k sin((k+1) theta), by the angle from the nearer end, theta = pi - angle where `flip`: no digit is
         lost near either end. Zones one after the other, in blocks of bounded memory."""
         out = np.zeros(angle.shape)
         flat_zone, flat_angle, flat_flip, flat_out = zone.ravel(), angle.ravel(), flip.ravel(), out.reshape(-1)
-        for i in np.unique(flat_zone):
-            here = np.flatnonzero(flat_zone == i)
+        for i, here in of_zones(flat_zone):
             row = np.trim_zeros(u[i], "b")
             if len(row) == 0:
                 continue
@@ -152,12 +170,11 @@ class Density:
     def locate(self, x: ArrayLike) -> tuple[Array, Index, NDArray[np.bool_]]:
         """(x moved by periods to lie right of the first zone's left end, index of the last zone that starts before it,
         whether it is inside that zone)."""
-        x = _float(x)
+        place = _float(x)
         if self.kernel.period is not None:
-            x = x - np.floor((x - self.zones.a[0]) / self.kernel.period) * self.kernel.period
-        i = np.maximum(np.searchsorted(self.zones.a, x, side="right") - 1, 0)
-        inside = (x >= self.zones.a[i]) & (x <= self.zones.b[i])
-        return x, i, inside
+            place = place - np.floor((place - self.zones.a[0]) / self.kernel.period) * self.kernel.period
+        i = np.asarray(np.maximum(np.searchsorted(self.zones.a, place, side="right") - 1, 0))
+        return place, i, np.asarray((place >= self.zones.a[i]) & (place <= self.zones.b[i]))
 
     def __call__(self, x: ArrayLike) -> Array:
         """Density at x (any shape), zero off the zones."""
@@ -212,6 +229,11 @@ class Density:
         return Sources.of(self.zones, self.kernel)
 
     @cached_property
+    def everywhere(self) -> Everywhere | None:
+        """Fast sums for many points; None where the kernel or the number of zones does not allow them."""
+        return Everywhere(self) if len(self.zones) >= _MANY_ZONES and reaches(self.kernel, self.zones) else None
+
+    @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:
         """Nodes and weighted density for the regular part of the kernel."""
         return quadrature(self)
@@ -230,8 +252,7 @@ class Density:
 
     @cached_property
     def potential_coefficients(self) -> Array:
-        """Coefficients of all but the logarithms of kinks, those over l = 1, 2, ... divided by l: potentials need
-        these."""
+        """Coefficients of all but the logarithms of kinks, those over l = 1, 2, ... divided by l: for potentials."""
         c, high = self.coefficients, self.steps.high_coefficients(self.zones)
         table = np.zeros((len(c), max(c.shape[1], high.shape[1])))
         table[:, : c.shape[1]] = c

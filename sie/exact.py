@@ -3,7 +3,7 @@
     (1/pi) PV int phi(xi) K(x - xi) dxi = g(x) on the zones,   K = 1/(x - xi) or (pi/L) cot(pi (x - xi)/L).
 
 Each object knows its zones, its right side g (`value`) with an antiderivative (`primitive`), the density at a
-normalised position of a zone (`at`, to rounding up to the ends) and its total. On one zone x = middle + w t all come
+normalised position of a zone (`at`, to rounding up to the ends) and its total. On one zone, x = middle + w t, all come
 from
 
     T_j / sqrt(1 - t^2) -> -U_{j-1},     sqrt(1 - t^2) U_j -> T_{j+1}
@@ -138,7 +138,8 @@ class PrescribedIntensity(Exact):
     def at(self, t: ArrayLike, zone: int = 0) -> Array:
         root = _root(t)
         with np.errstate(divide="ignore"):
-            return np.asarray(self.curvature * self.half_width * root + self.intensity * math.sqrt(2 / self.half_width) / root)
+            edge = self.intensity * math.sqrt(2 / self.half_width) / root
+        return np.asarray(self.curvature * self.half_width * root + edge)
 
 
 @dataclass(frozen=True)
@@ -202,8 +203,8 @@ class Wedge(Exact):
 
 @dataclass(frozen=True)
 class Crack(Exact):
-    """g = s, singular ends, no net total: phi = -s x / sqrt(a^2 - x^2); its integral from the left end, s sqrt(a^2 -
-    x^2), is the opening of a crack (B. A. Bilby, J. D. Eshelby, Fracture I, 1968, 99-182)."""
+    """g = s, singular ends, no net total: phi = -s x / sqrt(a^2 - x^2); its integral from the left end,
+    s sqrt(a^2 - x^2), is the opening of a crack (B. A. Bilby, J. D. Eshelby, Fracture I, 1968, 99-182)."""
 
     half_width: float
     stress: float = 1.0

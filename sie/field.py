@@ -6,13 +6,14 @@ rho = z - sgn(z) sqrt(z^2 - 1):
     transform  T_l / sqrt -> sgn(z) rho^l / sqrt(z^2 - 1),    sqrt U_l -> rho^(l+1)
     potential  T_l / sqrt -> -w rho^l / l,                    T_0 / sqrt -> w log(w / (2 |rho|)),
 
-and on the zone itself -U_{l-1}(t) and the real parts at rho = e^{i theta}. The rest of the kernel is finished by
-quadrature.
+and on the zone itself -U_{l-1}(t) and the real parts at rho = e^{i theta}. The rest of the kernel is finished
+by quadrature.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -32,6 +33,8 @@ Index = NDArray[np.intp]
 
 # Largest number of (point, source) pairs handled at once: bounds the memory of an evaluation.
 CHUNK = 200_000
+# From this number of (point, source) pairs on, far sources are summed fast.
+MANY_PAIRS = 500_000
 # Below this number of multiplications the powers of all pairs are formed at once.
 _SMALL = 200_000
 
@@ -62,8 +65,8 @@ class Sources:
 
 @dataclass(frozen=True, eq=False)
 class Seen:
-    """Points seen from sources, (points, sources): distances from the ends over w (positive on the zone), rho, whether
-    on."""
+    """Points seen from sources, (points, sources): distances from the ends over w (positive on the zone), rho, if on
+    it."""
 
     left: Array
     right: Array
@@ -102,6 +105,9 @@ def potential_from(density: Density, x: Array, sources: Sources) -> Array:
 
 def _by_blocks(density: Density, x: Array, what, regular: Regular | None) -> Array:  # type: ignore[no-untyped-def]
     sources = density.sources
+    if len(x) * len(sources) > MANY_PAIRS and density.everywhere is not None:
+        here = density.everywhere
+        return here.potential(x) if what is _potential else here.transform(x)
     out = np.zeros(x.shape)
     block = max(1, CHUNK // len(sources))
     for s in range(0, len(x), block):
@@ -126,12 +132,12 @@ def _transform(density: Density, x: Array, sources: Sources) -> Array:
     if seen.any_on:
         p, i = np.nonzero(seen.on)
         value[p, i] = density.own_transform(zone[i], seen.left[p, i], seen.right[p, i])
-    for i in density.steps.by_zone:
-        for column in np.flatnonzero(zone == i):
+    for place in density.steps.by_zone:
+        for column in np.flatnonzero(zone == place):
             on = seen.on[:, column]
-            value[on, column] += density.steps.own_transform(i, seen.left[on, column])
+            value[on, column] += density.steps.own_transform(place, seen.left[on, column])
             z = 0.5 * (seen.left[~on, column] - seen.right[~on, column])
-            value[~on, column] += density.steps.transform(i, z, rho[~on, column])
+            value[~on, column] += density.steps.transform(place, z, rho[~on, column])
     return np.asarray(value.sum(axis=1))
 
 
@@ -145,23 +151,30 @@ def _potential(density: Density, x: Array, sources: Sources) -> Array:
     if seen.any_on:
         p, i = np.nonzero(seen.on)
         theta = 2 * np.arctan2(np.sqrt(seen.right[p, i]), np.sqrt(seen.left[p, i]))
-        value[p, i] = first[i] * np.log(w[i] / (2 * datum)) - _cosine_sum(rest, zone[i], theta)
-    for i in density.steps.kinked:
-        for column in np.flatnonzero(zone == i):
+        value[p, i] = first[i] * np.log(w[i] / (2 * datum)) - cosine_sum(rest, zone[i], theta)
+    for place in density.steps.kinked:
+        for column in np.flatnonzero(zone == place):
             left, right = seen.left[:, column], seen.right[:, column]
             turn = 0.5 * (left - right) + 1j * np.sqrt(np.maximum(left * right, 0.0))
             q = np.where(seen.on[:, column], turn, rho[:, column])
-            kinks = density.steps.kink_potential(i, q) + density.kink_totals[i] * math.log(w[column] / datum)
+            kinks = density.steps.kink_potential(place, q) + density.kink_totals[place] * math.log(w[column] / datum)
             value[:, column] += kinks
     return np.asarray(value @ w)
 
 
-def _cosine_sum(scaled: Array, zone: Index, theta: Array) -> Array:
+def of_zones(zone: Index) -> Iterator[tuple[int, Index]]:
+    """Every zone that is named, with the places that name it, in ascending order."""
+    order = np.argsort(zone, kind="stable")
+    cuts = np.flatnonzero(np.diff(zone[order], prepend=-1, append=-1))
+    for start, end in zip(cuts[:-1], cuts[1:], strict=True):
+        yield int(zone[order[start]]), order[start:end]
+
+
+def cosine_sum(scaled: Array, zone: Index, theta: Array) -> Array:
     out = np.zeros(theta.shape)
-    for i in np.unique(zone):
+    for i, here in of_zones(zone):
         row = np.trim_zeros(scaled[i], "b")
         k = np.arange(1, len(row) + 1)
-        here = np.flatnonzero(zone == i)
         block = max(1, CHUNK * 4 // max(1, len(row)))
         for s in range(0, len(here), block):
             part = here[s : s + block]
@@ -208,13 +221,20 @@ def power_sum(u: Array, rho: Array, zone: Index) -> Array:
         powers[..., 0] = 1.0
         powers[..., 1:] = rho[..., None]
         return np.asarray(np.einsum("psk,sk->ps", np.cumprod(powers, axis=-1), u[zone]))
-    flat = np.abs(rho).ravel()
+    return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)
+
+
+def sum_of_powers(u: Array, rho: Array, zone: Index) -> Array:
+    """sum_k u[zone, k] rho^k pair by pair (n,), as far as rho^k is seen."""
+    count = u.shape[1]
+    if count == 0 or len(rho) == 0:
+        return np.zeros(rho.shape)
+    flat = np.abs(rho)
     with np.errstate(divide="ignore"):
         need = np.fmin(count, np.ceil(-40.0 / np.log(np.minimum(flat, 1 - 1e-12)))).astype(int)
     need = np.maximum(need, 1)
     order = np.argsort(-need, kind="stable")
-    point_rho = rho.ravel()[order]
-    row = np.tile(zone, rho.shape[0])[order]
+    point_rho, row = rho[order], zone[order]
     counts = need[order]
     out = np.zeros(len(order))
     active = np.searchsorted(-counts, -np.arange(1, counts[0] + 1), side="right")
@@ -223,4 +243,4 @@ def power_sum(u: Array, rho: Array, zone: Index) -> Array:
         out[:n] = out[:n] * point_rho[:n] + u[row[:n], k]
     result = np.empty(len(order))
     result[order] = out
-    return result.reshape(rho.shape)
+    return result

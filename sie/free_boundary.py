@@ -29,8 +29,7 @@ Index = NDArray[np.intp]
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
-# Ends are moved by this part of their zone's width to difference the rows: the errors of truncation and rounding are
-# equal.
+# Ends are moved by this part of their zone's width to difference the rows: truncation and rounding are alike.
 _NUDGE = 1e-5
 
 
@@ -47,7 +46,8 @@ class Step:
 class Free:
     """Result of the search for the ends.
 
-    converged; end_error: each end's remaining move over its zone's width (Z, 2), roundoff included; trace of the steps;
+    converged; end_error: each end's remaining move over its zone's width (Z, 2), with roundoff but without what
+    truncated coefficients shift it by (`state.end_truncation`); trace of the steps;
     value: that of the open condition, if there is one; lost: zones that shrank away; met: gaps (by the zone left of
     them) that closed.
     """
@@ -90,6 +90,10 @@ def find_ends(
     best = np.inf
     stalled = 0
     while True:
+        # The next move is about the square of the last one: a solution by iteration need not be better than that, but the
+        # last one but one places the ends for good.
+        last = trace[-1].move if trace else 1.0
+        sizes.linear = min(1e-8, 1e-4 * last**2, 1e-3 * tolerance if last < 1e-2 else 1.0)
         state = solve_fixed(equation, zones, decay, sizes)
         if equation.open_condition is not None and value != 0.0:
             state = state.with_value(equation.open_condition, value)
@@ -174,10 +178,10 @@ def _newton(
     natural = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(state.system.known).max(axis=1)
     weak = side * a < 1e-8 * natural / np.sqrt(w)
     prescribed = np.any(target != 0)
-    # Rounding acts on what is subtracted, the right side and the other zones' fields, however small their difference
-    # is.
-    noise_k = 4e-16 * np.sqrt(w / 2) * (np.abs(density.coefficients).sum(axis=1) + np.abs(state.system.g).sum(axis=1) + natural)
-    noise_k = noise_k + _level_noise(state) / np.sqrt(2 * w)
+    # Rounding acts on what is subtracted, the right side and the other zones' fields, however small the rest.
+    subtracted = np.abs(density.coefficients).sum(axis=1) + np.abs(state.system.g).sum(axis=1) + natural
+    noise_k = 4e-16 * np.sqrt(w / 2) * subtracted
+    noise_k = noise_k + _level_noise(state) / np.sqrt(2 * w) + np.sqrt(w / 2) * natural * state.linear_error
     residual = np.where(moves, k - target, 0.0)
     unit = _unit_response(state) if equation.open_condition is not None else None
     if prescribed:
@@ -206,9 +210,7 @@ def _level_noise(state: State) -> Array | float:
     ones feels what theirs, and the primitive of the right side, are rounded to."""
     if len(state.density.zones) == 1 or not any(c.levels for c in state.system.equation.conditions):
         return 0.0
-    matrix, constants = state.system.levels()
-    size = np.abs(matrix) @ np.abs(state.unknowns) + np.abs(constants)
-    return 2 * 2.2e-16 * float(size.max())
+    return 2 * state.system.level_rounding(state.unknowns)
 
 
 def _unit_response(state: State) -> Density:
@@ -220,8 +222,7 @@ def _unit_response(state: State) -> Density:
 
 
 def _bordered(equation: Equation, zones: Zones, delta: Array, slope: Array) -> tuple[Array, float]:
-    """(moves, change of the unknown value) that meet the condition on the ends; slope: moves caused by a unit
-    change."""
+    """(moves, change of the unknown value) that meet the condition on the ends; slope: moves by a unit change."""
     miss, by_left, by_right = equation.end_conditions[0].residual(zones)
     gradient = np.array([by_left, by_right])
     change = -(miss + float(np.sum(gradient * delta))) / float(np.sum(gradient * slope))
@@ -259,8 +260,8 @@ def _full_newton(
         ahead = _residual_rows(equation, _nudged(zones, side, i, h), state, frozen, tolerance)
         behind = _residual_rows(equation, _nudged(zones, side, i, -h), state, frozen, tolerance)
         response = state.homogeneous(-(ahead[0] - behind[0]) / (2 * h))
-        change = (ahead[1] - behind[1]) / (2 * h) + np.array(response.intensities)
-        jacobian[:, j] = [change[end] for end in ends]
+        column = (ahead[1] - behind[1]) / (2 * h) + np.array(response.intensities)
+        jacobian[:, j] = [column[end] for end in ends]
     inverse = np.linalg.inv(jacobian)
 
     def spread(of_ends: Array) -> Array:
@@ -276,8 +277,8 @@ def _full_newton(
     noise = spread(np.abs(inverse) @ np.array([noise_k[i] for _, i in ends]))
     if unit is None:
         return delta, noise, 0.0
-    response = np.array(unit.intensities)
-    slope = spread(-inverse @ np.array([response[end] for end in ends]))
+    by_unit = np.array(unit.intensities)
+    slope = spread(-inverse @ np.array([by_unit[end] for end in ends]))
     delta, change = _bordered(equation, zones, delta, slope)
     return delta, noise, change
 
@@ -295,8 +296,8 @@ def _nudged(zones: Zones, side: int, i: int, outward: float) -> Zones:
 def _residual_rows(
     equation: Equation, zones: Zones, state: State, sizes: Sizes, tolerance: float
 ) -> tuple[Array, Array]:
-    """(rows at moved zones applied to the old coefficients, less the right side; intensities of the old
-    coefficients)."""
-    system, matrix, right, _ = assembled(equation, zones, state.system.layout.m, sizes, tolerance, state.condition_scale)
+    """(rows at moved zones applied to the old coefficients, less the right side; their intensities)."""
+    scale = state.condition_scale
+    system, matrix, right, _ = assembled(equation, zones, state.system.layout.m, sizes, tolerance, scale)
     moved = density_of(system, state.unknowns)
     return matrix @ state.folded_unknowns - right, np.array(moved.intensities)

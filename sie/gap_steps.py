@@ -9,8 +9,8 @@ P_0 + P_1 x + P_2 x^2/2: outside the gap
 so the two K and the two A tell P_0, P_1, P_2, and these the place where both K vanish: the middle moves by -P_1/P_2,
 and the new half gap is sqrt(-4 P_0/P_2) there. With rho = K / (c S), S what is left of A without K:
 
-    middle / c = -(rho_right - rho_left),   (new half gap / c)^2 = 1 - 2 (rho_right + rho_left) + 2 (rho_right -
-    rho_left)^2.
+    middle / c = -(rho_right - rho_left),
+    (new half gap / c)^2 = 1 - 2 (rho_right + rho_left) + 2 (rho_right - rho_left)^2.
 
 If the density changes sign from one end to the other (the slope of a gap on both sides of a contact strip), the narrow
 strip is Hertz's and the last square is absent. For small K all of this is the plain step 2 K / A.
@@ -18,13 +18,15 @@ strip is Hertz's and the last square is absent. For small K all of this is the p
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
 
-def facing(of_ends: Array) -> Array:
+def facing(of_ends: NDArray[Any]) -> NDArray[Any]:
     """(2, Z) values of the ends across the gap: the left end of a zone faces the right end of the one before."""
     left, right = of_ends
     return np.array([np.roll(right, 1), np.roll(left, -1)])
@@ -33,8 +35,7 @@ def facing(of_ends: Array) -> Array:
 def gap_steps(
     gaps: Array, widths: Array, moves: NDArray[np.bool_], k: Array, slopes: Array, alike: bool
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """(outward steps (2, Z), where they hold): for pairs of ends that move, across gaps (2, Z) narrower than both
-    zones.
+    """(outward steps (2, Z), where they hold): for moving pairs across gaps (2, Z) narrower than both zones.
 
     k, slopes: K less its target and A, positive where a density of the right sign pushes outward. alike: whether the
     density has the same sign at both ends of a gap.

@@ -1,7 +1,7 @@
 """Kernels K(x, xi) and what they declare: where their poles are, and what remains when the poles are taken out.
 
-    transform  (1/pi) PV int phi(xi) K(x, xi) dxi         potential  (1/pi) int phi(xi) Lambda(x, xi) dxi,  dLambda/dx =
-    K
+    transform  (1/pi) PV int phi(xi) K(x, xi) dxi
+    potential  (1/pi) int phi(xi) Lambda(x, xi) dxi,   dLambda/dx = K
 
 A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, which the engine carries out in closed form, and a
 regular part, which Gauss-Chebyshev quadrature finishes.
@@ -46,7 +46,7 @@ class Kernel:
             self.poles,
             self.period,
             _summed(self.regular, other.value),
-            _summed(self.regular_potential, other.potential) if other.potential or not other.value else None,
+            _summed(self.regular_potential, other.potential) if other.potential is not None else None,
             0.0,
             self.datum,
         )

@@ -1,5 +1,4 @@
-"""How many modes each zone has: its own, from the right side's decay, and the coupled ones, from the distance to
-others.
+"""How many modes each zone has: its own, from the right side's decay, and the coupled ones, from its neighbours.
 
 Coefficients of the right side decay as smoothness allows and are sampled on nodes that double until they have decayed;
 this is cheap, because a zone's own operator is diagonal. What other zones do decays as rho^k, where rho belongs to the
@@ -22,10 +21,14 @@ from sie.zones import Zones
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-OWN_SIZES = np.array([8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192])
+OWN_SIZES = np.array(
+    [8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192]
+)
 # Only below this part of the largest coefficient can a plateau be rounding.
 _NOISE = 1e-5
-COUPLED_SIZES = np.array([0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768])
+COUPLED_SIZES = np.array(
+    [0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768]
+)
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int) -> Index:

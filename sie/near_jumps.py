@@ -25,7 +25,8 @@ _HALVINGS = 60
 
 
 def bent_steps(
-    forcing: Forcing, zones: Zones, period: float | None, k: Array, slopes: Array, plain: Array, inward: float, outward: float
+    forcing: Forcing, zones: Zones, period: float | None, k: Array, slopes: Array, plain: Array, inward: float,
+    outward: float,
 ) -> Array:
     """Steps (2, Z) of the left and right ends: `plain` = 2 K / A but where a jump is near. No step is longer than
     `inward` or `outward` of the width there. k, slopes: K less its target, and A."""
@@ -71,6 +72,8 @@ def _nearest(
     order = np.argsort(at)
     at, heights = np.concatenate(([-np.inf], at[order], [np.inf])), np.concatenate(([0.0], heights[order], [0.0]))
     after_a, after_b = np.searchsorted(at, zones.a, side="right"), np.searchsorted(at, zones.b, side="left")
-    inside = np.array([at[after_a] - zones.a, zones.b - at[after_b - 1]]), np.array([heights[after_a], heights[after_b - 1]])
-    outside = np.array([zones.a - at[after_a - 1], at[after_b] - zones.b]), np.array([heights[after_a - 1], heights[after_b]])
-    return inside, outside
+    inside = np.array([at[after_a] - zones.a, zones.b - at[after_b - 1]])
+    outside = np.array([zones.a - at[after_a - 1], at[after_b] - zones.b])
+    of_inside = np.array([heights[after_a], heights[after_b - 1]])
+    of_outside = np.array([heights[after_a - 1], heights[after_b]])
+    return (inside, of_inside), (outside, of_outside)

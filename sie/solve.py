@@ -1,9 +1,12 @@
-"""Solve the equation on given zones: choose the modes, sample, assemble, one LU, and read off the ends."""
+"""Solve the equation on given zones: choose the modes, sample, assemble, one LU, and read off the ends.
+
+Many zones are not assembled: there fast sums and GMRES take the place of the matrix and its LU (see `many`)."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +17,8 @@ from sie.assemble import System
 from sie.density import Density
 from sie.ends import End
 from sie.equation import Equation
+from sie.folding import Folding
+from sie.many import Iterative, ManySystem, Punches, fits
 from sie.steps import Steps
 from sie.zones import Zones
 
@@ -23,6 +28,8 @@ Index = NDArray[np.intp]
 
 # A reciprocal condition below this is rounding: the rows are of size one.
 _DEPENDENT = 1e-15
+# From this number of unknowns on, a matrix costs more than fast sums.
+MANY_UNKNOWNS = 1500
 
 
 class SingularSystem(ArithmeticError):
@@ -31,26 +38,64 @@ class SingularSystem(ArithmeticError):
 
 @dataclass(eq=False)
 class Sizes:
-    """Modes to start from; kept from one solve to the next so that growth is paid for once."""
+    """Modes to start from; kept from one solve to the next so that growth is paid for once.
+
+    linear: tolerance of solutions by iteration, relative; 0: as tight as rounding allows. iterations: their number so far.
+    """
 
     own: Index
     least: int
     profile_evaluations: int = 0
     kernel_evaluations: int = 0
     solves: int = 0
+    linear: float = 0.0
+    iterations: int = 0
+    carried: Carried | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, coefficients, amplitudes."""
+
+    punches: Punches | None
+    density: Density
+
+
+class Solver(Protocol):
+    """Solves the assembled rows for further right sides. size: of the unknowns that are kept."""
+
+    @property
+    def size(self) -> int: ...
+
+    def __call__(self, right: Array) -> Array: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Factored:
+    """LU factors of the rows."""
+
+    lu: Array
+    pivots: Index
+
+    @property
+    def size(self) -> int:
+        return len(self.lu)
+
+    def __call__(self, right: Array) -> Array:
+        return np.asarray(lu_solve((self.lu, self.pivots), right, check_finite=False))
 
 
 @dataclass(frozen=True, eq=False)
 class State:
     """The solution on given zones, with what its error is made of.
 
-    density; the LU factors for further right sides; `truncation`: what the neglected coefficients may amount to, over
+    density; the solver for further right sides; `truncation`: what the neglected coefficients may amount to, over
     the largest coefficient of the same zone (Z,); `field_tail`: the same for the coupled modes of all zones.
     """
 
     density: Density
     system: System
-    factors: tuple[Array, Array] = field(repr=False)
+    solver: Solver = field(repr=False)
     unknowns: Array
     folded_unknowns: Array
     conditions_from: int
@@ -66,23 +111,32 @@ class State:
 
     def response_unknowns(self, values: Array) -> Array:
         """The unknowns of `response`, to be put into rows of the system."""
-        right = np.zeros(self.factors[0].shape[0])
+        right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
-        return _unfold(self.system, lu_solve(self.factors, right))
+        return self._folding.unfold(self.solver(right))
 
     def with_value(self, condition: int, change: float) -> State:
         """The state after the value of one side condition has changed."""
         values = np.zeros(len(self.condition_scale))
         values[self.condition_index[condition]] = change
-        right = np.zeros(self.factors[0].shape[0])
+        right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
-        folded = self.folded_unknowns + lu_solve(self.factors, right)
-        unknowns = _unfold(self.system, folded)
+        folded = self.folded_unknowns + self.solver(right)
+        unknowns = self._folding.unfold(folded)
         return replace(self, folded_unknowns=folded, unknowns=unknowns, density=density_of(self.system, unknowns))
 
     def homogeneous(self, right: Array) -> Density:
         """The density for another right side of the assembled rows, no forcing and no steps."""
-        return self._homogeneous_density(_unfold(self.system, lu_solve(self.factors, right)))
+        return self._homogeneous_density(self._folding.unfold(self.solver(right)))
+
+    @property
+    def _folding(self) -> Folding:
+        return Folding.of(self.system.zones, self.system.layout)
+
+    @property
+    def linear_error(self) -> float:
+        """What an iteration left of the error of each coefficient, over its zone's largest; 0 for a direct solve."""
+        return self.solver.error if isinstance(self.solver, Iterative) else 0.0
 
     def _homogeneous_density(self, y: Array) -> Density:
         layout = self.system.layout
@@ -94,25 +148,24 @@ class State:
         """Estimated error of the density on these zones, over its peak: neglected coefficients, and the equation's
         residual between the nodes.
 
-        With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k (near an end): so much does an error of c_k
+        With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k (near an end): so much does c_k's error
         count.
         """
-        coefficients = np.abs(self.density.coefficients).max(axis=1) + np.abs(self.system.known).max(axis=1, initial=0.0)
+        known = np.abs(self.system.known).max(axis=1, initial=0.0)
+        coefficients = np.abs(self.density.coefficients).max(axis=1) + known
         peak = float(coefficients.max())
         if peak == 0.0:
             return 0.0
         neglected = float((self.neglected * coefficients).max()) / peak
         residual = self._residual / peak
         coupled = self.system.layout.m[self.density.zones.solved]
-        # A few points see the residual to a factor; its rounding adds up as the modes do, but does not grow with their
-        # order.
+        # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
         beyond = 3 * np.maximum(residual - 4e-15, 0.0) * coupled
-        return neglected + float((beyond + residual + 6e-16 * coupled).max())
+        return neglected + float((beyond + residual + 1e-15 * coupled).max())
 
     @cached_property
     def end_truncation(self) -> Array:
-        """What the density's error may shift each zone's moving ends by, over its width: 2 K / A for the K that it
-        makes."""
+        """What the density's error may shift each zone's moving ends by, over its width: 2 K / A by its K."""
         zones, solved = self.density.zones, self.density.zones.solved
         size = np.abs(self.density.coefficients).max(axis=1) + np.abs(self.system.known).max(axis=1, initial=0.0)
         missing = np.zeros(len(zones))
@@ -130,6 +183,18 @@ class State:
         return np.asarray((size @ np.arange(size.shape[1])) / np.maximum(size.sum(axis=1), 1e-300))
 
     @cached_property
+    def noise(self) -> Array:
+        """What rounding of the right side amounts to in each zone, over its largest coefficient: where coefficients have
+        stopped falling."""
+        n = self.sizes.own[: len(self.truncation)]
+        size = np.abs(self.system.g)
+        falls = np.array([
+            row[k - max(4, k // 8) + 1 : k + 1].max() < 0.5 * row[k // 2 - max(4, k // 8) + 1 : k // 2 + 1].max()
+            for row, k in zip(size[: len(n)], n, strict=True)
+        ], dtype=bool)
+        return np.where(falls, 0.0, self.truncation * 2 * np.sqrt(n)) if len(n) else self.truncation
+
+    @cached_property
     def neglected(self) -> Array:
         """Sum of 0.73 k |c_k| over the neglected coefficients, estimated from the decay of the last ones, over the
         largest of the zone."""
@@ -138,8 +203,9 @@ class State:
             return self.truncation
         size = np.abs(self.system.g)
         window = np.maximum(4, n // 8)
-        head = np.array([size[i, k // 2 - w + 1 : k // 2 + 1].max() for i, (k, w) in enumerate(zip(n, window, strict=True))])
-        last = np.array([size[i, k - w + 1 : k + 1].max() for i, (k, w) in enumerate(zip(n, window, strict=True))])
+        parts = list(zip(size[: len(n)], n, window, strict=True))
+        head = np.array([row[k // 2 - w + 1 : k // 2 + 1].max() for row, k, w in parts])
+        last = np.array([row[k - w + 1 : k + 1].max() for row, k, w in parts])
         with np.errstate(divide="ignore", invalid="ignore"):
             fall = np.where(head > 0, np.maximum(last / head, 1e-300), 1.0) ** (2.0 / n)
         # Coefficients that fall no further are rounding, whose sum grows as a random walk.
@@ -148,8 +214,7 @@ class State:
 
     @cached_property
     def _residual(self) -> Array:
-        """Residual of the equation times sqrt(1 - t^2), the largest of a few points of every solved zone that are no
-        nodes."""
+        """Residual of the equation times sqrt(1 - t^2), the largest of a few points of every solved zone, no nodes."""
         system, zones = self.system, self.density.zones
         theta = (np.arange(9) + 0.4142) * np.pi / 9
         t = np.cos(theta)
@@ -191,6 +256,8 @@ def solve_fixed(
     sizes.profile_evaluations += samples.evaluations
     while True:
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
+        if int(np.sum(m + 1)) > MANY_UNKNOWNS and fits(equation, zones):
+            return _solve_many(equation, zones, m, samples, steps, sizes)
         state = _solve_once(equation, zones, m, samples, steps, sizes)
         if not equation.grows or state.field_tail <= tolerance * 10 or int(m.max()) >= modes.COUPLED_SIZES[-1]:
             return state
@@ -207,15 +274,51 @@ def _solve_once(
         raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
     if lapack.dgecon(lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0] < _DEPENDENT:
         raise SingularSystem("the system is singular: the side conditions depend on each other")
-    folded = lu_solve((lu, pivots), right, check_finite=False)
-    y = _unfold(system, folded)
-    density = density_of(system, y)
+    solver = Factored(lu, pivots)
+    folded = solver(right)
     sizes.kernel_evaluations += matrix.size
+    return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
+
+
+def _solve_many(
+    equation: Equation, zones: Zones, m: Index, samples: modes.Samples, steps: Steps, sizes: Sizes
+) -> State:
+    """By fast sums and iteration, starting from what the last solve on about these zones left."""
+    system = ManySystem(equation, zones, m, samples.coefficients, steps)
+    carried = sizes.carried if sizes.carried is not None and len(sizes.carried.density.zones) == len(zones) else None
+    punches = carried.punches if carried is not None else None
+    if system.wants_levels and (punches is None or not punches.near(zones)):
+        punches = Punches(zones, system)
+    solver = Iterative(system, punches, sizes.linear)
+    right = solver.right()
+    if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right))):
+        raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
+    near = None
+    if carried is not None:
+        near = system.layout.flat(carried.density.coefficients)
+        near[system.layout.coefficients :] = carried.density.amplitudes
+        near = near if system.folding.keep is None else near[system.folding.keep]
+    folded = solver(right, near)
+    if not np.all(np.isfinite(folded)):
+        raise SingularSystem("the system is singular: the side conditions depend on each other")
+    sizes.iterations += solver.iterations
+    sizes.kernel_evaluations += solver.iterations * system.sums.size
+    solver.tolerance = 0.0
+    state = _state(system, solver, folded, solver.equations, np.ones(solver.size - solver.equations), samples, sizes)
+    sizes.carried = Carried(punches, state.density)
+    return state
+
+
+def _state(
+    system: System, solver: Solver, folded: Array, conditions_from: int, scale: Array, samples: modes.Samples, sizes: Sizes
+) -> State:
+    y = Folding.of(system.zones, system.layout).unfold(folded)
+    density = density_of(system, y)
     sizes.solves += 1
     top = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(system.known).max(axis=1, initial=0.0)
     truncation = samples.tail / np.where(top > 0, top, 1.0)
     tail = max(_field_tail(system, y, density), system.source_tail)
-    return State(density, system, (lu, pivots), y, folded, matrix.shape[0] - len(scale), scale, truncation, tail, sizes)
+    return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, sizes)
 
 
 def assembled(
@@ -236,7 +339,7 @@ def _rows(equation: Equation, system: System, scale: Array | None = None) -> tup
         scale = np.abs(rows).max(axis=1, initial=0.0)
         if np.any(scale == 0):
             raise SingularSystem("a side condition does not depend on the density")
-    matrix = _fold(system, np.concatenate((matrix, rows / scale[:, None])))
+    matrix = Folding.of(system.zones, system.layout).fold(np.concatenate((matrix, rows / scale[:, None])))
     return matrix, np.concatenate((right, values / scale)), scale
 
 
@@ -276,8 +379,7 @@ def _held(end: End) -> bool:
 
 
 def _field_tail(system: System, y: Array, density: Density) -> float:
-    """Last coupled coefficients of what the other zones and the columns do, over the largest coefficient of the
-    zone."""
+    """Last coupled coefficients of what the other zones and the columns do, over the zone's largest one."""
     layout, g = system.layout, system.g
     if layout.m.max() < 8:
         return 0.0
@@ -291,46 +393,3 @@ def _field_tail(system: System, y: Array, density: Density) -> float:
     rounding = 8 * 2.2e-16 * np.abs(g).max(axis=1)
     tail = np.maximum(np.abs(np.where(last, field, 0.0)).max(axis=1) - rounding, 0.0)
     return float((tail / np.where(top > 0, top, 1.0)).max())
-
-
-def _mirror_signs(system: System) -> tuple[Index, Index, Array, Index]:
-    """Kept unknowns of a symmetric set, and (target, sign, source) of those that follow from them."""
-    layout, zones = system.layout, system.zones
-    keep, follow, sign, source = [], [], [], []
-    count = len(zones)
-    for i in zones.solved:
-        k = np.arange(layout.m[i] + 1)
-        if zones.central and i == zones.solved[0]:
-            keep.append(layout.offset[i] + k[::2])
-            continue
-        keep.append(layout.offset[i] + k)
-        follow.append(layout.offset[count - 1 - i] + k)
-        sign.append(1.0 - 2.0 * (k % 2))
-        source.append(layout.offset[i] + k)
-    keep.append(layout.coefficients + np.arange(layout.columns))
-    empty = np.zeros(0, dtype=np.intp)
-    return (
-        np.concatenate(keep),
-        np.concatenate(follow or [empty]),
-        np.concatenate(sign or [np.zeros(0)]),
-        np.concatenate(source or [empty]),
-    )
-
-
-def _fold(system: System, matrix: Array) -> Array:
-    """Columns of mirrored zones added to those they follow from; the rest of a symmetric set's unknowns dropped."""
-    if not system.zones.symmetric:
-        return matrix
-    keep, follow, sign, source = _mirror_signs(system)
-    matrix[:, source] += matrix[:, follow] * sign
-    return matrix[:, keep]
-
-
-def _unfold(system: System, y: Array) -> Array:
-    if not system.zones.symmetric:
-        return y
-    keep, follow, sign, source = _mirror_signs(system)
-    out = np.zeros(system.layout.size)
-    out[keep] = y
-    out[follow] = sign * out[source]
-    return out

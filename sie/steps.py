@@ -78,7 +78,9 @@ class Steps:
     @cached_property
     def by_zone(self) -> dict[int, Index]:
         """Places of the jumps of each zone that has any."""
-        return {int(i): np.flatnonzero(self.zone == i) for i in np.unique(self.zone)}
+        order = np.argsort(self.zone, kind="stable")
+        zones, first = np.unique(self.zone[order], return_index=True)
+        return dict(zip(zones.tolist(), np.split(order, first[1:]), strict=False))
 
     def _polynomial(self, k: Index, t: Array) -> Array:
         """P_q(t) of jumps k at t (..., 1), for each jump along the last axis."""
@@ -95,7 +97,8 @@ class Steps:
         q, h = self.order[k], self.height[k]
         power = away**q
         taken = np.where(away > 0, power, 0.0)
-        return np.asarray((h * (-taken + (self.phi[k] * power + self._polynomial(k, left[..., None] - 1)) / np.pi)).sum(-1))
+        added = (self.phi[k] * power + self._polynomial(k, left[..., None] - 1)) / np.pi
+        return np.asarray((h * (added - taken)).sum(-1))
 
     def mean_offsets(self, zones: Zones) -> Array:
         """Mean over each zone of the primitive of g (zero where its values at the ends are), less what the smooth
@@ -111,7 +114,7 @@ class Steps:
         ends_c = np.where(q == 0, 0.0, np.where(q == 1, phi / 2, -s * phi + sine / 2)) / np.pi
         mean_c = np.where(q == 0, 0.0, np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4)) / np.pi
         parts = self.height * (-0.5 * end + ends_c + mean - mean_c)
-        return np.bincount(self.zone, parts, minlength=len(zones))
+        return np.asarray(np.bincount(self.zone, parts, minlength=len(zones)), dtype=float)
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
         """First `count` coefficients c_l of these parts as sums of T_l / sqrt(1 - t^2); shape (zones, count)."""
@@ -133,8 +136,7 @@ class Steps:
         return np.asarray(c[:, :count])
 
     def high_coefficients(self, zones: Zones) -> Array:
-        """Coefficients of the parts with q > 0, as many as potentials near an end need; (zones, 0) if there are
-        none."""
+        """Coefficients of the parts with q > 0, as many as potentials near an end need; (zones, 0) if none."""
         high = np.flatnonzero(self.order > 0)
         out = np.zeros((len(zones), _SERIES if len(high) else 0))
         if len(high):
@@ -147,7 +149,8 @@ class Steps:
         scale, n = self.height / np.pi, len(zones)
         from_left = scale * (-self.left) ** self.order / cot
         from_right = scale * self.right**self.order * cot
-        return np.bincount(self.zone, from_left, minlength=n), np.bincount(self.zone, from_right, minlength=n)
+        left, right = (np.bincount(self.zone, part, minlength=n) for part in (from_left, from_right))
+        return np.asarray(left, dtype=float), np.asarray(right, dtype=float)
 
     def density(self, zone: int, left: Array, right: Array) -> Array:
         """Sum of the parts of a zone at points (n,) given by their distances from its ends over w."""

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
+from contact.axisymmetric.derived import interpolated
 from contact.axisymmetric.profiles import AxisymmetricProfile
 from contact.axisymmetric.quadrature import panels
 from contact.axisymmetric.system import Surface
@@ -98,7 +99,7 @@ class Spot:
             x = self.radius * np.sqrt(0.5 * (1.0 + z))
             return self.surface.kept_slope(x) / x
 
-        return np.asarray(chebyshev.chebinterpolate(bend, degree))
+        return interpolated(bend, degree)
 
     @cached_property
     def _gauss(self) -> tuple[Array, Array]:
@@ -156,8 +157,8 @@ class Spot:
         least = float(np.min(self.pressure(self.radius * np.cos(angle))))
         if least < -_TENSION * self.mean_pressure:
             raise OutOfRange(f"contact is not a full circle: the pressure would fall to {least:.6g} Pa in the spot")
-        # Beyond half the way stands the neighbour's share of the surface.
-        end = 3.0 * self.radius if isinf(self.reach) else max(self.radius, min(self.reach, 0.5 * (self.reach + self.radius)))
+        # Beyond half the way to the neighbours stands their share of the surface.
+        end = 3.0 * self.radius if isinf(self.reach) else 0.5 * (self.reach + self.radius)
         r = np.linspace(self.radius, end, _SAMPLES + 1)[1:]
         gap = self.gap(r)
         if np.min(gap) < -_TENSION * float(np.max(np.abs(self.profile.height(r)))):

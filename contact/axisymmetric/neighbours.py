@@ -1,14 +1,15 @@
 r"""What neighbouring spots do to a spot, in the plane of its Abel transform.
 
-A point force Q at distance D lifts the ring of radius r < D by (Q/(pi E*)) mean 1/|r - D| = (2Q/(pi^2 E* D)) K(r/D), and
-that is (2/pi) int_0^r psi(x) dx/sqrt(r^2 - x^2) with psi = (Q/(pi E*))/sqrt(D^2 - x^2). Averaged over the places of an
-axisymmetric pressure with u = (2/pi) int w/sqrt(r^2 - t^2) of its own, 1/sqrt(D^2 - x^2) is the potential of that pressure
-at the height i x, where complex sources t give it in closed form:
+A point force Q at distance D lifts the ring of radius r < D by (Q/(pi E*)) mean 1/|r - D| = (2Q/(pi^2 E* D)) K(r/D),
+and that is (2/pi) int_0^r psi(x) dx/sqrt(r^2 - x^2) with psi = (Q/(pi E*))/sqrt(D^2 - x^2). Averaged over the places
+of an axisymmetric pressure with u = (2/pi) int w/sqrt(r^2 - t^2) of its own, 1/sqrt(D^2 - x^2) is the potential of
+that pressure at the height i x, where complex sources t give it in closed form:
 
     psi(x) = (1/pi) int_-a^a w(t) dt / sqrt(D^2 - (x - t)^2),        |x| + a < D.
 
-The azimuthal mean of every neighbour is thus exact, and one smooth difference kernel. Beyond the rings that are kept stands
-the nominal pressure N P outside the circle A of the same number of spots, pi A^2 N = their number (A = 0: none kept):
+The azimuthal mean of every neighbour is thus exact, and one smooth difference kernel. Beyond the rings that are kept
+stands the nominal pressure N P outside the circle A of the same number of spots, pi A^2 N = their number (A = 0: none
+kept):
 
     psi(x) = -(2 N P/E*) sqrt(A^2 - x^2),                            x < A,
 

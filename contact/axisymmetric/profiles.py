@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import gamma, inf, pi, sqrt
 from typing import Any
 
@@ -20,10 +21,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import elliprf
 
+from contact.axisymmetric.derived import LogDerivative, Octaves
 from contact.axisymmetric.quadrature import panels, quarter
 from contact.checks import finite, positive
 from contact.errors import SceneError
-from contact.profiles.derive import slope_of
 
 Array = NDArray[np.float64]
 
@@ -44,7 +45,12 @@ class AxisymmetricProfile:
     def r_laplacian(self, r: ArrayLike) -> Array:
         """r times the Laplacian of f, (r f')' = f' + r f''."""
         r = np.asarray(r, dtype=np.float64)
-        return self.slope(r) + log_derivative(self.slope, r)
+        return self._octaves.derivative(r)
+
+    @cached_property
+    def _octaves(self) -> Octaves:
+        """r f', where its derivative is not given."""
+        return Octaves(lambda r: r * self.slope(r))
 
     @property
     def breakpoints(self) -> Array:
@@ -113,12 +119,6 @@ def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
         apart = np.maximum((far - near) * (far + near) / whole, 1e-33)
         value = np.sqrt((a - far) * (a + far) / whole) / far * elliprf(apart, apart * (a / far) ** 2, 1.0)
     return np.asarray(np.where((0 < far) & (far < a), value, 0.0))
-
-
-def log_derivative(function: Callable[[Any], Any], r: Array) -> Array:
-    """r F'(r), by d/d ln r: no step leaves r > 0, where alone an author's function need make sense."""
-    positive_r = np.maximum(r, 1e-300)
-    return slope_of(lambda t: function(np.exp(t)), np.log(positive_r), length=1.0)
 
 
 @dataclass(frozen=True)
@@ -283,17 +283,22 @@ class Revolved(AxisymmetricProfile):
         r = np.asarray(r, dtype=np.float64)
         if self.slope_of is not None:
             return self._called("slope_of", r)
-        assert self.height_of is not None
-        value = slope_of(self.height_of, r)
-        rest = ~np.isfinite(value) & (r > 0)  # where every step would have left r > 0
-        value[rest] = log_derivative(self.height_of, r[rest]) / r[rest]
-        return value
+        safe = np.where(r > 0, r, 1e-200)
+        return np.asarray(self._octaves.r_slope(safe) / safe)
 
     def r_laplacian(self, r: ArrayLike) -> Array:
         r = np.asarray(r, dtype=np.float64)
         if self.second is not None:
             return np.asarray(self.slope(r) + r * self._called("second", r))
-        return self.slope(r) + log_derivative(self.slope_of or self.slope, r)
+        return self._octaves.derivative(r)
+
+    @cached_property
+    def _octaves(self) -> Octaves:
+        slope, height = self.slope_of, self.height_of
+        if slope is not None:
+            return Octaves(lambda r: r * self._called("slope_of", r))
+        assert height is not None
+        return Octaves(LogDerivative(height))
 
 
 def as_profile(shape: Any) -> AxisymmetricProfile:

@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 NODES = (16, 32, 64, 128, 256)
 _PROBES = np.array([0.1, 0.5, 0.9])
 _ROUNDING = 1e-14  # no statement below the rounding of a few transforms
+_EPS = 2.2e-16
 _GROW = 2.0**0.125
 
 
@@ -64,7 +65,9 @@ def _difference(new: Spot, old: Spot) -> float:
 def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
     """The spot with its error: the last change, or the balance of load and pressure if that is worse."""
     spot.check()
-    error = max(trace[-1], abs(spot.balance()), _ROUNDING)
+    # A spot just born feels the rounding of approach and depth, which are much larger than its own penetration.
+    own = float(spot.profile.line(spot.radius))
+    error = max(trace[-1], abs(spot.balance()), _ROUNDING, 4.0 * _EPS * (abs(spot.approach) + spot.depth) / own)
     spot = replace(spot, error=error)
     if error > tol:
         why = "the profile's derivatives are not that good" if trace[-1] < error else "too few nodes"
@@ -77,7 +80,7 @@ def first_radius(growing: Callable[[float], float], target: float, scale: float)
 
     A fall on the way ends the branch from zero load: OutOfRange.
     """
-    a = scale
+    a = 1e-3 * scale
     while growing(a) >= target:
         a *= 0.5
         if a < 1e-60 * scale:
@@ -86,7 +89,7 @@ def first_radius(growing: Callable[[float], float], target: float, scale: float)
     for _ in range(2000):
         new = growing(a * _GROW)
         if not np.isfinite(new) or new < last * (1.0 - 1e-9):
-            raise OutOfRange(f"the load of a spot falls beyond a radius of {a:.6g} m before it reaches the one asked for")
+            raise OutOfRange(f"no spot carries this: what it carries falls beyond a radius of {a:.6g} m")
         if new >= target:
             low, high = a, a * _GROW
             for _ in range(40):

@@ -10,6 +10,7 @@ their places, `math.inf` all of them: then only what varies with the angle is le
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import asin, inf, isinf, pi, sqrt
 from typing import Any
 
@@ -57,7 +58,7 @@ def solve_spot(
     if name == "spot_radius":
         if not value < limit:
             raise OutOfRange(f"spot_radius = {value:.6g} m is out of range: it must be below {limit:.6g} m")
-        states = (Linear(kinds, [[seen]], np.array([value]), n).solve(closed_edge(0)) for n in NODES)
+        states: Iterable[State] = (Linear(kinds, [[seen]], np.array([value]), n).solve(closed_edge(0)) for n in NODES)
     else:
         start = first_radius(shape.load_integral, value / E, 1.0 if isinf(limit) else limit)
         states = settled(kinds, [[seen]], np.array([min(start, 0.9 * limit)]), force(0, value / E))

@@ -1,15 +1,17 @@
-r"""Spots of one or several kinds that carry each other's neighbours: the second-kind equation, and Newton for the radii.
+r"""Spots of one or several kinds that carry each other's neighbours: the second-kind equation, and Newton for the
+radii.
 
-With w_j(x), |x| <= a_j, the Abel transform of kind j's own displacement (P_j = E* int w_j, p_j = -(E*/pi) int w_j'/sqrt),
+With w_j(x), |x| <= a_j, the Abel transform of kind j's own displacement (P_j = E* int w_j, p_j = -(E*/pi) int
+w_j'/sqrt),
 
     w_j(x) = delta - d_j - g_j(x) - e_j(x) + sum_i (2 N_i P_i/E*) sqrt(A_ji^2 - x^2),
     e_j(x) = (1/pi) sum_i int_-a_i^a_i w_i(t) K_ji(x - t) dt,
 
-g_j the profile's transform, d_j the depth of its tip, K and A from `neighbours`. For given radii this is linear in e_j at
-Gauss nodes, the loads and delta, closed by one side condition: a total load, w = 0 at the edge, or a tip that just touches.
-The right radii have w_j(a_j) = 0. A shift of a_j changes the integrals by w_j(a_j) da_j only, which vanishes there: the
-Jacobian of the edge values is diagonal, w_j'(a_j), and a_j -> a_j - w_j(a_j)/w_j'(a_j) is Newton's step, under any side
-condition.
+g_j the profile's transform, d_j the depth of its tip, K and A from `neighbours`. For given radii this is linear in
+e_j at Gauss nodes, the loads and delta, closed by one side condition: a total load, w = 0 at the edge, or a tip that
+just touches. The right radii have w_j(a_j) = 0. A shift of a_j changes the integrals by w_j(a_j) da_j only, which
+vanishes there: the Jacobian of the edge values is diagonal, w_j'(a_j), and a_j -> a_j - w_j(a_j)/w_j'(a_j) is
+Newton's step, under any side condition.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ Array = NDArray[np.float64]
 
 _STEPS = 100
 _SETTLED = 1e-13  # relative step of the radii: the next one would be its square
+_ROUNDING = 1e-15  # of w at an edge, to the approach: a spot just born settles no further
 
 
 @dataclass(frozen=True)
@@ -67,7 +70,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Surface:
-    """What all the other spots do to one: `value` is its part of the ring displacement's transform, from the mean plane."""
+    """What all the other spots do to one: the Abel transform of the displacement they make, from the mean plane."""
 
     sources: tuple[Source, ...]
     nominal: tuple[tuple[float, Surroundings], ...]  # 2 N P/E* outside its circle
@@ -102,7 +105,7 @@ class State:
     surfaces: tuple[Surface, ...]
 
 
-# A side condition: (kinds, radii) -> (coefficients of the forces P/E*, target) and such; see the three below.
+# A side condition: the last row of the system, and its right-hand side.
 Condition = Callable[["Linear"], tuple[Array, float]]
 
 
@@ -112,7 +115,7 @@ class Linear:
     def __init__(self, kinds: Sequence[Kind], around: Sequence[Sequence[Surroundings]], radii: Array, n: int) -> None:
         self.kinds, self.around, self.radii = kinds, around, radii
         self.active = [j for j in range(len(kinds)) if radii[j] > 0]
-        coupled = any(around[j][i].kernel is not None for j in self.active for i in self.active)
+        coupled = any(row[i].kernel is not None for row in around for i in self.active)
         self.unit, self.weight = half_gauss(n) if coupled else (np.empty(0), np.empty(0))
         m = self.unit.size
         self.at_e = {j: slice(k * m, (k + 1) * m) for k, j in enumerate(self.active)}
@@ -269,19 +272,20 @@ def settle(
 ) -> State:
     """Newton's radii from a start; 0 marks a kind that does not touch."""
     radii = np.array(start, dtype=np.float64)
-    active = np.flatnonzero(radii > 0)
+    active = [int(j) for j in np.flatnonzero(radii > 0)]
     trace = []
     for _ in range(_STEPS):
         state = Linear(kinds, around, radii, n).solve(condition)
-        steps = np.zeros_like(radii)
+        steps, rounding = np.zeros_like(radii), True
         for j in active:
             a = radii[j]
             slope = float(kinds[j].profile.line_slope(a)) + float(state.surfaces[j].slope(a))
             # A profile flat at a, or one pushed from beside, has no step of Newton's: a doubling finds its way.
             steps[j] = state.edges[j] / slope if slope > 0 else np.copysign(a, state.edges[j])
+            rounding &= bool(abs(state.edges[j]) <= _ROUNDING * (abs(state.delta) + kinds[j].depth))
         steps[active] = np.clip(steps[active], -0.5 * radii[active], radii[active])
         trace.append(float(np.max(np.abs(steps[active] / radii[active]))))
-        if trace[-1] <= _SETTLED or (trace[-1] <= 1e-11 and len(trace) > 1 and trace[-1] >= 0.5 * trace[-2]):
+        if trace[-1] <= _SETTLED or rounding:
             return state
         share = 1.0
         while room(around, radii + share * steps) <= 0:
@@ -291,15 +295,16 @@ def settle(
             share *= 0.5
         radii = radii + share * steps
         if room(around, radii) < 1e-7:
-            raise OutOfRange("the spots would grow into their neighbours before this state is reached: it is out of range")
+            raise OutOfRange("out of range: the spots would grow into their neighbours before this is reached")
     raise NotConverged(f"the radii have not settled in {_STEPS} steps (last {trace[-1]:.2e})", trace)
 
 
 def room(around: Sequence[Sequence[Surroundings]], radii: Array) -> float:
     """What is left, relative, before spots meet their neighbours or their circle; <= 0: they do."""
     least = 1.0
-    for j in np.flatnonzero(radii > 0):
-        for i in np.flatnonzero(radii > 0):
+    active = [int(j) for j in np.flatnonzero(radii > 0)]
+    for j in active:
+        for i in active:
             seen = around[j][i]
             if seen.kernel is not None:
                 least = min(least, 1.0 - (radii[j] + radii[i]) / seen.kernel.nearest)

@@ -137,7 +137,8 @@ def _values(ratio: Ratio, middle: float, half: float, limit: float) -> Array:
 
 
 def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
-    """m at which g_0 = 0 for a given h, m + h < limit; None where the zones would have met (m <= h).
+    """m at which g_0 = 0 for a given h, m + h < limit; None where the zones would have met (m <= h)
+    or left the strip.
 
     g_0 grows with m: G is negative where the tip lies further out, positive where it lies further in.
     """
@@ -147,9 +148,14 @@ def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
 
     if 2.0 * half >= limit or miss(half) >= 0.0:
         return None
-    high = min(2.0 * half, 0.5 * limit)  # above h, and h below the limit
-    while miss(high) <= 0.0:
-        high = 2.0 * high if 2.0 * high + half < limit else 0.5 * (high + limit - half)
+    if limit < inf:
+        high = (1.0 - 1e-12) * (limit - half)
+        if high <= half or miss(high) <= 0.0:
+            return None
+    else:
+        high = 2.0 * half
+        while miss(high) <= 0.0:
+            high *= 2.0
     return float(brentq(miss, half, high, xtol=1e-300, rtol=1e-15))
 
 

@@ -128,18 +128,17 @@ class LocalizedShape:
 
     def isolated_pressure(self, x: ArrayLike) -> Array:
         """p0 by (7), folded onto 0 < xi < a, with f'(x) subtracted: its own integral is ln((a + q)/(a - q))."""
-        x = np.abs(np.asarray(x, dtype=float))
-        return self._inverse(x, self.slope)
+        return self._inverse(np.asarray(np.abs(np.asarray(x, dtype=float))), self.slope)
 
     def pressure(self, x: ArrayLike) -> Array:
         """(17), 0 outside the zone."""
-        x = np.abs(np.asarray(x, dtype=float))
-        return np.where(x < self.half_width, self.isolated_pressure(x) + self._correction(x), 0.0)
+        r: Array = np.abs(np.asarray(x, dtype=float))
+        return np.where(r < self.half_width, self.isolated_pressure(r) + self._correction(r), 0.0)
 
     def pressure_14(self, x: ArrayLike) -> Array:
         """(14): the same by putting all of h' into (7)."""
-        x = np.abs(np.asarray(x, dtype=float))
-        return np.where(x < self.half_width, self._inverse(x, self.contact_slope), 0.0)
+        r: Array = np.abs(np.asarray(x, dtype=float))
+        return np.where(r < self.half_width, self._inverse(r, self.contact_slope), 0.0)
 
     def _correction(self, x: Array) -> Array:
         return correction_pressure(x, self.half_width, self.period, self.nominal_load)
@@ -175,5 +174,6 @@ class PrintedLocalizedShape(LocalizedShape):
     """
 
     def isolated_pressure(self, x: ArrayLike) -> Array:
-        x = np.abs(np.asarray(x, dtype=float))
-        return np.sqrt(np.maximum(self.half_width**2 - x * x, 0.0)) * self.isolated_load / pi
+        x = np.asarray(x, dtype=float)
+        under = np.maximum(self.half_width**2 - x * x, 0.0)
+        return np.asarray(np.sqrt(under) * self.isolated_load / pi)

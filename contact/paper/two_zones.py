@@ -115,6 +115,8 @@ class LocalizedPair(TwoZones):
         super().__post_init__()
         one_of("closure", self.closure, (FIRST_ORDER, SELF_CONSISTENT))
         one_of("centre", self.centre, CENTRES)
+        if self.closure == FIRST_ORDER and self.centre != "pair":
+            raise SceneError.of("centre", self.centre, "'pair' with the first-order closure: the isolated pair is the paper's")
 
     @cached_property
     def pair(self) -> EvenPair:

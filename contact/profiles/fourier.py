@@ -12,8 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from contact.checks import finite_array, positive
 from contact.errors import SceneError
 from contact.profiles.base import Array, Profile
+from contact.profiles.trigonometric import Sum
 from contact.registry import register_profile
 
+_LONG = 256  # harmonics from which on sums go through a grid
 _BLOCK = 1 << 20  # entries of the largest table of powers held at a time (16 MB)
 
 
@@ -45,14 +47,16 @@ class Fourier(Profile):
         return f"Fourier(period={self.period!r}, {self._amplitudes.size} harmonics)"
 
     def height(self, x: ArrayLike) -> Array:
-        return self._series(x, self._amplitudes)
+        return self._series(x, self._amplitudes) if self._amplitudes.size < _LONG else self._long(x, self._height_sum)
 
     def slope(self, x: ArrayLike) -> Array:
-        return self._series(x, 1j * self._wavenumbers * self._amplitudes)
+        c = 1j * self._wavenumbers * self._amplitudes
+        return self._series(x, c) if c.size < _LONG else self._long(x, self._slope_sum)
 
     def slope_conjugate(self, x: ArrayLike) -> Array:
         """H takes cos to sin and sin to -cos: a factor -i for every k > 0."""
-        return self._series(x, self._wavenumbers * self._amplitudes)
+        c = self._wavenumbers * self._amplitudes
+        return self._series(x, c) if c.size < _LONG else self._long(x, self._conjugate_sum)
 
     @property
     def symmetric(self) -> bool:
@@ -70,6 +74,22 @@ class Fourier(Profile):
     @cached_property
     def _wavenumbers(self) -> Array:
         return np.asarray(2 * pi / self.period * np.arange(1, self._amplitudes.size + 1))
+
+    @cached_property
+    def _height_sum(self) -> Sum:
+        return Sum.of(self._amplitudes)
+
+    @cached_property
+    def _slope_sum(self) -> Sum:
+        return Sum.of(1j * self._wavenumbers * self._amplitudes)
+
+    @cached_property
+    def _conjugate_sum(self) -> Sum:
+        return Sum.of(self._wavenumbers * self._amplitudes)
+
+    def _long(self, x: ArrayLike, series: Sum) -> Array:
+        turns = np.asarray(self.wrap(np.asarray(x, dtype=np.float64))) / self.period
+        return series(turns.ravel()).reshape(turns.shape)
 
     def _series(self, x: ArrayLike, c: NDArray[np.complex128]) -> Array:
         """Re sum_k c_k z^k, z = exp(2 pi i x/L), by k = r + s q: a matrix product and sqrt(N) terms more.

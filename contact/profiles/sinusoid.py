@@ -25,18 +25,21 @@ class Sinusoid(Profile):
         object.__setattr__(self, "amplitude", positive("amplitude", self.amplitude))
         object.__setattr__(self, "period", positive("period", self.period))
 
+    def _turns(self, x: ArrayLike) -> Array:
+        """x in periods, less the nearest whole number: cheaper than `wrap`, and all that sine and cosine need."""
+        turns = np.asarray(x, dtype=np.float64) / self.period
+        return np.asarray(turns - np.rint(turns))
+
     def height(self, x: ArrayLike) -> Array:
         # 1 - cos = 2 sin^2 keeps the digits near the tip.
-        return np.asarray(2 * self.amplitude * np.sin(pi * self.wrap(x) / self.period) ** 2)
+        return np.asarray(2 * self.amplitude * np.sin(pi * self._turns(x)) ** 2)
 
     def slope(self, x: ArrayLike) -> Array:
-        return np.asarray(2 * pi * self.amplitude / self.period * np.sin(2 * pi * self.wrap(x) / self.period))
+        return np.asarray(2 * pi * self.amplitude / self.period * np.sin(2 * pi * self._turns(x)))
 
     def slope_conjugate(self, x: ArrayLike) -> Array:
         """H sin = -cos."""
-        return np.asarray(
-            -2 * pi * self.amplitude / self.period * np.cos(2 * pi * self.wrap(x) / self.period)
-        )
+        return np.asarray(-2 * pi * self.amplitude / self.period * np.cos(2 * pi * self._turns(x)))
 
     @property
     def symmetric(self) -> bool:

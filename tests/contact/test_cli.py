@@ -175,7 +175,8 @@ class TestCompare:
         result = run("compare", scene())
         assert result.exit_code == 0, result.output
         header = next(line for line in result.stdout.splitlines() if "isolated" in line)
-        places = [header.index(name) for name in ("isolated", "first-order", "self-consistent", "exact")]
+        names = ("isolated", "first-order", "self-consistent", "m = 1", "m = 2", "m = 4", "m = 8", "exact")
+        places = [header.index(name) for name in names]
         assert places == sorted(places)
         exact = next(line for line in result.stdout.splitlines() if line.strip().startswith("total width to exact"))
         assert exact.split()[-2:] == ["+0", "%"]
@@ -187,11 +188,27 @@ class TestCompare:
         assert "datum" in reason
 
     def test_the_models_own_parameters_are_compared_too(self, scene, tmp_path):
-        model = 'localized"\nclosure = "self-consistent"\nneighbours = 2\n#"'
+        model = 'localized"\nclosure = "self-consistent"\nneighbours = 3\n#"'
         (tmp_path / "own.toml").write_text(SCENE.format(model=model, control="load = 2000.0"))
         result = run("compare", tmp_path / "own.toml")
         assert result.exit_code == 0, result.output
         assert "localized, as given" in result.stdout
+
+    def test_every_neighbour_brings_the_zones_nearer_to_the_exact_ones(self, scene):
+        result = run("compare", scene("mean_pressure = 2.6e9"))
+        assert result.exit_code == 0, result.output
+        row = next(line for line in result.stdout.splitlines() if line.strip().startswith("zone ends to exact"))
+        errors = [float(word) for word in row.split() if word[0].isdigit()]
+        # Isolated, the zone would reach the border of its cell: no number there.
+        assert errors[-1] == 0 and len(errors) == 7
+        assert errors[1] > errors[2] > 3 * errors[3] > 9 * errors[4] > 30 * errors[5] > 0
+
+    def test_the_comparison_is_drawn_where_asked(self, scene, tmp_path):
+        pytest.importorskip("matplotlib")
+        out = tmp_path / "compared.png"
+        assert run("compare", scene("mean_pressure = 2.6e9"), "--plot", out).exit_code == 0
+        assert out.read_bytes().startswith(b"\x89PNG")
+        assert "--plot" in stopped(2, "compare", scene(), "--plot", tmp_path / "compared.what")
 
     @pytest.mark.parametrize(("error", "status"), [(contact.OutOfRange, 2), (contact.NotConverged, 3)])
     def test_no_model_with_a_solution_ends_as_solve_would(self, scene, monkeypatch, error, status):
@@ -202,7 +219,9 @@ class TestCompare:
         result = run("compare", scene())
         assert result.exit_code == status
         assert result.stderr.count("\n") == 1
-        assert result.stdout.count("no solution: ") == 4
+        # One line for each reason, with the models it holds for.
+        assert result.stdout.count("no solution: ") == 3
+        assert "first-order, self-consistent, m = 1, m = 2, m = 4, m = 8: no solution: localized has none" in result.stdout
 
 
 class TestLists:

@@ -14,7 +14,7 @@ T = np.linspace(-0.99, 0.99, 41)
 
 @st.composite
 def designs(draw, spread=3.0, most=12):
-    """(problem, its equation, a start): 2 to `most` zones alone or within a period 1, each width and gap within
+    """(problem, its equation, a start): 2 to `most` zones alone or within a period 1, widths and gaps within
     `spread`."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     period = draw(st.sampled_from([None, 1.0]))
@@ -59,6 +59,15 @@ def test_all_ends_and_pressures_are_found_from_a_fifth_of_a_width_off(case):
     assert np.all(error <= found.end_error + 4 * EPS)
 
 
+@given(designs(), st.sampled_from([1e-3, 1e-5, 1e-7, 1e-9]))
+def test_the_stated_error_of_every_end_is_honest_at_any_tolerance(case, tolerance):
+    problem, equation, start = case
+    found = sie.find_ends(equation, sie.Zones.of(start), tolerance)
+    error = np.abs(found.density.zones.table - problem.zones) / problem.zone_widths[:, None]
+    assert found.converged
+    assert np.all(error <= found.end_error + found.state.end_truncation[:, None] + 4 * EPS)
+
+
 @given(designs(spread=10.0, most=8))
 def test_widths_and_gaps_may_differ_by_ten(case):
     problem, equation, _ = case
@@ -83,7 +92,8 @@ def test_on_the_exact_zones_nothing_is_singular(case):
 def test_between_the_zones_the_slope_of_the_gap_is_that_of_the_design(case):
     problem, equation, _ = case
     density = sie.solve_fixed(equation, sie.Zones.of(problem.zones)).density
-    x = np.concatenate([b + (a - b) * np.array([0.1, 0.5, 0.8]) for b, a in zip(problem.zones[:-1, 1], problem.zones[1:, 0], strict=True)])
+    begin, end = problem.zones[:-1, 1], problem.zones[1:, 0]
+    x = (begin + np.array([[0.1], [0.5], [0.8]]) * (end - begin)).ravel()
     largest = np.abs(problem.profile.slope(x)).max()
     assert density.transform(x) == pytest.approx(problem.profile.slope(x) - problem.gap_slope(x), abs=1e-10 * largest)
 
@@ -113,7 +123,8 @@ def test_nearly_touching_zones_are_found_from_a_tenth_of_a_width_off(gap, period
 def test_a_gap_ten_times_too_narrow_and_out_of_place_opens_again():
     problem = inverse.design([[-0.2, -0.05], [0.05, 0.2]], 2.0, 0.05, 1.0)
     for middle in (-0.03, 0.0, 0.03):
-        found = sie.find_ends(equation_of(problem), sie.Zones.of([[-0.21, middle - 0.005], [middle + 0.005, 0.2]]), 1e-12)
+        start = [[-0.21, middle - 0.005], [middle + 0.005, 0.2]]
+        found = sie.find_ends(equation_of(problem), sie.Zones.of(start), 1e-12)
         assert found.converged
         assert found.density.zones.table == pytest.approx(problem.zones, abs=1e-12)
 

@@ -72,7 +72,8 @@ def test_a_load_on_images_comes_to_the_periodic_one():
     ends = sie.Zones.of([[-half, half]], sie.BOUNDED, sie.BOUNDED, symmetric=True)
     periodic = sie.solve_fixed(sie.Equation(sie.hilbert(length), forcing, ()), ends).density.total
     counts = np.array([8, 16, 32, 64])
-    totals = [sie.solve_fixed(sie.Equation(sie.images(length, int(m)), forcing, ()), ends).density.total for m in counts]
+    equations = [sie.Equation(sie.images(length, int(m)), forcing, ()) for m in counts]
+    totals = [sie.solve_fixed(equation, ends).density.total for equation in equations]
     # Here the missing images' field is 2 d / (m + 1/2): odd in d, so it changes the total to first order.
     order = -np.polyfit(np.log(counts + 0.5), np.log(np.abs(np.array(totals) - periodic)), 1)[0]
     assert order == pytest.approx(1.0, abs=0.03)

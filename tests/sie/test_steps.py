@@ -90,7 +90,8 @@ def test_jumps_are_carried_with_few_modes_and_left_nowhere(at, order):
 def test_a_kink_very_near_an_end_is_solved_like_any_other(distance, side):
     at = side * (1 - distance)
     g = forcing(at, 0, height=1.0)
-    state = sie.solve_fixed(sie.Equation(sie.cauchy(), g, (sie.Total(1.0),)), sie.Zones.of([[-1, 1]], sie.SINGULAR, sie.SINGULAR))
+    zones = sie.Zones.of([[-1, 1]], sie.SINGULAR, sie.SINGULAR)
+    state = sie.solve_fixed(sie.Equation(sie.cauchy(), g, (sie.Total(1.0),)), zones)
     t = np.linspace(-0.99, 0.99, 31)
     phi = 2 * np.arctan2(np.sqrt(1 - at), np.sqrt(1 + at))
     theta = np.arccos(t)

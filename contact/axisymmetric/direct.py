@@ -1,0 +1,59 @@
+r"""The paper's own form (1) with the kernel (3), by quadrature: nothing of the Abel transforms is used.
+
+    p_f(r)    = (E*/4 pi) int_0^a Laplacian f(s) H1(r, s) ds
+    H1(r, s)  = int_0^2pi (2 s/(pi D)) arctan(sqrt(a^2 - r^2) sqrt(a^2 - s^2)/(a D)) dtheta,
+    D^2       = r^2 - 2 r s cos theta + s^2
+
+The paper prints E*/(4 pi^2); with H1 as printed f = r^2/(2R) gives Hertz only with E*/(4 pi).
+"""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact.axisymmetric.profiles import as_profile
+from contact.axisymmetric.quadrature import FROM_LEFT, FROM_RIGHT, WEIGHT, panels
+from contact.checks import finite_array, positive
+from contact.errors import SceneError
+
+Array = NDArray[np.float64]
+
+
+def direct_kernel(r: ArrayLike, s: ArrayLike, a: float, apart: ArrayLike | None = None) -> Array:
+    """H1(r, s) for r, s < a; `apart` = |r - s| where it is known better than the difference."""
+    r, s = np.broadcast_arrays(np.asarray(r, dtype=np.float64), np.asarray(s, dtype=np.float64))
+    d = np.abs(r - s) if apart is None else np.asarray(apart, dtype=np.float64)
+    # D^2 = d^2 + 4 r s sin^2(theta/2) is nearly singular at theta = 0: the panel ends where D has grown to sqrt(d).
+    scale = np.sqrt(np.clip(d / np.maximum(r + s, 1e-300), 1e-30, 1.0))
+    theta, weight = panels([np.zeros_like(d), pi * scale**2, pi * scale, np.full_like(d, pi)])
+    D = np.sqrt(d[..., None] ** 2 + 4.0 * (r * s)[..., None] * np.sin(0.5 * theta) ** 2)
+    reach = (np.sqrt((a - r) * (a + r)) * np.sqrt((a - s) * (a + s)))[..., None]
+    inner = np.arctan2(reach, a * D) / np.maximum(D, 1e-300)
+    return np.asarray(4.0 * s / pi * np.sum(weight * inner, axis=-1))
+
+
+def direct_pressure(profile: Any, E_star: float, a: float, r: ArrayLike) -> Array:
+    """p_f(r) [Pa] of an isolated spot of radius a at 0 < r < a, without edges inside the spot."""
+    shape, E, a = as_profile(profile), positive("E_star", E_star), positive("a", a)
+    r = finite_array("r", r, None)
+    if np.any(r <= 0) or np.any(r >= a):
+        raise SceneError.of("r", r, "above 0 and below a")
+    if np.any(shape.breakpoints < a):
+        raise SceneError.of("profile", profile, "smooth inside the spot: (1) has no term for an edge")
+    total = np.zeros(r.shape)
+    for width, near, far, sign in ((r, FROM_LEFT, FROM_RIGHT, -1.0), (a - r, FROM_LEFT, FROM_RIGHT, 1.0)):
+        # On either side of r, by the distance from it.
+        apart = width[..., None] * near
+        s = r[..., None] + sign * apart
+        if sign < 0:
+            s = np.where(far < 0.5, width[..., None] * far, s)
+        else:
+            s = np.where(far < 0.5, a - width[..., None] * far, s)
+        weight = width[..., None] * WEIGHT
+        kernel = direct_kernel(np.broadcast_to(r[..., None], s.shape), s, a, apart)
+        total = total + np.sum(weight * shape.r_laplacian(s) / s * kernel, axis=-1)
+    return np.asarray(E / (4.0 * pi) * total)

@@ -1,0 +1,338 @@
+r"""Asperities of several heights: each level touches in turn, and from then on presses on all the others.
+
+Level j has its tip d_j below the highest. It touches when the deformed surface at its tip meets it, delta - u(tip) =
+d_j; u there is what the levels in contact make, exactly in the mean over the angle for the neighbours kept and by
+their nominal pressures N_i P_i beyond. Once it touches it is one more kind of spot in the same system: all share one
+delta, and sum N_i P_i is the nominal pressure. Where no neighbour is kept, a spot's own level presses outside that
+level's share of area, (pi N_j)^(-1/2) as in (1), and each other level outside a share of all asperities, (pi sum
+N_i)^(-1/2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from math import inf, isinf
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.axisymmetric.answer import Spot
+from contact.axisymmetric.lattices import Lattice, Site, as_lattice, group, own_radius
+from contact.axisymmetric.neighbours import Surroundings, surroundings
+from contact.axisymmetric.profiles import AxisymmetricProfile, as_profile
+from contact.axisymmetric.refine import NODES, first_radius, refined, settled
+from contact.axisymmetric.spot import one_control, ring_count
+from contact.axisymmetric.system import Kind, State, room, settle, total_load, touching_tip
+from contact.axisymmetric.system import approach as given_approach
+from contact.checks import finite, non_negative, positive
+from contact.errors import OutOfRange, SceneError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Level:
+    """Asperities of one shape and height: `depth` [m] is how far their tips stand below the highest ones.
+
+    Either a `density` [1/m^2], or `sites` in fractions of the lattice's unit vectors; all sites of a level must see
+    the same surroundings.
+    """
+
+    profile: Any
+    depth: float = 0.0
+    density: float | None = None
+    sites: Sequence[Site] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "profile", as_profile(self.profile))
+        object.__setattr__(self, "depth", non_negative("depth", self.depth))
+        if (self.density is None) == (self.sites is None):
+            raise SceneError("exactly one of density and sites must be given for a level")
+        if self.density is not None:
+            object.__setattr__(self, "density", positive("density", self.density))
+        if self.sites is not None:
+            object.__setattr__(self, "sites", _sites(self.sites))
+
+
+@dataclass(frozen=True)
+class LevelsSolution:
+    """All levels at one nominal pressure; `spots` has None for a level that does not touch."""
+
+    nominal_pressure: float
+    approach: float
+    spots: tuple[Spot | None, ...]
+    touch_pressures: Array
+    touch_approaches: Array
+
+    @property
+    def touching(self) -> tuple[bool, ...]:
+        return tuple(spot is not None for spot in self.spots)
+
+    @property
+    def radii(self) -> Array:
+        return np.array([0.0 if s is None else s.radius for s in self.spots])
+
+    @property
+    def loads(self) -> Array:
+        """Load of one spot of each level [N]."""
+        return np.array([0.0 if s is None else s.load for s in self.spots])
+
+    @property
+    def shares(self) -> Array:
+        """The part of the nominal pressure each level carries; their sum is one."""
+        return np.array([0.0 if s is None else s.load * s.density for s in self.spots]) / self.nominal_pressure
+
+    @property
+    def error(self) -> float:
+        return max(s.error for s in self.spots if s is not None)
+
+
+def solve_levels(
+    levels: Sequence[Level],
+    E_star: float,
+    lattice: Lattice | None = None,
+    *,
+    nominal_pressure: float | None = None,
+    approach: float | None = None,
+    rings: float = 0,
+    tol: float = 1e-10,
+) -> LevelsSolution:
+    """Which levels touch at a nominal pressure [Pa] or an approach [m], and their spots."""
+    E, tol = positive("E_star", E_star), positive("tol", tol)
+    name, value = one_control(nominal_pressure=nominal_pressure, approach=approach)
+    kinds, around, kept = _system(levels, lattice, rings)
+    condition = total_load(value / E) if name == "nominal_pressure" else given_approach(value)
+
+    contacts = list(_contacts(kinds, around, tol))
+    met = [c for c in contacts if (c.pressure * E if name == "nominal_pressure" else c.delta) < value]
+    active = sorted(j for c in met for j in c.kinds)
+    start = _start(kinds, around, active, value / E if name == "nominal_pressure" else None, value)
+
+    def spots_of(state: State) -> list[Spot]:
+        return [_spot(j, kinds, around, state, E, kept) for j in active]
+
+    found = refined(settled(kinds, around, start, condition), spots_of, tol)
+    spots = dict(zip(active, found, strict=True))
+    pressures, deltas = np.full(len(kinds), inf), np.full(len(kinds), inf)
+    for c in contacts:
+        pressures[c.kinds], deltas[c.kinds] = E * c.pressure, c.delta
+    return LevelsSolution(
+        nominal_pressure=sum(s.load * s.density for s in found),
+        approach=found[0].approach,
+        spots=tuple(spots.get(j) for j in range(len(kinds))),
+        touch_pressures=pressures,
+        touch_approaches=deltas,
+    )
+
+
+def touch_pressures(
+    levels: Sequence[Level], E_star: float, lattice: Lattice | None = None, *, rings: float = 0, tol: float = 1e-10
+) -> Array:
+    """The nominal pressure [Pa] at which each level begins to touch; inf where spots would merge before it does."""
+    E, tol = positive("E_star", E_star), positive("tol", tol)
+    kinds, around, _ = _system(levels, lattice, rings)
+    pressures = np.full(len(kinds), inf)
+    for c in _contacts(kinds, around, tol):
+        pressures[c.kinds] = E * c.pressure
+    return pressures
+
+
+@dataclass(frozen=True)
+class _Contact:
+    """Levels that touch together, at which nominal pressure over E* and at which approach."""
+
+    kinds: list[int]
+    pressure: float
+    delta: float
+
+
+def _contacts(kinds: Sequence[Kind], around: Sequence[Sequence[Surroundings]], tol: float) -> Iterator[_Contact]:
+    """The levels in the order in which they touch."""
+    active = [j for j, kind in enumerate(kinds) if kind.depth == 0.0]
+    yield _Contact(list(active), 0.0, 0.0)
+    while waiting := [j for j in range(len(kinds)) if j not in active]:
+        # Each candidate as if no other came before it: the first is right, and the others are found anew.
+        found = [_first_touch(j, kinds, around, active, tol) for j in waiting]
+        first = min(found, key=lambda c: c.pressure)
+        if isinf(first.pressure):
+            return
+        together = [c.kinds[0] for c in found if c.pressure <= first.pressure * (1.0 + 1e-9)]
+        yield _Contact(together, first.pressure, first.delta)
+        active += together
+
+
+def _first_touch(
+    j: int, kinds: Sequence[Kind], around: Sequence[Sequence[Surroundings]], active: list[int], tol: float
+) -> _Contact:
+    """The state of the levels in contact whose surface just meets the tip of level j."""
+    start = _start(kinds, around, active, None, kinds[j].depth)
+    last = inf
+    try:
+        for n in NODES:
+            state = settle(kinds, around, start, touching_tip(j), n)
+            pressure = sum(kind.density * float(force) for kind, force in zip(kinds, state.forces, strict=True))
+            if not pressure > 0:
+                break
+            if abs(pressure - last) <= 0.1 * tol * pressure or not any(s.sources for s in state.surfaces):
+                return _Contact([j], pressure, state.delta)
+            start, last = state.radii, pressure
+    except OutOfRange:
+        pass
+    return _Contact([j], inf, inf)
+
+
+def _start(
+    kinds: Sequence[Kind],
+    around: Sequence[Sequence[Surroundings]],
+    active: list[int],
+    pressure: float | None,
+    delta: float,
+) -> Array:
+    """Radii of spots that do not feel each other, at an approach or a nominal pressure over E*: a start for Newton."""
+    scale = min(own_radius(kind.density) for kind in kinds)
+
+    def radii_at(delta: float) -> Array:
+        radii = np.zeros(len(kinds))
+        for j in active:
+            over = delta - kinds[j].depth
+            # A level that touches only with the others' help starts small.
+            radii[j] = first_radius(_penetration(kinds[j].profile), over, scale) if over > 0 else 0.05 * scale
+        return radii
+
+    if pressure is not None:
+
+        def carried(delta: float) -> float:
+            at = [delta > kinds[j].depth for j in range(len(kinds))]
+            radii = radii_at(delta)
+            return sum(kinds[j].density * kinds[j].profile.load_integral(radii[j]) for j in active if at[j])
+
+        low = high = float(kinds[active[0]].profile.line(scale))
+        while carried(high) < pressure:
+            low, high = high, 2.0 * high
+        while low == high or carried(low) > pressure:
+            high, low = (high, 0.5 * low) if low == high else (low, 0.5 * low)
+        for _ in range(12):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if carried(middle) < pressure else (low, middle)
+        delta = high
+    radii = radii_at(delta)
+    while room(around, radii) < 0.1:
+        radii *= 0.9
+    return radii
+
+
+def _penetration(profile: AxisymmetricProfile) -> Callable[[float], float]:
+    return lambda a: float(profile.line(a))
+
+
+def _system(
+    levels: Sequence[Level], lattice: Lattice | None, rings: float
+) -> tuple[list[Kind], list[list[Surroundings]], float]:
+    """Kinds of spots, how each sees each, and how many rings are kept."""
+    levels = list(levels)
+    if not levels or not all(isinstance(level, Level) for level in levels):
+        raise SceneError.of("levels", levels, "a sequence of one Level or more")
+    if min(level.depth for level in levels) != 0.0:
+        raise SceneError.of("depth", min(level.depth for level in levels), "0 for the highest level")
+    kept = ring_count(rings, as_lattice(lattice))
+    if lattice is None:
+        kinds = [Kind(level.profile, level.depth, _density(level)) for level in levels]
+        return kinds, _by_density(kinds), kept
+    if not isinstance(lattice, Lattice):
+        raise SceneError.of("lattice", lattice, "a lattice, or None where the levels have densities")
+    sites = [_placed(level) for level in levels]
+    kinds = [
+        Kind(level.profile, level.depth, lattice.density * len(s)) for level, s in zip(levels, sites, strict=True)
+    ]
+    around = []
+    for own in sites:
+        views = [[_shifts(other, site) for other in sites] for site in own]
+        _same_views(lattice, views)
+        if kept:
+            cut = _cut(lattice, [s for view in views[0] for s in view], kept)
+            around.append([surroundings(lattice, view, cut) for view in views[0]])
+    return kinds, around or _by_density(kinds), kept
+
+
+def _by_density(kinds: Sequence[Kind]) -> list[list[Surroundings]]:
+    """No neighbour kept: circles only."""
+    share = own_radius(sum(kind.density for kind in kinds))
+    return [
+        [Surroundings(None, own_radius(i.density) if i is j else share, i.density) for i in kinds] for j in kinds
+    ]
+
+
+def _cut(lattice: Lattice, shifts: list[Site], rings: float) -> float:
+    """Radius in spacings of the last ring kept, rings counted over all levels."""
+    if isinf(rings):
+        return inf
+    radii, _ = group(lattice.reaching(shifts, int(rings)))
+    return float(radii[int(rings) - 1])
+
+
+def _shifts(sites: Sequence[Site], origin: Site) -> list[Site]:
+    return [(s[0] - origin[0], s[1] - origin[1]) for s in sites]
+
+
+def _same_views(lattice: Lattice, views: list[list[list[Site]]]) -> None:
+    """Refuse a level whose sites see different surroundings."""
+    rows = [
+        [np.sort(np.concatenate([lattice.distances(s, 4.0) for s in shifts])) for shifts in view] for view in views
+    ]
+    for row in rows[1:]:
+        for mine, first in zip(row, rows[0], strict=True):
+            if mine.size != first.size or not np.allclose(mine, first, rtol=0, atol=1e-8):
+                raise SceneError("the sites of a level see different surroundings: make them levels of their own")
+
+
+def _density(level: Level) -> float:
+    if level.density is None:
+        raise SceneError("a level has sites but no lattice is given: give the lattice, or its density")
+    return level.density
+
+
+def _placed(level: Level) -> Sequence[Site]:
+    if level.sites is None:
+        raise SceneError("a lattice is given but a level has only a density: give its sites")
+    return level.sites
+
+
+def _sites(value: Any) -> tuple[Site, ...]:
+    """Pairs of fractions, no two of them the same point of the cell."""
+    allowed = "one pair or more of finite numbers, in fractions of the unit vectors"
+    if isinstance(value, str) or not isinstance(value, (Sequence, np.ndarray)) or len(value) == 0:
+        raise SceneError.of("sites", value, allowed)
+    sites = []
+    for pair in value:
+        if isinstance(pair, str) or not isinstance(pair, (Sequence, np.ndarray)) or len(pair) != 2:
+            raise SceneError.of("sites", value, allowed)
+        sites.append((finite("sites", pair[0], allowed), finite("sites", pair[1], allowed)))
+    folded = np.array(sites)[:, None] - np.array(sites)
+    apart = np.max(np.abs(folded - np.round(folded)), axis=-1) + np.eye(len(sites))
+    if np.min(apart) < 1e-9:
+        raise SceneError.of("sites", value, "different points of the cell")
+    return tuple(sites)
+
+
+def _spot(
+    j: int,
+    kinds: Sequence[Kind],
+    around: Sequence[Sequence[Surroundings]],
+    state: State,
+    E_star: float,
+    rings: float,
+) -> Spot:
+    kind, surface = kinds[j], state.surfaces[j]
+    reach = inf
+    for i in np.flatnonzero(state.radii > 0):
+        seen = around[j][int(i)]
+        if seen.kernel is not None:
+            reach = min(reach, seen.kernel.nearest - float(state.radii[i]))
+        elif seen.circle > 0:
+            reach = min(reach, seen.circle)
+    return Spot(
+        kind.profile, E_star, float(state.radii[j]), E_star * float(state.forces[j]), kind.depth, state.delta,
+        kind.density, rings, surface, reach,
+    )

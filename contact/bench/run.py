@@ -1,0 +1,63 @@
+"""The suites as the commands run them: measure, write CSV, tables and figures, and hand the tables back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from contact.bench import peers, plots, precision, report, scaling, stability
+from contact.bench.cases import Case, suite
+from contact.bench.precision import Row
+from contact.bench.report import Table
+
+Progress = Callable[[str, int, int | None], None]
+
+# A run of a peer after which no finer grid is tried.
+LONGEST, LONGEST_QUICK = 8.0, 1.0
+
+
+def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> list[Table]:
+    """Work and precision, peers, cost against size; files go to `folder`."""
+    chosen: Sequence[peers.Peer] = peers.PEERS if with_peers else ()
+    if with_peers:
+        peers.require()
+    rows: list[Row] = []
+    cases = suite(quick)
+    for k, case in enumerate(cases):
+        progress(case.name, k, len(cases))
+        rows += _case(case, quick, chosen)
+    tables = [report.precision_table(rows), report.hierarchy_table(rows)]
+    if chosen:
+        tables.append(report.peers_table(rows, [peer.name for peer in chosen]))
+    progress("cost against size", 0, None)
+    scaled, single = list(scaling.measure(quick)), list(scaling.floors(quick))
+    tables += [report.scaling_table(scaled), report.exponents_table(scaled), report.single_table(single)]
+    report.write_csv(folder / "precision.csv", rows)
+    report.write_csv(folder / "scaling.csv", [*scaled, *single])
+    plots.precision(rows, folder / "precision.png")
+    plots.scaling(scaled, folder / "scaling.png")
+    _write(folder / "tables.md", tables)
+    return tables
+
+
+def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
+    rows = list(precision.ours(case, quick))
+    if case.name.startswith("wave"):
+        rows += precision.hierarchy(case, quick)
+    for peer in chosen:
+        rows += peers.rows(peer, case, quick, LONGEST_QUICK if quick else LONGEST)
+    return rows
+
+
+def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Table, int]:
+    """The matrix of stiff and extreme scenes, and how many fail for no known reason."""
+    verdicts = stability.run_matrix(quick, progress)
+    table = report.stability_table(verdicts)
+    if folder is not None:
+        report.write_csv(folder / "stability.csv", verdicts)
+        _write(folder / "stability.md", [table])
+    return table, sum(verdict.outcome == "FAIL" for verdict in verdicts)
+
+
+def _write(path: Path, tables: list[Table]) -> None:
+    path.write_text("\n".join(f"## {table[0]}\n\n{report.markdown(table)}" for table in tables), encoding="utf-8")

@@ -1,0 +1,71 @@
+"""Long trigonometric sums at any points: a fast Fourier transform onto a finer grid, and short kernels between its points.
+
+Re sum_k c_k exp(2 pi i k x) is a smooth function on the grid of n > 4 K points, convolved with psi(d) = exp(b (sqrt(1 - d^2) - 1)), d in
+half widths of W/2 cells, once c_k has been divided by the transform of psi: W = 16 leaves 1e-15. Barnett, Magland & af Klinteberg
+(2019), SIAM J. Sci. Comput. 41, C479-C504, doi 10.1137/18M120885X.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_WIDTH = 16
+_HALF = 0.5 * _WIDTH
+# As steep as an oversampling of two allows (their section 4).
+_STEEP = 0.98 * np.pi * _WIDTH * 0.75
+# Points handled at once: their kernels stay in the cache.
+_BLOCK = 1 << 14
+
+
+@lru_cache(maxsize=4)
+def _transform(harmonics: int, n: int) -> Array:
+    """Transform of psi at k = 1 ... `harmonics` for a grid of n points."""
+    t, weights = np.polynomial.legendre.leggauss(4 * _WIDTH)
+    right = t > 0
+    values = 2 * _HALF * weights[right] * np.exp(_STEEP * (np.sqrt(1 - t[right] ** 2) - 1))
+    wave = 2 * np.pi / n * _HALF * np.arange(1, harmonics + 1)
+    out = np.zeros(harmonics)
+    for place, value in zip(t[right], values, strict=True):
+        out += value * np.cos(wave * place)
+    out.setflags(write=False)
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Sum:
+    """Re sum_{k >= 1} c_k exp(2 pi i k x) for x in turns, as values on a grid of n points, the first ones repeated."""
+
+    values: Array
+    n: int
+
+    @classmethod
+    def of(cls, c: NDArray[np.complex128]) -> Sum:
+        # A power of two: then the place on the grid is exact.
+        n = 1 << int(np.ceil(np.log2(4 * (c.size + 1))))
+        spectrum = np.zeros(n // 2 + 1, dtype=np.complex128)
+        spectrum[1 : c.size + 1] = 0.5 * n * c / _transform(c.size, n)
+        values = scipy.fft.irfft(spectrum, n)
+        return cls(np.concatenate((values, values[:_WIDTH])), n)
+
+    def __call__(self, turns: Array) -> Array:
+        """Values at x (m,)."""
+        out = np.empty(turns.size)
+        for start in range(0, turns.size, _BLOCK):
+            place = turns[start : start + _BLOCK] * self.n
+            first = np.ceil(place - _HALF)
+            away = (place - first) / _HALF
+            with np.errstate(invalid="ignore"):
+                index = first.astype(np.intp) % self.n
+            total = np.zeros(place.size)
+            for j in range(_WIDTH):
+                d = away - j / _HALF
+                total += self.values[index + j] * np.exp(_STEEP * (np.sqrt(np.maximum(1 - d * d, 0.0)) - 1))
+            out[start : start + _BLOCK] = total
+        return out

@@ -1,0 +1,198 @@
+"""Transform and potential of a density with many zones at many points: far zones by series, near ones by their closed forms.
+
+The line is cut into cells, the zones and the gaps between them. What is far from a cell is a Chebyshev series on it, all of them from
+one fast sum; a point adds what the few near zones do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.fast import FarSum, Nested
+from sie.field import cosine_sum, of_zones, sum_of_powers
+from sie.tree import SEPARATION, TERMS, Tree
+
+if TYPE_CHECKING:
+    from sie.density import Density
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# Largest number of (point, near zone) pairs handled at once.
+_BLOCK = 400_000
+
+
+class Everywhere:
+    """A density's series on all cells. Points are those of `Density._into_period`, or any if nothing repeats."""
+
+    def __init__(self, density: Density) -> None:
+        self.density = density
+        zones, period = density.zones, density.kernel.period
+        first, last = float(zones.a[0]), float(zones.b[-1])
+        middle = 0.5 * (first + last)
+        # Beyond a span on either side the whole set is far: a last cell there would be of no use.
+        reach = 0.5 * period if period is not None else 1.5 * (last - first)
+        ends = np.empty(2 * len(zones) + 2)
+        ends[1:-1:2], ends[2:-1:2] = zones.a, zones.b
+        ends[0], ends[-1] = min(middle - reach, first), max(middle + reach, last)
+        self.ends = ends
+        self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
+        sources = Nested(Tree.over(zones.a, zones.b))
+        far = FarSum(sources, Nested(Tree.over(ends[:-1], ends[1:]), kept=False), density.kernel)
+        near = far.near
+        self.source, self.shift = near.source, near.shift
+        self.start = np.searchsorted(near.target, np.arange(len(self.middle) + 1))
+        c = np.zeros((len(zones), TERMS))
+        count = min(TERMS, density.coefficients.shape[1])
+        c[:, :count] = density.coefficients[:, :count]
+        if len(density.steps):
+            c += density.steps.t_coefficients(zones, TERMS)
+        self.moments = c * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
+        self.series, self.value = far(self.moments)
+        self.whole = sources.upward(self.moments)[0]
+
+    @cached_property
+    def potential_series(self) -> Array:
+        """Series of the potential: the primitive of the transform's, with the given value at the middle of the cell."""
+        f = np.zeros((len(self.series), TERMS + 2))
+        f[:, :TERMS] = self.series
+        out = np.zeros((len(f), TERMS + 1))
+        k = np.arange(2, TERMS + 1)
+        out[:, 1] = f[:, 0] - 0.5 * f[:, 2]
+        out[:, 2:] = (f[:, 1:TERMS] - f[:, 3 : TERMS + 2]) / (2 * k)
+        out *= self.half[:, None]
+        even = np.arange(2, TERMS + 1, 2)
+        out[:, 0] = self.value - out[:, 2::2] @ np.cos(0.5 * np.pi * even)
+        return out
+
+    def transform(self, x: Array) -> Array:
+        return self._summed(x, self.series, False)
+
+    def potential(self, x: Array) -> Array:
+        return self._summed(x, self.potential_series, True)
+
+    def _summed(self, x: Array, series: Array, potential: bool) -> Array:
+        out = np.empty(len(x))
+        order = np.argsort(x, kind="stable")
+        cell = np.searchsorted(self.ends, x[order], side="right") - 1
+        outside = (cell < 0) | (x[order] > self.ends[-1])
+        beyond = order[outside]
+        if len(beyond):
+            out[beyond] = self._beyond(x[beyond], potential)
+        order, cell = order[~outside], np.minimum(cell[~outside], len(self.middle) - 1)
+        table = np.ascontiguousarray(series.T)
+        for here in self._blocks(cell):
+            places, cells = order[here], cell[here]
+            part = x[places]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                t = np.where(self.half[cells] > 0, (part - self.middle[cells]) / self.half[cells], 0.0)
+            value = _series_at(table, cells, np.clip(t, -1.0, 1.0))
+            count = self.start[cells + 1] - self.start[cells]
+            row = np.repeat(np.arange(len(part)), count)
+            pair = np.arange(len(row)) + np.repeat(self.start[cells] - (np.cumsum(count) - count), count)
+            near = self._near(part[row], self.source[pair], self.shift[pair], potential)
+            out[places] = value + np.bincount(row, near, minlength=len(part))
+        return out
+
+    def _blocks(self, cell: Index) -> Iterator[slice]:
+        """Stretches of the sorted points with at most so many near pairs."""
+        total = np.cumsum(self.start[cell + 1] - self.start[cell] + 4)
+        begin = 0
+        while begin < len(cell):
+            done = total[begin - 1] if begin else 0
+            end = max(begin + 1, int(np.searchsorted(total, done + _BLOCK)))
+            yield slice(begin, end)
+            begin = end
+
+    def _near(self, x: Array, zone: Index, shift: Array, potential: bool) -> Array:
+        """What a zone moved by `shift` does at x, pair by pair."""
+        density = self.density
+        w = density.zones.half[zone]
+        left, right = (x - (density.zones.a[zone] + shift)) / w, ((density.zones.b[zone] + shift) - x) / w
+        on = (left >= 0) & (right >= 0)
+        root = np.sqrt(np.abs(left * right))
+        rho = np.where(left >= 0, 1.0, -1.0) / (0.5 * np.abs(left - right) + root)
+        rho[on] = 0.5
+        value = np.empty(len(x))
+        off = np.flatnonzero(~on)
+        on_zone = np.flatnonzero(on)
+        evaluate = self._potential_of if potential else self._transform_of
+        value[off] = evaluate(zone[off], rho[off], root[off], w[off])
+        if len(on_zone):
+            own = self._own_potential if potential else density.own_transform
+            value[on_zone] = own(zone[on_zone], left[on_zone], right[on_zone])
+        steps = density.steps
+        kinked = set(steps.kinked) if potential else set(steps.by_zone)
+        for i, places in of_zones(zone) if kinked else ():
+            if i not in kinked:
+                continue
+            here = on[places]
+            z = 0.5 * (left[places] - right[places])
+            if potential:
+                turn = z + 1j * np.sqrt(np.maximum(left[places] * right[places], 0.0))
+                turned = np.where(here, turn, rho[places])
+                datum = density.kernel.datum
+                kinks = steps.kink_potential(i, turned) + density.kink_totals[i] * np.log(w[places] / datum)
+                value[places] += w[places] * kinks
+            else:
+                value[places[here]] += steps.own_transform(i, left[places[here]])
+                value[places[~here]] += steps.transform(i, z[~here], rho[places[~here]])
+        return value
+
+    def _transform_of(self, zone: Index, rho: Array, root: Array, w: Array) -> Array:
+        alpha, beta, u = self.density.bounded
+        a, b = alpha[zone], beta[zone]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            edge = np.where((a == 0) & (b == 0), 0.0, np.sign(rho) * (a + b * rho) / root)
+        return np.asarray(edge + rho * sum_of_powers(u, rho, zone))
+
+    def _potential_of(self, zone: Index, rho: Array, root: Array, w: Array) -> Array:
+        table = self.density.potential_coefficients
+        log = np.log(w / (2 * self.density.kernel.datum * np.abs(rho)))
+        return np.asarray(w * (table[zone, 0] * log - rho * sum_of_powers(self._rest, rho, zone)))
+
+    @cached_property
+    def _rest(self) -> Array:
+        return np.ascontiguousarray(self.density.potential_coefficients[:, 1:])
+
+    def _own_potential(self, zone: Index, left: Array, right: Array) -> Array:
+        table, w = self.density.potential_coefficients, self.density.zones.half[zone]
+        theta = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))
+        return np.asarray(w * (table[zone, 0] * np.log(w / (2 * self.density.kernel.datum)) - cosine_sum(self._rest, zone, theta)))
+
+    def _beyond(self, x: Array, potential: bool) -> Array:
+        """Outside the cells of a kernel that has no period: from the moments of all zones, but near an image one by one."""
+        zones, datum = self.density.zones, self.density.kernel.datum
+        half = 0.5 * (zones.b[-1] - zones.a[0])
+        out = np.zeros(len(x))
+        for shift in self.density.kernel.poles:
+            left, right = x - (zones.a[0] + shift), (zones.b[-1] + shift) - x
+            e = np.maximum(-left, -right) / half
+            for k in np.flatnonzero(e < SEPARATION):
+                every = np.arange(len(zones))
+                out[k] += self._near(np.full(len(zones), x[k]), every, np.full(len(zones), shift), potential).sum()
+            far = np.flatnonzero(e >= SEPARATION)
+            root = np.sqrt(e[far] * (e[far] + 2))
+            sign = np.where(left[far] > 0, 1.0, -1.0)
+            rho = sign / (1 + e[far] + root)
+            powers = rho[:, None] ** np.arange(1, TERMS)
+            if potential:
+                first = self.whole[0] * np.log(half / (2 * datum * np.abs(rho)))
+                out[far] += first - powers @ (2 * self.whole[1:] / np.arange(1, TERMS))
+            else:
+                out[far] += sign / (root * half) * (self.whole[0] + powers @ (2 * self.whole[1:]))
+        return out
+
+
+def _series_at(table: Array, cell: Index, t: Array) -> Array:
+    """sum_k table[k, cell] T_k(t) by Clenshaw's recurrence."""
+    one, two = np.zeros(len(t)), np.zeros(len(t))
+    twice = 2 * t
+    for row in table[:0:-1]:
+        one, two = row[cell] + twice * one - two, one
+    return np.asarray(table[0][cell] + t * one - two)

@@ -1,0 +1,78 @@
+"""Approximate inverse of a matrix whose blocks off the diagonal have low rank: hierarchically, by halves.
+
+With A = [[A1, U1 V1'], [U2 V2', A2]], W1 = A1^-1 U1 and W2 = A2^-1 U2, the unknowns are x1 = y1 - W1 s2 and x2 = y2 - W2 s1, where
+y = A_i^-1 b_i and s2 = V1' x2, s1 = V2' x1 solve a small system. Low ranks by adaptive cross approximation with partial pivots
+(Bebendorf 2000, Numer. Math. 86, 565-589). Ambikasaran & Darve (2013), J. Sci. Comput. 57, 477-501.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lu_factor, lu_solve
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+Entries = Callable[[Index, Index], Array]
+"""entries(rows, columns): the block, broadcast."""
+
+_LEAF = 96
+_MOST_RANK = 40
+
+
+class Inverse:
+    """A^-1 of an n by n matrix to about `tolerance`, from its entries."""
+
+    def __init__(self, entries: Entries, first: int, end: int, tolerance: float) -> None:
+        self.count = end - first
+        if self.count <= _LEAF:
+            here = np.arange(first, end)
+            self.factors = lu_factor(entries(here[:, None], here), check_finite=False)
+            self.halves: tuple[Inverse, Inverse] | None = None
+            return
+        cut = (first + end) // 2
+        self.halves = Inverse(entries, first, cut, tolerance), Inverse(entries, cut, end, tolerance)
+        one, two = np.arange(first, cut), np.arange(cut, end)
+        u1, self.v1 = cross(entries, one, two, tolerance)
+        u2, self.v2 = cross(entries, two, one, tolerance)
+        self.w1, self.w2 = self.halves[0](u1), self.halves[1](u2)
+        r1, r2 = u1.shape[1], u2.shape[1]
+        small = np.eye(r1 + r2)
+        small[:r1, r1:] = self.v1.T @ self.w2
+        small[r1:, :r1] = self.v2.T @ self.w1
+        self.small = lu_factor(small, check_finite=False)
+
+    def __call__(self, b: Array) -> Array:
+        """A^-1 b for b (n,) or (n, k)."""
+        if self.halves is None:
+            return np.asarray(lu_solve(self.factors, b, check_finite=False))
+        one, two = self.halves
+        y1, y2 = one(b[: one.count]), two(b[one.count :])
+        s = lu_solve(self.small, np.concatenate((self.v1.T @ y2, self.v2.T @ y1)), check_finite=False)
+        rank = self.v1.shape[1]
+        return np.concatenate((y1 - self.w1 @ s[:rank], y2 - self.w2 @ s[rank:]))
+
+
+def cross(entries: Entries, rows: Index, columns: Index, tolerance: float) -> tuple[Array, Array]:
+    """(U, V) with U V' about the block, by crosses through its rows and columns."""
+    u, v = np.zeros((len(rows), _MOST_RANK)), np.zeros((len(columns), _MOST_RANK))
+    unused = np.ones(len(rows), dtype=bool)
+    # The row next to the other half is the one that differs most from the rest.
+    pivot = len(rows) - 1 if rows[0] < columns[0] else 0
+    size = 0.0
+    for k in range(min(_MOST_RANK, len(rows), len(columns))):
+        unused[pivot] = False
+        row = entries(rows[pivot], columns) - v[:, :k] @ u[pivot, :k]
+        j = int(np.argmax(np.abs(row)))
+        if row[j] == 0.0:
+            return u[:, :k], v[:, :k]
+        column = entries(rows, columns[j]) - u[:, :k] @ v[j, :k]
+        u[:, k], v[:, k] = column, row / row[j]
+        new = float(np.linalg.norm(column) * np.linalg.norm(v[:, k]))
+        size = max(size, new)
+        if new <= tolerance * size or not unused.any():
+            return u[:, : k + 1], v[:, : k + 1]
+        pivot = int(np.argmax(np.where(unused, np.abs(column), -1.0)))
+    return u, v

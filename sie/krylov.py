@@ -1,0 +1,63 @@
+"""GMRES for an operator that is nearly the identity, without restarts (Saad & Schultz 1986, SIAM J. Sci. Stat. Comput. 7, 856-869)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Iterated:
+    """x, the norm of its residual, and the number of applications."""
+
+    x: Array
+    residual: float
+    steps: int
+
+
+def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int = 200) -> Iterated:
+    """x with |b - A x| <= tolerance (absolute), from zero; the best one if rounding or `most` steps come first."""
+    beta = float(np.linalg.norm(b))
+    if beta <= tolerance:
+        return Iterated(np.zeros_like(b), beta, 0)
+    basis = np.empty((min(most, 16) + 1, len(b)))
+    basis[0] = b / beta
+    # R of the QR of the Hessenberg matrix by Givens rotations, and the right side turned along.
+    upper = np.zeros((most, most))
+    cos, sin = np.zeros(most), np.zeros(most)
+    right = np.zeros(most + 1)
+    right[0] = beta
+    steps = 0
+    for k in range(most):
+        if k + 1 == len(basis):
+            basis = np.concatenate((basis, np.empty((min(len(basis), most + 1 - len(basis)), len(b)))))
+        w = apply(basis[k])
+        size = float(np.linalg.norm(w))
+        h = basis[: k + 1] @ w
+        w -= h @ basis[: k + 1]
+        again = basis[: k + 1] @ w
+        w -= again @ basis[: k + 1]
+        h += again
+        below = float(np.linalg.norm(w))
+        for j in range(k):
+            h[j], h[j + 1] = cos[j] * h[j] + sin[j] * h[j + 1], cos[j] * h[j + 1] - sin[j] * h[j]
+        radius = float(np.hypot(h[k], below))
+        if not np.isfinite(radius) or radius <= 1e-15 * size:
+            break
+        cos[k], sin[k] = h[k] / radius, below / radius
+        upper[: k + 1, k] = h
+        upper[k, k] = radius
+        right[k + 1], right[k] = -sin[k] * right[k], cos[k] * right[k]
+        steps = k + 1
+        if abs(right[k + 1]) <= tolerance or below <= 1e-15 * size:
+            break
+        basis[k + 1] = w / below
+    y = np.zeros(steps)
+    for k in range(steps - 1, -1, -1):
+        y[k] = (right[k] - upper[k, k + 1 : steps] @ y[k + 1 :]) / upper[k, k]
+    return Iterated(y @ basis[:steps], abs(float(right[steps])), steps)

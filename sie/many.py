@@ -1,0 +1,367 @@
+"""The system of many zones without its matrix: rows applied to unknowns by fast sums, solved by preconditioned GMRES.
+
+The rows are those of `assemble`: a zone's own part of them is -c_k, and what is left couples the zones. The preconditioner is
+that own part and, for the zones' loads, a coarse problem: flat punches, each seen by the others through its load alone, with the
+same side conditions. What is left to the iterations is how zones bend each other, which falls off as the square of the
+distance, so their number does not grow with that of the zones.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie import chebyshev
+from sie.assemble import System
+from sie.conditions import Linear, ZoneTotals
+from sie.equation import Equation
+from sie.fast import ZoneSums, reaches
+from sie.folding import Folding
+from sie.hierarchical import Inverse
+from sie.krylov import gmres
+from sie.steps import Steps
+from sie.zones import Zones
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# To what the coarse problem is inverted: below the bending that it leaves out.
+_COARSE = 1e-4
+# A coarse inverse is kept from one set of zones to the next while ends move by less than this part of a width.
+_KEPT = 0.1
+# The residual that rounding leaves, over the size of the solution.
+_ROUNDING = 3e-16
+# Zones with less than this part of the largest coefficient are solved as if they had it.
+_LIGHTEST = 1e-4
+
+
+def fits(equation: Equation, zones: Zones) -> bool:
+    """Whether the conditions have a coarse problem and the kernel has fast sums."""
+    ends = {*zones.left, *zones.right}
+    if len(zones.solved) < 2 or equation.grows or not reaches(equation.kernel, zones):
+        return False
+    if any(end.intensity not in (0.0, None) or (end.intensity is not None and not end.moves) for end in ends):
+        return False
+    per_zone = [c for c in equation.conditions if c.levels or isinstance(c, ZoneTotals)]
+    return len(per_zone) == 1 and all(c.count(zones) == 1 for c in equation.conditions if c not in per_zone)
+
+
+class ManySystem(System):
+    """Rows applied to unknowns; no matrix is kept."""
+
+    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, steps: Steps) -> None:
+        super().__init__(equation, zones, m, coefficients, steps)
+        solved = zones.solved
+        self.sums = ZoneSums(zones, equation.kernel, self.layout)
+        self.folding = Folding.of(zones, self.layout)
+        self._moment_tables: dict[Callable[[Array], Array], list[Array]] = {}
+        count = m[solved]
+        first = np.repeat(self.sums.first_row[:-1], count)
+        k = np.arange(int(count.sum())) - first + 1
+        zone = np.repeat(solved, count)
+        self.own = self.layout.offset[zone] + k
+        self.kept = np.flatnonzero((k % 2 == 0) | (zone != solved[0])) if zones.central else np.arange(len(k))
+        g = np.where(k < self.g.shape[1], self.g[zone, np.minimum(k, self.g.shape[1] - 1)], 0.0)
+        self.column_rows = np.array([self._projected(c.value) for c in equation.columns]).reshape(-1, len(k))
+        self.known_field = self.sums(self.layout.flat(self.known)) if len(steps) else (np.zeros(len(k)), np.zeros(len(solved)))
+        self.equation_right = (g - self.known_field[0])[self.kept]
+
+    def _projected(self, value: Callable[[Array], Array]) -> Array:
+        """U coefficients k = 1 ... m of a function on every solved zone, one after the other."""
+        values = np.asarray(value(self.targets.x), dtype=float)
+        out = np.empty(int(self.sums.first_row[-1]))
+        for m, group in self.sums.groups:
+            if m:
+                nodes = self.starts[group][:, None] + 1 + np.arange(m)
+                out[self.sums.first_row[group][:, None] + np.arange(m)] = chebyshev.u_coefficients(values[nodes])
+        return out
+
+    # rows applied ---------------------------------------------------------------------------------------------------
+    def applied(self, y: Array) -> tuple[Array, Applied]:
+        """(rows of the equation, what conditions ask for) for unknowns y."""
+        rows, mean = self.sums(y)
+        rows -= y[self.own]
+        if self.layout.columns:
+            rows -= y[self.layout.coefficients :] @ self.column_rows
+        return rows[self.kept], Applied(self, y, self._with_own(y, mean))
+
+    def _with_own(self, y: Array, mean: Array) -> Array:
+        solved = self.zones.solved
+        w = self.zones.half[solved]
+        level = mean + w * np.log(w / (2 * self.equation.kernel.datum)) * y[self.layout.offset[solved]]
+        if self.layout.columns and self.wants_levels:
+            level = level - y[self.layout.coefficients :] @ self.column_means
+        return np.asarray(level)
+
+    @cached_property
+    def wants_levels(self) -> bool:
+        return any(c.levels for c in self.equation.conditions)
+
+    @cached_property
+    def column_means(self) -> Array:
+        means = [self._column_means(c.primitive) for c in self.equation.columns]
+        return np.array(means).reshape(-1, len(self.zones.solved))
+
+    @cached_property
+    def level_constants(self) -> Array:
+        return self._with_own(self.layout.flat(self.known), self.known_field[1]) - self._forcing_means()
+
+    def _levels_at(self, y: Array) -> Array:
+        return self.applied(y)[1].level
+
+    def level_values(self, y: Array) -> Array:
+        return self._levels_at(y) + self.level_constants
+
+    def level_changes(self, y: Array) -> Array:
+        return self._levels_at(y)
+
+    def level_rounding(self, y: Array) -> float:
+        """The terms of a level are at most all totals at the farthest distance, and the largest at the nearest."""
+        zones, datum = self.zones, self.equation.kernel.datum
+        far, near = (abs(math.log(x / datum)) for x in (zones.b[-1] - zones.a[0], float(zones.half.min())))
+        own = np.abs(zones.half * y[self.layout.offset])
+        return 2.2e-16 * float(own.sum() * max(far, 1.0) + own.max() * near + np.abs(self.level_constants).max())
+
+    def integrals_at(self, weight: Callable[[Array], Array], y: Array) -> Linear:
+        rows, constants = np.zeros(len(self.zones.solved)), np.zeros(len(self.zones.solved))
+        if weight not in self._moment_tables:
+            least = max(self.g.shape[1], int(self.layout.m.max()) + 1, 16) + 16
+            self._moment_tables[weight] = [self._moments(weight, i, least) for i in self.zones.solved]
+        steps = self.steps.t_coefficients(self.zones, self.g.shape[1] + 16) if len(self.steps) else None
+        for place, i in enumerate(self.zones.solved):
+            m, start = int(self.layout.m[i]), self.layout.offset[i]
+            values = np.pi * self.zones.half[i] * self._moment_tables[weight][place]
+            rows[place] = values[: m + 1] @ y[start : start + m + 1]
+            beyond = -self.g[i, m + 1 :]
+            constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
+            if steps is not None:
+                count = min(len(values), steps.shape[1])
+                constants[place] += values[:count] @ steps[i, :count]
+        return rows[:, None], constants
+
+
+@dataclass(frozen=True, eq=False)
+class Applied:
+    """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of unknowns: one column."""
+
+    system: ManySystem
+    y: Array
+    level: Array
+
+    @property
+    def zones(self) -> Zones:
+        return self.system.zones
+
+    def totals(self) -> Linear:
+        solved = self.zones.solved
+        scale = np.pi * self.zones.half[solved]
+        return (scale * self.y[self.system.layout.offset[solved]])[:, None], scale * self.system.known[solved, 0]
+
+    def levels(self) -> Linear:
+        return self.level[:, None], self.system.level_constants
+
+    def integrals(self, weight: Callable[[Array], Array]) -> Linear:
+        return self.system.integrals_at(weight, self.y)
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        raise NotImplementedError("many zones are solved with free or singular ends")
+
+    def amplitude(self, k: int) -> Linear:
+        return self.y[[[self.system.layout.coefficients + k]]], np.zeros(1)
+
+    def multiplicity(self) -> Array:
+        return self.system.multiplicity()
+
+
+class Punches:
+    """The inverse of the coarse problem's matrix: mean potential on each solved zone from each c_0, less a constant times the
+    total that makes it definite."""
+
+    def __init__(self, zones: Zones, system: System) -> None:
+        self.zones, self.kernel = zones, system.equation.kernel
+        solved = zones.solved
+        ends = np.array([0, len(solved) - 1])
+        w = zones.half[solved]
+        self.lowered = 0.0
+        self.lowered = 1.0 + float((self.entries(ends[:, None], np.arange(len(solved))) / (w * system.multiplicity())).max())
+        self.inverse = Inverse(self.entries, 0, len(solved), _COARSE)
+
+    def entries(self, rows: Index, columns: Index) -> Array:
+        solved, count = self.zones.solved, len(self.zones)
+        i, j = solved[rows], solved[columns]
+        out = self._of(i, j)
+        if self.zones.symmetric:
+            mirror = count - 1 - j
+            out = out + np.where(mirror == j, 0.0, self._of(i, mirror))
+        return out
+
+    def _of(self, i: Index, j: Index) -> Array:
+        zones, kernel = self.zones, self.kernel
+        w = zones.half[j]
+        out = np.zeros(np.broadcast(i, j).shape)
+        for shift in kernel.poles:
+            right = zones.middle[i] > zones.middle[j] + shift
+            gap = np.where(right, zones.a[i] - (zones.b[j] + shift), (zones.a[j] + shift) - zones.b[i])
+            e = (gap + zones.half[i]) / w
+            if shift == 0.0:
+                e = np.where(i == j, 0.0, e)
+            out += np.log(w * (1 + e + np.sqrt(e * (e + 2))) / (2 * kernel.datum))
+        if kernel.regular_potential is not None:
+            out += kernel.regular_potential(zones.middle[i], zones.middle[j])
+        return np.asarray(w * (out - self.lowered))
+
+    def near(self, zones: Zones) -> bool:
+        """Whether these zones are still about the same."""
+        if len(zones) != len(self.zones) or zones.symmetric != self.zones.symmetric:
+            return False
+        moved = np.maximum(np.abs(zones.a - self.zones.a), np.abs(zones.b - self.zones.b))
+        return bool(np.all(moved <= _KEPT * (self.zones.b - self.zones.a)))
+
+
+class Coarse:
+    """The preconditioner: -c_k from the rows of the equation, c_0 and the amplitudes from the side conditions.
+
+    With level = G c_0 - (amplitudes' means) on every zone, G = Punches + constant: c_0 = Punches^-1 (level + unknown constant +
+    ...), and the few unknowns left come from the conditions that are not asked of every zone.
+    """
+
+    def __init__(self, system: ManySystem, punches: Punches | None) -> None:
+        self.system, self.punches = system, punches
+        zones, conditions = system.zones, system.equation.conditions
+        counts = [c.count(zones) for c in conditions]
+        starts = np.concatenate(([0], np.cumsum(counts)))
+        self.per_zone = next(k for k, c in enumerate(conditions) if c.levels or isinstance(c, ZoneTotals))
+        self.levels = conditions[self.per_zone].levels
+        self.rows = slice(int(starts[self.per_zone]), int(starts[self.per_zone + 1]))
+        self.absolute = counts[self.per_zone] == len(zones.solved)
+        self.others = [k for k in range(len(conditions)) if k != self.per_zone]
+        self.other_rows = np.array([starts[k] for k in self.others], dtype=np.intp)
+        layout, folding = system.layout, system.folding
+        self.first = folding.position(layout.offset[zones.solved])
+        self.rest = folding.position(system.own[system.kept])
+        self.amplitudes = folding.position(layout.coefficients + np.arange(layout.columns))
+        self._basis = self._responses()
+        self._small = np.zeros((self._basis.shape[1],) * 2)
+        for k, column in enumerate(self._basis.T):
+            self._small[:, k] = self._scalars(column)
+
+    def _responses(self) -> Array:
+        """Folded unknowns that a unit of the constant and of each amplitude bring along, in columns."""
+        system = self.system
+        columns, with_constant = system.layout.columns, self.levels
+        out = np.zeros((system.folding.size, columns + with_constant))
+        if with_constant:
+            out[self.first, 0] = self._from_levels(np.ones(len(self.first)))
+        for k in range(columns):
+            place = k + with_constant
+            out[self.amplitudes[k], place] = 1.0
+            out[self.rest, place] = -system.column_rows[k][system.kept]
+            if self.levels:
+                out[self.first, place] = self._from_levels(system.column_means[k])
+        return out
+
+    def _from_levels(self, levels: Array) -> Array:
+        assert self.punches is not None
+        return self.punches.inverse(levels)
+
+    def _scalars(self, folded: Array) -> Array:
+        """The conditions that are single rows, and what ties the constant where levels are absolute."""
+        system = self.system
+        y = system.folding.unfold(folded)
+        view = Applied(system, y, np.zeros(0))
+        out = [float(system.equation.conditions[k].rows(view)[0][0, 0]) for k in self.others]
+        if self.levels and self.absolute:
+            assert self.punches is not None
+            solved = system.zones.solved
+            total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
+            # What the constant stands for, from the basis' first unknown: put in by `__call__`.
+            out.append(self.punches.lowered * total)
+        return np.array(out)
+
+    def __call__(self, right: Array) -> Array:
+        system = self.system
+        equations = len(self.rest)
+        conditions = right[equations:]
+        here = conditions[self.rows]
+        out = np.zeros(system.folding.size)
+        out[self.rest] = -right[:equations]
+        if self.levels:
+            levels = here if self.absolute else np.concatenate(([0.0], np.cumsum(here)))
+            out[self.first] = self._from_levels(levels)
+        else:
+            out[self.first] = here / (np.pi * system.zones.half[system.zones.solved])
+        if self._basis.shape[1]:
+            small, wanted = self._small.copy(), conditions[self.other_rows]
+            missing = self._scalars(out)
+            if self.levels and self.absolute:
+                wanted = np.append(wanted, 0.0)
+                small[-1, 0] += 1.0
+            out += self._basis @ np.linalg.solve(small, wanted - missing)
+        return out
+
+
+class Iterative:
+    """Solves the rows of a `ManySystem` for any right side.
+
+    Unknowns are counted in the largest of their zone, so that lightly loaded zones are as right as the others. error: the last
+    residual as a part of that, the largest over the zones.
+    """
+
+    def __init__(self, system: ManySystem, punches: Punches | None, tolerance: float) -> None:
+        self.system, self.tolerance = system, tolerance
+        self.coarse = Coarse(system, punches)
+        self.equations = len(system.kept)
+        self.error = 0.0
+        self.iterations = 0
+
+    @property
+    def size(self) -> int:
+        return self.system.folding.size
+
+    def rows(self, folded: Array) -> Array:
+        system = self.system
+        rows, view = system.applied(system.folding.unfold(folded))
+        parts = [condition.rows(view)[0][:, 0] for condition in system.equation.conditions]
+        return np.concatenate((rows, *parts))
+
+    def right(self) -> Array:
+        """The right side of the equation and of its conditions."""
+        system = self.system
+        nothing = Applied(system, np.zeros(system.layout.size), np.zeros(len(system.zones.solved)))
+        values = []
+        for condition in system.equation.conditions:
+            _, constants, wanted = condition.rows(nothing)
+            values.append(wanted - constants)
+        return np.concatenate((system.equation_right, *values))
+
+    def __call__(self, right: Array, near: Array | None = None) -> Array:
+        """Folded unknowns; near: a first guess."""
+        plain = self.coarse(right)
+        scale = self._scale(plain if near is None else near)
+        wanted = max(self.tolerance, 4 * _ROUNDING * math.sqrt(len(self.system.zones.solved)))
+        x = np.zeros(self.size) if near is None else near
+        left_over = (plain if near is None else self.coarse(right - self.rows(near))) / scale
+        for _ in range(3):
+            found = gmres(lambda v: self.coarse(self.rows(v * scale)) / scale, left_over, wanted)
+            self.iterations += found.steps
+            x = x + found.x * scale
+            # Rounding in a long recurrence is not seen by it: the residual itself is looked at.
+            left_over = self.coarse(right - self.rows(x)) / scale
+            self.error = float(np.abs(left_over).max())
+            if found.steps == 0 or float(np.linalg.norm(left_over)) <= 4 * wanted:
+                break
+        return x
+
+    def _scale(self, folded: Array) -> Array:
+        """Largest unknown of its zone for every unknown, but not below a small part of the largest of all; 1 for amplitudes."""
+        largest = np.maximum.reduceat(np.abs(folded), self.coarse.first)
+        top = float(largest.max())
+        size = np.diff(np.append(self.coarse.first, self.size - len(self.coarse.amplitudes)))
+        out = np.ones(self.size)
+        out[: int(size.sum())] = np.repeat(np.maximum(largest, _LIGHTEST * top if top > 0 else 1.0), size)
+        return out

@@ -1,0 +1,119 @@
+"""A binary tree over ascending intervals, and which of its nodes see each other from afar.
+
+Nodes are the hulls of what they hold; a node is split at the middle of its hull, and a leaf is one interval. Two nodes
+are *far* if the gap between them is at least `SEPARATION` times the larger half width: then z >= 1 + SEPARATION from
+either side, and series of `TERMS` Chebyshev terms leave rho^TERMS < 1e-16, rho = z - sqrt(z^2 - 1).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+TERMS = 24
+SEPARATION = 1.45
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """Nodes (n,) level by level, the root first: hull [lo, hi], half width, children (-1 for a leaf), parent, and the
+    interval of a leaf (-1 for the others). levels: first node of every level, and n."""
+
+    lo: Array
+    hi: Array
+    left: Index
+    right: Index
+    parent: Index
+    item: Index
+    levels: list[int]
+
+    @property
+    def half(self) -> Array:
+        return 0.5 * (self.hi - self.lo)
+
+    @classmethod
+    def over(cls, a: Array, b: Array) -> Tree:
+        """The tree over the ascending intervals [a, b]."""
+        middle = 0.5 * (a + b)
+        first, last = np.zeros(1, dtype=np.intp), np.array([len(a) - 1])
+        parents = [np.array([-1], dtype=np.intp)]
+        firsts, lasts, lefts, levels = [first], [last], [], [0]
+        count = 1
+        while True:
+            inner = first < last
+            left = np.full(len(first), -1, dtype=np.intp)
+            lefts.append(left)
+            levels.append(count)
+            if not inner.any():
+                break
+            f, e = first[inner], last[inner]
+            cut = np.searchsorted(middle, 0.5 * (a[f] + b[e]))
+            cut = np.clip(cut, f + 1, e)
+            left[inner] = count + 2 * np.arange(len(f))
+            parents.append(np.repeat(np.flatnonzero(inner) + levels[-2], 2))
+            first, last = np.column_stack((f, cut)).ravel(), np.column_stack((cut - 1, e)).ravel()
+            firsts.append(first)
+            lasts.append(last)
+            count += len(first)
+        start, end, children = np.concatenate(firsts), np.concatenate(lasts), np.concatenate(lefts)
+        item = np.where(start == end, start, -1)
+        right = np.where(children >= 0, children + 1, -1)
+        return cls(a[start], b[end], children, right, np.concatenate(parents), item, levels)
+
+    def __len__(self) -> int:
+        return len(self.lo)
+
+    @property
+    def leaves(self) -> Index:
+        """Node of every interval, in their order."""
+        nodes = np.flatnonzero(self.item >= 0)
+        return nodes[np.argsort(self.item[nodes])]
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Pairs (target, source) with the source moved by `shift`."""
+
+    target: Index
+    source: Index
+    shift: Array
+
+    @classmethod
+    def joined(cls, parts: list[Pairs]) -> Pairs:
+        """All pairs, by target."""
+        target = np.concatenate([p.target for p in parts])
+        order = np.argsort(target, kind="stable")
+        source, shift = (np.concatenate([getattr(p, name) for p in parts])[order] for name in ("source", "shift"))
+        return cls(target[order], source, shift)
+
+    def __len__(self) -> int:
+        return len(self.target)
+
+
+def interactions(targets: Tree, sources: Tree, shifts: tuple[float, ...]) -> tuple[Pairs, Pairs]:
+    """(far pairs of nodes, near pairs of intervals) that together cover every target and every source once a shift."""
+    far, near = [], []
+    t_half, s_half = targets.half, sources.half
+    for shift in shifts:
+        t, s = np.zeros(1, dtype=np.intp), np.zeros(1, dtype=np.intp)
+        while len(t):
+            gap = np.maximum(targets.lo[t] - (sources.hi[s] + shift), (sources.lo[s] + shift) - targets.hi[t])
+            apart = gap >= SEPARATION * np.maximum(t_half[t], s_half[s])
+            far.append(Pairs(t[apart], s[apart], np.full(int(apart.sum()), shift)))
+            t, s = t[~apart], s[~apart]
+            t_leaf, s_leaf = targets.left[t] < 0, sources.left[s] < 0
+            both = t_leaf & s_leaf
+            near.append(Pairs(targets.item[t[both]], sources.item[s[both]], np.full(int(both.sum()), shift)))
+            # The larger node is split, and a leaf never.
+            cut_t = ~t_leaf & (s_leaf | (t_half[t] >= s_half[s]))
+            cut_s = ~both & ~cut_t
+            t, s = (
+                np.concatenate((targets.left[t[cut_t]], targets.right[t[cut_t]], t[cut_s], t[cut_s])),
+                np.concatenate((s[cut_t], s[cut_t], sources.left[s[cut_s]], sources.right[s[cut_s]])),
+            )
+    return Pairs.joined(far), Pairs.joined(near)

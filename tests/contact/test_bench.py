@@ -1,0 +1,196 @@
+"""The measurements measure: their truths hold by other laws, their verdicts can fail, and their files say what was run."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import importlib.util
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import contact
+from contact.bench import cases, clock, extremes, peers, report, run, scaling, stability, truth
+from contact.bench.harmonics import HarmonicZone
+from contact.bench.hyperbola import BluntedWedge, IsolatedBluntedWedge
+from contact.bench.nearly_full import FromGaps, LoneGap
+from contact.bench.power import PowerPunch
+from contact.bench.precision import Row, hierarchy, ours
+from contact.cli import main
+from contact.exact import HertzLine, IsolatedWedge, Westergaard
+
+ROOT = Path(__file__).parents[2]
+T = np.linspace(-0.98, 0.98, 15)
+
+
+def transform_at(pressure, x, nodes=4000):
+    """(1/pi) PV int p(xi)/(x - xi) dxi on [-1, 1], x between the nodes."""
+    phi = (np.arange(nodes) + 0.5) * np.pi / nodes
+    xi = np.cos(phi)
+    return float(np.sum(pressure(xi) * np.sin(phi) * np.pi / nodes / (x - xi))) / np.pi
+
+
+class TestTruths:
+    def test_one_harmonic_is_westergaard_s_wave(self):
+        wave = Westergaard(amplitude=0.01, period=1.0, E_star=1.0, half_width=0.4)
+        series = HarmonicZone((0.01,), 1.0, 0.4)
+        assert series.load == pytest.approx(wave.load, rel=1e-14)
+        assert np.abs(series.pressure_at(T) - wave.pressure_at(T)).max() < 1e-14 * wave.max_pressure
+
+    def test_the_pressure_of_a_series_has_its_load(self):
+        series = HarmonicZone((0.01, 0.0, 2e-4), 1.0, 0.4)
+        phi = (np.arange(200) + 0.5) * np.pi / 200
+        assert 0.4 * np.pi / 200 * np.sum(series.pressure_at(np.cos(phi)) * np.sin(phi)) == pytest.approx(series.load, rel=1e-12)
+
+    def test_a_wedge_blunted_by_little_is_a_wedge_away_from_its_tip(self):
+        sharp = IsolatedWedge(wedge_slope=0.1, E_star=1.0, half_width=1.0)
+        t = np.array([0.1, 0.5, 0.9])
+        gaps = [np.abs(IsolatedBluntedWedge(0.1, d, 1.0, 1.0).pressure_at(t) - sharp.pressure_at(t)).max() for d in (1e-3, 1e-4)]
+        assert gaps[1] < 0.02 * gaps[0] < 1e-6
+
+    def test_a_wedge_blunted_by_much_is_hertz_s_parabola(self):
+        hertz = HertzLine(radius=1e3, E_star=1.0, half_width=1.0)
+        blunt = IsolatedBluntedWedge(1.0, 1e3, 1.0, 1.0)
+        assert blunt.load == pytest.approx(hertz.load, rel=1e-5)
+
+    @pytest.mark.parametrize(
+        ("exact", "slope"),
+        [
+            (PowerPunch(2), lambda x: x),
+            (PowerPunch(6), lambda x: x**5),
+            (IsolatedBluntedWedge(0.1, 0.3, 1.0, 1.0), BluntedWedge(0.1, 0.3).slope),
+        ],
+    )
+    def test_the_transform_of_the_pressure_is_half_the_slope(self, exact, slope):
+        x = np.cos(np.pi * np.array([800, 1500, 2400]) / 4000)
+        assert [transform_at(exact.pressure_at, v) for v in x] == pytest.approx(0.5 * slope(x), rel=1e-6)
+
+    def test_a_transform_of_another_pressure_is_not(self):
+        x = np.cos(np.pi * 800 / 4000)
+        assert transform_at(lambda t: 1.001 * PowerPunch(6).pressure_at(t), x) != pytest.approx(0.5 * x**5, rel=1e-4)
+
+    def test_a_lone_narrow_gap_is_the_one_that_the_gaps_formulation_finds(self):
+        profile = contact.Fourier(1.0, [-1e-3, 2e-4], [3e-4])
+        full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).mean_pressure
+        scene = contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=full * (1 - 1e-6))
+        by_expansion, by_gaps = LoneGap.of(profile, full, scene), FromGaps(scene)
+        assert 1e-4 < by_expansion.half_gap < 1e-3
+        # The expansion moves the gap's middle by w^2 at most.
+        assert np.abs(by_expansion.zones - by_gaps.zones).max() < by_expansion.half_gap**2
+        assert np.abs(by_expansion.pressure_at(T) - by_gaps.pressure_at(T)).max() < 1e-6 * by_gaps.max_pressure
+
+    def test_both_formulations_of_a_nearly_full_rough_contact_agree(self):
+        case = cases.rough_nearly_full()
+        solution = contact.solve(case.scene, 1e-10)
+        assert solution.certificate.note == "solved by its gaps"
+        assert truth.stated_measure(solution, case.exact) < 1e-10
+
+
+class TestMeasures:
+    def test_an_end_moved_by_1e_6_of_the_width_is_an_error_of_1e_6(self):
+        exact = Westergaard(amplitude=0.01, period=1.0, E_star=1.0, half_width=0.2)
+        moved = Westergaard(amplitude=0.01, period=1.0, E_star=1.0, half_width=0.2 * (1 + 2e-6))
+        assert truth.stated_measure(moved, exact) == pytest.approx(1e-6, rel=2.0)
+        assert truth.stated_measure(exact, exact) == 0.0
+
+    def test_another_number_of_zones_is_no_solution(self):
+        two = contact.inverse.design([[0.0, 0.2], [0.4, 0.7]], 1.0, 1e-3, 1.0)
+        assert truth.stated_measure(HertzLine(radius=1.0, E_star=1.0, half_width=1.0), two) == np.inf
+
+    def test_times_to_an_error_are_for_good(self):
+        def row(error, seconds):
+            return Row("s", "m", 0, seconds, error, error, None, None, 0, True)
+
+        rows = [row(1e-3, 1.0), row(5e-2, 2.0), row(1e-3, 4.0), row(1e-4, 8.0)]
+        assert peers.time_to(rows, 1e-2) == 4.0
+        assert peers.time_to(rows, 1e-4) == 8.0
+        assert peers.time_to(rows, 1e-5) is None
+
+    def test_an_exponent_is_that_of_the_power_law(self):
+        size = np.array([2.0, 4.0, 8.0, 16.0])
+        assert scaling.exponent(size, 3 * size**1.5) == pytest.approx(1.5)
+
+    def test_the_clock_counts_processor_time_and_memory_of_the_call(self):
+        assert clock.seconds(lambda: sum(range(20000)), 0.01) > 0
+        assert 8e5 < clock.peak_bytes(lambda: np.zeros(100_000)) < 9e5
+
+
+class TestVerdicts:
+    WAVE = next(case for case in extremes.matrix(True) if case.group == "moduli")
+
+    def test_a_sound_scene_passes(self):
+        assert stability.run(self.WAVE).outcome == "pass"
+
+    def test_a_wrong_truth_fails(self):
+        def make():
+            scene, exact = self.WAVE.make()
+            return scene, dataclasses.replace(exact, half_width=exact.half_width * (1 + 1e-9))
+
+        verdict = stability.run(dataclasses.replace(self.WAVE, make=make))
+        assert verdict.outcome == "FAIL" and "above the stated" in verdict.note
+
+    def test_a_known_failure_is_named_with_its_reason(self):
+        merged = next(case for case in extremes.matrix(True) if case.name.startswith("1e-07 of the width"))
+        verdict = stability.run(merged)
+        assert verdict.outcome == "known" and "one answer in doubles" in verdict.note
+
+    def test_the_matrix_has_every_kind_of_extreme(self):
+        assert {case.group for case in extremes.matrix(False)} >= {
+            "contact of the period", "gap between zones", "zones of very different width", "heights of very different scale",
+            "moduli", "lengths", "load below a merge by", "load above a merge by", "load below full contact by", "slopes",
+            "measured with noise", "many zones",
+        }
+
+
+class TestRuns:
+    def test_the_true_error_is_below_the_stated_one_at_every_tolerance(self):
+        for case in (cases.wave(0.4), cases.biquadratic()):
+            for row in ours(case, quick=True):
+                assert row.error <= row.stated
+
+    def test_the_localized_models_come_nearer_with_every_neighbour(self):
+        errors = [row.error for row in hierarchy(cases.wave(0.4), quick=True) if row.method.startswith("localized, m")]
+        assert errors == sorted(errors, reverse=True) and errors[0] > 1e-3 > 1e-6 > errors[-1]
+
+    def test_a_bench_writes_tables_csv_and_figures(self, tmp_path, monkeypatch):
+        monkeypatch.setattr(run, "suite", lambda quick: [cases.wave(0.4)])
+        monkeypatch.setattr(scaling, "series", lambda quick: [("zones, equal", [3, 5, 7], scaling.equal_waves, 1e-6)])
+        result = CliRunner().invoke(main, ["bench", "--quick", "--out", str(tmp_path / "out")])
+        assert result.exit_code == 0, result.output
+        names = {file.name for file in (tmp_path / "out").iterdir()}
+        assert names == {"precision.csv", "precision.png", "scaling.csv", "scaling.png", "tables.md"}
+        with (tmp_path / "out" / "precision.csv").open() as stream:
+            table = list(csv.DictReader(stream))
+        assert {row["scene"] for row in table} == {"wave 2a/L=0.4"}
+        assert all(float(row["error"]) <= float(row["stated"]) for row in table if row["method"] == "contact")
+
+    def test_peers_that_are_not_installed_are_named_with_their_extra(self, tmp_path):
+        if importlib.util.find_spec("tamaas") and importlib.util.find_spec("ContactMechanics"):
+            pytest.skip("both are installed")
+        result = CliRunner().invoke(main, ["bench", "--peers", "--out", str(tmp_path)])
+        assert result.exit_code == 2 and "sie-contact[peers]" in result.stderr
+
+    def test_stability_ends_with_3_if_a_scene_fails(self, tmp_path, monkeypatch):
+        impossible = dataclasses.replace(TestVerdicts.WAVE, make=lambda: (TestVerdicts.WAVE.make()[0], PowerPunch(2)))
+        monkeypatch.setattr(stability, "matrix", lambda quick: [TestVerdicts.WAVE, impossible])
+        result = CliRunner().invoke(main, ["stability", "--out", str(tmp_path)])
+        assert result.exit_code == 3 and "1 of 2" in result.stderr
+        assert (tmp_path / "stability.md").read_text().count("\n| moduli") == 2
+
+    def test_a_bar_in_a_cell_does_not_break_a_page_s_table(self):
+        assert report.markdown(("title", ("a", "b"), [("|x|", "1")])).splitlines()[-1] == "| \\|x\\| | 1 |"
+
+
+def test_every_mutation_still_finds_its_source_once(monkeypatch):
+    spec = importlib.util.spec_from_file_location("mutations", ROOT / "benchmarks" / "mutations.py")
+    module = importlib.util.module_from_spec(spec)
+    # Dataclasses look their module up by name.
+    monkeypatch.setitem(sys.modules, "mutations", module)
+    spec.loader.exec_module(module)
+    assert len(module.MUTATIONS) >= 10
+    for mutation in module.MUTATIONS:
+        assert (ROOT / mutation.file).read_text().count(mutation.old) == 1, mutation.name
+        assert mutation.new != mutation.old

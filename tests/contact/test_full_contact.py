@@ -1,0 +1,145 @@
+"""Full contact: where it begins, its exact pressure, and what cannot come into it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import contact
+from contact import exact
+from tests.contact.judge import relative, solve
+
+PERIODIC = contact.Periodic()
+L, DELTA, E = 1e-4, 1e-6, 1.1e11
+WAVE = contact.Sinusoid(DELTA, L)
+X = np.linspace(-0.5, 0.5, 401)
+COSINE, SINE = np.array([-0.01, 0.004, 0.0, 0.002]), np.array([0.003, -0.002, 0.001, 0.0])
+ROUGH = contact.Fourier(1.0, COSINE, SINE)
+
+
+def rough_pressure(mean, x=X):
+    """mean - (E*/2) H f', H cos = sin, H sin = -cos, E* = 1."""
+    k = 2 * np.pi * np.arange(1, 5)
+    return mean - 0.5 * (np.cos(np.outer(x, k)) @ (k * COSINE) + np.sin(np.outer(x, k)) @ (k * SINE))
+
+
+def smallest_rough_load():
+    fine = np.linspace(-0.5, 0.5, 2_000_001)
+    return -rough_pressure(0.0, fine).min()
+
+
+class TestSmallestLoad:
+    def test_of_a_sinusoid_is_pi_E_amplitude_over_period(self):
+        solution = solve(WAVE, PERIODIC, E, contact_fraction=1.0)
+        assert abs(solution.mean_pressure / (np.pi * E * DELTA / L) - 1) < 1e-13
+        assert abs(float(solution.pressure(0.5 * L))) < 1e-12 * solution.max_pressure
+
+    def test_of_a_fourier_series_lifts_the_lowest_pressure_to_zero(self):
+        solution = solve(ROUGH, PERIODIC, contact_fraction=1.0)
+        # The grid of the reference misses the minimum by its curvature times 1e-13.
+        assert abs(solution.mean_pressure / smallest_rough_load() - 1) < 1e-11
+        assert solution.pressure(X).min() > -1e-12
+
+    def test_of_samples_of_a_wave_is_nearly_that_of_the_wave(self):
+        x = np.arange(128) / 128
+        solution = solve(contact.Sampled(x, 0.01 * np.cos(2 * np.pi * x), period=1.0), PERIODIC, contact_fraction=1.0)
+        assert abs(solution.mean_pressure / (np.pi * 0.01) - 1) < (2 * np.pi / 128) ** 4  # a cubic spline's slope
+
+    @pytest.mark.parametrize("profile", [contact.Wedge(0.1, period=1.0), contact.Parabola(1.0, period=1.0)], ids=lambda p: p.name)
+    def test_does_not_exist_where_a_valley_has_a_kink(self, profile):
+        with pytest.raises(contact.OutOfRange, match="full contact"):
+            solve(profile, PERIODIC, contact_fraction=1.0)
+
+    def test_does_not_exist_for_a_punch_that_ends(self):
+        with pytest.raises(contact.OutOfRange):
+            solve(contact.Flat(0.5, period=1.0), PERIODIC, contact_fraction=1.0)
+
+    def test_below_it_there_are_gaps_and_above_it_none(self):
+        least = solve(ROUGH, PERIODIC, contact_fraction=1.0).mean_pressure
+        below = solve(ROUGH, PERIODIC, tol=1e-7, mean_pressure=least * (1 - 1e-6))
+        assert len(below.zones) >= 1 and below.contact_fraction < 1
+        assert below.mean_gap > 0
+        above = solve(ROUGH, PERIODIC, mean_pressure=least * (1 + 1e-6))
+        assert above.zones.shape == (0, 2)
+
+    @pytest.mark.parametrize("distance", [1e-2, 1e-4, 1e-6])
+    def test_the_last_gap_of_a_sinusoid_closes_as_the_square_root(self, distance):
+        # pbar/p* = sin^2 A: cos A = sqrt(distance).
+        star = np.pi * E * DELTA / L
+        solution = solve(WAVE, PERIODIC, E, tol=1e-6, mean_pressure=star * (1 - distance))
+        gap = L - solution.zone_widths[0]
+        assert abs(gap / (2 * L / np.pi * np.arcsin(np.sqrt(distance))) - 1) < 1e-5
+
+
+class TestPressure:
+    @pytest.mark.parametrize("over", [1.0, 1.5, 1e3])
+    def test_of_a_sinusoid_is_the_mean_and_a_cosine(self, over):
+        star = np.pi * E * DELTA / L
+        answer = exact.FullContactSinusoid(DELTA, L, E, max(over, 1 + 1e-12) * star)
+        solution = solve(WAVE, PERIODIC, E, mean_pressure=answer.mean_pressure)
+        x = L * np.linspace(-1.2, 0.7, 333)
+        assert np.max(np.abs(solution.pressure(x) - answer.pressure(x))) < 1e-12 * answer.max_pressure
+        assert relative(solution.max_pressure, answer.max_pressure) < 1e-12
+        assert np.max(np.abs(solution.displacement(x) - answer.displacement(x))) < 1e-13 * DELTA
+        assert abs(solution.approach / DELTA - 1) < 1e-13
+
+    def test_of_a_fourier_series_is_the_conjugate_of_its_slope(self):
+        solution = solve(ROUGH, PERIODIC, mean_pressure=0.2)
+        assert np.max(np.abs(solution.pressure(X) - rough_pressure(0.2))) < 1e-13
+        assert np.max(np.abs(solution.pressure(X) - rough_pressure(0.2 + 1e-9))) > 1e-10
+
+    def test_of_samples_carries_the_load_and_answers_the_equation(self):
+        n = 64
+        x = np.arange(n) / n
+        rng = np.random.default_rng(0)
+        heights = sum(rng.normal() / k**3 * np.cos(2 * np.pi * k * x + k) for k in range(1, 6)) * 1e-3
+        profile = contact.Sampled(x, heights, period=1.0)
+        least = solve(profile, PERIODIC, contact_fraction=1.0).mean_pressure
+        solution = solve(profile, PERIODIC, mean_pressure=1.5 * least)
+        assert abs(np.mean(solution.pressure(np.arange(4096) / 4096)) / (1.5 * least) - 1) < 1e-7
+        # H H = -1 on what has no mean: the conjugate of the pressure by FFT gives the slope back.
+        fine = (np.arange(4096) + 0.5) / 4096
+        spectrum = np.fft.rfft(solution.pressure(fine)) * -1j
+        spectrum[0] = 0
+        back = 2 * np.fft.irfft(spectrum)
+        assert np.max(np.abs(back - profile.slope(fine))) < 1e-4 * np.max(np.abs(profile.slope(fine)))
+
+    def test_goes_over_into_the_one_just_below_full_contact(self):
+        least = solve(ROUGH, PERIODIC, contact_fraction=1.0).mean_pressure
+        below = solve(ROUGH, PERIODIC, tol=1e-7, mean_pressure=least * (1 - 1e-8))
+        above = solve(ROUGH, PERIODIC, mean_pressure=least)
+        # A gap of width g takes the pressure g^2 of the curvature's away: the loads' difference and no more.
+        assert np.max(np.abs(below.pressure(X) - above.pressure(X))) < 1e-6 * above.max_pressure
+
+
+class TestNumbers:
+    def test_everything_is_in_contact(self):
+        solution = solve(ROUGH, PERIODIC, mean_pressure=0.2)
+        assert solution.contact_fraction == 1.0
+        assert solution.zones.shape == (0, 2)
+        assert solution.zone_loads.shape == solution.zone_widths.shape == (0,)
+        assert solution.mean_gap == 0.0 and solution.stiffness == np.inf
+        assert not np.any(solution.gap(X))
+        assert abs(solution.load - 0.2) < 1e-16
+        assert solution.certificate.holds and solution.error <= 1e-10
+        assert len(solution.to_dict()) > 5
+
+    def test_surface_and_profile_are_the_approach_apart(self):
+        solution = solve(ROUGH, PERIODIC, mean_pressure=0.2)
+        lowest = ROUGH.height(np.linspace(-0.5, 0.5, 200001)).min()
+        assert np.max(np.abs(solution.displacement(X) + ROUGH.height(X) - lowest - solution.approach)) < 1e-10
+
+    def test_an_approach_of_the_mean_height_or_more_names_no_load(self):
+        full = solve(ROUGH, PERIODIC, contact_fraction=1.0).approach
+        for approach in (full, 1.0001 * full, 10 * full):
+            with pytest.raises(contact.OutOfRange, match="mean of the profile"):
+                solve(ROUGH, PERIODIC, approach=approach)
+        assert solve(ROUGH, PERIODIC, tol=1e-6, approach=0.99 * full).contact_fraction < 1
+
+    def test_models_without_all_neighbours_have_no_full_contact(self):
+        star = np.pi * E * DELTA / L
+        for model in (contact.Isolated(), contact.Localized("first-order")):
+            with pytest.raises(contact.OutOfRange):
+                solve(WAVE, model, E, mean_pressure=10 * star)
+        strip = solve(WAVE, contact.Localized("self-consistent"), E, tol=1e-8, mean_pressure=10 * star)
+        assert 0.9 < strip.contact_fraction < 1

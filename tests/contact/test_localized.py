@@ -1,0 +1,194 @@
+"""The localization principle: the paper's closures against their closed forms, and the hierarchy of explicit neighbours."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import contact
+from contact import exact
+from contact.inverse import design
+from tests.contact.judge import relative, solve, true_error
+
+FIRST, SELF, PERIODIC = contact.Localized("first-order"), contact.Localized("self-consistent"), contact.Periodic()
+MODELS = [FIRST, SELF]
+WAVE = contact.Sinusoid(0.01, 1.0)
+LOPSIDED = contact.Fourier(1.0, [-0.01, 0.003], [0.004, 0.002])
+TWO = contact.Fourier(1.0, [-0.004, -0.01], [0.003, 0.001])
+
+
+def closed_forms(a, closure):
+    yield WAVE, exact.LocalizedZone(exact.IsolatedSinusoid(0.01, 1.0, 1.0, a), 1.0, closure)
+    yield contact.Parabola(1.0, period=1.0), exact.LocalizedZone(exact.HertzLine(1.0, 1.0, a), 1.0, closure)
+    yield contact.Wedge(0.1, period=1.0), exact.LocalizedZone(exact.IsolatedWedge(0.1, 1.0, a), 1.0, closure)
+
+
+class TestClosedForms:
+    @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.closure)
+    @pytest.mark.parametrize("a", [0.01, 0.1, 0.2, 0.3, 0.35])
+    def test_load_and_half_width_lead_to_the_corrected_pressure(self, model, a):
+        for profile, answer in closed_forms(a, model.closure):
+            for control in ("load", "half_width"):
+                solution = solve(profile, model, **{control: getattr(answer, control)})
+                assert true_error(solution, answer) < 1e-10
+                assert true_error(solution, answer) <= solution.error <= 1e-10
+                assert abs(solution.load / answer.load - 1) < 1e-10
+
+    @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.closure)
+    @pytest.mark.parametrize("a", [0.1, 0.3])
+    def test_the_gap_is_that_of_the_superposition(self, model, a):
+        # The closed form holds the strip alone: from the zone to the border.
+        for profile, answer in closed_forms(a, model.closure):
+            solution = solve(profile, model, half_width=a)
+            x = np.linspace(a, 0.49, 25)
+            assert np.max(np.abs(solution.gap(x) - answer.gap(x))) < 1e-9 * np.max(answer.gap(x))
+
+    @pytest.mark.parametrize("tol", [1e-4, 1e-8, 1e-11])
+    @pytest.mark.parametrize("a", [0.45, 0.49])
+    def test_the_stated_error_is_honest_beside_the_border_where_the_term_is_steep(self, a, tol):
+        for model in MODELS:
+            for profile, answer in list(closed_forms(0.3, model.closure))[1:]:
+                answer = exact.LocalizedZone(type(answer.isolated)(*_shape(answer.isolated), a), 1.0, model.closure)
+                solution = solve(profile, model, tol=tol, half_width=a)
+                assert true_error(solution, answer) <= solution.error <= tol
+
+    def test_the_two_closures_are_not_the_same(self):
+        answers = [exact.LocalizedZone(exact.HertzLine(1.0, 1.0, 0.3), 1.0, m.closure) for m in MODELS]
+        assert abs(answers[0].load / answers[1].load - 1) > 1e-2
+        solution = solve(contact.Parabola(1.0, period=1.0), FIRST, half_width=0.3)
+        assert true_error(solution, answers[1]) > 1e-3
+
+
+def _shape(isolated):
+    return (isolated.radius if hasattr(isolated, "radius") else isolated.wedge_slope, 1.0)
+
+
+class TestNeighbours:
+    def load_error(self, neighbours, a):
+        model = contact.Localized("self-consistent", neighbours=neighbours)
+        whole = exact.Westergaard(0.01, 1.0, 1.0, a)
+        return abs(solve(WAVE, model, tol=1e-11, half_width=a).load / whole.load - 1)
+
+    @pytest.mark.parametrize(
+        "neighbours, figure", [(0, 1.4e-1), (1, 3.8e-3), (2, 8.3e-4), (4, 1.4e-4), (8, 2.1e-5), (16, 2.9e-6)]
+    )
+    def test_load_errors_of_the_sinusoid_at_four_fifths_of_contact(self, neighbours, figure):
+        # Two digits are given.
+        assert abs(self.load_error(neighbours, 0.4) / figure - 1) < 0.03
+
+    @pytest.mark.parametrize("a", [0.25, 0.4])
+    def test_they_fall_with_the_third_power_of_the_number_of_periods_solved(self, a):
+        m = np.array([1, 2, 4, 8, 16])
+        errors = [self.load_error(int(k), a) for k in m]
+        rate = np.polyfit(np.log(2 * m + 1), np.log(errors), 1)[0]
+        assert abs(rate + 3) < 0.05
+        constant = errors * (2 * m + 1) ** 3
+        assert np.ptp(constant[1:]) < 0.04 * constant.mean()
+
+    def test_one_neighbour_is_good_to_six_per_mille_at_nine_tenths_of_contact(self):
+        assert self.load_error(1, 0.45) < 6e-3
+
+    def test_an_asymmetric_shape_comes_nearer_with_the_first_power_only(self):
+        # The load's centre is not the strip's: the uniform pressure beyond the copies acts as if it were.
+        whole = solve(LOPSIDED, PERIODIC, mean_pressure=0.01)
+        m = np.array([1, 2, 4, 8, 16])
+        strips = [solve(LOPSIDED, contact.Localized("self-consistent", neighbours=int(k)), mean_pressure=0.01) for k in m]
+        errors = [np.max(np.abs(strip.zones - whole.zones)) for strip in strips]
+        assert abs(np.polyfit(np.log(2 * m[1:] + 1), np.log(errors[1:]), 1)[0] + 1) < 0.1
+
+    def test_the_approach_comes_nearer_with_the_first_power_of_the_periods(self):
+        # What is left beyond the copies are their second moments over the squares of their distances.
+        whole = exact.Westergaard(0.01, 1.0, 1.0, 0.2)
+        m = np.array([2, 4, 8, 16])
+        models = [contact.Localized("self-consistent", neighbours=int(k)) for k in m]
+        errors = [abs(solve(WAVE, model, half_width=0.2).approach / whole.approach - 1) for model in models]
+        assert abs(np.polyfit(np.log(2 * m + 1), np.log(errors), 1)[0] + 1) < 0.05
+
+
+class TestStrips:
+    @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.closure)
+    def test_an_asymmetric_zone_is_in_the_middle_of_its_strip(self, model):
+        solution = solve(LOPSIDED, model, tol=1e-9, mean_pressure=0.003)
+        fields = solution.fields
+        zones = fields.density.zones
+        assert len(zones) == 1
+        assert abs(fields.problem.centre - 0.5 * (zones.a[0] + zones.b[0])) < 1e-9 * (zones.b[0] - zones.a[0])
+
+    @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.closure)
+    def test_several_zones_of_a_strip_share_the_load(self, model):
+        solution = solve(TWO, model, tol=1e-9, mean_pressure=0.006)
+        assert len(solution.zones) == 2
+        assert abs(solution.zone_loads.sum() / 0.006 - 1) < 1e-9
+        assert solution.certificate.holds
+        x = np.linspace(-0.5, 0.5, 2001)
+        assert solution.pressure(x).min() >= 0 and solution.gap(x).min() >= 0
+
+    @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.closure)
+    @pytest.mark.parametrize("turn", [0.2, 0.5, 0.9])
+    def test_where_the_cell_begins_does_not_count(self, model, turn):
+        def turned(wave, shift):
+            k = 2 * np.pi * np.arange(1, 1 + len(wave.cosine)) * shift
+            c, s = np.cos(k), np.sin(k)
+            return contact.Fourier(1.0, wave.cosine * c - wave.sine * s, wave.cosine * s + wave.sine * c)
+
+        for wave in (LOPSIDED, TWO):
+            one = solve(wave, model, tol=1e-9, mean_pressure=0.004)
+            other = solve(turned(wave, turn), model, tol=1e-9, mean_pressure=0.004)
+            assert relative(np.sort(other.zone_widths), np.sort(one.zone_widths)) < 1e-8
+            assert abs(other.approach / one.approach - 1) < 1e-8
+
+    def test_the_first_order_closure_takes_the_isolated_load_of_the_same_total_width(self):
+        solution = solve(TWO, FIRST, tol=1e-9, mean_pressure=0.004)
+        amplitude = float(solution.fields.density.amplitudes[0]) * solution.fields.problem.units.pressure
+        # Any periodic design far from its images is nearly isolated: here the order of magnitude decides.
+        assert 0.5 * solution.mean_pressure < amplitude < solution.mean_pressure
+
+    def test_a_wide_gap_needs_no_localization(self):
+        answer = design(np.array([[-1e-3, 1.5e-3]]), 1.0, 1e-7, 1.0)
+        whole = solve(answer.profile, PERIODIC, tol=1e-9, load=answer.load)
+        for model in MODELS:
+            strip = solve(answer.profile, model, tol=1e-9, load=answer.load)
+            # (a/L)^2 is what the neighbours do to first order, and what localization gets wrong is less.
+            assert relative(strip.zone_widths, whole.zone_widths) < 1e-5
+
+
+class TestLimits:
+    def test_past_the_first_order_maximum_of_the_sinusoid_a_load_is_out_of_range(self):
+        widths = np.linspace(0.3, 0.49, 200)
+        loads = [
+            exact.IsolatedSinusoid(0.01, 1.0, 1.0, a).load * (2 - np.sqrt(1 - 4 * a * a)) for a in widths
+        ]
+        top, at = max(loads), widths[int(np.argmax(loads))]
+        assert 0.42 < at < 0.46
+        below = solve(WAVE, FIRST, tol=1e-8, load=0.999 * top)
+        assert below.zone_widths[0] < 2 * at
+        with pytest.raises(contact.OutOfRange, match="first-order"):
+            solve(WAVE, FIRST, load=1.01 * top)
+
+    def test_no_load_below_it_is_refused(self):
+        for a in (0.05, 0.2, 0.35, 0.38):
+            answer = exact.LocalizedZone(exact.IsolatedSinusoid(0.01, 1.0, 1.0, a), 1.0, "first-order")
+            assert true_error(solve(WAVE, FIRST, load=answer.load), answer) < 1e-10
+
+    def test_the_self_consistent_load_of_a_sinusoid_has_no_maximum_below_full_contact(self):
+        loads = [solve(WAVE, SELF, half_width=a).load for a in (0.1, 0.3, 0.45)]
+        assert np.all(np.diff(loads) > 0)
+        with pytest.raises(contact.ContactError):
+            solve(WAVE, SELF, load=1e3)
+
+    def test_one_wave_alone_is_out_of_range_once_it_touches_at_the_border_of_its_cell(self):
+        # The valley of the closed form, which knows no border, sinks below the counter-face near a = 0.3.
+        cell = contact.Isolated()
+        low, high = (exact.IsolatedSinusoid(0.01, 1.0, 1.0, a) for a in (0.295, 0.31))
+        x = np.linspace(0.32, 0.5, 200)
+        assert low.gap(x).min() > 0 > high.gap(x).min()
+        assert true_error(solve(WAVE, cell, load=low.load), low) < 1e-10
+        for control in ({"load": high.load}, {"half_width": high.half_width}, {"load": 1e3}):
+            with pytest.raises(contact.OutOfRange):
+                solve(WAVE, cell, **control)
+
+    def test_more_neighbours_are_self_consistent_or_refused(self):
+        with pytest.raises(contact.SceneError, match="neighbours"):
+            contact.Localized("first-order", neighbours=1)
+        with pytest.raises(contact.SceneError, match="contact_fraction"):
+            solve(WAVE, SELF, contact_fraction=0.3)

@@ -1,0 +1,258 @@
+"""A scene does not pay for what it lacks: the plan says what is left out, and counts, modules and memory bear it out."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tracemalloc
+from dataclasses import dataclass
+
+import numpy as np
+
+import contact
+from contact.inverse import design
+
+L, DELTA, E = 1.0, 1e-3, 1.0
+PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated()
+WAVE = contact.Sinusoid(DELTA, L)
+
+
+def full_pressure(waves=1, amplitude=DELTA):
+    return np.pi * E * amplitude * waves / L
+
+
+def solve(profile, interaction=PERIODIC, tol=1e-10, **control):
+    return contact.solve(contact.Scene(profile, E, interaction, **control), tol=tol)
+
+
+def parts(solution):
+    return {part.name: part for part in solution.plan.parts}
+
+
+def waves(count, shift=0.0):
+    """count equal waves a period; shifted, the profile is not symmetric although every zone still is."""
+    amplitude, angle = DELTA / count, 2 * np.pi * count * shift
+    zeros = [0.0] * (count - 1)
+    return contact.Fourier(L, [*zeros, -amplitude * np.cos(angle)], [*zeros, -amplitude * np.sin(angle)] if shift else [])
+
+
+class Counted(contact.Profile):
+    """A wave that counts the points at which its slope and height are asked for."""
+
+    def __init__(self, kinked=False):
+        self.inner = contact.Wedge(0.01, L) if kinked else WAVE
+        self.slopes = self.heights = 0
+
+    period = L
+    symmetric = property(lambda self: self.inner.symmetric)
+    summits = property(lambda self: self.inner.summits)
+    resolution = property(lambda self: self.inner.resolution)
+    kinks = property(lambda self: self.inner.kinks)
+
+    def height(self, x):
+        self.heights += np.size(x)
+        return self.inner.height(x)
+
+    def slope(self, x):
+        self.slopes += np.size(x)
+        return self.inner.slope(x)
+
+
+def loaded_after(code, names):
+    """Those of the modules that a fresh interpreter has loaded after the code."""
+    report = f"\nimport sys; print(*[m for m in {names!r} if m in sys.modules])"
+    run = subprocess.run([sys.executable, "-c", code + report], capture_output=True, text=True, check=True, timeout=60)
+    return set(run.stdout.split())
+
+
+def peak(call):
+    call()  # what is kept after a first call is not the scene's
+    tracemalloc.start()
+    try:
+        call()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+class TestSymmetricAgainstAsymmetric:
+    COUNT = 9
+    PRESSURE = 0.1 * full_pressure()
+
+    def test_a_symmetric_scene_solves_half_the_unknowns_and_samples_half_the_profile(self):
+        half = solve(waves(self.COUNT), mean_pressure=self.PRESSURE).plan
+        whole = solve(waves(self.COUNT, shift=0.013), mean_pressure=self.PRESSURE).plan
+        assert half["symmetry"].used and not whole["symmetry"].used
+        assert half.counts["zones"] == whole.counts["zones"] == self.COUNT
+        # The middle zone is halved too, but for its constant.
+        assert half.counts["coupled_unknowns"] <= 0.5 * whole.counts["coupled_unknowns"] + 1
+
+    def test_a_quarter_of_the_kernel_is_evaluated_in_a_symmetric_solve(self):
+        half = solve(waves(self.COUNT), mean_pressure=self.PRESSURE).plan.counts
+        whole = solve(waves(self.COUNT, shift=0.013), mean_pressure=self.PRESSURE).plan.counts
+        assert half["kernel_evaluations"] / half["solves"] < 0.3 * whole["kernel_evaluations"] / whole["solves"]
+
+    def test_both_have_the_same_answer(self):
+        half = solve(waves(self.COUNT), mean_pressure=self.PRESSURE)
+        whole = solve(waves(self.COUNT, shift=0.013), mean_pressure=self.PRESSURE)
+        assert np.ptp(half.zone_widths) < 1e-12 * half.zone_widths[0]
+        assert np.abs(half.zone_widths - whole.zone_widths).max() < 1e-9 * half.zone_widths[0]
+
+
+class TestOneZoneAgainstMany:
+    def test_one_zone_of_a_lone_body_couples_to_nothing(self):
+        solution = solve(contact.Parabola(1.0), ISOLATED, load=1e-3)
+        assert solution.plan.counts["coupled_unknowns"] == 1
+        assert not solution.plan["periodic kernel"].used
+
+    def test_one_symmetric_asperity_is_not_searched_for_on_a_grid(self):
+        assert not solve(WAVE, mean_pressure=0.2 * full_pressure()).plan["coarse search"].used
+        assert parts(solve(WAVE, mean_pressure=0.2 * full_pressure()))["coarse search"].seconds is None
+
+    def test_many_zones_are(self):
+        plan = solve(waves(5), mean_pressure=0.1 * full_pressure()).plan
+        assert plan["coarse search"].used and plan["coarse search"].seconds > 0
+
+    def test_few_zones_use_no_fast_sums(self):
+        assert not solve(waves(5), mean_pressure=0.1 * full_pressure()).plan["fast sums"].used
+
+    def test_the_smooth_wave_needs_few_modes_whatever_else_the_solver_can_do(self):
+        counts = solve(WAVE, tol=1e-12, mean_pressure=0.2 * full_pressure()).plan.counts
+        assert counts["own_modes"] <= 32 and counts["coupled_unknowns"] <= 32 and counts["zones"] == 1
+
+
+class TestGivenAgainstSearched:
+    def test_a_given_zone_takes_two_solves_and_no_search(self):
+        given = solve(WAVE, half_width=0.2)
+        assert not given.plan["coarse search"].used and not given.plan["zone ends"].used
+        assert given.plan.counts["solves"] <= 2
+
+    def test_a_given_zone_samples_less_of_the_profile_than_a_searched_one(self):
+        given, searched = Counted(), Counted()
+        reference = solve(given, half_width=0.2)
+        solve(searched, load=reference.load)
+        assert given.slopes < searched.slopes
+
+    def test_the_work_of_a_searched_zone_does_not_grow_with_the_digits_of_its_load(self):
+        counts = [Counted(), Counted()]
+        for profile, part in zip(counts, (0.2, 0.2345678901234567), strict=True):
+            solve(profile, load=part * full_pressure())
+        assert counts[1].slopes <= 1.5 * counts[0].slopes
+
+    def test_a_near_solution_saves_the_grid(self):
+        profile = design([[-0.4, -0.2], [0.0, 0.3]], E, 1e-3, 1.0).profile
+        scene = contact.Scene(profile, E, PERIODIC, load=1e-3)
+        first = contact.solve(scene)
+        again = contact.solve(contact.Scene(profile, E, PERIODIC, load=1.01e-3), near=first)
+        assert parts(first)["coarse search"].seconds is not None
+        assert parts(again)["coarse search"].seconds is None
+
+
+class TestSmoothAgainstKinked:
+    def test_a_smooth_profile_pays_for_no_kink(self):
+        smooth, kinked = solve(WAVE, half_width=0.2), solve(contact.Wedge(0.01, L), half_width=0.2)
+        assert not smooth.plan["kinks"].used and kinked.plan["kinks"].used
+
+    def test_a_declared_kink_costs_no_more_modes_than_a_smooth_profile(self):
+        smooth, kinked = solve(WAVE, half_width=0.2).plan.counts, solve(contact.Wedge(0.01, L), half_width=0.2).plan.counts
+        assert kinked["own_modes"] <= 2 * smooth["own_modes"]
+
+    def test_the_same_corner_undeclared_costs_many_times_as_much(self):
+        @dataclass(frozen=True)
+        class Blunted(contact.Profile):
+            """A wedge whose corner is rounded over a fiftieth of its contact, and not declared."""
+
+            symmetric = property(lambda self: True)
+            summits = property(lambda self: np.zeros(1))
+
+            def height(self, x):
+                return 0.01 * np.sqrt(np.asarray(x) ** 2 + 0.02**2)
+
+            def slope(self, x):
+                x = np.asarray(x)
+                return 0.01 * x / np.sqrt(x**2 + 0.02**2)
+
+        declared = solve(contact.Wedge(0.01), ISOLATED, half_width=1.0).plan.counts["own_modes"]
+        assert solve(Blunted(), ISOLATED, half_width=1.0).plan.counts["own_modes"] > 10 * declared
+
+    def test_a_numerical_slope_is_only_made_for_a_profile_without_its_own(self):
+        class Bare(Counted):
+            slope = contact.Profile.slope
+
+        assert solve(Bare(), half_width=0.2).plan["numerical slope"].used
+        assert not solve(Counted(), half_width=0.2).plan["numerical slope"].used
+
+
+class TestLocalizationAgainstNone:
+    def test_only_a_localized_model_carries_the_nominal_pressure(self):
+        assert not solve(WAVE, half_width=0.2).plan["localization term"].used
+        assert solve(WAVE, contact.Localized("self-consistent"), half_width=0.2).plan["localization term"].used
+
+    def test_only_the_first_order_closure_solves_the_isolated_reference(self):
+        for closure in ("first-order", "self-consistent"):
+            part = parts(solve(WAVE, contact.Localized(closure), half_width=0.2))["isolated reference"]
+            assert part.used == (closure == "first-order")
+
+
+class TestFieldsNotAskedFor:
+    def test_no_height_but_the_lowest_and_the_certificate_s_is_evaluated_until_a_gap_is_asked_for(self):
+        profile = Counted()
+        solution = solve(profile, half_width=0.2)
+        before = profile.heights
+        solution.pressure(np.linspace(-0.5, 0.5, 999))
+        assert profile.heights == before
+        solution.gap(np.linspace(-0.5, 0.5, 999))
+        assert profile.heights > before
+
+    def test_fields_are_left_out_of_the_plan_and_its_time(self):
+        part = parts(solve(WAVE, half_width=0.2))["fields"]
+        assert not part.used and part.seconds is None
+
+
+class TestModulesAndMemory:
+    OPTIONAL = ("numba", "matplotlib", "xarray", "rich", "click", "scipy.interpolate", "scipy.optimize", "scipy.integrate")
+    SCENE = "import contact as c\ns = c.solve(c.Scene({}, 1.0, {}, {}))"
+
+    def test_scenes_that_need_none_of_them_load_no_optional_module(self):
+        scenes = [
+            ("c.Sinusoid(1e-3, 1.0)", "c.Periodic()", "mean_pressure=1e-3"),
+            ("c.Parabola(1.0)", "c.Isolated()", "load=1e-3"),
+            ("c.Wedge(0.1, 1.0)", "c.Periodic()", "half_width=0.2"),
+            ("c.Fourier(1.0, [-1e-3, 2e-4], [1e-4])", "c.Periodic()", "mean_pressure=1e-3"),
+            ("c.Sinusoid(1e-3, 1.0)", "c.Localized('self-consistent', neighbours=2)", "half_width=0.2"),
+        ]
+        assert loaded_after("\n".join(self.SCENE.format(*scene) for scene in scenes), self.OPTIONAL) == set()
+
+    def test_a_measured_profile_loads_splines_and_nothing_else(self):
+        sampled = "c.Sampled([0.0, 0.2, 0.4, 0.6, 0.8], [0.0, 2e-3, 1e-3, 0.0, -1e-3], period=1.0)"
+        code = self.SCENE.format(sampled, "c.Periodic()", "mean_pressure=1e-3")
+        # SciPy's own splines bring its optimizer along.
+        assert loaded_after(code, self.OPTIONAL) <= {"scipy.interpolate", "scipy.optimize", "scipy.integrate"}
+
+    def test_the_suite_of_measurements_is_loaded_by_no_solve_and_no_other_command(self):
+        code = self.SCENE.format("c.Sinusoid(1e-3, 1.0)", "c.Periodic()", "mean_pressure=1e-3") + "\nimport contact.cli"
+        assert loaded_after(code, ("contact.bench", "contact.exact", "contact.inverse")) == set()
+
+    def test_a_given_zone_takes_less_memory_than_a_searched_one_and_both_take_little(self):
+        given = peak(lambda: solve(WAVE, half_width=0.2))
+        searched = peak(lambda: solve(waves(9), mean_pressure=0.1 * full_pressure()))
+        assert given < 300_000 < 3_000_000
+        assert given < searched
+
+    def test_a_symmetric_scene_takes_hardly_more_than_half_the_memory_of_a_shifted_one(self):
+        half = peak(lambda: solve(waves(27), mean_pressure=0.1 * full_pressure(), tol=1e-8))
+        whole = peak(lambda: solve(waves(27, shift=0.0013), mean_pressure=0.1 * full_pressure(), tol=1e-8))
+        assert half < 0.6 * whole
+
+
+def test_the_plan_made_beforehand_names_the_same_parts_as_the_one_of_the_solution():
+    scene = contact.Scene(WAVE, E, PERIODIC, mean_pressure=0.2 * full_pressure())
+    beforehand = contact.plan(scene)
+    assert [(p.name, p.used) for p in beforehand.parts] == [(p.name, p.used) for p in contact.solve(scene).plan.parts]
+
+
+def test_the_counted_profile_evaluations_are_those_the_profile_sees_but_for_guess_and_certificate():
+    profile = Counted()
+    solution = solve(profile, half_width=0.2)
+    counted = solution.plan.counts["profile_evaluations"]
+    assert counted <= profile.slopes <= counted + 2000

@@ -1,0 +1,132 @@
+"""Several zones, found from nothing but profile and load: exact problems made by inverse design."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+
+import contact
+from contact.inverse import design, random_problem
+from tests.contact.judge import counterparts, relative, solve, true_error
+from tests.contact.strategies import designed_contacts
+
+ISOLATED, PERIODIC = contact.Isolated(), contact.Periodic()
+
+
+def solved(answer, tol=1e-9, **control):
+    control = control or {"load": answer.load}
+    model = ISOLATED if answer.period is None else PERIODIC
+    return solve(answer.profile, model, answer.E_star, tol=tol, **control)
+
+
+class TestInverseDesign:
+    @settings(max_examples=14)
+    @given(designed_contacts(min_zones=2, max_zones=12, periodic=True, nearest=0.1))
+    def test_zones_of_a_period_are_found_from_profile_and_load_alone(self, answer):
+        # A zone of a millionth of the widest one's load is known as well as rounding of the profile tells: not to 1e-9.
+        assume(answer.zone_loads.min() > 1e-2 * answer.zone_loads.max())
+        solution = solved(answer, tol=1e-9)
+        assert true_error(solution, answer) <= solution.error <= 1e-9
+        assert solution.certificate.holds
+        assert relative(solution.zone_loads[counterparts(solution, answer)[0]], answer.zone_loads) < 1e-8
+        assert abs(solution.mean_gap / answer.mean_gap - 1) < 1e-8
+
+    @settings(max_examples=12)
+    @given(designed_contacts(min_zones=2, max_zones=5, periodic=False, nearest=0.2))
+    def test_zones_of_an_isolated_punch_too(self, answer):
+        # f is a polynomial of twice as many degrees as zones: it is ill-conditioned in itself, hence five zones.
+        assume(answer.zone_loads.min() > 1e-2 * answer.zone_loads.max())
+        solution = solved(answer, tol=1e-9)
+        assert true_error(solution, answer) <= solution.error <= 1e-9
+
+    @pytest.mark.parametrize("count", [2, 3, 5, 8, 12])
+    def test_every_control_of_a_rough_period_leads_to_the_same_zones(self, count):
+        answer = random_problem(np.random.default_rng(count), zones=count, period=1e-3, E_star=1e9)
+        for control in ("load", "mean_pressure", "approach", "contact_fraction"):
+            solution = solved(answer, tol=1e-8, **{control: getattr(answer, control)})
+            assert true_error(solution, answer) <= solution.error <= 1e-8
+
+    @pytest.mark.parametrize("tol", [1e-3, 1e-5, 1e-7, 1e-9])
+    def test_the_stated_error_is_no_less_than_the_true_one_at_any_tolerance(self, tol):
+        for seed in range(6):
+            answer = random_problem(np.random.default_rng(seed), zones=2 + seed, period=2 * np.pi)
+            solution = solved(answer, tol=tol)
+            assert true_error(solution, answer) <= solution.error <= tol
+
+    @pytest.mark.parametrize("gap", [3e-2, 1e-3, 1e-4])
+    def test_zones_that_nearly_touch_stay_apart(self, gap):
+        ends = np.array([[-0.3, -0.05], [-0.05 + gap * 0.25, 0.2], [0.3, 0.35]])
+        answer = design(ends, 1.0, 0.02, 1.0)
+        solution = solved(answer, tol=1e-6)
+        assert true_error(solution, answer) <= solution.error <= 1e-6
+
+    def test_a_zone_across_the_border_of_the_cell_is_named_by_its_left_end(self):
+        answer = design(np.array([[-0.2, 0.1], [0.4, 0.7]]), 1.0, 0.05, 1.0)
+        solution = solved(answer)
+        assert true_error(solution, answer) < 1e-9
+        assert solution.zones[1, 0] < 0.5 < solution.zones[1, 1]
+        assert abs(float(solution.pressure(-0.45)) / float(solution.pressure(0.55)) - 1) < 1e-12
+
+    def test_widths_a_thousand_times_apart_are_found_alike(self):
+        answer = design(np.array([[-0.4, -0.1], [0.0, 3e-4], [0.2, 0.4]]), 1.0, 0.02, 1.0)
+        solution = solved(answer, tol=1e-7)
+        assert true_error(solution, answer) <= solution.error <= 1e-7
+
+    def test_fields_of_several_zones_are_the_exact_ones(self):
+        answer = random_problem(np.random.default_rng(5), zones=6, period=1.0)
+        solution = solved(answer)
+        x = np.linspace(-0.8, 1.1, 500)
+        size = float(np.ptp(answer.height(x)))
+        assert np.max(np.abs(solution.gap(x) - answer.gap(x))) < 1e-11 * size
+        assert np.max(np.abs(solution.displacement(x) - answer.displacement(x))) < 1e-11 * size
+
+    def test_an_end_moved_by_a_hundred_thousandth_of_its_zone_is_noticed(self):
+        answer = random_problem(np.random.default_rng(3), zones=4, period=1.0)
+        solution = solved(answer)
+        moved = answer.zones.copy()
+        moved[1, 1] += 1e-5 * (moved[1, 1] - moved[1, 0])
+        assert true_error(solution, design(moved, 1.0, answer.load, 1.0)) > 1e-6
+
+
+class TestManyAsperities:
+    def test_equal_asperities_share_the_load_and_repeat_one_solution(self):
+        one = solve(contact.Sinusoid(0.01, 0.2), PERIODIC, mean_pressure=0.03)
+        five = solve(contact.Fourier(1.0, [0, 0, 0, 0, -0.01]), PERIODIC, mean_pressure=0.03)
+        assert len(five.zones) == 5
+        assert relative(five.zone_loads, one.load) < 1e-9
+        assert relative(five.zone_widths, one.zone_widths[0]) < 1e-9
+        x = np.linspace(-0.5, 0.5, 77)
+        assert np.max(np.abs(five.pressure(x) - one.pressure(x))) < 1e-4 * one.max_pressure  # ends: sqrt of theirs
+        assert np.max(np.abs(five.gap(x) - one.gap(x))) < 1e-11
+
+    def test_a_rough_profile_keeps_its_certificate_from_the_first_touch_to_nearly_full_contact(self):
+        rng = np.random.default_rng(11)
+        k = np.arange(1, 25)
+        wave = contact.Fourier(1.0, 0.01 * rng.normal(size=24) / k**1.3, 0.01 * rng.normal(size=24) / k**1.3)
+        full = solve(wave, PERIODIC, contact_fraction=1.0).mean_pressure
+        x = np.linspace(-0.5, 0.5, 20001)
+        fractions = []
+        for share in (1e-8, 1e-4, 0.01, 0.1, 0.4, 0.7, 0.9, 0.99, 0.999):
+            solution = solve(wave, PERIODIC, tol=1e-7, mean_pressure=share * full)
+            pressure = solution.pressure(x)
+            assert solution.certificate.holds
+            assert pressure.min() >= -1e-9 * pressure.max()
+            assert solution.gap(x).min() >= 0
+            assert relative(solution.mean_pressure, share * full) < 1e-7
+            fractions.append(solution.contact_fraction)
+        assert np.all(np.diff(fractions) > 0)
+
+    def test_a_dip_of_the_pressure_between_its_samples_is_found_and_opened(self):
+        # One zone of 192 modes would do, but for a pull of 3e-4 of the peak over 5e-4 of the period.
+        rng = np.random.default_rng(13)
+        n, decay = int(rng.integers(2, 41)), rng.uniform(0, 2)
+        k = np.arange(1, n + 1)
+        size = k**-decay * rng.normal(size=n)
+        phase = rng.uniform(0, 2 * np.pi, n)
+        wave = contact.Fourier(1.0, 0.01 * size * np.cos(phase), 0.01 * size * np.sin(phase))
+        full = solve(wave, PERIODIC, contact_fraction=1.0).mean_pressure
+        solution = solve(wave, PERIODIC, tol=1e-7, mean_pressure=0.5 * full)
+        pressure = solution.pressure(np.linspace(-0.5, 0.5, 200001))
+        assert len(solution.zones) > 1
+        assert pressure.min() >= -1e-9 * pressure.max()
