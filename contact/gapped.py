@@ -202,6 +202,8 @@ def find_gaps(
         low = 1 - 2 * (1 - low)
         if low <= 0:
             raise WrongTopology("no mean pressure gives such gaps", None)
+    if miss(full * high) < 0:
+        raise WrongTopology("the gaps are narrower than the rounding of the load can tell from full contact", None)
     root = lazy.scipy_optimize().brentq(lambda share: miss(full * share), low, high, xtol=1e-15, rtol=1e-15)
     found = solve_gaps(problem, full * root, conjugate, tolerance)
     rounding = 1e-15 * full
