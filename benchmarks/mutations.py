@@ -73,8 +73,8 @@ MUTATIONS = (
     ),
     Mutation(
         "swapped side condition: zones share the load, not the approach", "sie/conditions.py",
-        "        matrix, constants = system.levels()\n        return np.diff(matrix, axis=0)",
-        "        matrix, constants = system.totals()\n        return np.diff(matrix, axis=0)",
+        "matrix, constants = system.level_steps()",
+        "matrix, constants = (np.diff(part, axis=0) for part in system.totals())",
     ),
     Mutation(
         "Newton step of twice the length: 4 K / A", "sie/free_boundary.py",

@@ -37,10 +37,11 @@ class FirstOrder:
         self.alone: Found | None = None
         self.together: Found | None = None
         self.seed: Found | None = None
+        self.given = False  # whether one zone of given half width is asked for, wherever more would touch
 
     def at_width(self, width: float) -> tuple[Found, float]:
         """(localized zones of this total width, amplitude), each found from the last one's zones."""
-        kind, value = ("half_width", 0.5 * width) if self.single else ("width", width)
+        kind, value = ("half_width", 0.5 * width) if self.single or self.given else ("width", width)
         control = Control(kind, value)
         near = self.seed if self.alone is None else self.alone
         self.alone = self.search(self.isolated, control, _scaled(near, width))
@@ -58,14 +59,15 @@ class FirstOrder:
     def found(self, control: Control, guess: float) -> tuple[Found, float]:
         """The zones that carry the control, and d amplitude / d load at them (for the stiffness)."""
         if control.kind == "half_width":
-            width = 2 * control.value
+            width, self.given = 2 * control.value, True
         elif control.kind == "width":
             width = control.value
         else:
             width = self._width_for(control, guess if self.single else self._near_width(control, guess))
         found, amplitude = self.at_width(width)
         # dP0/dW over dP/dW, by central differences: the stiffness needs no more digits than they have.
-        step = 1e-5 * width
+        assert self.problem.period is not None
+        step = min(1e-5 * width, 0.25 * (self.problem.period - width))
         ahead, more = self.at_width(width + step)
         total_ahead = ahead.fields.density.total
         behind, less = self.at_width(width - step)

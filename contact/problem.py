@@ -124,7 +124,8 @@ class Problem:
         def value(x: Array) -> Array:
             return np.asarray(profile.slope(units.x(x))) / units.slope
 
-        return sie.Forcing(value, self.shape, at, heights, orders)
+        resolution = None if profile.resolution is None else profile.resolution / units.length
+        return sie.Forcing(value, self.shape, at, heights, orders, resolution=resolution)
 
     def shape(self, x: Array) -> Array:
         """F = (f - min f) / (slope length)."""

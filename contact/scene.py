@@ -72,6 +72,8 @@ class Scene:
         self._check_control_suits_interaction(name)
         if name == "half_width":
             self._check_half_width()
+        if name == "contact_fraction" or self.interaction.follows_isolated:
+            self._check_zone_tells_load(name)
 
     @property
     def control(self) -> tuple[str, float]:
@@ -118,11 +120,29 @@ class Scene:
         reach = profile.support[1]
         if half_width > reach:
             raise SceneError.of("half_width", half_width, f"at most the profile's own, {reach:.17g}")
-        # With f' = 0 up to sharp corners every load gives the same zone, and no load a narrower one.
-        height = profile.height(np.linspace(-half_width, half_width, 17))
-        if np.ptp(height[np.isfinite(height)]) == 0.0:
+        if self._is_flat(-half_width, half_width):
             allowed = f"left out: {profile.name} has no slope, so that the zone does not tell the load"
             raise SceneError.of("half_width", half_width, allowed)
+
+    def _check_zone_tells_load(self, name: str) -> None:
+        """The contact fraction, and the isolated load of the same width, are those of zones with ends that move."""
+        if not self.is_flat:
+            return
+        if name == "contact_fraction":
+            allowed = f"left out: {self.profile.name} has no slope, so that the zone does not tell the load"
+            raise SceneError.of(name, self.contact_fraction, allowed)
+        allowed = f"another model or closure: every isolated load has the width of a {self.profile.name} profile"
+        raise SceneError.of("interaction", self.interaction, allowed)
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether the profile is a punch without slope between sharp corners."""
+        return self.profile.support is not None and self._is_flat(*self.profile.support)
+
+    def _is_flat(self, lo: float, hi: float) -> bool:
+        """With f' = 0 up to sharp corners every load gives the same zone, and no load a narrower one."""
+        height = self.profile.height(np.linspace(lo, hi, 17))
+        return float(np.ptp(height[np.isfinite(height)])) == 0.0
 
 
 def _require_instance(field: str, value: object, kind: type, example: str) -> None:

@@ -275,6 +275,8 @@ class _Window:
             width = window[1] - window[0]
             h = width / self.points
             touching = np.flatnonzero(state.contact)
+            if len(touching) == 0:
+                break
             left, right = float(x[touching[0]]) - 0.5 * h, float(x[touching[-1]]) + 0.5 * h
             extent = right - left
             if state.touches_border:

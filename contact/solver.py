@@ -198,6 +198,13 @@ class _Run:
         return self._mean_pressure() >= self.full.pressure
 
     def _below_full_approach(self, control: Control) -> None:
+        datum, support = getattr(self.scene.interaction, "datum", None), self.scene.profile.support
+        # A punch as wide as four times the datum has that of a line load there: no load lowers it.
+        if datum is not None and support is not None and self.scene.is_flat and support[1] - support[0] >= 4 * datum:
+            raise OutOfRange(
+                f"approach {control.value * self.problem.units.height:.6g} m: a flat punch of width "
+                f"{support[1] - support[0]:.6g} m has none above zero with a datum of {datum:.6g} m"
+            )
         if not self.full.possible:
             return
         highest, units = mean_shape(self.problem), self.problem.units
@@ -286,12 +293,12 @@ class _Run:
                     except WrongTopology as error:
                         failure = error
             points *= 4
-        raise self._not_converged(failure or WrongTopology("the grid is in full contact, the profile is not", None))
+        raise self._not_converged(failure or WrongTopology("the gaps are narrower than the finest grid tells from full contact", None))
 
     # strips ---------------------------------------------------------------------------------------------------------
     def _centred(self, problem: Problem, control: Control, start: Array | None) -> Found | None:
         """Zones of a strip that is centred on them: the centre follows the zones until it stays."""
-        found = None
+        found, before = None, math.inf
         for _ in range(30):
             found = self._search(problem, control, start)
             if found is None:
@@ -301,8 +308,11 @@ class _Run:
             centre = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1])
             width = float((zones.b - zones.a).min())
             start = zones.table
-            if abs(centre - found.fields.problem.centre) <= 0.1 * self.tolerance * width + np.spacing(abs(centre)):
+            moved = abs(centre - found.fields.problem.centre)
+            # Near the digits of the zones the centre no longer comes nearer.
+            if moved <= 0.1 * self.tolerance * width + np.spacing(abs(centre)) or before / 4 < moved < 1e-7 * width:
                 return found
+            before = moved
             problem = problem.about(centre)
         assert isinstance(found, Found)
         raise self._not_converged(WrongTopology("the centre of the strip did not settle", found.free))

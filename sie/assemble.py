@@ -298,7 +298,12 @@ class System:
         """What unknowns y add to the levels."""
         return np.asarray(self.levels()[0] @ y)
 
-    def level_rounding(self, y: Array) -> float:
+    def level_steps(self) -> Linear:
+        """See `Rows`."""
+        matrix, constants = self.levels()
+        return np.diff(matrix, axis=0), np.diff(constants)
+
+    def level_rounding(self, y: Array) -> Array | float:
         """Rounding of the largest level: of all its terms."""
         matrix, constants = self.levels()
         return 2.2e-16 * float((np.abs(matrix) @ np.abs(y) + np.abs(constants)).max())

@@ -34,6 +34,9 @@ class Rows(Protocol):
     def levels(self) -> Linear:
         """Mean over each zone (weight 1 / sqrt(1 - t^2)) of potential minus the primitive of the right side."""
 
+    def level_steps(self) -> Linear:
+        """Differences of the levels of neighbouring zones."""
+
     def integrals(self, weight: Callable[[Array], Array]) -> Linear:
         """Integral of weight times density over each zone."""
 
@@ -135,8 +138,8 @@ class EqualPotential(Condition):
         if len(system.zones.solved) == 1:
             size = system.totals()[0].shape[1]
             return np.zeros((0, size)), np.zeros(0), np.zeros(0)
-        matrix, constants = system.levels()
-        return np.diff(matrix, axis=0), np.diff(constants), np.zeros(len(constants) - 1)
+        matrix, constants = system.level_steps()
+        return matrix, constants, np.zeros(len(constants))
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,8 @@ class Forcing:
     primitive: an antiderivative of g, continuous over all zones; only needed by conditions on potentials.
     steps_at, steps, orders: positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its
         derivatives, all (k,); for a kernel with a period they repeat. orders left out: all 0, jumps of g itself.
+    resolution: smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones
+        are many: they keep digits that the primitive has lost.
     modes: of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
     """
 
@@ -44,6 +46,7 @@ class Forcing:
     steps: Array = field(default_factory=lambda: np.zeros(0))
     orders: NDArray[np.intp] | None = None
     modes: int | None = None
+    resolution: float | None = None
 
     def jumps_within(self, zones: Zones, period: float | None) -> Steps:
         """The jumps that lie inside zones."""

@@ -53,7 +53,8 @@ class Everywhere:
         if len(density.steps):
             c += density.steps.t_coefficients(zones, TERMS)
         self.moments = c * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
-        self.series, self.value = far(self.moments)
+        self.series, value, rest = far(self.moments)
+        self.value = value + rest
         self.whole = sources.upward(self.moments)[0]
 
     @cached_property

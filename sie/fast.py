@@ -7,7 +7,7 @@ so does what a whole node of the tree does, with moments about its hull:
 
 R its half width. Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s), and the same A takes
 the Chebyshev series of what is far from a parent to its children; the potential comes along as its value at the middle of each
-node, since its derivative is the transform. So zones need no nodes of their own: coefficients in, coefficients out. Only near
+node, since its derivative is the transform; it is summed in two words, for its differences between neighbours. So zones need no nodes of their own: coefficients in, coefficients out. Only near
 zones see each other directly, by the closed forms of `assemble`. Greengard & Rokhlin (1987), J. Comput. Phys. 73, 325-348, in
 one dimension and with Chebyshev series in place of powers.
 """
@@ -110,19 +110,26 @@ class Nested:
             out[tree.parent[here][::2]] = moved[::2] + moved[1::2]
         return out
 
-    def downward(self, series: Array, middle: Array) -> tuple[Array, Array]:
-        """Chebyshev series of the transform and potential at the middle, of every interval, from those given at nodes."""
+    def downward(self, series: Array, middle: Array) -> tuple[Array, Array, Array]:
+        """Chebyshev series of the transform and potential at the middle (two words), of every interval, from those given at
+        nodes."""
         tree = self.tree
+        rest = np.zeros_like(middle)
         for here in self._slices():
             up = tree.parent[here]
             above = series[up]
             series[here] += np.matmul(above[:, None, :], self.matrices(here))[:, 0]
-            middle[here] += middle[up] + np.einsum("nj,nj->n", self.rises[here], above)
-        return series[tree.leaves], middle[tree.leaves]
+            added = middle[here] + np.einsum("nj,nj->n", self.rises[here], above) + rest[up]
+            middle[here] = middle[up] + added
+            # What the sum has lost (Knuth's two-sum).
+            back = middle[here] - middle[up]
+            rest[here] = (middle[up] - (middle[here] - back)) + (added - back)
+        leaves = tree.leaves
+        return series[leaves], middle[leaves], rest[leaves]
 
 
 class FarSum:
-    """What the far zones do on target intervals: (series of the transform, potential at the middle) from moments."""
+    """What the far zones do on target intervals: (series of the transform, potential at the middle in two words)."""
 
     def __init__(self, sources: Nested, targets: Nested, kernel: Kernel) -> None:
         self.sources, self.targets, self.kernel = sources, targets, kernel
@@ -161,7 +168,7 @@ class FarSum:
         middle = kernel.regular_potential(np.array([0.5 * (t.lo[0] + t.hi[0])]), xi) @ from_moments
         return np.asarray(values), np.asarray(middle)
 
-    def __call__(self, leaves: Array) -> tuple[Array, Array]:
+    def __call__(self, leaves: Array) -> tuple[Array, Array, Array]:
         moments = self.sources.upward(leaves)
         count = len(self.targets.tree)
         values, middle = np.zeros((count, TERMS)), np.zeros(count)
@@ -283,11 +290,11 @@ class ZoneSums:
         """Closed forms evaluated in one sum."""
         return int(self.near.transform.nnz) + len(self.far.far) * TERMS
 
-    def __call__(self, y: Array) -> tuple[Array, Array]:
-        """(U coefficients k = 1 ... m of every solved zone, one after the other; mean potential of each)."""
+    def __call__(self, y: Array) -> tuple[Array, Array, Array]:
+        """(U coefficients k = 1 ... m of every solved zone, one after the other; mean potential of each, in two words)."""
         zones, solved = self.zones, self.zones.solved
         leaves = np.append(y, 0.0)[self.lead] * self.scale
-        series, mean = self.far(leaves)
+        series, middle, mean = self.far(leaves)
         mean = mean + self.near.potential @ y
         at_nodes = self.near.transform @ y
         far = 0.5 * series
@@ -306,7 +313,7 @@ class ZoneSums:
             k = np.arange(2, m + 1, 2)
             to_mean = -np.cos(0.5 * np.pi * k) / k
             mean[group] += zones.half[solved[group]] * (u[:, 1::2] @ to_mean)
-        return rows, mean
+        return rows, middle, mean
 
 
 def reaches(kernel: Kernel, zones: Zones) -> bool:

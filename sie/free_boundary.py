@@ -92,7 +92,7 @@ def find_ends(
     while True:
         # The next move is about the square of the last one: a solution by iteration need not be better than that, but the
         # last one but one places the ends for good.
-        last = trace[-1].move if trace else 1.0
+        last = min(trace[-1].move, 1.0) if trace else 1.0
         sizes.linear = min(1e-8, 1e-4 * last**2, 1e-3 * tolerance if last < 1e-2 else 1.0)
         state = solve_fixed(equation, zones, decay, sizes)
         if equation.open_condition is not None and value != 0.0:

@@ -38,6 +38,8 @@ _KEPT = 0.1
 _ROUNDING = 3e-16
 # Zones with less than this part of the largest coefficient are solved as if they had it.
 _LIGHTEST = 1e-4
+# Nodes for the integral of g over one length of its resolution.
+_GAUSS = 16
 
 
 def fits(equation: Equation, zones: Zones) -> bool:
@@ -68,7 +70,8 @@ class ManySystem(System):
         self.kept = np.flatnonzero((k % 2 == 0) | (zone != solved[0])) if zones.central else np.arange(len(k))
         g = np.where(k < self.g.shape[1], self.g[zone, np.minimum(k, self.g.shape[1] - 1)], 0.0)
         self.column_rows = np.array([self._projected(c.value) for c in equation.columns]).reshape(-1, len(k))
-        self.known_field = self.sums(self.layout.flat(self.known)) if len(steps) else (np.zeros(len(k)), np.zeros(len(solved)))
+        none = np.zeros(len(solved))
+        self.known_field = self.sums(self.layout.flat(self.known)) if len(steps) else (np.zeros(len(k)), none, none)
         self.equation_right = (g - self.known_field[0])[self.kept]
 
     def _projected(self, value: Callable[[Array], Array]) -> Array:
@@ -84,11 +87,11 @@ class ManySystem(System):
     # rows applied ---------------------------------------------------------------------------------------------------
     def applied(self, y: Array) -> tuple[Array, Applied]:
         """(rows of the equation, what conditions ask for) for unknowns y."""
-        rows, mean = self.sums(y)
+        rows, middle, mean = self.sums(y)
         rows -= y[self.own]
         if self.layout.columns:
             rows -= y[self.layout.coefficients :] @ self.column_rows
-        return rows[self.kept], Applied(self, y, self._with_own(y, mean))
+        return rows[self.kept], Applied(self, y, middle, self._with_own(y, mean))
 
     def _with_own(self, y: Array, mean: Array) -> Array:
         solved = self.zones.solved
@@ -109,7 +112,48 @@ class ManySystem(System):
 
     @cached_property
     def level_constants(self) -> Array:
-        return self._with_own(self.layout.flat(self.known), self.known_field[1]) - self._forcing_means()
+        known = self._with_own(self.layout.flat(self.known), self.known_field[2])
+        return self.known_field[1] + known - self._forcing_means()
+
+    @cached_property
+    def step_constants(self) -> Array:
+        """Differences of `level_constants` between neighbours, with the digits that the values have lost."""
+        known = self._with_own(self.layout.flat(self.known), self.known_field[2])
+        return np.diff(self.known_field[1]) + np.diff(known) - self._forcing_steps()
+
+    @property
+    def _integrable(self) -> bool:
+        """Whether differences of the primitive may be taken from g."""
+        forcing = self.equation.forcing
+        return forcing.resolution is not None and len(forcing.steps_at) == 0
+
+    def _forcing_steps(self) -> Array:
+        """Differences of the primitive's means between neighbours: over the gap by quadrature, over the zones from the
+        coefficients of g, since the antiderivative of U_{k-1} is T_k / k."""
+        forcing, solved = self.equation.forcing, self.zones.solved
+        if not self._integrable:
+            return np.diff(self._forcing_means())
+        assert forcing.resolution is not None
+        start, length = self._gaps
+        panels = np.ceil(length / forcing.resolution).astype(np.intp)
+        gap = np.repeat(np.arange(len(length)), panels)
+        number = np.arange(len(gap)) - np.repeat(np.cumsum(panels) - panels, panels)
+        size = (length / panels)[gap]
+        t, weights = np.polynomial.legendre.leggauss(_GAUSS)
+        x = (start[gap] + number * size)[:, None] + size[:, None] * (0.5 * (1 + t))
+        values = np.asarray(forcing.value(x.ravel())).reshape(x.shape)
+        across = np.bincount(gap, 0.5 * size * (values @ weights), minlength=len(length))
+        g, w = self.g[solved], self.zones.half[solved]
+        odd, even = np.arange(1, g.shape[1], 2), np.arange(2, g.shape[1], 2)
+        half_rise, offset = w * (g[:, odd] @ (1 / odd)), w * (g[:, even] @ (1 / even))
+        return across + half_rise[1:] + half_rise[:-1] - np.diff(offset)
+
+    @property
+    def _gaps(self) -> tuple[Array, Array]:
+        """(left end, length) of the gaps between solved zones."""
+        zones, solved = self.zones, self.zones.solved
+        left = zones.b[solved[:-1]]
+        return left, zones.a[solved[1:]] - left
 
     def _levels_at(self, y: Array) -> Array:
         return self.applied(y)[1].level
@@ -120,12 +164,18 @@ class ManySystem(System):
     def level_changes(self, y: Array) -> Array:
         return self._levels_at(y)
 
-    def level_rounding(self, y: Array) -> float:
-        """The terms of a level are at most all totals at the farthest distance, and the largest at the nearest."""
+    def level_rounding(self, y: Array) -> Array | float:
+        """The terms of a level are at most all totals at the farthest distance, and the largest at the nearest. Where only
+        differences between neighbours matter and are integrated, it is what is between them that is rounded."""
         zones, datum = self.zones, self.equation.kernel.datum
-        far, near = (abs(math.log(x / datum)) for x in (zones.b[-1] - zones.a[0], float(zones.half.min())))
         own = np.abs(zones.half * y[self.layout.offset])
-        return 2.2e-16 * float(own.sum() * max(far, 1.0) + own.max() * near + np.abs(self.level_constants).max())
+        near = np.abs(np.log(zones.half / datum))
+        if not self._integrable or any(c.levels and c.count(zones) == len(zones.solved) for c in self.equation.conditions):
+            far = max(1.0, abs(math.log((zones.b[-1] - zones.a[0]) / datum)))
+            return 2.2e-16 * float(own.sum() * far + (own * near).max() + np.abs(self.level_constants).max())
+        length = np.concatenate(([0.0], zones.a[1:] - zones.b[:-1], [0.0]))
+        slope = float(np.abs(self.g).max())
+        return np.asarray(2.2e-16 * (slope * (zones.half + np.maximum(length[1:], length[:-1])) + own * near))
 
     def integrals_at(self, weight: Callable[[Array], Array], y: Array) -> Linear:
         rows, constants = np.zeros(len(self.zones.solved)), np.zeros(len(self.zones.solved))
@@ -151,7 +201,12 @@ class Applied:
 
     system: ManySystem
     y: Array
-    level: Array
+    middle: Array
+    rest: Array
+
+    @property
+    def level(self) -> Array:
+        return self.middle + self.rest
 
     @property
     def zones(self) -> Zones:
@@ -164,6 +219,9 @@ class Applied:
 
     def levels(self) -> Linear:
         return self.level[:, None], self.system.level_constants
+
+    def level_steps(self) -> Linear:
+        return (np.diff(self.middle) + np.diff(self.rest))[:, None], self.system.step_constants
 
     def integrals(self, weight: Callable[[Array], Array]) -> Linear:
         return self.system.integrals_at(weight, self.y)
@@ -273,7 +331,7 @@ class Coarse:
         """The conditions that are single rows, and what ties the constant where levels are absolute."""
         system = self.system
         y = system.folding.unfold(folded)
-        view = Applied(system, y, np.zeros(0))
+        view = Applied(system, y, np.zeros(0), np.zeros(0))
         out = [float(system.equation.conditions[k].rows(view)[0][0, 0]) for k in self.others]
         if self.levels and self.absolute:
             assert self.punches is not None
@@ -332,7 +390,8 @@ class Iterative:
     def right(self) -> Array:
         """The right side of the equation and of its conditions."""
         system = self.system
-        nothing = Applied(system, np.zeros(system.layout.size), np.zeros(len(system.zones.solved)))
+        none = np.zeros(len(system.zones.solved))
+        nothing = Applied(system, np.zeros(system.layout.size), none, none)
         values = []
         for condition in system.equation.conditions:
             _, constants, wanted = condition.rows(nothing)

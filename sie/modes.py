@@ -90,7 +90,7 @@ def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: 
             for place, i in enumerate(group):
                 # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
                 slow = i in found and last[place] > tail[i] * (len(found[i]) / n) ** 0.75
-                settled[i] = settled[i] + 1 if slow and last[place] < _NOISE * scale[place] else 0
+                settled[i] += slow and last[place] < _NOISE * scale[place]
                 found[i], tail[i] = g[place], last[place]
             grow &= settled[group] < 3
             bad = group[grow]

@@ -230,16 +230,16 @@ def _power(order: int) -> tuple[Scene, Exact]:
 
 
 def large() -> Iterator[Extreme]:
-    yield Extreme(
-        "many zones", "101 equal zones", partial(_equal, 101), 101.0, "positions are rounded to eps L, zones are L/101 wide",
-    )
-    yield Extreme(
-        "many zones", "1001 equal zones", partial(_equal, 1001), 1001.0, "as above", heavy=True,
-    )
-    yield Extreme(
-        "measured with noise", "1e5 samples", partial(_noisy, 100_000), 1e6,
-        "rounding of the heights over the sample pitch, in the slope", heavy=True,
-    )
+    why = "positions are rounded to eps L, zones are L/50n wide"
+    yield Extreme("many zones", "101 equal zones", partial(_equal, 101), 50.0 * 101, why)
+    yield Extreme("many zones", "1001 equal zones", partial(_equal, 1001), 50.0 * 1001, why, heavy=True)
+    broken = "from sample to sample the slope changes by as much as it does over the contact: the ends of zones of that size do not settle"
+    for samples, noise in ((10_000, 1e-8), (100_000, 1e-9), (100_000, 1e-8)):
+        yield Extreme(
+            "measured with noise", f"{samples:.0e} samples, {noise:g} of the period", partial(_noisy, samples, noise), 1e8,
+            "the slope's noise: rounding of the heights over the pitch and over 1e-3", heavy=samples > 10_000,
+            known=broken if samples * noise > 5e-4 else "",
+        )
 
 
 def _equal(zones: int) -> tuple[Scene, Exact]:
@@ -251,16 +251,16 @@ def _equal(zones: int) -> tuple[Scene, Exact]:
     return scene, Repeated(one, zones)
 
 
-def _noisy(samples: int) -> tuple[Scene, Exact]:
-    """A rough profile of 64 harmonics sampled with white noise of a part in 1e4 of its height; judged by the same
-    formulation run to a tighter tolerance, since no other is known for it."""
+def _noisy(samples: int, noise: float) -> tuple[Scene, Exact]:
+    """A rough profile of 64 harmonics, 1e-3 of the period high, sampled with white noise; judged by the same formulation run
+    to a tighter tolerance, since no other is known for it."""
     rng = np.random.default_rng(5)
     k = np.arange(1, 65)
     x = np.arange(samples) / samples
     smooth = np.cos(2 * pi * np.outer(x, k) + rng.uniform(0, 2 * pi, 64)) @ (1e-3 * np.maximum(k, 4) ** -1.3)
-    profile: Profile = Sampled(x, smooth + 1e-8 * rng.normal(size=samples), period=1.0)
+    profile: Profile = Sampled(x, smooth + noise * rng.normal(size=samples), period=1.0)
     scene = Scene(profile, 1.0, Periodic(), mean_pressure=1e-5)
-    return scene, best(scene, 1e-11)
+    return scene, best(scene, 1e-10)
 
 
 GROUPS: tuple[Callable[[], Iterator[Extreme]], ...] = (

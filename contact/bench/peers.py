@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 _ITERATIONS = 20000
 # tamaas does not stop at 1e-12 on large grids.
 _TIGHTEST = 1e-10
-_TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+_TOLERANCES = (1e-4, 1e-6, 1e-8)
 # A looser tolerance is as good if it leaves the error within this factor.
 _AS_GOOD = 1.1
 
@@ -105,9 +105,9 @@ def rows(peer: Peer, case: Case, quick: bool, longest: float) -> Iterator[Row]:
             continue
         row = tight
         # From loose to tight, the first that is as good; not worth the trials where one run takes seconds.
-        if tight.seconds < 0.2 * longest:
+        if tight.seconds < 0.05 * longest:
             for tolerance in _TOLERANCES:
-                loose = _measured(peer, case, x, heights, tolerance, 0.1 if quick else 0.3)
+                loose = _measured(peer, case, x, heights, tolerance, 0.05)
                 if loose is not None and loose.at_x <= _AS_GOOD * tight.at_x and loose.mean_at_x <= _AS_GOOD * tight.mean_at_x:
                     row = loose if loose.seconds < tight.seconds else tight
                     break

@@ -70,7 +70,7 @@ def _run(case: Case, method: str, setting: float, scene: Scene, tol: float, quic
     met = True
     try:
         solution = call()
-        seconds = clock.seconds(call, 0.1 if quick else 0.4)
+        seconds = clock.seconds(call, 0.1)
     except NotConverged as error:
         if error.best is None:
             raise

@@ -13,7 +13,7 @@ from contact.bench.report import Table
 Progress = Callable[[str, int, int | None], None]
 
 # A run of a peer after which no finer grid is tried.
-LONGEST, LONGEST_QUICK = 8.0, 1.0
+LONGEST, LONGEST_QUICK = 5.0, 1.0
 
 
 def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> list[Table]:

@@ -172,6 +172,13 @@ class TestScenes:
         refused(lambda: scene(contact.Fourier(1e-4, [1e-6], [1e-7]), half_width=1e-5), "half_width")
         refused(lambda: scene(contact.Flat(1e-3), ISOLATED, half_width=1e-3), "half_width")
 
+    def test_the_zone_of_a_flat_punch_tells_no_load(self):
+        punch = contact.Flat(0.5, period=1.0)
+        refused(lambda: scene(punch, contact_fraction=0.5), "contact_fraction")
+        refused(lambda: scene(punch, contact_fraction=0.3), "contact_fraction")
+        refused(lambda: scene(punch, half_width=0.25), "half_width")
+        refused(lambda: scene(punch, contact.Localized("first-order"), load=1.0), "interaction", "closure")
+
 
 class TestOutOfRange:
     """Scenes in order that no contact answers."""
