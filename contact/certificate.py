@@ -23,6 +23,10 @@ _ZOOMS = 7
 # From this number of zones on, all gaps are looked at together.
 _MANY = 32
 
+# So many negative samples show the width of a dip.
+_TELLING = 4
+# A dip of the pressure this far from zero, over the zone's largest pressure, is rounding.
+_DIP_ROUNDING = 1e-14
 # What sums of some hundred terms are rounded to, relative to the largest of them: no error is stated below it.
 ROUNDING = 4e-14
 
@@ -30,8 +34,10 @@ ROUNDING = 4e-14
 @dataclass(frozen=True)
 class Certificate:
     """smallest_pressure: over the zones, p / sqrt(1 - t^2) [Pa]. smallest_edge: least edge slope over its scale.
-    smallest_gap: between the zones [m]; negative within `gap_rounding` means undecided. load_balance: relative.
-    level_spread: largest difference of the zones' approaches [m]. points: how many were looked at.
+    smallest_gap: between the zones [m]. load_balance: relative. level_spread: largest difference of the zones' approaches [m].
+    points: how many were looked at. dip: least minimum of p / sqrt(1 - t^2) inside a zone over its largest value there, inf if
+    there is none. undecided: a gap within `gap_rounding` of zero, or a dip within rounding of it: whether there is contact in
+    that place is below what double precision tells.
     """
 
     smallest_pressure: float
@@ -43,6 +49,7 @@ class Certificate:
     holds: bool
     undecided: bool = False
     note: str = ""
+    dip: float = np.inf
     negative: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
     overlaps: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
 
@@ -59,13 +66,13 @@ NOT_CHECKED = Certificate(np.nan, None, 0.0, np.nan, np.nan, 0, False, note="a f
 
 def certify(fields: ZoneFields, load: float | None) -> Certificate:
     """Check the solution everywhere; `negative` and `overlaps` are the scaled intervals where it fails."""
-    pressures, least, inside = _pressures(fields)
+    pressures, least, dip, inside = _pressures(fields)
     gaps, overlaps, rounding, outside = _gaps(fields)
     units = fields.problem.units
     density = fields.density
     balance = 0.0 if load is None else abs(density.total - load) / abs(load)
     spread = float(np.ptp(fields.levels)) * units.height
-    undecided = gaps is not None and -rounding <= gaps <= 0.0
+    undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (dip <= _DIP_ROUNDING and len(pressures) == 0)
     holds = least > 0 and len(overlaps) == 0 and balance < 1e-9
     return Certificate(
         smallest_pressure=least * units.pressure,
@@ -76,18 +83,19 @@ def certify(fields: ZoneFields, load: float | None) -> Certificate:
         points=inside + outside,
         holds=bool(holds),
         undecided=bool(undecided),
+        dip=dip,
         negative=pressures,
         overlaps=overlaps,
     )
 
 
-def _pressures(fields: ZoneFields) -> tuple[Array, float, int]:
-    """(intervals of negative pressure, least p / sqrt(1 - t^2) in scaled units, points)."""
+def _pressures(fields: ZoneFields) -> tuple[Array, float, float, int]:
+    """(intervals of negative pressure, least p / sqrt(1 - t^2) in scaled units, least dip, points)."""
     density = fields.density
     zones = density.zones
     counts = density.sampling
     bad: list[tuple[float, float]] = []
-    least, points = np.inf, 0
+    least, dip, points = np.inf, np.inf, 0
     for n in np.unique(counts):
         group = np.flatnonzero(counts == n)
         theta = (np.arange(n) + 0.5) * np.pi / n
@@ -97,7 +105,7 @@ def _pressures(fields: ZoneFields) -> tuple[Array, float, int]:
         finite = np.where(np.isfinite(value), value, np.inf)
         scale = np.abs(np.where(np.isfinite(value), value, 0.0)).max(axis=1)
         # At nearly merged zones the pressure there is small of higher order: rounding is not a failure.
-        rounding = scale * np.clip(8 * fields.state.noise[group], 1e-12, 1e-6)
+        rounding = scale * np.clip(2 * fields.state.noise[group], _DIP_ROUNDING, 1e-6)
         fails = finite < -rounding[:, None]
         worst = np.where(np.abs(finite) <= rounding[:, None], np.abs(finite), finite)
         least = min(least, float(worst.min()))
@@ -108,16 +116,17 @@ def _pressures(fields: ZoneFields) -> tuple[Array, float, int]:
                 lo = zones.a[i] if e == n - 1 else 0.5 * (x[e] + x[e + 1])
                 hi = zones.b[i] if s == 0 else 0.5 * (x[s] + x[s - 1])
                 bad.append((lo, hi))
-        dips, lowest = _dips(fields, group, theta, finite, rounding)
+        dips, lowest, lowest_part = _dips(fields, group, theta, finite, scale, rounding)
         bad += dips
-        least = min(least, lowest)
-    return np.array(sorted(bad)).reshape(-1, 2), least, points
+        least, dip = min(least, lowest), min(dip, lowest_part)
+    return np.array(sorted(bad)).reshape(-1, 2), least, dip, points
 
 
 def _dips(
-    fields: ZoneFields, group: NDArray[np.intp], theta: Array, value: Array, rounding: Array
-) -> tuple[list[tuple[float, float]], float]:
-    """Minima of p / sqrt(1 - t^2) that may be negative between the samples: (intervals where they are, least value)."""
+    fields: ZoneFields, group: NDArray[np.intp], theta: Array, value: Array, scale: Array, rounding: Array
+) -> tuple[list[tuple[float, float]], float, float]:
+    """Minima of p / sqrt(1 - t^2) that may be negative between the samples: (intervals where they are, least value, least
+    value over the zone's scale)."""
     density = fields.density
     zones = density.zones
     middle = value[:, 1:-1]
@@ -128,31 +137,36 @@ def _dips(
     rows, places = np.nonzero(low)
     bad: list[tuple[float, float]] = []
     if len(rows) == 0:
-        return bad, np.inf
+        return bad, np.inf, np.inf
     zone = group[rows][:, None]
     lo, hi = theta[places], theta[places + 2]
-    least = np.inf
-    for _ in range(_ZOOMS):
+    least = dip = np.inf
+    for zoom in range(_ZOOMS):
         angle = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 17)
         right, left = 2 * np.sin(angle / 2) ** 2, 2 * np.cos(angle / 2) ** 2
         here = density.at(zone, left, right) / np.sqrt(left * right)
         here = np.where(np.isfinite(here), here, np.inf)
         least = min(least, float(here[here > rounding[rows, None]].min(initial=np.inf)))
+        dip = min(dip, float((here.min(axis=1) / scale[rows]).min()))
         best = np.clip(np.argmin(here, axis=1), 1, 15)
         fails = here < -rounding[rows, None]
-        for k in np.flatnonzero(fails.any(axis=1)):
-            i, at = group[rows[k]], np.flatnonzero(fails[k])
-            ends = zones.middle[i] + zones.half[i] * np.cos(angle[k, [min(at[-1] + 1, 16), max(at[0] - 1, 0)]])
-            bad.append((float(ends[0]), float(ends[1])))
-            least = min(least, float(here[k].min()))
         each = np.arange(len(rows))
         lo, hi = angle[each, best - 1], angle[each, best + 1]
-        # What is known to be negative need not be looked at more closely.
-        keep = ~fails.any(axis=1)
+        keep = np.ones(len(rows), dtype=bool)
+        for k in np.flatnonzero(fails.any(axis=1)):
+            at = np.flatnonzero(fails[k])
+            lo[k], hi[k] = angle[k, max(at[0] - 1, 0)], angle[k, min(at[-1] + 1, 16)]
+            # A few negative samples tell where the pressure changes sign; one may stand for much less than its spacing.
+            keep[k] = len(at) < _TELLING and zoom < _ZOOMS - 1
+            if not keep[k]:
+                i = group[rows[k]]
+                ends = zones.middle[i] + zones.half[i] * np.cos([hi[k], lo[k]])
+                bad.append((float(ends[0]), float(ends[1])))
+                least = min(least, float(here[k].min()))
         if not keep.any():
             break
         rows, zone, lo, hi = rows[keep], zone[keep], lo[keep], hi[keep]
-    return bad, least
+    return bad, least, dip
 
 
 def runs_of(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -52,11 +52,11 @@ class ZoneFields:
     """Fields of a load-controlled state on its zones; scaled inside, SI in `pressure`, `displacement`, `gap`."""
 
     problem: Problem
-    state: sie.State
+    state: sie.AnyState
     amplitude_rate: float = 0.0
 
     @property
-    def density(self) -> sie.Density:
+    def density(self) -> sie.AnyDensity:
         return self.state.density
 
     @cached_property
@@ -66,7 +66,7 @@ class ZoneFields:
         if len(zones) == 1:
             end = zones.b
             return -(self._sunk(end) + self.problem.shape(end))
-        return self.state.system.level_values(self.state.unknowns)
+        return self.state.levels
 
     @cached_property
     def level(self) -> float:
@@ -92,8 +92,7 @@ class ZoneFields:
         values[index[0]] = 1.0
         if self.amplitude_rate:
             values[index[2]] = self.amplitude_rate
-        response = self.state.response_unknowns(values)
-        rate = -float(self.state.system.level_changes(response).mean())
+        rate = -float(self.state.level_rates(values).mean())
         units = self.problem.units
         return units.load / (units.height * rate)
 
@@ -144,16 +143,20 @@ class ZoneFields:
 
     def scaled_gap(self, x: Array) -> Array:
         """F - V + lambda C + level, zero on the zones."""
-        shape = self.problem.shape(x)
-        return np.where(self.inside(x), 0.0, shape + self.level + self._sunk(x))
+        return np.where(self.inside(x), 0.0, self.formal_gap(x))
 
     def formal_gap(self, x: Array) -> Array:
         """F - V + lambda C + level everywhere, rounding left as it is on the zones."""
-        return np.asarray(self.problem.shape(x) + self.level + self._sunk(x))
+        gap = np.asarray(self.problem.shape(x) + self.level + self._sunk(x))
+        if isinstance(self.density, sie.Pierced):
+            # In a narrow gap what opens it keeps digits that the difference has lost.
+            narrow, opening = self.density.opening(x)
+            gap = np.where(narrow, opening, gap)
+        return gap
 
     def gap_between(self, lo: float, hi: float) -> Callable[[Array], Array]:
         """The scaled gap as a function on an interval without contact; cheap at many points where zones are many."""
-        if len(self.density.zones) < _MANY:
+        if len(self.density.zones) < _MANY or not isinstance(self.density, sie.Density):
             return self.scaled_gap
         potential = sie.LocalPotential.on(self.density, lo, hi)
         return lambda x: self.problem.shape(x) + self.level + self._raised(x, potential(x))

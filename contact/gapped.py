@@ -41,13 +41,14 @@ class GapFields:
     """
 
     problem: Problem
-    state: sie.State
+    state: sie.AnyState
     mean: float
     conjugate: Callable[[Array], Array]
 
     @property
     def density(self) -> sie.Density:
         """Slope of the gap on the gaps."""
+        assert isinstance(self.state.density, sie.Density)
         return self.state.density
 
     @property

@@ -7,12 +7,14 @@ from sie.equation import CountError, Equation, Forcing
 from sie.free_boundary import Free, find_ends
 from sie.kernels import Kernel, Smooth, cauchy, hilbert, images
 from sie.local import LocalPotential
+from sie.pierced import Pierced
+from sie.released import AnyDensity, AnyState, solve_zones
 from sie.solve import SingularSystem, State, solve_fixed
 from sie.zones import Zones
 
 __all__ = [
-    "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EqualPotential",
-    "Equation", "Forcing", "Free", "Kernel", "Level", "LocalPotential", "SingularSystem", "Smooth", "State", "Total",
+    "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EqualPotential",
+    "Equation", "Forcing", "Free", "Kernel", "Level", "LocalPotential", "Pierced", "SingularSystem", "Smooth", "State", "Total",
     "TotalWidth", "Weighted", "ZoneTotals", "Zones", "cauchy", "find_ends", "free_with_intensity", "hilbert",
-    "images", "moment", "solve_fixed",
+    "images", "moment", "solve_fixed", "solve_zones",
 ]

@@ -252,7 +252,7 @@ class System:
         rows, constants = self._zero_rows(), np.zeros(len(self.zones.solved))
         for place, i in enumerate(self.zones.solved):
             m = int(self.layout.m[i])
-            values = np.pi * self.zones.half[i] * self._moments(weight, i, max(self.g.shape[1], m + 1, 16) + 16)
+            values = np.pi * self.zones.half[i] * self.moments(weight, i, max(self.g.shape[1], m + 1, 16) + 16)
             size = len(values)
             rows[place, self.layout.offset[i] : self.layout.offset[i] + m + 1] = values[: m + 1]
             beyond = -self.g[i, m + 1 :]
@@ -261,7 +261,7 @@ class System:
                 constants[place] += values @ self.steps.t_coefficients(self.zones, size)[i]
         return rows, constants
 
-    def _moments(self, weight: Callable[[Array], Array], zone: int, size: int) -> Array:
+    def moments(self, weight: Callable[[Array], Array], zone: int, size: int) -> Array:
         """Means of weight times T_l over a zone (weight 1 / sqrt(1 - t^2)), as many as it takes them to decay."""
         while True:
             x = self.zones.middle[zone] + self.zones.half[zone] * chebyshev.gauss(size)

@@ -207,16 +207,16 @@ class Density:
     def transform(self, x: ArrayLike) -> Array:
         """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end."""
         x = _float(x)
-        return transform_at(self, self._into_period(x).ravel()).reshape(x.shape)
+        return transform_at(self, self.into_period(x).ravel()).reshape(x.shape)
 
     def potential(self, x: ArrayLike) -> Array:
         """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones."""
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
             raise ValueError("the regular kernel has no potential")
         x = _float(x)
-        return potential_at(self, self._into_period(x).ravel()).reshape(x.shape)
+        return potential_at(self, self.into_period(x).ravel()).reshape(x.shape)
 
-    def _into_period(self, x: Array) -> Array:
+    def into_period(self, x: Array) -> Array:
         """x moved by periods to within half of one of the zones' middle, where the kernel's poles are the near ones."""
         if self.kernel.period is None:
             return x

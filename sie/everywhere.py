@@ -28,7 +28,7 @@ _BLOCK = 400_000
 
 
 class Everywhere:
-    """A density's series on all cells. Points are those of `Density._into_period`, or any if nothing repeats."""
+    """A density's series on all cells. Points are those of `Density.into_period`, or any if nothing repeats."""
 
     def __init__(self, density: Density) -> None:
         self.density = density

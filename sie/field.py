@@ -114,7 +114,7 @@ def _by_blocks(density: Density, x: Array, what, regular: Regular | None) -> Arr
         part = x[s : s + block]
         out[s : s + block] = what(density, part, sources)
         if regular is not None:
-            out[s : s + block] += _regular(density, part, regular)
+            out[s : s + block] += regular_at(density, part, regular)
     return out
 
 
@@ -182,7 +182,7 @@ def cosine_sum(scaled: Array, zone: Index, theta: Array) -> Array:
     return out
 
 
-def _regular(density: Density, x: Array, regular: Regular) -> Array:
+def regular_at(density: Density, x: Array, regular: Regular) -> Array:
     """The regular part of the kernel, by Gauss-Chebyshev quadrature on every zone."""
     out = np.zeros(x.shape)
     for xi, weights in density.quadrature:

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie import modes
-from sie.density import Density
 from sie.ends import FREE, SINGULAR, End
 from sie.equation import Equation
 from sie.gap_steps import gap_steps
 from sie.near_jumps import bent_steps
-from sie.solve import Sizes, State, assembled, density_of, first_sizes, solve_fixed
+from sie.released import AnyDensity, AnyState, solve_zones
+from sie.solve import Sizes, State, assembled, density_of, first_sizes
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -52,7 +52,7 @@ class Free:
     them) that closed.
     """
 
-    state: State
+    state: AnyState
     converged: bool
     end_error: Array
     trace: tuple[Step, ...]
@@ -61,7 +61,7 @@ class Free:
     met: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
     @property
-    def density(self) -> Density:
+    def density(self) -> AnyDensity:
         return self.state.density
 
 
@@ -94,7 +94,7 @@ def find_ends(
         # last one but one places the ends for good.
         last = min(trace[-1].move, 1.0) if trace else 1.0
         sizes.linear = min(1e-8, 1e-4 * last**2, 1e-3 * tolerance if last < 1e-2 else 1.0)
-        state = solve_fixed(equation, zones, decay, sizes)
+        state = solve_zones(equation, zones, decay, sizes)
         if equation.open_condition is not None and value != 0.0:
             state = state.with_value(equation.open_condition, value)
         zones, released = _release(zones, walls, state.density)
@@ -116,9 +116,11 @@ def find_ends(
             error = error * (max(step.move for step in trace[-4:]) / max(move, 1e-300))
         done = certain and not released and (move <= max(tolerance, floor) or stuck)
         done = done and abs(change) <= max(tolerance, 1e-14) * abs(value + change)
-        if done or len(trace) > max_steps:
+        # At rest at a place where the density does not push outward: another number of zones is needed.
+        hopeless = stalled >= 5 and move < 1e-6 and not certain
+        if done or hopeless or len(trace) > max_steps:
             if done:
-                state = replace(state, density=state.density.settled())
+                state = state.settled()
             return Free(state, done, error.T, tuple(trace), value if equation.open_condition is not None else None)
         value += change
         limited = _limit(zones, equation, delta)
@@ -143,7 +145,7 @@ def _held_at(zones: Zones, walls: tuple[float, float]) -> Zones:
     return replace(zones, a=a, b=b, left=left, right=right)
 
 
-def _release(zones: Zones, walls: tuple[float, float], density: Density) -> tuple[Zones, bool]:
+def _release(zones: Zones, walls: tuple[float, float], density: AnyDensity) -> tuple[Zones, bool]:
     """Ends held at a wall where the density pulls (negative intensity) become free; whether any did."""
     if not np.isfinite(walls).any():
         return zones, False
@@ -165,26 +167,24 @@ def _intensity(end: End) -> float:
 
 
 def _newton(
-    state: State, moves: NDArray[np.bool_], target: Array, sizes: Sizes, tolerance: float, signs: tuple[float, float]
+    state: AnyState, moves: NDArray[np.bool_], target: Array, sizes: Sizes, tolerance: float, signs: tuple[float, float]
 ) -> tuple[Array, Array, float, bool]:
     """(outward moves (2, Z), their roundoff, change of the open condition's value, whether the step can be trusted)."""
-    equation = state.system.equation
+    equation = state.equation
     density = state.density
     k = np.array(density.intensities)
     a = np.array(density.edge_slopes)
     w = density.zones.half
     # The bounded solution's slope at an end has the sign of the density; where the guess is far off, only K is a guide.
     side = np.array(signs)[:, None]
-    natural = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(state.system.known).max(axis=1)
+    natural = state.natural
     weak = side * a < 1e-8 * natural / np.sqrt(w)
     prescribed = np.any(target != 0)
-    # Rounding acts on what is subtracted, the right side and the other zones' fields, however small the rest.
-    subtracted = np.abs(density.coefficients).sum(axis=1) + np.abs(state.system.g).sum(axis=1) + natural
-    noise_k = 4e-16 * np.sqrt(w / 2) * subtracted
-    noise_k = noise_k + _level_noise(state) / np.sqrt(2 * w) + np.sqrt(w / 2) * natural * state.linear_error
+    noise_k = state.intensity_noise
     residual = np.where(moves, k - target, 0.0)
     unit = _unit_response(state) if equation.open_condition is not None else None
     if prescribed:
+        assert isinstance(state, State)  # no holes where intensities are prescribed
         delta, noise, change = _full_newton(equation, state, moves, residual, noise_k, unit, sizes, tolerance)
         return delta, noise, change, True
     safe = np.where(weak, side * (natural / np.sqrt(w) + 1e-300), a)
@@ -205,16 +205,8 @@ def _newton(
     return delta, noise, change, not np.any(weak & moves)
 
 
-def _level_noise(state: State) -> Array | float:
-    """Rounding of the potentials that the zones' totals are matched by, per zone: a lightly loaded zone between heavy
-    ones feels what theirs, and the primitive of the right side, are rounded to."""
-    if len(state.density.zones) == 1 or not any(c.levels for c in state.system.equation.conditions):
-        return 0.0
-    return 2 * state.system.level_rounding(state.unknowns)
-
-
-def _unit_response(state: State) -> Density:
-    index = state.system.equation.open_condition
+def _unit_response(state: AnyState) -> AnyDensity:
+    index = state.equation.open_condition
     assert index is not None
     values = np.zeros(len(state.condition_scale))
     values[state.condition_index[index]] = 1.0
@@ -241,7 +233,7 @@ def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
 
 
 def _full_newton(
-    equation: Equation, state: State, moves: NDArray[np.bool_], residual: Array, noise_k: Array, unit: Density | None,
+    equation: Equation, state: State, moves: NDArray[np.bool_], residual: Array, noise_k: Array, unit: AnyDensity | None,
     sizes: Sizes, tolerance: float,
 ) -> tuple[Array, Array, float]:
     """Outward moves (2, Z), their roundoff and the change of the open condition's value by Newton with the full
@@ -274,7 +266,7 @@ def _full_newton(
         return out
 
     delta = spread(-inverse @ np.array([residual[end] for end in ends]))
-    noise = spread(np.abs(inverse) @ np.array([noise_k[i] for _, i in ends]))
+    noise = spread(np.abs(inverse) @ np.array([noise_k[end] for end in ends]))
     if unit is None:
         return delta, noise, 0.0
     by_unit = np.array(unit.intensities)

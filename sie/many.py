@@ -181,7 +181,7 @@ class ManySystem(System):
         rows, constants = np.zeros(len(self.zones.solved)), np.zeros(len(self.zones.solved))
         if weight not in self._moment_tables:
             least = max(self.g.shape[1], int(self.layout.m.max()) + 1, 16) + 16
-            self._moment_tables[weight] = [self._moments(weight, i, least) for i in self.zones.solved]
+            self._moment_tables[weight] = [self.moments(weight, i, least) for i in self.zones.solved]
         steps = self.steps.t_coefficients(self.zones, self.g.shape[1] + 16) if len(self.steps) else None
         for place, i in enumerate(self.zones.solved):
             m, start = int(self.layout.m[i]), self.layout.offset[i]

@@ -113,7 +113,7 @@ class State:
         """The unknowns of `response`, to be put into rows of the system."""
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
-        return self._folding.unfold(self.solver(right))
+        return self.folding.unfold(self.solver(right))
 
     def with_value(self, condition: int, change: float) -> State:
         """The state after the value of one side condition has changed."""
@@ -122,16 +122,56 @@ class State:
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
         folded = self.folded_unknowns + self.solver(right)
-        unknowns = self._folding.unfold(folded)
+        unknowns = self.folding.unfold(folded)
         return replace(self, folded_unknowns=folded, unknowns=unknowns, density=density_of(self.system, unknowns))
 
     def homogeneous(self, right: Array) -> Density:
         """The density for another right side of the assembled rows, no forcing and no steps."""
-        return self._homogeneous_density(self._folding.unfold(self.solver(right)))
+        return self._homogeneous_density(self.folding.unfold(self.solver(right)))
 
     @property
-    def _folding(self) -> Folding:
+    def folding(self) -> Folding:
         return Folding.of(self.system.zones, self.system.layout)
+
+    def settled(self) -> State:
+        """The same state with its density settled (`Density.settled`)."""
+        return replace(self, density=self.density.settled())
+
+    @property
+    def equation(self) -> Equation:
+        return self.system.equation
+
+    @property
+    def levels(self) -> Array:
+        """Level of each solved zone: mean of potential minus the primitive of the right side."""
+        return self.system.level_values(self.unknowns)
+
+    def level_rates(self, values: Array) -> Array:
+        """Change of the levels by unit changes of the side conditions' values."""
+        return self.system.level_changes(self.response_unknowns(values))
+
+    @cached_property
+    def natural(self) -> Array:
+        """Size of each zone's density, but for its total."""
+        return np.abs(self.density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(self.system.known).max(axis=1)
+
+    @cached_property
+    def coefficient_noise(self) -> Array:
+        """Rounding of what each zone's coefficients add up to. It acts on what is subtracted, the right side and the other
+        zones' fields, however small the rest; and on the potentials that the zones' totals are matched by: a lightly loaded
+        zone between heavy ones feels what theirs, and the primitive of the right side, are rounded to."""
+        subtracted = np.abs(self.density.coefficients).sum(axis=1) + np.abs(self.system.g).sum(axis=1) + self.natural
+        noise = 4e-16 * subtracted + self.natural * self.linear_error
+        zones = self.density.zones
+        if len(zones) > 1 and any(c.levels for c in self.equation.conditions):
+            noise = noise + 2 * self.system.level_rounding(self.unknowns) / zones.half
+        return np.asarray(noise)
+
+    @cached_property
+    def intensity_noise(self) -> Array:
+        """Rounding of K at the left and right ends (2, Z)."""
+        one = np.sqrt(self.density.zones.half / 2) * self.coefficient_noise
+        return np.array([one, one])
 
     @property
     def linear_error(self) -> float:

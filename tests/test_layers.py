@@ -25,7 +25,10 @@ SIE = """
     field many
     everywhere
     density
-    local solve
+    cuts local solve
+    holes
+    pierced
+    released
     free_boundary
     __init__
 """

@@ -1,0 +1,358 @@
+"""Solutions on zones beside narrow gaps: the system of the wide zones, released on their holes.
+
+The holes change the right side of the wide zones' system by -s, and the level of each by the mean of what s opens; the wide
+zones' coefficients are the right sides of the holes. A hole bends its surroundings by the square of its width over its distance,
+so a few alternations come to rest; each costs one solution with factors at hand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.conditions import Linear
+from sie.cuts import Cut, cut
+from sie.density import Density
+from sie.equation import Equation
+from sie.holes import TOLD, Holes
+from sie.pierced import Pierced
+from sie.solve import SingularSystem, Sizes, Solver, State, density_of, first_sizes, solve_fixed
+from sie.steps import Steps
+from sie.zones import Zones
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+_ALTERNATIONS = 60
+_ROUNDING = 2.2e-16
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only."""
+
+    zones: Zones
+    s: Array
+    mean_opening: Array
+    moments: Callable[[Callable[[Array], Array], int, int], Array]
+    coupled: Index
+    multiple: Array
+
+    def _constants(self, values: Array) -> Linear:
+        return np.zeros((len(values), 0)), values
+
+    def totals(self) -> Linear:
+        return self._constants(np.zeros(len(self.zones.solved)))
+
+    def levels(self) -> Linear:
+        return self._constants(self.mean_opening[self.zones.solved])
+
+    def level_steps(self) -> Linear:
+        return self._constants(np.diff(self.mean_opening[self.zones.solved]))
+
+    def integrals(self, weight: Callable[[Array], Array]) -> Linear:
+        """Beyond the coupled modes, whose coefficients are unknowns, s adds to those of the density."""
+        out = np.zeros(len(self.zones.solved))
+        for place, i in enumerate(self.zones.solved):
+            values = self.moments(weight, int(i), self.s.shape[1])
+            beyond = np.arange(self.coupled[i] + 1, min(self.s.shape[1], len(values)))
+            out[place] = np.pi * self.zones.half[i] * (values[beyond] @ self.s[i, beyond])
+        return self._constants(out)
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        raise NotImplementedError("zones with holes have no condition on intensities")
+
+    def amplitude(self, k: int) -> Linear:
+        return self._constants(np.zeros(1))
+
+    def multiplicity(self) -> Array:
+        return self.multiple
+
+
+class Release:
+    """The holes of all wide zones, solved together with the system of these."""
+
+    def __init__(self, cut: Cut, base: State) -> None:
+        self.cut, self.base, self.system = cut, base, base.system
+        system = self.system
+        modes = base.sizes.own[: len(cut.wide)]
+        self.holes = tuple(
+            Holes(cut, int(i), int(max(modes[i], system.layout.m[i])), system.steps) for i in np.unique(cut.hole_zone)
+        )
+
+    @cached_property
+    def _given(self) -> list[Array]:
+        """Right sides of the holes' rows by what is known: jumps, and coefficients beyond the coupled ones."""
+        out = []
+        for here in self.holes:
+            m = int(self.system.layout.m[here.zone])
+            c = np.zeros(here.modes + 1)
+            count = min(self.system.g.shape[1], len(c))
+            c[m + 1 : count] = -self.system.g[here.zone, m + 1 : count]
+            out.append(here.by_coefficients @ c + here.of_steps(self.system.steps))
+        return out
+
+    def solve(self, folded: Array, homogeneous: bool = False) -> tuple[Array, tuple[Array, ...], float]:
+        """(unknowns of the wide zones, series of all holes, size of the last change) from the unknowns without holes.
+
+        homogeneous: the right side and its jumps are zero.
+        """
+        first = folded
+        d = tuple(np.zeros(here.offset[-1]) for here in self.holes)
+        change, before = np.inf, np.inf
+        for _ in range(_ALTERNATIONS):
+            table = self.system.layout.padded(self._unfold(folded))
+            new = []
+            for number, (here, old) in enumerate(zip(self.holes, d, strict=True)):
+                m = int(self.system.layout.m[here.zone])
+                c = table[here.zone, : m + 1] - here.told[: m + 1] @ old
+                right = here.by_coefficients[:, : m + 1] @ c
+                new.append(here.solve(right if homogeneous else right + self._given[number]))
+            size = max(float(np.abs(table).max()), 1e-300)
+            change = max(float(np.abs(one - old).max()) for one, old in zip(new, d, strict=True)) / size
+            d = tuple(new)
+            folded = first + self.base.solver(self._right(d))
+            if change <= _ROUNDING or (change < 1e-13 and change > 0.5 * before):
+                break
+            if not np.isfinite(change) or (change > 10 * before and change > 1):
+                raise SingularSystem("the holes of a wide zone do not come to rest")
+            before = change
+        return folded, d, change
+
+    def _unfold(self, folded: Array) -> Array:
+        return self.base.folding.unfold(folded)
+
+    def s_table(self, d: tuple[Array, ...]) -> Array:
+        """s_k of every wide zone."""
+        count = max(int(self.system.layout.m.max()), max(here.modes for here in self.holes), TOLD) + 1
+        out = np.zeros((len(self.cut.wide), count))
+        for here, one in zip(self.holes, d, strict=True):
+            told = here.told @ one
+            out[here.zone, : len(told)] = told
+        return out
+
+    def mean_openings(self, d: tuple[Array, ...]) -> Array:
+        out = np.zeros(len(self.cut.wide))
+        for here, one in zip(self.holes, d, strict=True):
+            out[here.zone] = here.mean_row @ one
+        return out
+
+    def _right(self, d: tuple[Array, ...]) -> Array:
+        """What s adds to the right side of the wide zones' rows."""
+        system, zones, base = self.system, self.cut.wide, self.base
+        s = self.s_table(d)
+        rows = []
+        for place, i in enumerate(zones.solved):
+            step = 2 if zones.central and place == 0 else 1
+            rows.append(-s[i, 1 : system.layout.m[i] + 1][step - 1 :: step])
+        view = Opened(zones, s, self.mean_openings(d), system.moments, system.layout.m, system.multiplicity())
+        constants = [condition.rows(view)[1] for condition in system.equation.conditions]
+        constants = [np.atleast_1d(c) for c in constants]
+        conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
+        return np.concatenate((*rows, conditions))
+
+    def density(self, folded: Array, d: tuple[Array, ...], homogeneous: bool = False) -> tuple[State, Pierced]:
+        """(state of the wide zones, density) for solved unknowns."""
+        base, system = self.base, self.system
+        y = self._unfold(folded)
+        if homogeneous:
+            layout = system.layout
+            whole = Density(self.cut.wide, base.density.kernel, layout.padded(y), Steps.none(), y[layout.coefficients :])
+        else:
+            whole = density_of(system, y)
+        s = self.s_table(d)
+        count = max(s.shape[1], whole.coefficients.shape[1])
+        table = np.pad(whole.coefficients, ((0, 0), (0, count - whole.coefficients.shape[1])))
+        s = np.pad(s, ((0, 0), (0, count - s.shape[1])))
+        within = np.arange(count) <= system.layout.m[:, None]
+        smooth = replace(whole, coefficients=np.where(within, table - s, table))
+        whole = replace(whole, coefficients=np.where(within, table, table + s))
+        state = replace(base, folded_unknowns=folded, unknowns=y, density=whole)
+        return state, Pierced(self.cut, smooth, whole, self.holes, d)
+
+
+@dataclass(frozen=True, eq=False)
+class PiercedState:
+    """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the holes.
+
+    wide: state of the wide zones, holes included; rest: what alternating left, over the largest coefficient.
+    """
+
+    release: Release
+    wide: State
+    density: Pierced
+    series: tuple[Array, ...]
+    rest: float
+    sizes: Sizes
+
+    @property
+    def cut(self) -> Cut:
+        return self.release.cut
+
+    def settled(self) -> PiercedState:
+        return replace(self, density=self.density.settled())
+
+    @property
+    def equation(self) -> Equation:
+        return self.wide.equation
+
+    @property
+    def solver(self) -> Solver:
+        return self.wide.solver
+
+    @property
+    def condition_scale(self) -> Array:
+        return self.wide.condition_scale
+
+    @property
+    def condition_index(self) -> Index:
+        return self.wide.condition_index
+
+    @property
+    def linear_error(self) -> float:
+        return self.wide.linear_error
+
+    # further right sides --------------------------------------------------------------------------------------------
+    def _answer(self, values: Array) -> tuple[Array, tuple[Array, ...]]:
+        """(unknowns, series) for unit changes of the side conditions' values."""
+        right = np.zeros(self.solver.size)
+        right[self.wide.conditions_from :] = values / self.condition_scale
+        folded, series, _ = self.release.solve(self.solver(right), homogeneous=True)
+        return folded, series
+
+    def response(self, values: Array) -> Pierced:
+        """See `State.response`."""
+        return self.release.density(*self._answer(values), homogeneous=True)[1]
+
+    def with_value(self, condition: int, change: float) -> PiercedState:
+        """See `State.with_value`."""
+        values = np.zeros(len(self.condition_scale))
+        values[self.condition_index[condition]] = change
+        folded, series = self._answer(values)
+        both = tuple(one + other for one, other in zip(self.series, series, strict=True))
+        wide, density = self.release.density(self.wide.folded_unknowns + folded, both)
+        return replace(self, wide=wide, density=density, series=both)
+
+    @property
+    def levels(self) -> Array:
+        """Level of each solved wide zone."""
+        opened = self.release.mean_openings(self.series)
+        return self.wide.levels + opened[self.cut.wide.solved]
+
+    def level_rates(self, values: Array) -> Array:
+        folded, series = self._answer(values)
+        opened = self.release.mean_openings(series)
+        return self.wide.system.level_changes(self.wide.folding.unfold(folded)) + opened[self.cut.wide.solved]
+
+    # errors ---------------------------------------------------------------------------------------------------------
+    @property
+    def natural(self) -> Array:
+        return self.wide.natural[self.cut.piece_zone]
+
+    @cached_property
+    def waviness(self) -> Array:
+        return self.wide.waviness[self.cut.piece_zone]
+
+    @cached_property
+    def noise(self) -> Array:
+        return self.wide.noise[self.cut.piece_zone]
+
+    def _intensities_of(self, of_coefficients: Array) -> Array:
+        """K at the left and right ends of the pieces (2, n) for errors of the wide zones' coefficients, in sum."""
+        cut = self.cut
+        wide = np.sqrt(cut.wide.half / 2) * of_coefficients
+        holes = np.sqrt(cut.holes.half / 2) * of_coefficients[cut.hole_zone]
+        at_left, at_right = self.density.hole_roots
+        left = np.where(cut.hole_before < 0, wide[cut.piece_zone], (holes / at_right)[cut.hole_before])
+        right = np.where(cut.hole_after < 0, wide[cut.piece_zone], (holes / at_left)[cut.hole_after])
+        return np.array([left, right])
+
+    @cached_property
+    def intensity_noise(self) -> Array:
+        """See `State.intensity_noise`."""
+        rest = self.rest * np.abs(self.wide.density.coefficients).max()
+        return self._intensities_of(self.wide.coefficient_noise + rest)
+
+    @cached_property
+    def _tails(self) -> Array:
+        """Last coefficients of the holes of each wide zone."""
+        out = np.zeros(len(self.cut.wide))
+        for here, row in zip(self.release.holes, self.density.series, strict=True):
+            out[here.zone] = max(float(np.abs(d[-3:]).max()) * len(d) for d in row)
+        return out
+
+    @cached_property
+    def missing(self) -> Array:
+        """What is neglected of each wide zone's coefficients and of the equation between its nodes, in all."""
+        wide = self.wide
+        size = np.abs(wide.density.coefficients).max(axis=1) + np.abs(wide.system.known).max(axis=1, initial=0.0)
+        neglected = wide.neglected * size / np.maximum(wide.sizes.own[: len(size)], 1)
+        return np.asarray(neglected + 3 * np.maximum(self._residual - 2e-15 * size, 0.0) + self._tails)
+
+    @cached_property
+    def _residual(self) -> Array:
+        """Residual of the equation times sqrt(1 - t^2), the largest of a few points of each wide zone, off its holes."""
+        zones, cut = self.density.zones, self.cut
+        theta = (np.arange(9) + 0.4142) * np.pi / 9
+        x = (zones.middle[:, None] + zones.half[:, None] * np.cos(theta)).ravel()
+        value = self.density.transform(x) - self.equation.forcing.value(x)
+        for amplitude, column in zip(self.density.amplitudes, self.equation.columns, strict=True):
+            value = value - amplitude * column.value(x)
+        left = cut.start[:, None] + (zones.half[:, None] * (1 + np.cos(theta)))
+        right = cut.rest[:, None] + (zones.half[:, None] * (1 - np.cos(theta)))
+        root = np.sqrt(left * right) / cut.wide.half[cut.piece_zone][:, None]
+        out = np.zeros(len(cut.wide))
+        np.maximum.at(out, cut.piece_zone, np.abs(value.reshape(root.shape) * root).max(axis=1))
+        return out
+
+    @cached_property
+    def density_error(self) -> float:
+        """See `State.density_error`."""
+        wide = self.wide
+        size = np.abs(wide.density.coefficients).max(axis=1) + np.abs(wide.system.known).max(axis=1, initial=0.0)
+        peak = float(size.max())
+        if peak == 0.0:
+            return 0.0
+        coupled = wide.system.layout.m
+        residual = self._residual / peak
+        beyond = 3 * np.maximum(residual - 4e-15, 0.0) * np.maximum(coupled, 1)
+        holes = float(self._tails.max()) / peak + self.rest
+        return float((wide.neglected * size).max()) / peak + float((beyond + residual + 1e-15 * coupled).max()) + holes
+
+    @cached_property
+    def end_truncation(self) -> Array:
+        """See `State.end_truncation`, of the pieces."""
+        zones = self.density.zones
+        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+        slopes = np.where(moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
+        shifts = self._intensities_of(self.missing) / np.maximum(slopes, 1e-300) / zones.half
+        return np.asarray(shifts.max(axis=0))
+
+
+AnyState = State | PiercedState
+AnyDensity = Density | Pierced
+
+
+def solve_zones(
+    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None
+) -> AnyState:
+    """`solve_fixed`, with narrow gaps between zones as holes of the wide zones that span them."""
+    equation.check_count(zones)
+    found = cut(equation, zones)
+    if found is None:
+        return solve_fixed(equation, zones, tolerance, sizes)
+    own = None if sizes is None else sizes
+    inner = first_sizes(equation, found.wide)
+    state = solve_fixed(equation, found.wide, tolerance, inner)
+    release = Release(found, state)
+    folded, series, rest = release.solve(state.folded_unknowns)
+    wide, density = release.density(folded, series)
+    if own is not None:
+        own.solves += 1
+        own.profile_evaluations += inner.profile_evaluations
+        own.kernel_evaluations += inner.kernel_evaluations
+    return PiercedState(release, wide, density, series, rest, own or inner)

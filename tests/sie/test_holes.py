@@ -1,0 +1,151 @@
+"""Narrow gaps as holes of wide zones: the same answer as zone by zone, and one that does not depend on the gap."""
+
+import numpy as np
+import pytest
+
+import sie
+from contact.inverse import design
+from sie.cuts import cut
+from sie.holes import beyond
+from sie.released import PiercedState, solve_zones
+
+T = np.array([-0.999, -0.9, -0.5, 0.1, 0.7, 0.999])
+KERNELS = (sie.cauchy(), sie.hilbert(1.0), sie.images(1.3, 1))
+
+
+def equation(kernel, *steps):
+    forcing = sie.Forcing(
+        lambda x: np.sin(7 * x) + 2 * x + sum(j * (x > s) for s, j in steps),
+        lambda x: -np.cos(7 * x) / 7 + x * x + sum(j * np.maximum(x - s, 0.0) for s, j in steps),
+        np.array([s for s, _ in steps]), np.array([j for _, j in steps]),
+    )
+    return sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential()))
+
+
+TABLES = (
+    [[-0.2, -0.03], [-0.029, 0.15]],
+    [[-0.2, -0.03], [-0.029, 0.05], [0.0505, 0.15], [0.25, 0.31]],
+    [[-0.2, -0.03], [-0.0285, -0.026], [-0.025, 0.15]],
+)
+
+
+@pytest.mark.parametrize("kernel", KERNELS, ids=["line", "period", "images"])
+@pytest.mark.parametrize("table", TABLES, ids=["two", "four", "island"])
+class TestAgainstZoneByZone:
+    """On zones that are not a solution: every end is singular."""
+
+    @pytest.fixture
+    def both(self, kernel, table):
+        problem, zones = equation(kernel), sie.Zones.of(table)
+        plain, pierced = sie.solve_fixed(problem, zones), solve_zones(problem, zones)
+        assert isinstance(pierced, PiercedState)
+        return plain, pierced
+
+    def test_density_on_every_piece(self, both, table):
+        plain, pierced = both
+        size = np.abs(plain.density.coefficients).max()
+        for piece in range(len(table)):
+            difference = plain.density.at_t(piece, T) - pierced.density.at_t(piece, T)
+            assert np.abs(difference).max() < 3e-12 * size
+
+    def test_intensities_and_edge_slopes(self, both):
+        plain, pierced = (state.density for state in both)
+        for name, error in (("intensities", 1e-12), ("edge_slopes", 1e-10)):
+            one, other = np.array(getattr(plain, name)), np.array(getattr(pierced, name))
+            assert np.abs(one - other).max() < error * np.abs(one).max()
+
+    def test_transform_and_potential_on_the_line(self, both):
+        plain, pierced = (state.density for state in both)
+        x = np.array([-0.5, -0.21, -0.0295, -0.1, 0.05, 0.1, 0.2, 0.3, 0.4])
+        assert np.abs(plain.transform(x) - pierced.transform(x)).max() < 1e-12
+        assert np.abs(plain.potential(x) - pierced.potential(x)).max() < 1e-14
+
+    def test_totals_levels_and_response(self, both):
+        plain, pierced = both
+        assert pierced.density.total == pytest.approx(plain.density.total, rel=1e-14)
+        assert pierced.density.moment(0.1) == pytest.approx(plain.density.moment(0.1), rel=1e-12)
+        assert np.ptp(np.concatenate((plain.levels, pierced.levels))) < 1e-14
+        unit = np.zeros(len(plain.condition_scale))
+        unit[0] = 1.0
+        other = np.zeros(len(pierced.condition_scale))
+        other[0] = 1.0
+        one, two = np.array(plain.response(unit).intensities), np.array(pierced.response(other).intensities)
+        assert np.abs(one - two).max() < 1e-12 * np.abs(one).max()
+        assert plain.level_rates(unit).mean() == pytest.approx(pierced.level_rates(other).mean(), rel=1e-12)
+
+    def test_a_wrong_sign_of_the_holes_would_show(self, both, table):
+        plain, pierced = both
+        smooth = pierced.density.smooth
+        i = pierced.cut.piece_zone[0]
+        half, w = pierced.cut.pieces.half[0], pierced.cut.wide.half[i]
+        left = (pierced.cut.start[0] + half * (1 + T)) / w
+        without = smooth.at(np.full(len(T), i), left, 2 - left)
+        assert np.abs(without - plain.density.at_t(0, T)).max() > 1e-4 * np.abs(without).max()
+
+
+def test_a_kink_beside_a_hole_is_carried():
+    problem, zones = equation(sie.hilbert(1.0), (-0.02, 0.7)), sie.Zones.of(TABLES[0])
+    plain, pierced = sie.solve_fixed(problem, zones), solve_zones(problem, zones)
+    for piece in range(2):
+        assert plain.density.at_t(piece, T) == pytest.approx(pierced.density.at_t(piece, T), abs=1e-12)
+
+
+def test_a_kink_in_the_gap_is_no_case_for_a_hole():
+    assert cut(equation(sie.cauchy(), (-0.0295, 0.7)), sie.Zones.of(TABLES[0])) is None
+
+
+def test_wide_gaps_and_cracks_are_no_holes():
+    wide = sie.Zones.of([[-0.2, -0.03], [0.02, 0.15]])
+    assert cut(equation(sie.cauchy()), wide) is None
+    cracks = sie.Equation(sie.cauchy(), sie.Forcing(np.sin), (sie.ZoneTotals(0.0),))
+    assert cut(cracks, sie.Zones.of(TABLES[0])) is None
+
+
+def test_a_period_is_cut_where_its_gap_is_widest():
+    zones = sie.Zones.of([[-0.4999, -0.3], [-0.2, 0.1], [0.3, 0.4999]])
+    wave = 2 * np.pi
+    forcing = sie.Forcing(lambda x: np.sin(wave * x + 0.3), lambda x: -np.cos(wave * x + 0.3) / wave)
+    problem = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(0.3), sie.EqualPotential()))
+    found = cut(problem, zones)
+    assert found is not None and len(found.wide) == 2 and len(found.holes) == 1
+    assert found.holes.table[0] == pytest.approx([0.4999, 0.5001])
+    plain, pierced = (solve(problem, zones) for solve in (sie.solve_fixed, solve_zones))
+    for piece in range(3):
+        assert plain.density.at_t(piece, T) == pytest.approx(pierced.density.at_t(piece, T), rel=1e-10)
+
+
+def test_what_a_hole_does_off_it_is_a_cauchy_integral():
+    d = np.array([0.3, -0.2, 0.5])
+    theta = (np.arange(400) + 0.5) * np.pi / 400
+    for z in (1.2, -3.0):
+        integral = np.mean(np.polynomial.chebyshev.chebval(np.cos(theta), d) / (z - np.cos(theta)))
+        assert beyond(np.array([abs(z) - 1]), np.sign(z), d)[0] == pytest.approx(integral, rel=1e-13)
+
+
+@pytest.mark.parametrize("period", [None, 1.0])
+def test_cost_does_not_grow_as_the_gap_narrows(period):
+    """Unknowns of the wide zones and modes of the hole, for gaps of 1e-3 ... 1e-7 of a width."""
+    kernel = sie.cauchy() if period is None else sie.hilbert(period)
+    sizes = []
+    for gap in 10.0 ** -np.arange(3, 8):
+        state = solve_zones(equation(kernel), sie.Zones.of([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]]))
+        assert isinstance(state, PiercedState)
+        sizes.append(state.solver.size + sum(here.offset[-1] for here in state.release.holes))
+    assert max(sizes) == min(sizes) < 40
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
+@pytest.mark.parametrize("period", [None, 1.0])
+def test_newton_finds_designed_ends_across_a_narrow_gap(gap, period):
+    """What a gap lowers the pressure by is gap^2 of it: rounding of that moves its ends by eps / gap of a width."""
+    designed = design([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]], 2.0, 1.0, period)
+    kernel = sie.cauchy() if period is None else sie.hilbert(period)
+    profile = designed.profile
+    problem = sie.Equation(kernel, sie.Forcing(profile.slope, profile.height), (sie.Total(designed.load), sie.EqualPotential()))
+    start = designed.zones + 0.1 * gap * 0.17 * np.array([[1, -0.5], [0.7, 1]])
+    free = sie.find_ends(problem, sie.Zones.of(start), 1e-12)
+    width = np.diff(designed.zones, axis=1)
+    assert np.abs((free.density.zones.table - designed.zones) / width).max() < max(1e-12, 20 * 2.2e-16 / gap)
+    for piece in range(2):
+        error = np.abs(free.density.at_t(piece, T) - designed.pressure_at(T, piece))
+        assert error.max() < max(1e-12, 20 * 2.2e-16 / gap) * designed.max_pressure
