@@ -375,6 +375,11 @@ class _Run:
         plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {found.rounds} rounds"
         plan["certificate"].detail = f"{found.certificate.points} points"
         plan["kinks"].used = len(density.steps) > 0
+        if isinstance(density, sie.Pierced):
+            plan["holes"].used, plan["holes"].reason = True, "narrow gaps between zones"
+            plan["holes"].detail = f"{len(density.cut.holes)} in {len(density.cut.wide)} wide zones"
+        else:
+            plan["holes"].reason = "no narrow gaps between zones"
         plan.counts.update(
             zones=len(zones), own_modes=int(sizes.own.sum()), coupled_unknowns=int(found.free.state.solver.size),
             kernel_evaluations=sizes.kernel_evaluations, profile_evaluations=sizes.profile_evaluations, solves=sizes.solves,

@@ -7,8 +7,8 @@ new zone, zones that shrink away are dropped and zones that meet are merged.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,13 +29,14 @@ TIGHT = 1e-15
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """Zones that passed: the Newton result, the load-controlled fields, the certificate, the rounds it took."""
+    """Zones that passed: the Newton result, the load-controlled fields, the certificate, the rounds it took, the tolerance."""
 
     free: sie.Free
     fields: ZoneFields
     certificate: Certificate
     rounds: int
     control: Control
+    tolerance: float = 0.0
 
 
 class WrongTopology(Exception):
@@ -54,6 +55,25 @@ def settle(
 
     formal: the zones are taken as they are, whatever the signs (a reference solution, not a contact).
     """
+    slight: Found | None = None
+    try:
+        for found in _rounds(problem, control, table, tolerance, progress, formal):
+            if formal or found.certificate.dip > 10 * tolerance or found.tolerance <= TIGHT:
+                return found
+            # Whether so slight a dip is a gap, a solution to the tolerance does not tell: on to a tighter one.
+            slight = slight or found
+    except WrongTopology:
+        if slight is None:
+            raise
+    assert slight is not None
+    # Rounding does not let it be told either.
+    return replace(slight, certificate=replace(slight.certificate, undecided=True))
+
+
+def _rounds(
+    problem: Problem, control: Control, table: Array, tolerance: float, progress: Progress | None, formal: bool
+) -> Iterator[Found]:
+    """Zones that pass, to the tolerance and, where more of them are asked for, to one as tight as there is."""
     free: sie.Free | None = None
     value = 0.0
     for done in range(1, ROUNDS + 1):
@@ -78,12 +98,11 @@ def settle(
         _within_borders(problem, free.density.zones)
         fields = load_controlled(problem, control, free, tolerance)
         if formal:
-            return Found(free, fields, NOT_CHECKED, done, control)
+            yield Found(free, fields, NOT_CHECKED, done, control, tolerance)
+            return
         certificate = certify(fields, control.value if control.kind == "load" else None)
         if certificate.holds:
-            if certificate.dip > 10 * tolerance or tolerance <= TIGHT:
-                return Found(free, fields, certificate, done, control)
-            # Whether so slight a dip is a gap, a solution to the tolerance cannot tell.
+            yield Found(free, fields, certificate, done, control, tolerance)
             table, tolerance = free.density.zones.table, TIGHT
             continue
         if control.kind == "half_width":

@@ -29,6 +29,8 @@ Index = NDArray[np.intp]
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
+# Steps after which ends that still want to move by more than half of their zones are given up.
+_WANDERING = 20
 # Ends are moved by this part of their zone's width to difference the rows: truncation and rounding are alike.
 _NUDGE = 1e-5
 
@@ -116,8 +118,9 @@ def find_ends(
             error = error * (max(step.move for step in trace[-4:]) / max(move, 1e-300))
         done = certain and not released and (move <= max(tolerance, floor) or stuck)
         done = done and abs(change) <= max(tolerance, 1e-14) * abs(value + change)
-        # At rest at a place where the density does not push outward: another number of zones is needed.
-        hopeless = stalled >= 5 and move < 1e-6 and not certain
+        # At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones.
+        hopeless = stalled >= 5 and not certain and (move < 1e-6 or stalled >= 10)
+        hopeless = hopeless or (len(trace) > _WANDERING and min(step.move for step in trace[-10:]) > 0.5)
         if done or hopeless or len(trace) > max_steps:
             if done:
                 state = state.settled()
