@@ -398,11 +398,11 @@ class Iterative:
             values.append(wanted - constants)
         return np.concatenate((system.equation_right, *values))
 
-    def __call__(self, right: Array, near: Array | None = None) -> Array:
-        """Folded unknowns; near: a first guess."""
+    def __call__(self, right: Array, near: Array | None = None, tolerance: float | None = None) -> Array:
+        """Folded unknowns; near: a first guess; tolerance: if another than that of the solver."""
         plain = self.coarse(right)
         scale = self._scale(plain if near is None else near)
-        wanted = max(self.tolerance, 4 * _ROUNDING * math.sqrt(len(self.system.zones.solved)))
+        wanted = max(self.tolerance if tolerance is None else tolerance, 4 * _ROUNDING * math.sqrt(len(self.system.zones.solved)))
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.coarse(right - self.rows(near))) / scale
         for _ in range(3):

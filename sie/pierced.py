@@ -298,11 +298,19 @@ class Pierced:
         """What s does through the regular part of the kernel."""
         if regular is None:
             return np.zeros(x.shape)
-        count = max(self.whole.coefficients.shape[1], self.smooth.coefficients.shape[1])
-        both = [np.pad(d.coefficients, ((0, 0), (0, count - d.coefficients.shape[1]))) for d in (self.whole, self.smooth)]
         # As the smooth part has its images about the middle, so have the holes.
-        x = self.smooth.into_period(x)
-        return regular_at(Density(self.cut.wide, self.kernel, both[0] - both[1], Steps.none(), np.zeros(0)), x, regular)
+        return regular_at(self._told_density, self.smooth.into_period(x), regular)
+
+    @cached_property
+    def _told_density(self) -> Density:
+        """s as what other zones see of it, on the wide zones that have holes."""
+        some = np.array([here.zone for here in self.holes])
+        count = max(self.whole.coefficients.shape[1], self.smooth.coefficients.shape[1])
+        whole, smooth = (
+            np.pad(d.coefficients[some], ((0, 0), (0, count - d.coefficients.shape[1]))) for d in (self.whole, self.smooth)
+        )
+        zones = Zones.of(self.cut.wide.table[some])
+        return Density(zones, self.kernel, whole - smooth, Steps.none(), np.zeros(0))
 
     def _from_holes(self, x: Array, what: Callable[..., Array]) -> Array:
         """What the holes of a wide zone, and of its images, do off it; blocks of bounded memory."""

@@ -19,6 +19,7 @@ from sie.cuts import Cut, cut
 from sie.density import Density
 from sie.equation import Equation
 from sie.holes import TOLD, Holes
+from sie.many import Iterative
 from sie.pierced import Pierced
 from sie.solve import SingularSystem, Sizes, Solver, State, density_of, first_sizes, solve_fixed
 from sie.steps import Steps
@@ -76,8 +77,10 @@ class Opened:
 class Release:
     """The holes of all wide zones, solved together with the system of these."""
 
-    def __init__(self, cut: Cut, base: State) -> None:
+    def __init__(self, cut: Cut, base: State, linear: float) -> None:
         self.cut, self.base, self.system = cut, base, base.system
+        # Solutions with a matrix at hand are as tight as rounding allows, at no cost.
+        self.linear = linear if isinstance(base.solver, Iterative) else 0.0
         system = self.system
         modes = base.sizes.own[: len(cut.wide)]
         self.holes = tuple(
@@ -96,12 +99,14 @@ class Release:
             out.append(here.by_coefficients @ c + here.of_steps(self.system.steps))
         return out
 
-    def solve(self, folded: Array, homogeneous: bool = False) -> tuple[Array, tuple[Array, ...], float]:
-        """(unknowns of the wide zones, series of all holes, size of the last change) from the unknowns without holes.
+    def solve(self, values: Array | None = None) -> tuple[Array, tuple[Array, ...], float]:
+        """(unknowns of the wide zones, series of all holes, size of the last change).
 
-        homogeneous: the right side and its jumps are zero.
+        values: of the side conditions, with no right side and no jumps; None: the equation itself.
         """
-        first = folded
+        homogeneous = values is not None
+        right_side = self._first(values)
+        first = folded = self.base.folded_unknowns if values is None else self.base.solver(right_side)
         d = tuple(np.zeros(here.offset[-1]) for here in self.holes)
         change, before = np.inf, np.inf
         for _ in range(_ALTERNATIONS):
@@ -115,13 +120,26 @@ class Release:
             size = max(float(np.abs(table).max()), 1e-300)
             change = max(float(np.abs(one - old).max()) for one, old in zip(new, d, strict=True)) / size
             d = tuple(new)
-            folded = first + self.base.solver(self._right(d))
-            if change <= _ROUNDING or (change < 1e-13 and change > 0.5 * before):
+            if isinstance(self.base.solver, Iterative):
+                # From the last unknowns on, to what is asked of all of them: what a hole changes is little.
+                folded = self.base.solver(right_side + self._right(d), folded, self.linear)
+            else:
+                folded = first + self.base.solver(self._right(d))
+            if change <= max(_ROUNDING, 0.1 * self.linear) or (change < 1e-13 and change > 0.5 * before):
                 break
             if not np.isfinite(change) or (change > 10 * before and change > 1):
                 raise SingularSystem("the holes of a wide zone do not come to rest")
             before = change
         return folded, d, change
+
+    def _first(self, values: Array | None) -> Array:
+        """The right side without holes; for a matrix only that of values, its solution of the equation being at hand."""
+        solver = self.base.solver
+        if values is None:
+            return solver.right() if isinstance(solver, Iterative) else np.zeros(0)
+        right = np.zeros(solver.size)
+        right[self.base.conditions_from :] = values / self.base.condition_scale
+        return right
 
     def _unfold(self, folded: Array) -> Array:
         return self.base.folding.unfold(folded)
@@ -219,9 +237,7 @@ class PiercedState:
     # further right sides --------------------------------------------------------------------------------------------
     def _answer(self, values: Array) -> tuple[Array, tuple[Array, ...]]:
         """(unknowns, series) for unit changes of the side conditions' values."""
-        right = np.zeros(self.solver.size)
-        right[self.wide.conditions_from :] = values / self.condition_scale
-        folded, series, _ = self.release.solve(self.solver(right), homogeneous=True)
+        folded, series, _ = self.release.solve(values)
         return folded, series
 
     def response(self, values: Array) -> Pierced:
@@ -345,14 +361,20 @@ def solve_zones(
     found = cut(equation, zones)
     if found is None:
         return solve_fixed(equation, zones, tolerance, sizes)
-    own = None if sizes is None else sizes
-    inner = first_sizes(equation, found.wide)
+    if sizes is None:
+        sizes = first_sizes(equation, zones)
+    inner = sizes.wide
+    if inner is None or len(inner.own) != len(found.wide):
+        inner = first_sizes(equation, found.wide)
+    inner.linear = sizes.linear
+    profile, kernel, iterations = inner.profile_evaluations, inner.kernel_evaluations, inner.iterations
     state = solve_fixed(equation, found.wide, tolerance, inner)
-    release = Release(found, state)
-    folded, series, rest = release.solve(state.folded_unknowns)
+    release = Release(found, state, sizes.linear)
+    folded, series, rest = release.solve()
     wide, density = release.density(folded, series)
-    if own is not None:
-        own.solves += 1
-        own.profile_evaluations += inner.profile_evaluations
-        own.kernel_evaluations += inner.kernel_evaluations
-    return PiercedState(release, wide, density, series, rest, own or inner)
+    sizes.wide = inner
+    sizes.solves += 1
+    sizes.profile_evaluations += inner.profile_evaluations - profile
+    sizes.kernel_evaluations += inner.kernel_evaluations - kernel
+    sizes.iterations += inner.iterations - iterations
+    return PiercedState(release, wide, density, series, rest, sizes)

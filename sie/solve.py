@@ -51,6 +51,8 @@ class Sizes:
     linear: float = 0.0
     iterations: int = 0
     carried: Carried | None = None
+    wide: Sizes | None = None
+    """Those of the wide zones, where narrow gaps are holes."""
 
 
 @dataclass(frozen=True, eq=False)

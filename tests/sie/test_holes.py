@@ -7,6 +7,7 @@ import sie
 from contact.inverse import design
 from sie.cuts import cut
 from sie.holes import beyond
+from sie.many import Iterative
 from sie.released import PiercedState, solve_zones
 
 T = np.array([-0.999, -0.9, -0.5, 0.1, 0.7, 0.999])
@@ -149,3 +150,21 @@ def test_newton_finds_designed_ends_across_a_narrow_gap(gap, period):
     for piece in range(2):
         error = np.abs(free.density.at_t(piece, T) - designed.pressure_at(T, piece))
         assert error.max() < max(1e-12, 20 * 2.2e-16 / gap) * designed.max_pressure
+
+
+def test_many_zones_by_fast_sums_have_the_same_holes(monkeypatch):
+    """Without a matrix, from the same profile and zones, two of their gaps narrow."""
+    rng = np.random.default_rng(3)
+    table = np.cumsum(rng.uniform(0.5, 1.5, 48)).reshape(24, 2) / 60
+    table[5, 0], table[17, 0] = table[4, 1] + 1e-5, table[16, 1] + 1e-6
+    wave = 2 * np.pi
+    forcing = sie.Forcing(lambda x: np.sin(wave * x + 0.3), lambda x: -np.cos(wave * x + 0.3) / wave)
+    problem = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(0.3), sie.EqualPotential()))
+    zones = sie.Zones.of(table)
+    direct = solve_zones(problem, zones)
+    monkeypatch.setattr("sie.solve.MANY_UNKNOWNS", 10)
+    iterated = solve_zones(problem, zones)
+    assert isinstance(iterated.solver, Iterative) and not isinstance(direct.solver, Iterative)
+    size = np.abs(direct.density.coefficients).max()
+    for piece in range(24):
+        assert direct.density.at_t(piece, T) == pytest.approx(iterated.density.at_t(piece, T), abs=1e-12 * size)
