@@ -163,11 +163,12 @@ class _Path:
         condition = make(side.fields, low, high, change)
         load = condition.problem.units.load
         try:
-            ends = condition(low.load / load), condition(high.load / load)
-            if not ends[0] * ends[1] < 0:
+            # Each state starts from the zones of the last: close to a zero its sign may depend on the way there.
+            known = {end: condition(end) for end in (low.load / load, high.load / load)}
+            if not np.prod(np.sign(list(known.values()))) < 0:
                 return None
             root = lazy.scipy_optimize().brentq(
-                condition, low.load / load, high.load / load, xtol=1e-300, rtol=4e-15, maxiter=100
+                lambda at: known[at] if at in known else condition(at), *known, xtol=1e-300, rtol=4e-15, maxiter=100
             )
         except WrongTopology:
             return None
