@@ -30,7 +30,7 @@ from sie.steps import Steps
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-LEAST, MOST = 10, 512
+LEAST, MOST = 12, 512
 # Coefficients of s that are told to the other zones, at least.
 TOLD = 48
 

@@ -295,10 +295,14 @@ class PiercedState:
 
     @cached_property
     def _tails(self) -> Array:
-        """Last coefficients of the holes of each wide zone."""
+        """What the neglected coefficients of the holes of each wide zone may amount to, by the fall of the last ones."""
         out = np.zeros(len(self.cut.wide))
         for here, row in zip(self.release.holes, self.density.series, strict=True):
-            out[here.zone] = max(float(np.abs(d[-3:]).max()) * len(d) for d in row)
+            for d in row:
+                # Of two neighbours one may vanish for symmetry.
+                last, before = np.abs(d[-2:]).max(), np.abs(d[-4:-2]).max()
+                fall = min(last / before, 1.0) if before > 0 else 0.0
+                out[here.zone] = max(out[here.zone], last * fall * len(d))
         return out
 
     @cached_property
