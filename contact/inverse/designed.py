@@ -21,6 +21,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -59,27 +60,36 @@ class DesignedContact:
             raise SceneError.of("zones", self.zones, f"within one period {self.period:.17g}")
 
     @cached_property
+    def _long(self) -> CutProduct:
+        """The product in the longest precision there is: what the profile and the scale are made of."""
+        return CutProduct(self.zones.astype(np.longdouble), self.period)
+
+    @cached_property
     def _product(self) -> CutProduct:
-        return CutProduct(self.zones, self.period)
+        return self._long.rounded()
 
     @cached_property
     def _raw_loads(self) -> Array:
         """int |X M| over each zone before scaling."""
-        nodes = [(i, *self._product.nodes(i)) for i in range(0, 2 * len(self.zones), 2)]
-        return np.array([np.sum(weight * self._product.magnitude(i, dl, dr)) for i, dl, dr, weight in nodes])
+        nodes = [(i, *self._long.nodes(i)) for i in range(0, 2 * len(self.zones), 2)]
+        return np.array([np.sum(weight * self._long.magnitude(i, dl, dr)) for i, dl, dr, weight in nodes])
 
     @cached_property
-    def _scale(self) -> float:
+    def _long_scale(self) -> Any:
         """The factor of X M that gives the load."""
-        return self.load / (0.5 * self.E_star * float(np.sum(self._raw_loads)))
+        return self.load / (0.5 * self.E_star * np.sum(self._raw_loads))
+
+    @property
+    def _scale(self) -> float:
+        return float(self._long_scale)
 
     # The profile: the polynomial part of X M
     @cached_property
     def profile(self) -> DesignedProfile:
         """The shape with this contact."""
         hull = (float(self.zones[0, 0]), float(self.zones[-1, 1]))
-        ends = self.zones.ravel()
-        roots = ends[list(self._product.gaps)] + self._product.roots[:, 0]
+        ends = self._long.zones.ravel()
+        roots = ends[list(self._long.gaps)] + self._long.roots[:, 0]
         exponents = np.concatenate([np.full(len(ends), 0.5), np.ones(len(roots))])
         n = len(self.zones)
         if self.period is None:
@@ -87,21 +97,21 @@ class DesignedContact:
             points = np.concatenate([ends, roots])
             phi = 2.0 * np.arctan2(np.sqrt(hull[1] - points), np.sqrt(points - hull[0]))
             power_sums = np.array([2.0 * np.sum(exponents * np.cos(k * phi)) for k in range(2 * n)])
-            series = 2.0 * self._scale * exp_of_power_sums(power_sums).real[::-1]
+            series = 2.0 * self._long_scale * exp_of_power_sums(power_sums).real[::-1]
             series[0] *= 0.5
-            return DesignedProfile(None, series, hull, np.empty(0), np.empty(0))
+            return DesignedProfile(None, series.astype(float), hull, np.empty(0), np.empty(0))
         # Above the axis, w = e^{2 pi i z/L}: 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i
         # e/L}).
-        angle = 2.0 * pi / self.period * np.concatenate([ends, roots])
+        angle = 2.0 * self._long.pi / self.period * np.concatenate([ends, roots])
         power_sums = np.array([np.sum(exponents * np.exp(-1j * k * angle)) for k in range(n + 1)])
         phase = np.exp(0.5j * np.sum(exponents * angle))
         coefficients = phase * exp_of_power_sums(power_sums)
         # The constant term is 2 i p_mean/E*: this fixes the sign of the root.
-        coefficients *= np.sign(coefficients[n].imag) * self._scale
+        coefficients *= np.sign(coefficients[n].imag) * self._long_scale
         harmonic = coefficients[n - 1 :: -1]  # of e^{-2 pi i m x/L}, m = 1 .. n
-        wave = 2.0 * pi / self.period * np.arange(1, n + 1)
+        wave = 2.0 * self._long.pi / self.period * np.arange(1, n + 1)
         cosine, sine = -2.0 * harmonic.imag / wave, 2.0 * harmonic.real / wave
-        return DesignedProfile(self.period, np.empty(0), hull, cosine, sine)
+        return DesignedProfile(self.period, np.empty(0), hull, cosine.astype(float), sine.astype(float))
 
     def height(self, x: ArrayLike) -> Array:
         """f(x) [m], up to a constant."""
@@ -128,7 +138,7 @@ class DesignedContact:
     @property
     def zone_loads(self) -> Array:
         """Load of every zone [N/m]; they add up to the load."""
-        return self.load * self._raw_loads / np.sum(self._raw_loads)
+        return np.asarray(self.load * self._raw_loads / np.sum(self._raw_loads), dtype=float)
 
     @property
     def nearness(self) -> float:
@@ -137,7 +147,7 @@ class DesignedContact:
         return float(np.min(gaps) / np.max(self.zone_widths)) if gaps.size else np.inf
 
     def _zone_pressure(self, zone: int, dl: Array, dr: Array) -> Array:
-        return 0.5 * self.E_star * self._scale * self._product.magnitude(2 * zone, dl, dr)
+        return np.asarray(0.5 * self.E_star * self._scale * self._product.magnitude(2 * zone, dl, dr), dtype=float)
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its ends."""
@@ -216,7 +226,7 @@ class DesignedContact:
             total -= float(
                 np.sum(weight * dl * self._product.side(g, dl, dr) * self._product.magnitude(g, dl, dr))
             )
-        return self._scale * total / self.period
+        return float(self._scale * total / self.period)
 
     @property
     def approach(self) -> float | None:

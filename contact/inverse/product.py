@@ -10,24 +10,46 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import ceil, pi, sqrt
+from math import ceil, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import NotConverged
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating]
+Bool = NDArray[np.bool_]
 
 _NEWTON_STEPS = 60
+_PI = "3.14159265358979323846264338327950288"
 
 
 @dataclass(frozen=True, eq=False)
 class CutProduct:
-    """X M for zones (n, 2), ascending, within one period if there is one."""
+    """X M for zones (n, 2), ascending, within one period if there is one, in the precision of `zones`.
+
+    Coefficients of the profile lose as many digits as there are zones to tell apart: what is rounded to double precision in the
+    end is better made in a longer one.
+    """
 
     zones: Array
     period: float | None = None
+
+    def rounded(self) -> CutProduct:
+        """The same in double precision, with these roots."""
+        other = CutProduct(self.zones.astype(float), self.period)
+        other.__dict__["roots"] = self.roots.astype(float)
+        return other
+
+    @property
+    def pi(self) -> Any:
+        """pi in the precision of the zones."""
+        return self.zones.dtype.type(_PI)
+
+    @cached_property
+    def _turn(self) -> Any:
+        return self.pi / self.period
 
     @cached_property
     def steps(self) -> Array:
@@ -42,15 +64,15 @@ class CutProduct:
         return range(1, 2 * len(self.zones) - (self.period is None), 2)
 
     @cached_property
-    def _unit(self) -> float:
+    def _unit(self) -> Any:
         """A quarter of the hull, its logarithmic capacity: products of many factors stay near one."""
-        return 0.25 * float(self.zones[-1, 1] - self.zones[0, 0])
+        return 0.25 * (self.zones[-1, 1] - self.zones[0, 0])
 
-    def _sum(self, first: int, last: int) -> float:
+    def _sum(self, first: int, last: int) -> Any:
         """Steps first .. last - 1 added up going right, around the period if needed: no subtraction."""
         if first <= last:
-            return float(np.sum(self.steps[first:last]))
-        return float(np.sum(self.steps[first:]) + np.sum(self.steps[:last]))
+            return np.sum(self.steps[first:last])
+        return np.sum(self.steps[first:]) + np.sum(self.steps[:last])
 
     @cached_property
     def _leftward(self) -> Array:
@@ -65,7 +87,7 @@ class CutProduct:
         ahead."""
         if self.period is None:
             return np.where(positive_side, left, -right) / self._unit
-        return 2.0 * np.sin(pi / self.period * np.minimum(left, right))
+        return 2.0 * np.sin(self._turn * np.minimum(left, right))
 
     def _end_factors(self, i: int, dl: Array, dr: Array) -> Array:
         """|factors| of all ends at points of interval i, `dl` from its left and `dr` from its right end:
@@ -112,7 +134,7 @@ class CutProduct:
         if self.period is None:
             return np.where(behind, left, -right) / self._unit
         own = np.array([g == i for g in self.gaps], dtype=bool)
-        return 2.0 * np.sin(pi / self.period * np.where(own, left, np.minimum(left, right)))
+        return 2.0 * np.sin(self._turn * np.where(own, left, np.minimum(left, right)))
 
     @cached_property
     def roots(self) -> Array:
@@ -126,20 +148,20 @@ class CutProduct:
                 self._gap_row(row, g, *at, offsets)
                 for row, (g, at) in enumerate(zip(gaps, samples, strict=True))
             ]
-            residual = np.array([r for r, _ in rows])
-            jacobian = np.array([j for _, j in rows]).reshape(len(gaps), len(gaps))
+            residual = np.array([r for r, _ in rows], dtype=float)
+            jacobian = np.array([j for _, j in rows], dtype=float).reshape(len(gaps), len(gaps))
             step = -np.linalg.solve(jacobian, residual)
             # A root never leaves its gap: at most nine tenths of the way to the end it heads for.
             room = np.where(step > 0.0, offsets[:, 1], offsets[:, 0])
             step = np.sign(step) * np.minimum(np.abs(step), 0.9 * room)
             offsets = offsets + np.outer(step, [1.0, -1.0])
-            if np.all(np.abs(step) <= 8.0 * np.finfo(float).eps * width):
+            if np.all(np.abs(step) <= 8.0 * np.finfo(width.dtype).eps * width):
                 return offsets
         raise NotConverged("the roots of M of an inverse design did not converge")
 
     def _gap_row(
         self, row: int, g: int, dl: Array, dr: Array, weight: Array, offsets: Array
-    ) -> tuple[float, Array]:
+    ) -> tuple[Any, Array]:
         """int_gap |X| M of one gap and its derivatives by all roots, relative to int_gap |X M|."""
         factors = self._root_factors(g, dl, dr, offsets)
         others = np.prod(np.delete(factors, row, axis=-1), axis=-1) * weight
@@ -150,14 +172,14 @@ class CutProduct:
                 logarithmic = 1.0 / np.where(behind, left, -right)
                 own_slope = np.full_like(own, 1.0 / self._unit)
             else:
-                turn = pi / self.period
+                turn = self._turn
                 way = np.where(left < right, 1.0, -1.0)
                 logarithmic = way * turn / np.tan(turn * np.minimum(left, right))
                 own_slope = 2.0 * turn * np.cos(turn * left[:, row])
         scale = np.sum(np.abs(others * own))
         derivative = -(others * own) @ np.where(np.isfinite(logarithmic), logarithmic, 0.0) / scale
         derivative[row] = -np.sum(others * own_slope) / scale
-        return float(np.sum(others * own) / scale), derivative
+        return np.sum(others * own) / scale, derivative
 
     def nodes(self, i: int) -> tuple[Array, Array, Array]:
         """Gauss-Chebyshev nodes of the second kind of interval i as angles' half sines: dl, dr, weights for
@@ -165,17 +187,17 @@ class CutProduct:
 
         The integrand is analytic up to the neighbouring ends, at a relative distance that sets the number of
         nodes."""
-        m, h = len(self.steps), float(self.steps[i])
+        m, h = len(self.steps), self.steps[i]
         nearest = min(
             (float(self.steps[k % m]) for k in (i - 1, i + 1) if self.period is not None or 0 <= k < m),
-            default=h,
+            default=float(h),
         )
-        count = 40 + ceil(20.0 / min(1.0, sqrt(nearest / h)))
-        phi = pi * np.arange(1, count + 1) / (count + 1)
+        count = 40 + ceil(20.0 / min(1.0, sqrt(nearest / float(h))))
+        phi = self.pi * np.arange(1, count + 1) / (count + 1)
         return (
             h * np.sin(0.5 * phi) ** 2,
             h * np.cos(0.5 * phi) ** 2,
-            0.5 * h * pi / (count + 1) * np.sin(phi),
+            0.5 * h * self.pi / (count + 1) * np.sin(phi),
         )
 
     def _gap_samples(self, g: int) -> tuple[Array, Array, Array]:

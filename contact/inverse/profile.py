@@ -81,10 +81,10 @@ class DesignedProfile(Profile):
         return np.asarray(total)
 
 
-def exp_of_power_sums(q: NDArray[np.generic]) -> NDArray[np.complex128]:
+def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:
     """Coefficients of prod (1 - y_i z)^{e_i} from q_k = sum e_i y_i^k: m S_m = -sum_{j=1}^m q_j S_{m-j}
     (Newton)."""
-    s = np.zeros(len(q), dtype=complex)
+    s = np.zeros(len(q), dtype=np.result_type(q, np.complex64))
     s[0] = 1.0
     for m in range(1, len(q)):
         s[m] = -np.dot(q[1 : m + 1], s[m - 1 :: -1] if m > 0 else s[:0]) / m
