@@ -13,7 +13,8 @@ Array = NDArray[np.float64]
 def maximum(function: Callable[[Array], Array], x: Array, levels: int = 9, peaks: int = 4) -> tuple[float, float]:
     """(position, value) of the maximum of `function` about the ascending samples x; its highest peaks are zoomed into.
 
-    Each of `levels` zooms narrows the bracket fourfold; at a smooth maximum the value is then exact to rounding.
+    Each of `levels` zooms narrows the bracket fourfold, and a parabola through the last samples rises to the top: at a smooth
+    maximum the value is then exact to rounding.
     """
     value = np.asarray(function(x))
     value = np.where(np.isnan(value), -np.inf, value)
@@ -31,6 +32,12 @@ def maximum(function: Callable[[Array], Array], x: Array, levels: int = 9, peaks
         lo, hi = fine[rows, np.maximum(best - 1, 0)], fine[rows, np.minimum(best + 1, 8)]
     k = int(np.argmax(here))
     found, highest = float(fine.ravel()[k]), float(here.ravel()[k])
+    row, column = divmod(k, here.shape[1])
+    if here.shape[1] > 1 and 0 < column < here.shape[1] - 1 and np.all(np.isfinite(here[row, column - 1 : column + 2])):
+        before, after = here[row, [column - 1, column + 1]]
+        bend = 2 * highest - before - after
+        # A parabola with its top between the neighbours rises above the middle sample by an eighth of the bend at most.
+        highest += min((after - before) ** 2 / (8 * bend), 0.125 * bend) if bend > 0 else 0.0
     if value[top[-1]] > highest:
         return float(x[top[-1]]), float(value[top[-1]])
     return found, highest

@@ -171,7 +171,7 @@ class Gapped:
         fields, gaps = self.fields, self.fields.density.zones
         units, profile = fields.problem.units, fields.problem.profile
         # A gap's width goes with the square root of that distance.
-        moved = self.free.end_error + self.free.state.end_truncation[:, None] + 0.5 * self.off
+        moved = self.free.end_error + self.free.state.end_truncation + 0.5 * self.off
         shift = float((moved * (gaps.b - gaps.a)[:, None]).max())
         widths = fields.zones[:, 1] - fields.zones[:, 0]
         varies = (profile.resolution or units.length * fields.period) / units.length / (2 * np.pi)

@@ -417,11 +417,17 @@ class _Run:
     def _error(self, found: Found) -> float:
         """Bound of the errors of pressure and ends: decay of coefficients, remaining moves of the ends, roundoff."""
         free, state = found.free, found.fields.state
-        # At equal normalised position the pressure changes with a zone's width as fast as it varies along it.
-        moved = (free.end_error.max(axis=1) + state.end_truncation) * 4 * (1 + state.waviness)
-        singular = any(end.intensity is None for end in (*state.density.zones.left, *state.density.zones.right))
+        density = state.density
+        ends = free.end_error + state.end_truncation
+        largest, by_left, by_right = density.sensitivity
+        singular = any(end.intensity is None for end in (*density.zones.left, *density.zones.right))
+        infinite = singular or bool(np.any((density.steps.height > 0) & (density.steps.order == 0)))
+        width = float((density.zones.b - density.zones.a).sum())
+        peak = abs(density.total) / width if infinite else float(largest.max())
+        moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
         # Beside a singular end the pressure is several times the mean, to which its error is referred.
-        error = float(moved.max(initial=0.0)) + (8 if singular else 1) * (state.density_error + ROUNDING)
+        on_zones = (8 if singular else 1) * (state.density_error * state.size / peak + ROUNDING)
+        error = max(float(ends.max(initial=0.0)) + ROUNDING, moved + on_zones)
         if self.control.kind != "approach":
             return error
         # A stiff contact turns the rounding of its level into load.

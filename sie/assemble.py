@@ -304,9 +304,8 @@ class System:
         return np.diff(matrix, axis=0), np.diff(constants)
 
     def level_rounding(self, y: Array) -> Array | float:
-        """Rounding of the largest level: of all its terms."""
-        matrix, constants = self.levels()
-        return 2.2e-16 * float((np.abs(matrix) @ np.abs(y) + np.abs(constants)).max())
+        """Root mean square of the rounding of each level's potentials."""
+        return np.asarray(2.2e-16 * np.sqrt(self.levels()[0] ** 2 @ y**2))
 
     def levels(self) -> Linear:
         """See `Rows`. The mean of a zone's own potential is w c_0 log(w / 2); the mean of the primitive comes from its

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 _MANY_ZONES = 32
+# Most angles of a zone at which it is looked how the density follows the ends.
+LOOKS = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +108,40 @@ class Density:
         singular_left = ((alpha - beta) / 4 + beta) / np.sqrt(2 * w)
         scale = np.sqrt(2 / w)
         return scale * (u @ (k * sign) + step_left) + singular_left, scale * (u @ k + step_right) + singular_right
+
+    @cached_property
+    def sensitivity(self) -> tuple[Array, Array, Array]:
+        """(Z,) each: the largest density of a zone, and the largest change of its density at equal normalised position by a
+        motion of its left end, of its right end, per motion over width; 1/sqrt(d) at singular ends is not counted.
+
+        To first order the motion of an end leaves a bounded density as it is at fixed places, but for K / sqrt(d), which the
+        density at the new ends does not have. At equal t = cos(theta), a motion of the right end by eps widths makes that
+
+            eps (1 + t) phi'(t) + K's part = -eps cot(theta/2) (phi_theta(theta) - phi_theta(0)).
+        """
+        peak, by_left, by_right = np.zeros((3, len(self.zones)))
+        _, _, u = self.bounded
+        counts = np.minimum(self.sampling, LOOKS)
+        edge_left, edge_right = self.steps.edge_slopes(self.zones)
+        for n in np.unique(counts):
+            group = np.flatnonzero(counts == n)
+            theta = (np.arange(n) + 0.5) * np.pi / n
+            used = np.flatnonzero(np.any(u[group] != 0, axis=0))
+            k = np.arange(1, used[-1] + 2 if len(used) else 1)
+            angle, sums = theta[:, None] * k, u[group][:, : len(k)].T
+            value, slope = np.sin(angle) @ sums, np.cos(angle) @ (k[:, None] * sums)
+            at_left = -(k * (1.0 - 2.0 * (k % 2))) @ sums + edge_left[group]
+            at_right = k @ sums + edge_right[group]
+            for column, i in enumerate(group):
+                if i in self.steps.by_zone:
+                    jumps = self.steps.density(int(i), 1 + np.cos(theta), 1 - np.cos(theta))
+                    value[:, column] += jumps
+                    slope[:, column] += np.gradient(jumps, theta)
+            half = np.tan(0.5 * theta)[:, None]
+            peak[group] = np.abs(value).max(axis=0)
+            by_right[group] = np.abs((slope - at_right) / half).max(axis=0)
+            by_left[group] = np.abs((slope + at_left) * half).max(axis=0)
+        return peak, by_left, by_right
 
     # evaluation -----------------------------------------------------------------------------------------------------
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:

@@ -31,6 +31,8 @@ Index = NDArray[np.intp]
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
 # Steps after which ends that still want to move by more than half of their zones are given up.
 _WANDERING = 20
+# The remaining motion of an end is the next step but for its square.
+MARGIN = 1.5
 # Ends are moved by this part of their zone's width to difference the rows: truncation and rounding are alike.
 _NUDGE = 1e-5
 
@@ -108,15 +110,16 @@ def find_ends(
         noise = noise + np.where(moves, 4 * np.spacing(np.abs([zones.a, zones.b])), 0.0)
         move = float(np.abs(delta / width).max(initial=0.0))
         trace.append(Step(zones.table, move, value if equation.open_condition is not None else None))
-        error = (np.abs(delta) + noise) / width
+        error = (MARGIN * np.abs(delta) + noise) / width
         floor = float((noise / width).max(initial=0.0))
+        rest = bool(np.all(np.abs(delta) <= np.maximum(tolerance * width, noise)))
         stalled = stalled + 1 if move > 0.5 * best else 0
         best = min(best, move)
         stuck = (stalled >= 2 and move < 1e-9) or (stalled >= 5 and move < max(1e-6, min(100 * floor, 1e-2)))
         if stuck:
             # Rounding keeps the ends moving: the largest of the last moves is what they are known to.
             error = error * (max(step.move for step in trace[-4:]) / max(move, 1e-300))
-        done = certain and not released and (move <= max(tolerance, floor) or stuck)
+        done = certain and not released and (rest or stuck)
         done = done and abs(change) <= max(tolerance, 1e-14) * abs(value + change)
         # At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones.
         hopeless = stalled >= 5 and not certain and (move < 1e-6 or stalled >= 10)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from sie import chebyshev
 from sie.cuts import Cut
-from sie.density import Density
+from sie.density import LOOKS, Density
 from sie.field import regular_at
 from sie.holes import Hole, Holes, beyond
 from sie.kernels import Kernel, cauchy
@@ -196,6 +196,23 @@ class Pierced:
         slopes_left = slopes_left - np.where(before < 0, 0.0, (k_left * by_right[before]))
         slopes_right = slopes_right + np.where(after < 0, 0.0, (k_right * by_left[after]))
         return slopes_left, slopes_right
+
+    @cached_property
+    def sensitivity(self) -> tuple[Array, Array, Array]:
+        """See `Density.sensitivity`, of the pieces; the slope by differences, since a piece has no series of its own."""
+        zones = self.zones
+        peak, by_left, by_right = np.zeros((3, len(zones)))
+        counts = np.minimum(self.sampling, LOOKS)
+        at_left, at_right = (slope * np.sqrt(zones.half / 2) for slope in self.edge_slopes)
+        for n in np.unique(counts):
+            group = np.flatnonzero(counts == n)
+            theta = (np.arange(n) + 0.5) * np.pi / n
+            value = self.at(group[:, None], 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
+            slope, half = np.gradient(value, theta, axis=1), np.tan(0.5 * theta)
+            peak[group] = np.abs(value).max(axis=1)
+            by_right[group] = np.abs((slope - at_right[group, None]) / half).max(axis=1)
+            by_left[group] = np.abs((slope + at_left[group, None]) * half).max(axis=1)
+        return peak, by_left, by_right
 
     def _edges(self, wide: tuple[Array, Array], holes: tuple[Array, Array], signs: tuple[float, float]) -> tuple[Array, Array]:
         """Values at the pieces' ends, from those of wide zones and of holes (over X, with signs for their two ends)."""

@@ -21,7 +21,7 @@ from sie.equation import Equation
 from sie.holes import TOLD, Holes
 from sie.many import Iterative
 from sie.pierced import Pierced
-from sie.solve import SingularSystem, Sizes, Solver, State, density_of, first_sizes, solve_fixed
+from sie.solve import LOOKS, SingularSystem, Sizes, Solver, State, density_of, first_sizes, solve_fixed
 from sie.steps import Steps
 from sie.zones import Zones
 
@@ -270,10 +270,6 @@ class PiercedState:
         return self.wide.natural[self.cut.piece_zone]
 
     @cached_property
-    def waviness(self) -> Array:
-        return self.wide.waviness[self.cut.piece_zone]
-
-    @cached_property
     def noise(self) -> Array:
         return self.wide.noise[self.cut.piece_zone]
 
@@ -306,18 +302,33 @@ class PiercedState:
         return out
 
     @cached_property
+    def _sizes(self) -> Array:
+        """The largest coefficient of each wide zone."""
+        known = np.abs(self.wide.system.known).max(axis=1, initial=0.0)
+        return np.asarray(np.abs(self.wide.density.coefficients).max(axis=1) + known)
+
+    @property
+    def size(self) -> float:
+        """See `State.size`."""
+        return float(self._sizes.max())
+
+    @cached_property
+    def _neglected(self) -> Array:
+        """Sum of the coefficients that each wide zone neglects, as in `State`."""
+        wide = self.wide
+        neglected = wide.neglected * self._sizes / np.maximum(wide.sizes.own[: len(self._sizes)], 1)
+        return np.asarray(np.minimum(neglected, 10 * self._residual))
+
+    @cached_property
     def missing(self) -> Array:
         """What is neglected of each wide zone's coefficients and of the equation between its nodes, in all."""
-        wide = self.wide
-        size = np.abs(wide.density.coefficients).max(axis=1) + np.abs(wide.system.known).max(axis=1, initial=0.0)
-        neglected = wide.neglected * size / np.maximum(wide.sizes.own[: len(size)], 1)
-        return np.asarray(neglected + 3 * np.maximum(self._residual - 2e-15 * size, 0.0) + self._tails)
+        return np.asarray(self._neglected + 3 * np.maximum(self._residual - 2e-15 * self._sizes, 0.0) + self._tails)
 
     @cached_property
     def _residual(self) -> Array:
         """Residual of the equation times sqrt(1 - t^2), the largest of a few points of each wide zone, off its holes."""
         zones, cut = self.density.zones, self.cut
-        theta = (np.arange(9) + 0.4142) * np.pi / 9
+        theta = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
         x = (zones.middle[:, None] + zones.half[:, None] * np.cos(theta)).ravel()
         value = self.density.transform(x) - self.equation.forcing.value(x)
         for amplitude, column in zip(self.density.amplitudes, self.equation.columns, strict=True):
@@ -332,16 +343,15 @@ class PiercedState:
     @cached_property
     def density_error(self) -> float:
         """See `State.density_error`."""
-        wide = self.wide
-        size = np.abs(wide.density.coefficients).max(axis=1) + np.abs(wide.system.known).max(axis=1, initial=0.0)
-        peak = float(size.max())
+        wide, peak = self.wide, self.size
         if peak == 0.0:
             return 0.0
         coupled = wide.system.layout.m
         residual = self._residual / peak
         beyond = 3 * np.maximum(residual - 4e-15, 0.0) * np.maximum(coupled, 1)
         holes = float(self._tails.max()) / peak + self.rest
-        return float((wide.neglected * size).max()) / peak + float((beyond + residual + 1e-15 * coupled).max()) + holes
+        neglected = float((self._neglected * np.maximum(wide.sizes.own[: len(coupled)], 1)).max()) / peak
+        return neglected + float((beyond + residual + 1e-15 * coupled).max()) + holes
 
     @cached_property
     def end_truncation(self) -> Array:
@@ -349,8 +359,7 @@ class PiercedState:
         zones = self.density.zones
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
         slopes = np.where(moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
-        shifts = self._intensities_of(self.missing) / np.maximum(slopes, 1e-300) / zones.half
-        return np.asarray(shifts.max(axis=0))
+        return np.asarray(self._intensities_of(self.missing) / np.maximum(slopes, 1e-300) / zones.half).T
 
 
 AnyState = State | PiercedState

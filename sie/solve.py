@@ -19,6 +19,7 @@ from sie.ends import End
 from sie.equation import Equation
 from sie.folding import Folding
 from sie.many import Iterative, ManySystem, Punches, fits
+from sie.rounding import intensity_rounding
 from sie.steps import Steps
 from sie.zones import Zones
 
@@ -28,6 +29,8 @@ Index = NDArray[np.intp]
 
 # A reciprocal condition below this is rounding: the rows are of size one.
 _DEPENDENT = 1e-15
+# Points of every zone at which the residual is looked at: none of them a node.
+LOOKS = 15
 # From this number of unknowns on, a matrix costs more than fast sums.
 MANY_UNKNOWNS = 1500
 
@@ -40,6 +43,7 @@ class SingularSystem(ArithmeticError):
 class Sizes:
     """Modes to start from; kept from one solve to the next so that growth is paid for once.
 
+    primitive_rounding: of the right side's primitive, once it has been looked at.
     linear: tolerance of solutions by iteration, relative; 0: as tight as rounding allows. iterations: their number so far.
     """
 
@@ -51,6 +55,7 @@ class Sizes:
     linear: float = 0.0
     iterations: int = 0
     carried: Carried | None = None
+    primitive_rounding: float | None = None
     wide: Sizes | None = None
     """Those of the wide zones, where narrow gaps are holes."""
 
@@ -74,10 +79,11 @@ class Solver(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Factored:
-    """LU factors of the rows."""
+    """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution."""
 
     lu: Array
     pivots: Index
+    size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
 
     @property
     def size(self) -> int:
@@ -85,6 +91,10 @@ class Factored:
 
     def __call__(self, right: Array) -> Array:
         return np.asarray(lu_solve((self.lu, self.pivots), right, check_finite=False))
+
+    def transposed(self, right: Array) -> Array:
+        """Solves with the transposed matrix."""
+        return np.asarray(lu_solve((self.lu, self.pivots), right, trans=1, check_finite=False))
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,23 +167,20 @@ class State:
         """Size of each zone's density, but for its total."""
         return np.abs(self.density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(self.system.known).max(axis=1)
 
-    @cached_property
-    def coefficient_noise(self) -> Array:
-        """Rounding of what each zone's coefficients add up to. It acts on what is subtracted, the right side and the other
-        zones' fields, however small the rest; and on the potentials that the zones' totals are matched by: a lightly loaded
-        zone between heavy ones feels what theirs, and the primitive of the right side, are rounded to."""
-        subtracted = np.abs(self.density.coefficients).sum(axis=1) + np.abs(self.system.g).sum(axis=1) + self.natural
-        noise = 4e-16 * subtracted + self.natural * self.linear_error
-        zones = self.density.zones
-        if len(zones) > 1 and any(c.levels for c in self.equation.conditions):
-            noise = noise + 2 * self.system.level_rounding(self.unknowns) / zones.half
-        return np.asarray(noise)
+    @property
+    def direct(self) -> Factored | None:
+        """The solver, where it has a matrix."""
+        return self.solver if isinstance(self.solver, Factored) else None
 
     @cached_property
     def intensity_noise(self) -> Array:
         """Rounding of K at the left and right ends (2, Z)."""
-        one = np.sqrt(self.density.zones.half / 2) * self.coefficient_noise
-        return np.array([one, one])
+        return intensity_rounding(self)
+
+    @cached_property
+    def coefficient_noise(self) -> Array:
+        """Rounding of what each zone's coefficients add up to."""
+        return np.asarray(self.intensity_noise.max(axis=0) / np.sqrt(self.density.zones.half / 2))
 
     @property
     def linear_error(self) -> float:
@@ -186,20 +193,22 @@ class State:
         return Density(density.zones, density.kernel, layout.padded(y), Steps.none(), y[layout.coefficients :])
 
     @cached_property
+    def size(self) -> float:
+        """The largest coefficient of all zones."""
+        return float(self._sizes.max())
+
+    @cached_property
     def density_error(self) -> float:
-        """Estimated error of the density on these zones, over its peak: neglected coefficients, and the equation's
+        """Estimated error of the density on these zones, over its `size`: neglected coefficients, and the equation's
         residual between the nodes.
 
         With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k (near an end): so much does c_k's error
         count.
         """
-        known = np.abs(self.system.known).max(axis=1, initial=0.0)
-        coefficients = np.abs(self.density.coefficients).max(axis=1) + known
-        peak = float(coefficients.max())
-        if peak == 0.0:
+        if self.size == 0.0:
             return 0.0
-        neglected = float((self.neglected * coefficients).max()) / peak
-        residual = self._residual / peak
+        neglected = float((self._missing * np.maximum(self.sizes.own[: len(self._missing)], 1)).max()) / self.size
+        residual = self._residual / self.size
         coupled = self.system.layout.m[self.density.zones.solved]
         # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
         beyond = 3 * np.maximum(residual - 4e-15, 0.0) * coupled
@@ -207,22 +216,30 @@ class State:
 
     @cached_property
     def end_truncation(self) -> Array:
-        """What the density's error may shift each zone's moving ends by, over its width: 2 K / A by its K."""
+        """What the density's error may shift moving ends by, over their zone's width (Z, 2): 2 K / A by its K."""
         zones, solved = self.density.zones, self.density.zones.solved
-        size = np.abs(self.density.coefficients).max(axis=1) + np.abs(self.system.known).max(axis=1, initial=0.0)
-        missing = np.zeros(len(zones))
-        missing[solved] = (self.neglected * size)[solved] / np.maximum(self.sizes.own[solved], 1)
-        missing[solved] += 3 * np.maximum(self._residual - 2e-15 * size[solved], 0.0)
-        intensity = np.sqrt(zones.half / 2) * missing
+        missing = self._missing.copy()
+        missing[solved] += 3 * np.maximum(self._residual - 2e-15 * self._sizes[solved], 0.0)
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
-        slopes = np.where(moves, np.abs(self.density.edge_slopes), np.inf).min(axis=0)
-        return np.asarray(intensity / np.maximum(slopes, 1e-300) / zones.half)
+        slopes = np.where(moves, np.abs(self.density.edge_slopes), np.inf)
+        return np.asarray(np.sqrt(zones.half / 2) * missing / np.maximum(slopes, 1e-300) / zones.half).T
 
     @cached_property
-    def waviness(self) -> Array:
-        """Mean order of each zone's coefficients: how fast the density varies over the zone."""
-        size = np.abs(self.density.coefficients)
-        return np.asarray((size @ np.arange(size.shape[1])) / np.maximum(size.sum(axis=1), 1e-300))
+    def _sizes(self) -> Array:
+        """The largest coefficient of each zone, what is subtracted for jumps included (Z,)."""
+        known = np.abs(self.system.known).max(axis=1, initial=0.0)
+        return np.asarray(np.abs(self.density.coefficients).max(axis=1) + known)
+
+    @cached_property
+    def _missing(self) -> Array:
+        """Sum of the coefficients that each zone neglects (Z,), as the decay of the last ones has it; but not more than
+        ten times the residual, which would show them: a series may fall faster towards its end."""
+        missing = self.neglected * self._sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1)
+        solved = self.density.zones.solved
+        missing[solved] = np.minimum(missing[solved], 10 * self._residual)
+        if self.density.zones.symmetric:
+            missing[: len(missing) // 2] = missing[::-1][: len(missing) // 2]
+        return missing
 
     @cached_property
     def noise(self) -> Array:
@@ -258,7 +275,7 @@ class State:
     def _residual(self) -> Array:
         """Residual of the equation times sqrt(1 - t^2), the largest of a few points of every solved zone, no nodes."""
         system, zones = self.system, self.density.zones
-        theta = (np.arange(9) + 0.4142) * np.pi / 9
+        theta = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
         t = np.cos(theta)
         x = (zones.middle[zones.solved][:, None] + zones.half[zones.solved][:, None] * t).ravel()
         equation = system.equation
@@ -316,8 +333,8 @@ def _solve_once(
         raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
     if lapack.dgecon(lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0] < _DEPENDENT:
         raise SingularSystem("the system is singular: the side conditions depend on each other")
-    solver = Factored(lu, pivots)
-    folded = solver(right)
+    folded = np.asarray(lu_solve((lu, pivots), right, check_finite=False))
+    solver = Factored(lu, pivots, np.sqrt(matrix**2 @ folded**2 + right**2))
     sizes.kernel_evaluations += matrix.size
     return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
 

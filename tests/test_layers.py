@@ -25,7 +25,8 @@ SIE = """
     field many
     everywhere
     density
-    cuts local solve
+    cuts local rounding
+    solve
     holes
     pierced
     released

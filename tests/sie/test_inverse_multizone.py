@@ -65,7 +65,7 @@ def test_the_stated_error_of_every_end_is_honest_at_any_tolerance(case, toleranc
     found = sie.find_ends(equation, sie.Zones.of(start), tolerance)
     error = np.abs(found.density.zones.table - problem.zones) / problem.zone_widths[:, None]
     assert found.converged
-    assert np.all(error <= found.end_error + found.state.end_truncation[:, None] + 4 * EPS)
+    assert np.all(error <= found.end_error + found.state.end_truncation + 4 * EPS)
 
 
 @given(designs(spread=10.0, most=8))

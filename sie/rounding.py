@@ -1,0 +1,137 @@
+"""What rounding does to the intensities at the zone ends, and so to the ends.
+
+The rows A y = b are rounded, each by the root of the sum of its terms' squares (roundings are independent of each other), and
+the intensities are linear in the unknowns, K = C y: with X = A^-T C^T one solve tells what every row's rounding does to every K.
+Levels are differences of large potentials and heights: theirs is the rounding of what they are made of, and so a lightly loaded
+zone between heavy ones feels what the heights of all are known to.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.assemble import System
+from sie.density import Density
+from sie.equation import Forcing
+from sie.folding import Folding
+from sie.zones import Zones
+
+Array = NDArray[np.float64]
+
+EPS = 2.2e-16
+# The largest of some hundred roundings over their mean square: what is stated is to be exceeded nowhere.
+SAFETY = 4.0
+# Ends at which the rounding of the primitive is looked at.
+_LOOKS = 32
+
+
+class Solved(Protocol):
+    """What is asked of a solution on given zones (`solve.State`)."""
+
+    @property
+    def density(self) -> Density: ...
+    @property
+    def system(self) -> System: ...
+    @property
+    def direct(self) -> Any: ...
+    @property
+    def unknowns(self) -> Array: ...
+    @property
+    def conditions_from(self) -> int: ...
+    @property
+    def condition_index(self) -> NDArray[np.intp]: ...
+    @property
+    def condition_scale(self) -> Array: ...
+    @property
+    def sizes(self) -> Any: ...
+    @property
+    def natural(self) -> Array: ...
+    @property
+    def linear_error(self) -> float: ...
+
+
+def intensity_rounding(state: Solved) -> Array:
+    """Rounding of K at the left and right end of each zone, (2, Z)."""
+    density, system = state.density, state.system
+    zones = density.zones
+    # Rounding acts on what is subtracted, the right side and the other zones' fields, however small the rest.
+    subtracted = np.abs(density.coefficients).sum(axis=1) + np.abs(system.g).sum(axis=1) + state.natural
+    own = 4e-16 * np.sqrt(zones.half / 2) * subtracted
+    if state.direct is None:
+        linear = np.sqrt(zones.half / 2) * state.natural * state.linear_error
+        own = own + _of_levels(state) / np.sqrt(2 * zones.half) + linear
+    if len(zones) == 1 or state.direct is None:
+        return np.array([own, own])
+    return np.asarray(own + SAFETY * _through_rows(state))
+
+
+def _of_levels(state: Solved) -> Array | float:
+    """Rounding of the potentials that the zones' totals are matched by, per zone."""
+    if len(state.density.zones) == 1 or not any(c.levels for c in state.system.equation.conditions):
+        return 0.0
+    return 2 * state.system.level_rounding(state.unknowns)
+
+
+def _through_rows(state: Solved) -> Array:
+    """Root mean square of what the rounding of all rows does to each K, (2, Z)."""
+    system, solver = state.system, state.direct
+    zones = system.zones
+    (left, _), (right, _) = system.intensities()
+    rows = Folding.of(zones, system.layout).fold(np.concatenate((left, right)))
+    effect = solver.transposed(rows.T)
+    rounding = EPS * solver.size_of_rows
+    squares = np.zeros(len(rows))
+    taken = np.ones(len(rounding), dtype=bool)
+    for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):
+        count = condition.count(zones)
+        if not condition.levels or count == 0:
+            continue
+        here = slice(state.conditions_from + first, state.conditions_from + first + count)
+        taken[here] = False
+        by_level = effect[here] / state.condition_scale[first : first + count, None]
+        if count < len(zones.solved):  # differences of neighbours
+            nothing = np.zeros((1, by_level.shape[1]))
+            by_level = np.concatenate((nothing, by_level)) - np.concatenate((by_level, nothing))
+        levels = np.broadcast_to(_level_noise(state), (len(zones.solved),))
+        squares += levels**2 @ by_level**2
+    squares += rounding[taken] ** 2 @ effect[taken] ** 2
+    return _mirrored(zones, np.sqrt(squares).reshape(2, -1))
+
+
+def _level_noise(state: Solved) -> Array:
+    """Root mean square of the rounding of each solved zone's level: of its potentials, and of the heights."""
+    sizes, forcing = state.sizes, state.system.equation.forcing
+    if sizes.primitive_rounding is None:
+        sizes.primitive_rounding = primitive_rounding(forcing, state.system.zones, state.density.kernel.period)
+    return np.hypot(state.system.level_rounding(state.unknowns), sizes.primitive_rounding)
+
+
+def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> float:
+    """What the primitive is rounded to: as data, a part of its rise between the zones, and in evaluation, its departure from
+    straight lines over a few units in the last digit."""
+    assert forcing.primitive is not None
+    ends = np.unique(np.concatenate((zones.a, zones.b)))
+    ahead = zones.a[1:] if period is None else np.append(zones.a[1:], zones.a[0] + period)
+    between = 0.5 * (ahead + zones.b[: len(ahead)])
+    heights = np.asarray(forcing.primitive(np.concatenate((ends, between))))
+    look = ends[:: max(1, len(ends) // _LOOKS)]
+    near = look[:, None] + 4 * np.spacing(np.abs(look))[:, None] * np.arange(-4, 5)
+    bend = 0.5 * np.abs(np.diff(np.asarray(forcing.primitive(near.ravel())).reshape(near.shape), 2, axis=1))
+    finite = heights[np.isfinite(heights)]
+    return float(np.hypot(EPS * np.ptp(finite) if len(finite) else 0.0, np.sqrt(np.mean(bend[np.isfinite(bend)] ** 2))))
+
+
+def _mirrored(zones: Zones, solved: Array) -> Array:
+    """(2, solved zones) as (2, Z): of a symmetric set the left half mirrors the right one."""
+    if not zones.symmetric:
+        return solved
+    out = np.zeros((2, len(zones)))
+    out[:, zones.solved] = solved
+    if zones.central:
+        out[0, zones.solved[0]] = out[1, zones.solved[0]]
+    half = len(zones) // 2
+    out[:, :half] = out[::-1, ::-1][:, :half]
+    return out
