@@ -29,7 +29,7 @@ Index = NDArray[np.intp]
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
-# Steps after which ends that still want to move by more than half of their zones are given up.
+# Steps after which ends that still want to move by more than half of their zones may be given up.
 _WANDERING = 20
 # The remaining motion of an end is the next step but for its square.
 MARGIN = 1.5
@@ -122,8 +122,8 @@ def find_ends(
         done = certain and not released and (rest or stuck)
         done = done and abs(change) <= max(tolerance, 1e-14) * abs(value + change)
         # At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones.
-        hopeless = stalled >= 5 and not certain and (move < 1e-6 or stalled >= 10)
-        hopeless = hopeless or (len(trace) > _WANDERING and min(step.move for step in trace[-10:]) > 0.5)
+        hopeless = stalled >= 5 and not certain and (move < 1e-6 or (stalled >= 10 and _stays(trace)))
+        hopeless = hopeless or (len(trace) > _WANDERING and min(step.move for step in trace[-10:]) > 0.5 and _stays(trace))
         if done or hopeless or len(trace) > max_steps:
             if done:
                 state = state.settled()
@@ -136,6 +136,12 @@ def find_ends(
         met = np.flatnonzero(gap < collapse * np.minimum(first_gap, np.minimum(zones.b - zones.a, first_width)))
         if len(lost) or len(met):
             return Free(state, False, error.T, tuple(trace), value, lost, met)
+
+
+def _stays(trace: list[Step]) -> bool:
+    """Whether the zones have neither grown nor shrunk in the last steps, however much their ends wanted to move."""
+    now, before = (np.diff(step.zones, axis=1) for step in (trace[-1], trace[-10]))
+    return bool(np.all((before / 3 < now) & (now < 3 * before)))
 
 
 def _held_at(zones: Zones, walls: tuple[float, float]) -> Zones:

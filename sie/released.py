@@ -30,6 +30,8 @@ Index = NDArray[np.intp]
 
 _ALTERNATIONS = 60
 _ROUNDING = 2.2e-16
+# On a hole the rounding of the right side and of all terms are seen at one place, where at the end of a zone they average.
+_SAFETY = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,11 +275,12 @@ class PiercedState:
     def noise(self) -> Array:
         return self.wide.noise[self.cut.piece_zone]
 
-    def _intensities_of(self, of_coefficients: Array) -> Array:
-        """K at the left and right ends of the pieces (2, n) for errors of the wide zones' coefficients, in sum."""
+    def _intensities_of(self, of_coefficients: Array, at_holes: float = 1.0) -> Array:
+        """K at the left and right ends of the pieces (2, n) for errors of the wide zones' coefficients, in sum; at_holes:
+        factor there."""
         cut = self.cut
         wide = np.sqrt(cut.wide.half / 2) * of_coefficients
-        holes = np.sqrt(cut.holes.half / 2) * of_coefficients[cut.hole_zone]
+        holes = at_holes * np.sqrt(cut.holes.half / 2) * of_coefficients[cut.hole_zone]
         at_left, at_right = self.density.hole_roots
         left = np.where(cut.hole_before < 0, wide[cut.piece_zone], (holes / at_right)[cut.hole_before])
         right = np.where(cut.hole_after < 0, wide[cut.piece_zone], (holes / at_left)[cut.hole_after])
@@ -287,7 +290,7 @@ class PiercedState:
     def intensity_noise(self) -> Array:
         """See `State.intensity_noise`."""
         rest = self.rest * np.abs(self.wide.density.coefficients).max()
-        return self._intensities_of(self.wide.coefficient_noise + rest)
+        return self._intensities_of(self.wide.coefficient_noise + rest, _SAFETY)
 
     @cached_property
     def _tails(self) -> Array:
