@@ -67,10 +67,11 @@ CONTACT = """
     compare_plot figures.base
     figures.*
     figures.__init__
-    bench.clock bench.truth bench.harmonics bench.hyperbola bench.power
-    bench.cases
-    bench.nearly_full bench.precision bench.scaling
-    bench.extremes
+    bench.clock bench.truth bench.harmonics bench.hyperbola bench.power bench.one_gap bench.one_zone bench.truncated bench.formulations
+    bench.cases bench.extremes.base
+    bench.precision bench.scaling bench.extremes.large bench.extremes.loads bench.extremes.neighbours
+    bench.extremes.shapes
+    bench.extremes.__init__
     bench.peers bench.stability
     bench.report
     bench.plots

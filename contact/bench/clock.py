@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import gc
+import signal
+import threading
 import time
 import tracemalloc
 from collections.abc import Callable
-from typing import Any
+from types import FrameType
+from typing import Any, TypeVar
+
+T = TypeVar("T")
 
 
 def seconds(call: Callable[[], Any], patience: float = 0.3, most: int = 25) -> float:
@@ -55,3 +60,27 @@ def peak_bytes(call: Callable[[], Any]) -> int:
         return tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
+
+
+class TooLong(Exception):
+    """A call took more processor time than it was given."""
+
+
+def limited(call: Callable[[], T], seconds: float) -> T:
+    """The call's result, or TooLong after so much processor time; without a limit where there are no such signals.
+
+    numpy cannot be interrupted: the exception comes when it returns.
+    """
+    if not hasattr(signal, "SIGPROF") or threading.current_thread() is not threading.main_thread():
+        return call()
+
+    def ring(number: int, frame: FrameType | None) -> None:
+        raise TooLong(f"given up after {seconds:g} s")
+
+    before = signal.signal(signal.SIGPROF, ring)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        return call()
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)

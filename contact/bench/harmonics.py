@@ -50,7 +50,7 @@ class HarmonicZone:
 
     @property
     def max_pressure(self) -> float:
-        return float(self.pressure_at(np.linspace(0.0, 1.0, 4001)).max())
+        return float(self.pressure_at(np.linspace(0.0, 1.0, 101)).max())
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         r: Array = np.abs(np.asarray(t, dtype=np.float64))

@@ -48,15 +48,18 @@ class PowerPunch:
 
 @dataclass(frozen=True, eq=False)
 class Repeated:
-    """An odd number of waves a period of length 1, one of them about the origin."""
+    """Waves that repeat `count` times in a period of length 1, their first tip `shift` of their length from the origin; the left
+    ends of the zones lie in [-1/2, 1/2)."""
 
     one: Westergaard
     count: int
+    shift: float = 0.0
 
     @property
     def zones(self) -> Array:
-        k = np.arange(self.count) - self.count // 2
-        return np.asarray((k / self.count)[:, None] + self.one.zones)
+        first = self.shift / self.count + float(self.one.zones[0, 0])
+        k = np.arange(self.count) + np.ceil((-0.5 - first) * self.count)
+        return np.asarray(((k + self.shift) / self.count)[:, None] + self.one.zones)
 
     @property
     def load(self) -> float:
@@ -70,4 +73,4 @@ class Repeated:
         return self.one.pressure_at(np.asarray(t))
 
     def pressure(self, x: ArrayLike) -> Array:
-        return self.one.pressure(np.asarray(x))
+        return self.one.pressure(np.asarray(x) - self.shift / self.count)

@@ -16,9 +16,11 @@ import contact
 from contact.bench import cases, clock, extremes, peers, report, run, scaling, stability, truth
 from contact.bench.harmonics import HarmonicZone
 from contact.bench.hyperbola import BluntedWedge, IsolatedBluntedWedge
-from contact.bench.nearly_full import FromGaps, LoneGap
-from contact.bench.power import PowerPunch
+from contact.bench.one_gap import OneGap
+from contact.bench.one_zone import SymmetricZone
+from contact.bench.power import PowerPunch, Repeated
 from contact.bench.precision import Row, hierarchy, ours
+from contact.bench.truncated import IsolatedTruncatedWedge, TruncatedWedge
 from contact.cli import main
 from contact.exact import HertzLine, IsolatedWedge, Westergaard
 
@@ -72,15 +74,31 @@ class TestTruths:
         x = np.cos(np.pi * 800 / 4000)
         assert transform_at(lambda t: 1.001 * PowerPunch(6).pressure_at(t), x) != pytest.approx(0.5 * x**5, rel=1e-4)
 
-    def test_a_lone_narrow_gap_is_the_one_that_the_gaps_formulation_finds(self):
+    @pytest.mark.parametrize(("part", "rounding"), [(1e-3, 1e-13), (1e-6, 1e-11)])
+    def test_one_gap_in_closed_form_is_the_one_that_the_solver_finds(self, part, rounding):
         profile = contact.Fourier(1.0, [-1e-3, 2e-4], [3e-4])
         full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).mean_pressure
-        scene = contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=full * (1 - 1e-6))
-        by_expansion, by_gaps = LoneGap.of(profile, full, scene), FromGaps(scene)
-        assert 1e-4 < by_expansion.half_gap < 1e-3
-        # The expansion moves the gap's middle by w^2 at most.
-        assert np.abs(by_expansion.zones - by_gaps.zones).max() < by_expansion.half_gap**2
-        assert np.abs(by_expansion.pressure_at(T) - by_gaps.pressure_at(T)).max() < 1e-6 * by_gaps.max_pressure
+        scene = contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=full * (1 - part))
+        found, exact = contact.solve(scene, 1e-10), OneGap.of(profile, full, scene)
+        assert truth.stated_measure(found, exact) < rounding
+
+    def test_one_gap_of_a_wave_is_westergaard_s(self):
+        wave = Westergaard.from_contact_fraction(0.6, amplitude=1e-3, period=1.0, E_star=1.0)
+        profile = contact.Fourier(1.0, [-1e-3], [0.0])
+        scene = contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=wave.mean_pressure)
+        assert truth.stated_measure(OneGap.of(profile, np.pi * 1e-3, scene), wave) < 1e-14
+
+    def test_one_zone_by_quadrature_is_the_truncated_wedge_s(self):
+        exact = IsolatedTruncatedWedge(0.1, 0.3, 1.0, 1.0)
+        zone = SymmetricZone(TruncatedWedge(0.1, 0.3), np.array([-0.3, 0.3]), 1.0, 1.0)
+        assert zone.load == pytest.approx(exact.load, rel=1e-14)
+        assert zone.pressure_at(T) == pytest.approx(exact.pressure_at(T), rel=1e-12)
+
+    def test_equal_zones_repeat_one_wave_and_lie_in_one_period(self):
+        one = Westergaard.from_contact_fraction(0.1, amplitude=1e-4, period=0.25, E_star=1.0)
+        four = Repeated(one, 4, 0.3)
+        assert np.all((four.zones[:, 0] >= -0.5) & (four.zones[:, 0] < 0.5)) and np.allclose(np.diff(four.zones[:, 0]), 0.25)
+        assert four.pressure(np.mean(four.zones, axis=1)) == pytest.approx(np.full(4, one.max_pressure), rel=1e-12)
 
     def test_both_formulations_of_a_nearly_full_rough_contact_agree(self):
         case = cases.rough_nearly_full()
@@ -133,15 +151,43 @@ class TestVerdicts:
         assert verdict.outcome == "FAIL" and "above the stated" in verdict.note
 
     def test_a_known_failure_is_named_with_its_reason(self):
-        merged = next(case for case in extremes.matrix(True) if case.name.startswith("1e-07 of the width"))
-        verdict = stability.run(merged)
-        assert verdict.outcome == "known" and "one answer in doubles" in verdict.note
+        scene, _ = self.WAVE.make()
+        case = dataclasses.replace(self.WAVE, make=lambda: (scene, PowerPunch(2)), known="the truth is another scene's")
+        verdict = stability.run(case)
+        assert verdict.outcome == "known" and verdict.note.endswith(case.known)
+
+    def test_a_scene_that_takes_too_long_is_given_up_and_fails(self):
+        def make():
+            while True:
+                sum(range(1000))
+
+        verdict = stability.run(dataclasses.replace(self.WAVE, make=make), patience=0.05)
+        assert verdict.outcome == "FAIL" and "given up" in verdict.note
+
+    @pytest.mark.parametrize(("undecided", "outcome"), [(True, "undecided"), (False, "FAIL")])
+    def test_merged_zones_are_no_failure_where_the_gap_is_below_rounding_and_the_certificate_says_so(
+        self, monkeypatch, undecided, outcome
+    ):
+        scene, one = self.WAVE.make()
+        found = contact.solve(scene)
+        said = dataclasses.replace(found, certificate=dataclasses.replace(found.certificate, undecided=undecided))
+        monkeypatch.setattr(stability, "solve", lambda scene, tol: said)
+        hair = 1e-9 * one.half_width
+        a, b = one.zones[0]
+
+        class Split(Westergaard):
+            zones = property(lambda self: np.array([[a, -hair], [hair, b]]))
+
+        split = Split(**{f.name: getattr(one, f.name) for f in dataclasses.fields(one)})
+        case = dataclasses.replace(self.WAVE, make=lambda: (scene, split), condition=1e9, hair=1e-9)
+        assert stability.run(case).outcome == outcome
+        assert stability.run(dataclasses.replace(case, condition=1.0)).outcome == "FAIL"
 
     def test_the_matrix_has_every_kind_of_extreme(self):
         assert {case.group for case in extremes.matrix(False)} >= {
             "contact of the period", "gap between zones", "zones of very different width", "heights of very different scale",
             "moduli", "lengths", "load below a merge by", "load above a merge by", "load below full contact by", "slopes",
-            "measured with noise", "many zones",
+            "measured with noise", "many equal zones",
         }
 
 
