@@ -105,14 +105,30 @@ def solve_command(
 
 @main.command("plan")
 @_SCENE
-def plan_command(scene: Path) -> None:
-    """Say what a SCENE needs and what it leaves out, without solving it."""
-    rows = plan(load_scene(scene)).rows
-    show_table(
-        "plan",
-        ("part", "used", "reason", "detail"),
-        [(row.name, "yes" if row.used else "no", row.reason or "", row.detail or "") for row in rows],
-    )
+@click.option("--solve", "run", is_flag=True, help="Solve it, and say what each part took.")
+@_TOL
+def plan_command(scene: Path, run: bool, tol: float) -> None:
+    """Say what a SCENE needs and what it leaves out, without solving it.
+
+    With --solve also the sizes, and where the time went.
+    """
+    problem = load_scene(scene)
+    if not run:
+        rows = [(row.name, "yes" if row.used else "no", row.reason, row.detail) for row in plan(problem).rows]
+        show_table("plan", ("part", "used", "reason", "detail"), rows)
+        return
+    with Progress() as progress:
+        done = solve(problem, tol=tol, progress=progress).plan
+    timed = [
+        (row.name, "yes" if row.used else "no", row.reason, row.detail, *_took(row.seconds, done.share(row))) for row in done.rows
+    ]
+    show_table("plan", ("part", "used", "reason", "detail", "time", "share"), timed, numeric=(4, 5))
+    sizes = [(name.replace("_", " "), str(count)) for name, count in done.counts.items()]
+    show_table("sizes", ("what", "number"), [*sizes, ("time in all", quantity(done.seconds, "s", 3))], numeric=(1,))
+
+
+def _took(seconds: float | None, share: float | None) -> tuple[str, str]:
+    return ("", "") if seconds is None or share is None else (quantity(seconds, "s", 3), f"{share:.0%}")
 
 
 @main.command("compare")
@@ -165,8 +181,8 @@ def bench_command(quick: bool, peers: bool, out: Path) -> None:
     out.mkdir(parents=True, exist_ok=True)
     with Progress() as progress:
         tables = suites.bench(out, quick, peers, progress)
-    for title, columns, rows in tables:
-        show_table(title, columns, rows)
+    for measured in tables:
+        show_table(measured.title, measured.columns, measured.rows)
     click.echo(f"written: {out}")
 
 
@@ -182,10 +198,10 @@ def stability_command(quick: bool, out: Path | None) -> None:
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
     with Progress() as progress:
-        (title, columns, rows), failed = suites.extremes(out, quick, progress)
-    show_table(title, columns, rows)
+        found, failed = suites.extremes(out, quick, progress)
+    show_table(found.title, found.columns, found.rows)
     if failed:
-        raise NotConverged(f"{failed} of {len(rows)} scenes fail")
+        raise NotConverged(f"{failed} of {len(found.rows)} scenes fail")
 
 
 @main.command("profiles")

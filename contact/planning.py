@@ -24,10 +24,12 @@ class Part:
 
 @dataclass
 class Plan:
-    """The parts in order, and counts of work done."""
+    """The parts in order, counts of work done, and the seconds that it all took (None if it has not run)."""
 
     parts: list[Part] = field(default_factory=list)
     counts: dict[str, int] = field(default_factory=dict)
+    seconds: float | None = None
+    _within: list[float] = field(default_factory=list, repr=False)
 
     @property
     def rows(self) -> list[Part]:
@@ -41,20 +43,31 @@ class Plan:
 
     @contextmanager
     def timed(self, name: str) -> Iterator[Part]:
-        """Add the time of a block to a part."""
+        """Add the time of a block to a part, less that of the parts within it: seconds of parts add up."""
         part = self[name]
         start = time.perf_counter()
+        self._within.append(0.0)
         try:
             yield part
         finally:
-            part.seconds = (part.seconds or 0.0) + time.perf_counter() - start
+            took = time.perf_counter() - start
+            part.seconds = (part.seconds or 0.0) + took - self._within.pop()
+            if self._within:
+                self._within[-1] += took
+
+    def share(self, part: Part) -> float | None:
+        """Share of the time that a part took; None if it has not run, or has no time of its own."""
+        return None if part.seconds is None or not self.seconds else part.seconds / self.seconds
 
     def to_dict(self) -> dict[str, Any]:
         parts = [
-            {"name": p.name, "used": p.used, "reason": p.reason, "detail": p.detail, "seconds": p.seconds}
+            {
+                "name": p.name, "used": p.used, "reason": p.reason, "detail": p.detail, "seconds": p.seconds,
+                "share": self.share(p),
+            }
             for p in self.parts
         ]
-        return {"parts": parts, "counts": dict(self.counts)}
+        return {"parts": parts, "counts": dict(self.counts), "seconds": self.seconds}
 
     def __str__(self) -> str:
         lines = [f"{'used' if p.used else 'left out':9}{p.name:22}{p.reason} {p.detail}" for p in self.parts]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from dataclasses import replace
 from numbers import Real
 
@@ -66,6 +67,13 @@ class _Run:
         self.full = FullLimit(scene.profile, scene.E_star, scene.interaction.images is None)
 
     def solution(self) -> Solution:
+        start = time.perf_counter()
+        try:
+            return self._solution()
+        finally:
+            self.plan.seconds = time.perf_counter() - start
+
+    def _solution(self) -> Solution:
         kind, value = self.scene.control
         if kind == "contact_fraction" and value == 1.0:
             return self._full(self._full_pressure_or_refuse())
@@ -86,7 +94,8 @@ class _Run:
                 break
             self.tolerance = max(2e-15, 0.05 * self.tolerance * self.tol / error)
             try:
-                better = self._again(found)
+                with self.plan.timed("zone ends"):
+                    better = self._again(found)
             except (WrongTopology, NotConverged, OutOfRange):
                 break
             if better is not None and self._error(better) < error:
@@ -100,7 +109,7 @@ class _Run:
         if self.scene.interaction.strip:
             again = self._centred(problem, self.control, table)
             return None if isinstance(again, Gapped) else again
-        return settle(problem, self.control, table, self.tolerance, self.progress)
+        return self._settle(problem, self.control, table)
 
     def _mean_pressure(self) -> float:
         kind, value = self.scene.control
@@ -152,7 +161,7 @@ class _Run:
             self._below_full_approach(control)
         if start is not None and not self._worth_gaps(problem, float((start[:, 1] - start[:, 0]).sum())):
             try:
-                return settle(problem, control, start, self.tolerance, self.progress)
+                return self._settle(problem, control, start)
             except WrongTopology:
                 pass
         if control.kind == "half_width":
@@ -214,9 +223,12 @@ class _Run:
                 "the profile: there it is in full contact, at any load above the smallest"
             )
 
+    def _settle(self, problem: Problem, control: Control, table: Array) -> Found:
+        return settle(problem, control, table, self.tolerance, self.progress, timed=self.plan.timed)
+
     def _settled(self, problem: Problem, control: Control, table: Array) -> Found:
         try:
-            return settle(problem, control, table, self.tolerance, self.progress)
+            return self._settle(problem, control, table)
         except WrongTopology as failure:
             if control.kind == "half_width":
                 message = f"one zone of this half width carries no pressure that is positive everywhere: {failure}"
@@ -238,7 +250,7 @@ class _Run:
         """One zone about the tip; None if it does not pass, for the grid to find out why."""
         with self.plan.timed("zone ends"):
             try:
-                return settle(problem, control, np.array([[-a, a]]), self.tolerance, self.progress)
+                return self._settle(problem, control, np.array([[-a, a]]))
             except WrongTopology:
                 pass
             if control.kind in ("load", "approach"):
@@ -256,7 +268,7 @@ class _Run:
                         )
                     return None
                 try:
-                    return settle(problem, control, np.array([[-exact, exact]]), self.tolerance, self.progress)
+                    return self._settle(problem, control, np.array([[-exact, exact]]))
                 except WrongTopology:
                     pass
         return None
@@ -289,7 +301,7 @@ class _Run:
                 with self.plan.timed("zone ends"):
                     table = placed(problem, proposal.zones)
                     try:
-                        return settle(about(problem, table), control, table, self.tolerance, self.progress)
+                        return self._settle(about(problem, table), control, table)
                     except WrongTopology as error:
                         failure = error
             points *= 4
@@ -375,6 +387,8 @@ class _Run:
         plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {found.rounds} rounds"
         plan["certificate"].detail = f"{found.certificate.points} points"
         plan["kinks"].used = len(density.steps) > 0
+        if plan["kinks"].used:
+            plan["kinks"].reason = f"{len(density.steps)} jumps of the slope or its derivatives inside zones"
         if isinstance(density, sie.Pierced):
             plan["holes"].used, plan["holes"].reason = True, "narrow gaps between zones"
             plan["holes"].detail = f"{len(density.cut.holes)} in {len(density.cut.wide)} wide zones"
@@ -398,7 +412,8 @@ class _Run:
         plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {len(fields.zones)} gaps"
         plan["symmetry"].used, plan["symmetry"].reason = False, "the gaps are solved for"
         plan.counts.update(
-            zones=len(fields.zones), own_modes=int(sizes.own.sum()), kernel_evaluations=sizes.kernel_evaluations,
+            zones=len(fields.zones), own_modes=int(sizes.own.sum()),
+            coupled_unknowns=int(found.free.state.solver.size), kernel_evaluations=sizes.kernel_evaluations,
             profile_evaluations=sizes.profile_evaluations, solves=sizes.solves,
         )
         error = found.error

@@ -8,6 +8,7 @@ new zone, zones that shrink away are dropped and zones that meet are merged.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +22,7 @@ from contact.problem import Control, Problem
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, int, int | None], None]
+Timed = Callable[[str], AbstractContextManager[object]]
 
 ROUNDS = 12
 # Where a dip of the pressure may be a gap, zones are found to this.
@@ -49,15 +51,16 @@ class WrongTopology(Exception):
 
 def settle(
     problem: Problem, control: Control, table: Array, tolerance: float, progress: Progress | None = None,
-    formal: bool = False,
+    formal: bool = False, timed: Timed = nullcontext,
 ) -> Found:
     """From proposed zones (n, 2) to zones that pass the certificate; WrongTopology if that fails.
 
-    formal: the zones are taken as they are, whatever the signs (a reference solution, not a contact).
+    formal: the zones are taken as they are, whatever the signs (a reference solution, not a contact). timed: of a part's name, what
+    its time is taken with.
     """
     slight: Found | None = None
     try:
-        for found in _rounds(problem, control, table, tolerance, progress, formal):
+        for found in _rounds(problem, control, table, tolerance, progress, formal, timed):
             if formal or found.certificate.dip > 10 * tolerance or found.tolerance <= TIGHT:
                 return found
             # Whether so slight a dip is a gap, a solution to the tolerance does not tell: on to a tighter one.
@@ -71,7 +74,8 @@ def settle(
 
 
 def _rounds(
-    problem: Problem, control: Control, table: Array, tolerance: float, progress: Progress | None, formal: bool
+    problem: Problem, control: Control, table: Array, tolerance: float, progress: Progress | None, formal: bool,
+    timed: Timed,
 ) -> Iterator[Found]:
     """Zones that pass, to the tolerance and, where more of them are asked for, to one as tight as there is."""
     free: sie.Free | None = None
@@ -100,7 +104,8 @@ def _rounds(
         if formal:
             yield Found(free, fields, NOT_CHECKED, done, control, tolerance)
             return
-        certificate = certify(fields, control.value if control.kind == "load" else None)
+        with timed("certificate"):
+            certificate = certify(fields, control.value if control.kind == "load" else None)
         if certificate.holds:
             yield Found(free, fields, certificate, done, control, tolerance)
             table, tolerance = free.density.zones.table, TIGHT

@@ -74,7 +74,7 @@ CONTACT = """
     bench.extremes.__init__
     bench.peers bench.stability
     bench.report
-    bench.plots
+    bench.plots bench.required
     bench.run
     bench.__init__
     __init__

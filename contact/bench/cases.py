@@ -29,7 +29,8 @@ PERIOD = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A scene under periodic contact and how its truth is known; `exact` is made when first asked for."""
+    """A scene under periodic contact and how its truth is known; `exact` is made when first asked for. single: one zone a period;
+    localized: the localized models are run on it too."""
 
     name: str
     profile: Profile
@@ -37,6 +38,8 @@ class Case:
     mean_pressure: float
     make_exact: Callable[[Scene], Exact] = field(repr=False)
     judged_by: str
+    single: bool = False
+    localized: bool = True
 
     @property
     def scene(self) -> Scene:
@@ -49,7 +52,8 @@ class Case:
 
 def closed(name: str, profile: Profile, exact: Any) -> Case:
     """A case whose solution is known in closed form."""
-    return Case(name, profile, exact.E_star, exact.mean_pressure, lambda scene: exact, "closed form")
+    single = len(exact.zones) == 1
+    return Case(name, profile, exact.E_star, exact.mean_pressure, lambda scene: exact, "closed form", single)
 
 
 def wave(fraction: float = 0.4) -> Case:
@@ -94,13 +98,13 @@ def rough_profile(harmonics: int, seed: int = 3) -> Fourier:
 def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
     """`solve` takes the zones; it is judged by the gaps."""
     return Case(
-        f"rough, {zones} zones", rough_profile(harmonics), 1.0, mean_pressure, ByGaps.of, "the gaps' formulation"
+        f"rough, {zones} zones", rough_profile(harmonics), 1.0, mean_pressure, ByGaps.of, "the gaps' formulation", localized=False
     )
 
 
 def rough_nearly_full() -> Case:
     """`solve` takes the gaps; it is judged by the zones."""
-    return Case("rough, nearly full", rough_profile(64), 1.0, 0.012, ByZones.of, "the zones' formulation")
+    return Case("rough, nearly full", rough_profile(64), 1.0, 0.012, ByZones.of, "the zones' formulation", localized=False)
 
 
 def best(scene: Scene, tol: float) -> Solution:

@@ -88,8 +88,7 @@ PEERS = (Peer("tamaas", tamaas), Peer("ContactMechanics", contact_mechanics))
 
 def grids(quick: bool) -> list[int]:
     """Even grids with small prime factors; the end of a zone falls at a new place between the points of each."""
-    top = 13 if quick else 17
-    return sorted({m * 2**k for k in range(6, top + 1) for m in (2, 3) if m * 2 ** (k) <= 2**top})
+    return [m * 2**k for k in range(5, 11 if quick else 15) for m in ((4, 6) if quick else (4, 5, 6, 7))]
 
 
 def rows(peer: Peer, case: Case, quick: bool, longest: float) -> Iterator[Row]:
@@ -104,15 +103,14 @@ def rows(peer: Peer, case: Case, quick: bool, longest: float) -> Iterator[Row]:
         if tight is None:
             continue
         row = tight
-        # From loose to tight, the first that is as good; not worth the trials where one run takes seconds.
-        if tight.seconds < 0.05 * longest:
-            for tolerance in _TOLERANCES:
-                loose = _measured(peer, case, x, heights, tolerance, 0.05)
-                if loose is not None and loose.at_x <= _AS_GOOD * tight.at_x and loose.mean_at_x <= _AS_GOOD * tight.mean_at_x:
-                    row = loose if loose.seconds < tight.seconds else tight
-                    break
+        # From loose to tight, the first that is as good.
+        for tolerance in _TOLERANCES:
+            loose = _measured(peer, case, x, heights, tolerance, 0.05)
+            if loose is not None and loose.at_x <= _AS_GOOD * tight.at_x and loose.mean_at_x <= _AS_GOOD * tight.mean_at_x:
+                row = loose if loose.seconds < tight.seconds else tight
+                break
         yield row
-        if row.seconds > 0.5 * longest:
+        if tight.seconds > longest:
             return
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from contact.bench import peers, plots, precision, report, scaling, stability
+from contact.bench import peers, plots, precision, report, required, scaling, stability
 from contact.bench.cases import Case, suite
 from contact.bench.precision import Row
 from contact.bench.report import Table
@@ -13,7 +13,7 @@ from contact.bench.report import Table
 Progress = Callable[[str, int, int | None], None]
 
 # A run of a peer after which no finer grid is tried.
-LONGEST, LONGEST_QUICK = 5.0, 1.0
+LONGEST, LONGEST_QUICK = 4.0, 0.5
 
 
 def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> list[Table]:
@@ -32,17 +32,20 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
     progress("cost against size", 0, None)
     scaled, single = list(scaling.measure(quick)), list(scaling.floors(quick))
     tables += [report.scaling_table(scaled), report.exponents_table(scaled), report.single_table(single)]
+    tables.append(required.table(rows, cases, single, [peer.name for peer in chosen]))
     report.write_csv(folder / "precision.csv", rows)
     report.write_csv(folder / "scaling.csv", [*scaled, *single])
     plots.precision(rows, folder / "precision.png")
+    if chosen:
+        plots.peers(rows, folder / "peers.png")
     plots.scaling(scaled, folder / "scaling.png")
-    _write(folder / "tables.md", tables)
+    _write(folder, tables)
     return tables
 
 
 def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
     rows = list(precision.ours(case, quick))
-    if case.name.startswith("wave"):
+    if case.localized:
         rows += precision.hierarchy(case, quick)
     for peer in chosen:
         rows += peers.rows(peer, case, quick, LONGEST_QUICK if quick else LONGEST)
@@ -55,9 +58,10 @@ def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Tabl
     table = report.stability_table(verdicts)
     if folder is not None:
         report.write_csv(folder / "stability.csv", verdicts)
-        _write(folder / "stability.md", [table])
+        _write(folder, [table])
     return table, sum(verdict.outcome == "FAIL" for verdict in verdicts)
 
 
-def _write(path: Path, tables: list[Table]) -> None:
-    path.write_text("\n".join(f"## {table[0]}\n\n{report.markdown(table)}" for table in tables), encoding="utf-8")
+def _write(folder: Path, tables: list[Table]) -> None:
+    for table in tables:
+        (folder / f"{table.key}.md").write_text(report.markdown(table), encoding="utf-8")

@@ -1,7 +1,8 @@
 """Time and memory against zones, nodes and harmonics, and against the floor.
 
-The floor is what no solver of this equation can go below: the profile once at the final nodes and the kernel applied to them
-once, every node acting on every other, as numpy does it. Exponents are fitted to the upper half of the sizes.
+The floor is the least that a solver of this equation by direct sums can do: the profile once at the final nodes and the kernel
+applied to them once, every node acting on every other, as numpy does it. Fast sums go below it. Exponents are fitted to the larger
+sizes, all solved with the same machinery.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ class Scaled:
     zones: int
     nodes: int
     unknowns: int
+    fast: bool
 
 
 def floor_seconds(solution: Solution) -> float:
@@ -88,9 +90,9 @@ def series(quick: bool) -> list[tuple[str, list[int], Callable[[int], Scene], fl
     """(name, sizes, scene of a size, tolerance)."""
     return [
         ("zones, inverse design", [2, 4, 8, 16] if quick else [2, 4, 8, 16, 32, 64], _designed, 1e-8),
-        ("zones, equal", [3, 9, 27] if quick else [3, 9, 27, 81, 243], equal_waves, 1e-8),
+        ("zones, equal", [3, 9, 27] if quick else [3, 9, 27, 81, 243, 729, 2187], equal_waves, 1e-8),
         ("nodes of one zone", [8, 32, 128] if quick else [8, 32, 128, 512, 2048], rippled, 1e-10),
-        ("harmonics, rough", [16, 32, 64] if quick else [16, 32, 64, 128, 256, 512], rough_scene, 1e-8),
+        ("harmonics, rough", [16, 32, 64] if quick else [16, 64, 256, 512, 1024, 2048, 4096, 8192], rough_scene, 1e-8),
     ]
 
 
@@ -119,11 +121,18 @@ def one(name: str, size: int, scene: Scene, tol: float, patience: float) -> Scal
     return Scaled(
         name, size, tol, clock.seconds(lambda: solve(scene, tol), patience, 200),
         clock.peak_bytes(lambda: solve(scene, tol)), floor_seconds(solution), len(solution.zones), counts["own_modes"],
-        counts.get("coupled_unknowns", 0),
+        counts.get("coupled_unknowns", 0), solution.plan["fast sums"].used,
     )
 
 
+def fitted(rows: list[Scaled]) -> list[Scaled]:
+    """The rows of a series to fit an exponent to: the upper half of those with fast sums if the largest has them, else of all;
+    three at least, if there are so many."""
+    same = [row for row in rows if row.fast == rows[-1].fast]
+    same = same if len(same) >= 3 else rows
+    return same[-max(3, (len(same) + 1) // 2) :]
+
+
 def exponent(sizes: Array, values: Array) -> float:
-    """Slope of log values over log sizes, of the upper half of the sizes (three at least)."""
-    keep = slice(-max(3, (len(sizes) + 1) // 2), None)
-    return float(np.polyfit(np.log(sizes[keep]), np.log(values[keep]), 1)[0])
+    """Slope of log values over log sizes."""
+    return float(np.polyfit(np.log(sizes), np.log(values), 1)[0])

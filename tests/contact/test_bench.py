@@ -207,7 +207,10 @@ class TestRuns:
         result = CliRunner().invoke(main, ["bench", "--quick", "--out", str(tmp_path / "out")])
         assert result.exit_code == 0, result.output
         names = {file.name for file in (tmp_path / "out").iterdir()}
-        assert names == {"precision.csv", "precision.png", "scaling.csv", "scaling.png", "tables.md"}
+        assert names == {
+            "precision.csv", "precision.png", "scaling.csv", "scaling.png", "precision.md", "hierarchy.md", "scaling.md",
+            "exponents.md", "single.md", "required.md",
+        }
         with (tmp_path / "out" / "precision.csv").open() as stream:
             table = list(csv.DictReader(stream))
         assert {row["scene"] for row in table} == {"wave 2a/L=0.4"}
@@ -227,7 +230,7 @@ class TestRuns:
         assert (tmp_path / "stability.md").read_text().count("\n| moduli") == 2
 
     def test_a_bar_in_a_cell_does_not_break_a_page_s_table(self):
-        assert report.markdown(("title", ("a", "b"), [("|x|", "1")])).splitlines()[-1] == "| \\|x\\| | 1 |"
+        assert report.markdown(report.Table("key", "title", ("a", "b"), [("|x|", "1")])).splitlines()[-1] == "| \\|x\\| | 1 |"
 
 
 def test_every_mutation_still_finds_its_source_once(monkeypatch):

@@ -170,6 +170,15 @@ class TestPlan:
             assert part.reason.split(":")[0] in result.stdout
 
 
+    def test_solved_it_also_says_the_sizes_and_where_the_time_went(self, scene):
+        result = run("plan", scene(), "--solve")
+        assert result.exit_code == 0
+        header = next(line for line in result.stdout.splitlines() if "reason" in line)
+        assert header.split()[-2:] == ["time", "share"]
+        for name in ("zones", "own modes", "coupled unknowns", "kernel evaluations", "profile evaluations", "time in all"):
+            assert name in result.stdout
+
+
 class TestCompare:
     def test_the_models_stand_side_by_side_and_the_exact_one_last(self, scene):
         result = run("compare", scene())

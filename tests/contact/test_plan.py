@@ -8,6 +8,7 @@ import tracemalloc
 from dataclasses import dataclass
 
 import numpy as np
+import pytest
 
 import contact
 from contact.inverse import design
@@ -236,13 +237,66 @@ class TestModulesAndMemory:
     def test_a_given_zone_takes_less_memory_than_a_searched_one_and_both_take_little(self):
         given = peak(lambda: solve(WAVE, half_width=0.2))
         searched = peak(lambda: solve(waves(9), mean_pressure=0.1 * full_pressure()))
-        assert given < 300_000 < 3_000_000
+        assert given < 300_000 and searched < 3_000_000
         assert given < searched
+
+    def test_memory_of_many_zones_grows_with_their_number_and_not_with_its_square(self):
+        few, many = (peak(lambda n=n: solve(waves(n), mean_pressure=0.1 * full_pressure(), tol=1e-8)) for n in (101, 303))
+        assert many < 1.5 * 3 * few
 
     def test_a_symmetric_scene_takes_hardly_more_than_half_the_memory_of_a_shifted_one(self):
         half = peak(lambda: solve(waves(27), mean_pressure=0.1 * full_pressure(), tol=1e-8))
         whole = peak(lambda: solve(waves(27, shift=0.0013), mean_pressure=0.1 * full_pressure(), tol=1e-8))
         assert half < 0.6 * whole
+
+
+class TestNearlyFullAgainstPartContact:
+    def test_a_hair_s_gap_is_solved_for_itself_with_few_unknowns(self):
+        almost = solve(WAVE, tol=1e-8, mean_pressure=(1 - 1e-6) * full_pressure())
+        assert almost.contact_fraction > 0.999 and almost.certificate.note == "solved by its gaps"
+        assert almost.plan.counts["own_modes"] <= 32
+
+    def test_half_a_contact_is_not_solved_by_its_gaps(self):
+        assert solve(WAVE, mean_pressure=0.5 * full_pressure()).certificate.note != "solved by its gaps"
+
+
+class TestLooseAgainstTight:
+    def test_digits_that_are_not_asked_for_are_not_paid_for(self):
+        profile = design([[-0.4, -0.2], [0.0, 0.3]], E, 1e-3, 1.0).profile
+        loose, tight = (solve(profile, tol=tol, load=1e-3).plan.counts for tol in (1e-2, 1e-11))
+        assert loose["own_modes"] < tight["own_modes"] and loose["kernel_evaluations"] < 0.7 * tight["kernel_evaluations"]
+
+
+class TestSizesAndTimes:
+    SCENES = [
+        (WAVE, PERIODIC, {"mean_pressure": 0.2 * full_pressure()}),
+        (WAVE, PERIODIC, {"mean_pressure": (1 - 1e-6) * full_pressure()}),
+        (WAVE, contact.Localized("first-order"), {"half_width": 0.2}),
+        (contact.Wedge(0.01), ISOLATED, {"load": 1e-3}),
+        (waves(5), PERIODIC, {"mean_pressure": 0.1 * full_pressure()}),
+        (waves(101), PERIODIC, {"mean_pressure": 0.1 * full_pressure()}),
+    ]
+
+    @pytest.mark.parametrize(("profile", "model", "control"), SCENES)
+    def test_every_route_counts_its_sizes_and_shares_out_its_time(self, profile, model, control):
+        plan = solve(profile, model, tol=1e-7, **control).plan
+        sizes = {"zones", "own_modes", "coupled_unknowns", "kernel_evaluations", "profile_evaluations", "solves"}
+        assert sizes <= set(plan.counts) and min(plan.counts[name] for name in sizes) >= 0
+        assert plan.counts["zones"] >= 1 and plan.counts["own_modes"] >= plan.counts["zones"]
+        shares = [plan.share(part) for part in plan.parts if part.seconds is not None]
+        assert min(shares) >= 0 and sum(shares) <= 1
+        assert all(part.used for part in plan.parts if part.seconds)
+
+    def test_a_part_within_another_is_counted_once(self):
+        plan = contact.plan(contact.Scene(WAVE, E, PERIODIC, half_width=0.2))
+        with plan.timed("zone ends"), plan.timed("certificate"):
+            sum(range(100_000))
+        outer, inner = plan["zone ends"].seconds, plan["certificate"].seconds
+        assert 0 <= outer < inner
+
+    def test_a_plan_that_has_not_run_has_no_times(self):
+        plan = contact.plan(contact.Scene(WAVE, E, PERIODIC, half_width=0.2))
+        assert plan.seconds is None and {plan.share(part) for part in plan.parts} == {None}
 
 
 def test_the_plan_made_beforehand_names_the_same_parts_as_the_one_of_the_solution():

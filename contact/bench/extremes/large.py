@@ -44,12 +44,12 @@ def noisy() -> Iterator[Extreme]:
     for samples, noise in ((2_001, 1e-8), (10_001, 1e-9), (100_001, 1e-9)):
         yield Extreme(
             group, f"{samples - 1:.0e} samples of a parabola, noise {noise:g} of its radius", partial(_parabola, samples, noise),
-            10.0, "both take the spline's slopes", heavy=samples > 5_000,
+            0.5 * samples, "heights known to eps: slopes to eps of height/pitch", heavy=samples > 5_000,
         )
     for samples, noise in ((10_000, 1e-9), (100_000, 1e-9), (100_000, 1e-8)):
         yield Extreme(
-            group, f"{samples:.0e} samples of a rough profile, noise {noise:g} of its period", partial(_rough, samples, noise), 1e4,
-            "widest over narrowest zone, squared, at least", heavy=True,
+            group, f"{samples:.0e} samples of a rough profile, noise {noise:g} of its period", partial(_rough, samples, noise),
+            1e3 * 0.1 * samples, "height/pitch/slope, and (widest over narrowest zone)^2", heavy=True,
         )
 
 

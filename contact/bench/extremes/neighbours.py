@@ -31,11 +31,13 @@ def gaps() -> Iterator[Extreme]:
                 group, f"{gap:g} of the width, {'isolated' if period is None else 'periodic'}",
                 partial(designed, [[-1 - gap / 2, -gap / 2], [gap / 2, 1 + gap / 2]], period), 1 / gap, why, hair=gap,
             )
+    # Between two such gaps r apart the pressure is ~ (x (r - x))^2: at a gap it takes d(g^2) r^2 = eps to close it, and an end off
+    # by eps/(g r^2) is off by 1/r times that of the zone of width r.
     for gap in (1e-3, 1e-5):
         yield Extreme(
             group, f"{gap:g}, three zones 1 : 0.05 : 0.3, periodic",
-            partial(designed, [[-1, 0], [gap, gap + 0.05], [0.05 + 2 * gap, 0.35 + 2 * gap]], 4.0), 1 / (gap * 0.05),
-            "w/g of the wide zone, over the narrow one's width", hair=gap,
+            partial(designed, [[-1, 0], [gap, gap + 0.05], [0.05 + 2 * gap, 0.35 + 2 * gap]], 4.0), 1 / (gap * 0.05**3),
+            "1/(g r^3), r the narrow zone's width", hair=gap,
         )
 
 
