@@ -12,67 +12,19 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import fft
 
+from contact.conjugate import Conjugate, conjugate_of
 from contact.extrema import maximum
 from contact.problem import Problem
 from contact.profiles.base import Profile
 
 Array = NDArray[np.float64]
 
-_LARGEST = 2**18
-
 
 def has_kinked_valley(profile: Profile) -> bool:
-    """A profile that ends, or whose slope jumps down somewhere, never comes into full contact."""
+    """A profile whose slope jumps down somewhere never comes into full contact."""
     kinks = profile.kinks
-    return profile.support is not None or bool(len(kinks) and np.any(kinks[:, 1] < 0))
-
-
-def conjugate_slope(profile: Profile) -> Callable[[Array], Array]:
-    """H f' of a periodic profile: its own closed form, or a Fourier series of its samples with kinks taken out."""
-    length = profile.period
-    assert length is not None
-    if profile.slope_conjugate(np.array([profile.x0])) is not None:
-        return lambda x: np.asarray(profile.slope_conjugate(x))
-    kinks = profile.kinks
-    n = 256
-    while True:
-        x = profile.x0 + length * (np.arange(n) + 0.5) / n
-        coefficients = np.asarray(fft.rfft(np.asarray(profile.slope(x)) - _saw(x, kinks, length))) / n
-        size = np.abs(coefficients)
-        if size[-n // 16 :].max() <= 1e-15 * size.max() or n >= _LARGEST:
-            break
-        n *= 2
-    used = np.flatnonzero(size > 1e-17 * size.max())
-    last = int(used[-1]) + 1 if len(used) else 1
-    k = np.arange(last)
-    series = 2 * coefficients[:last] * np.exp(-1j * np.pi * k / n)
-    series[0] = 0.0
-
-    def conjugate(points: ArrayLike) -> Array:
-        angle = 2 * np.pi * (np.asarray(points, dtype=float) - profile.x0) / length
-        out = np.zeros(angle.size)
-        flat = angle.ravel()
-        block = max(1, 2_000_000 // last)
-        for s in range(0, len(flat), block):
-            out[s : s + block] = np.imag(np.exp(1j * np.outer(flat[s : s + block], k)) @ series)
-        result = out.reshape(angle.shape)
-        with np.errstate(divide="ignore"):
-            for at, jump in kinks:
-                half = np.pi * (np.asarray(points, dtype=float) - at) / length
-                result = result + jump / np.pi * np.log(np.abs(2 * np.sin(half)))
-        return np.asarray(result)
-
-    return conjugate
-
-
-def _saw(x: Array, kinks: Array, length: float) -> Array:
-    out = np.zeros(x.shape)
-    for at, jump in kinks:
-        turns = (x - at) / length
-        out += jump * (0.5 - (turns - np.floor(turns)))
-    return out
+    return bool(len(kinks) and np.any(kinks[:, 1] < 0))
 
 
 def largest_conjugate(profile: Profile, conjugate: Callable[[Array], Array]) -> float:
@@ -81,16 +33,20 @@ def largest_conjugate(profile: Profile, conjugate: Callable[[Array], Array]) -> 
 
 
 class FullLimit:
-    """Where full contact begins: the smallest mean pressure [Pa], inf if there is none, found when first asked for."""
+    """Where full contact begins: the smallest mean pressure [Pa], inf if there is none, found when first asked for.
+
+    approached: whether growing loads come near to full contact, as they do to valleys with kinks but not past sharp corners.
+    """
 
     def __init__(self, profile: Profile, E_star: float, periodic: bool) -> None:
         self.profile, self.E_star = profile, E_star
-        self.possible = periodic and not has_kinked_valley(profile)
+        self.approached = periodic and profile.support is None
+        self.possible = self.approached and not has_kinked_valley(profile)
 
     @cached_property
-    def conjugate(self) -> Callable[[Array], Array]:
+    def conjugate(self) -> Conjugate:
         """H f' of x [m]."""
-        return conjugate_slope(self.profile)
+        return conjugate_of(self.profile)
 
     @cached_property
     def pressure(self) -> float:

@@ -24,7 +24,8 @@ from contact import lazy
 from contact.checks import finite_array
 from contact.errors import NotConverged, SceneError
 from contact.extrema import maximum
-from contact.gapped import GapFields, with_gaps
+from contact.gap_search import with_gaps
+from contact.gapped import GapFields
 from contact.problem import Control
 from contact.scene import Scene
 from contact.solution import Solution

@@ -13,12 +13,14 @@ from numpy.typing import NDArray
 import sie
 from contact import planning
 from contact.certificate import ROUNDING, Certificate
+from contact.conjugate import ScaledConjugate
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.fields import ZoneFields, mean_shape
 from contact.first_order import FirstOrder
 from contact.framing import framed, lowest
 from contact.full import FullFields, FullLimit, period_samples
-from contact.gapped import Gapped, find_gaps
+from contact.gap_search import find_gaps
+from contact.gapped import Gapped
 from contact.interactions.isolated import Isolated
 from contact.interactions.periodic import Periodic
 from contact.planning import Plan
@@ -183,20 +185,16 @@ class _Run:
 
     def _worth_gaps(self, problem: Problem, width: float) -> bool:
         """Whether contact of about this scaled width is better solved by its gaps."""
-        return self.full.possible and problem.period is not None and width > _NEARLY_FULL * problem.period
+        return self.full.approached and problem.period is not None and width > _NEARLY_FULL * problem.period
 
     def _by_gaps(self, problem: Problem, control: Control, width: float) -> Gapped | None:
         """The contact solved by its gaps, where it is about as wide as that; None if it is not or that fails."""
         if control.kind == "half_width" or not self._worth_gaps(problem, width):
             return None
-        units, full = problem.units, self.full.pressure
-
-        def conjugate(x: Array) -> Array:
-            return np.asarray(self.full.conjugate(units.x(x))) / units.slope
-
+        conjugate = ScaledConjugate.of(self.full.conjugate, problem)
         with self.plan.timed("zone ends"):
             try:
-                return find_gaps(problem, control, conjugate, full / units.pressure, self.tolerance)
+                return find_gaps(problem, control, conjugate, self.full.pressure / problem.units.pressure, self.tolerance)
             except WrongTopology:
                 return None
 

@@ -221,15 +221,20 @@ class Density:
         return out
 
     def integral_at(self, zone: ArrayLike, theta: ArrayLike) -> Array:
-        """Integral of the density from a zone's left end to the angle theta (t = cos theta), smooth densities only:
+        """Integral of the density from a zone's left end to the angle theta (t = cos theta), of densities with breaks or none:
         int T_j / sqrt(1 - t^2) dt = -sin(j theta) / j, and (pi - theta) for j = 0."""
-        if len(self.steps):
-            raise ValueError("the integral along a zone is for densities without jumps of the right side")
         zone, theta = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), _float(theta))
         w, c = self.zones.half[zone], self.coefficients
         table = c[:, 1:] / np.arange(1, c.shape[1])
         sums = self._sine_sum(table, zone, np.minimum(theta, np.pi - theta), theta > 0.5 * np.pi)
-        return np.asarray(w * (c[zone, 0] * (np.pi - theta) - sums))
+        out = np.array(c[zone, 0] * (np.pi - theta) - sums)
+        if len(self.steps):
+            flat_out, flat = out.reshape(-1), theta.ravel()
+            for i, here in of_zones(zone.ravel()):
+                if i in self.steps.by_zone:
+                    left, right = 2 * np.cos(flat[here] / 2) ** 2, 2 * np.sin(flat[here] / 2) ** 2
+                    flat_out[here] += self.steps.integral(i, left, right)
+        return np.asarray(w * out)
 
     def integral(self, x: ArrayLike) -> Array:
         """Integral of the density from the left end of its zone to x, zero off the zones."""

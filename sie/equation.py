@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.breaks import Breaks
 from sie.conditions import Condition, EndCondition
 from sie.kernels import Kernel
 from sie.steps import Steps
@@ -35,6 +36,9 @@ class Forcing:
     primitive: an antiderivative of g, continuous over all zones; only needed by conditions on potentials.
     steps_at, steps, orders: positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its
         derivatives, all (k,); for a kernel with a period they repeat. orders left out: all 0, jumps of g itself.
+    breaks_at, breaks, break_orders: the same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!;
+        for q = 0 this is (J/pi) Lambda(x, s), Lambda the kernel's potential, and is left out of `value`. Either steps or
+        breaks.
     resolution: smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones
         are many: they keep digits that the primitive has lost.
     modes: of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
@@ -45,13 +49,23 @@ class Forcing:
     steps_at: Array = field(default_factory=lambda: np.zeros(0))
     steps: Array = field(default_factory=lambda: np.zeros(0))
     orders: NDArray[np.intp] | None = None
+    breaks_at: Array = field(default_factory=lambda: np.zeros(0))
+    breaks: Array = field(default_factory=lambda: np.zeros(0))
+    break_orders: NDArray[np.intp] | None = None
     modes: int | None = None
     resolution: float | None = None
 
-    def jumps_within(self, zones: Zones, period: float | None) -> Steps:
+    def __post_init__(self) -> None:
+        if len(self.steps_at) and len(self.breaks_at):
+            raise ValueError("either the right side jumps or the density does: give steps or breaks, not both")
+
+    def jumps_within(self, zones: Zones, kernel: Kernel) -> Steps:
         """The jumps that lie inside zones."""
+        if len(self.breaks_at):
+            orders = np.zeros(len(self.breaks_at), dtype=np.intp) if self.break_orders is None else self.break_orders
+            return Breaks.inside(zones, self.breaks_at, self.breaks, orders, kernel)
         orders = np.zeros(len(self.steps_at), dtype=np.intp) if self.orders is None else self.orders
-        return Steps.within(zones, self.steps_at, self.steps, orders, period)
+        return Steps.within(zones, self.steps_at, self.steps, orders, kernel.period)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +79,10 @@ class Equation:
     end_conditions: tuple[EndCondition, ...] = ()
 
     def __post_init__(self) -> None:
-        if any(len(column.steps_at) for column in self.columns):
+        if any(len(column.steps_at) + len(column.breaks_at) for column in self.columns):
             raise ValueError("a column of unknown amplitude must be smooth: steps belong to the right side")
+        if len(self.forcing.breaks_at) and any(condition.levels for condition in self.conditions):
+            raise ValueError("a condition on potentials is for right sides without logarithms")
 
     @property
     def grows(self) -> bool:

@@ -120,6 +120,6 @@ def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int) 
     x = np.where(left <= right, zones.a[group][:, None] + w * left, zones.b[group][:, None] - w * right)
     values = np.array(forcing.value(x.ravel()), dtype=float).reshape(x.shape)
     for place, zone in enumerate(group):
-        if int(zone) in steps.by_zone:
+        if steps.adds_to(int(zone)):
             values[place] += steps.smooth_part(int(zone), left)
     return values

@@ -279,7 +279,7 @@ class State:
         t = np.cos(theta)
         x = (zones.middle[zones.solved][:, None] + zones.half[zones.solved][:, None] * t).ravel()
         equation = system.equation
-        value = self.density.transform(x) - equation.forcing.value(x)
+        value = self.density.transform(x) - equation.forcing.value(x) - system.steps.left_out(x)
         for amplitude, column in zip(self.density.amplitudes, equation.columns, strict=True):
             value = value - amplitude * column.value(x)
         return np.asarray(np.abs(value.reshape(-1, len(t)) * np.sin(theta)).max(axis=1))
@@ -309,7 +309,7 @@ def solve_fixed(
     if sizes is None:
         sizes = first_sizes(equation, zones)
     kernel = equation.kernel
-    steps = equation.forcing.jumps_within(zones, kernel.period)
+    steps = equation.forcing.jumps_within(zones, kernel)
     samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, largest)
     sizes.own = samples.own
     sizes.profile_evaluations += samples.evaluations
@@ -384,7 +384,7 @@ def assembled(
     equation: Equation, zones: Zones, m: Index, sizes: Sizes, tolerance: float, scale: Array | None = None
 ) -> tuple[System, Array, Array, Array]:
     """(system, matrix, right side, condition scale) at given zones and coupled modes, without solving."""
-    steps = equation.forcing.jumps_within(zones, equation.kernel.period)
+    steps = equation.forcing.jumps_within(zones, equation.kernel)
     samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, int(sizes.own.max()))
     system = System(equation, zones, m, samples.coefficients, steps)
     return system, *_rows(equation, system, scale)

@@ -54,14 +54,20 @@ class Steps:
         """The jumps at positions `at` (repeated with the period) that lie inside a zone."""
         if len(at) == 0:
             return _NONE
-        if period is not None:
-            at = at + np.ceil((zones.a[0] - at) / period) * period
-        i = np.searchsorted(zones.a, at, side="right") - 1
-        inside = (i >= 0) & (at > zones.a[i]) & (at < zones.b[i])
+        at, i, inside = cls.located(zones, at, period)
         i, at, q = i[inside], at[inside], orders[inside]
         w = zones.half[i]
         factorial = np.array([1.0, 1.0, 2.0])[q]
         return cls(i, (at - zones.a[i]) / w, (zones.b[i] - at) / w, jumps[inside] * w**q / factorial, q)
+
+    @staticmethod
+    def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, NDArray[np.bool_]]:
+        """(positions moved by periods to lie right of the first zone's left end, the last zone that starts before each,
+        whether they lie inside it)."""
+        if period is not None:
+            at = at + np.ceil((zones.a[0] - at) / period) * period
+        i = np.searchsorted(zones.a, at, side="right") - 1
+        return at, np.maximum(i, 0), (i >= 0) & (at > zones.a[i]) & (at < zones.b[i])
 
     def __len__(self) -> int:
         return len(self.zone)
@@ -123,10 +129,14 @@ class Steps:
             np.add.at(out, self.zone, self._coefficients(np.arange(len(self)), count))
         return out
 
+    def _sine_weights(self, k: Index, j: Array) -> Array:
+        """b_j of jumps k where their function is sum_j (2/j) b_j sin(j theta)."""
+        return np.asarray(np.sin(j * self.phi[k][:, None]))
+
     def _coefficients(self, k: Index, count: int) -> Array:
         size = count + HIGHEST + 1
         j = np.arange(1, size + 1)
-        beta = (2 * self.height[k] / np.pi)[:, None] * np.sin(j * self.phi[k][:, None]) / j
+        beta = (2 * self.height[k] / np.pi)[:, None] * self._sine_weights(k, j) / j
         c = 0.5 * beta
         c[:, 2:] -= 0.5 * beta[:, :-2]
         for power in range(1, HIGHEST + 1):
@@ -166,8 +176,8 @@ class Steps:
     def transform(self, zone: int, z: Array, rho: Array) -> Array:
         """Transform of a zone's parts off the zone."""
         k = self.by_zone[zone]
-        phi, q, weight = self.phi[k], self.order[k], self.height[k] / np.pi
-        plain = 2 * np.arctan2(rho[:, None] * np.sin(phi), 1 - rho[:, None] * np.cos(phi))
+        q, weight = self.order[k], self.height[k] / np.pi
+        plain = self._plain(k, rho)
         out = ((z[:, None] - self.s[k]) ** q * plain - self._polynomial(k, z[:, None])) @ weight
         far = np.abs(rho) < _FAR
         if np.any(q > 0) and np.any(far):
@@ -175,9 +185,26 @@ class Steps:
             out[far] = r[:, None] ** np.arange(32) @ self._coefficients(k, 32).sum(axis=0) * (2 * r / (1 - r * r))
         return np.asarray(out)
 
+    def _plain(self, k: Index, rho: Array) -> Array:
+        """pi over h times the transform of parts with q = 0 off the zone, (points, jumps)."""
+        phi, rho = self.phi[k], rho[:, None]
+        return np.asarray(2 * np.arctan2(rho * np.sin(phi), 1 - rho * np.cos(phi)))
+
+    def adds_to(self, zone: int) -> bool:
+        """Whether `smooth_part` has anything to add on a zone."""
+        return zone in self.by_zone
+
     def own_transform(self, zone: int, left: Array) -> Array:
         """Transform of a zone's parts on the zone itself: minus what they add to make g smooth."""
         return -self.smooth_part(zone, left)
+
+    def left_out(self, x: Array) -> Array:
+        """What the right side has at points x beyond the values that the caller gives: nothing."""
+        return np.zeros(x.shape)
+
+    def integral(self, zone: int, left: Array, right: Array) -> Array:
+        """Integral of a zone's parts from its left end."""
+        raise ValueError("the integral along a zone is for densities without jumps of the right side")
 
     def kink_potential(self, zone: int, rho: NDArray[np.complex128] | Array) -> Array:
         """Potential of a zone's parts with q = 0 over w, less c_0 log(w); on the zone rho = e^{i theta}.
@@ -188,10 +215,18 @@ class Steps:
         out = np.zeros(rho.shape)
         for place in k[self.order[k] == 0]:
             up = np.exp(1j * self.phi[place])
-            both = _potential_series(up, rho) - _potential_series(np.conj(up), rho)
-            own = np.sin(self.phi[place]) * (-np.log(2 * np.abs(rho)) + np.real(rho**2) / 2)
-            out += self.height[place] / np.pi * (own + np.real(both / 2j))
+            both = _potential_series(up, rho), _potential_series(np.conj(up), rho)
+            own = self._first(place) * (-np.log(2 * np.abs(rho)) + np.real(rho**2) / 2)
+            out += self.height[place] / np.pi * (own + self._phased(place, both))
         return out
+
+    def _first(self, place: int) -> float:
+        """b_1 of a jump."""
+        return float(np.sin(self.phi[place]))
+
+    def _phased(self, place: int, by_phase: tuple[NDArray[np.complex128], NDArray[np.complex128]]) -> Array:
+        """The sum with weights b_j from those with e^{i j phi} and e^{-i j phi}."""
+        return np.asarray(np.real((by_phase[0] - by_phase[1]) / 2j))
 
     @cached_property
     def kinked(self) -> list[int]:

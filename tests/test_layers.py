@@ -18,6 +18,7 @@ SIE = """
     ends chebyshev kernels exact
     zones
     conditions steps
+    breaks
     equation
     gap_steps lazy modes near_jumps tree
     assemble
@@ -59,9 +60,12 @@ CONTACT = """
     interactions.*
     problem interactions.__init__ scene
     fields planning single scene_file answer
-    certificate full sampling
+    certificate conjugate sampling
+    full
     export framing plotting topology
     first_order gapped proposals solution
+    gap_certificate
+    gap_search
     solver
     compare paths
     compare_plot figures.base

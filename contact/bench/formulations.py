@@ -16,8 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import sie
+from contact.conjugate import ScaledConjugate, conjugate_of
 from contact.errors import NotConverged
 from contact.fields import ZoneFields
+from contact.gap_search import gap_equation
 from contact.gapped import GapFields
 from contact.problem import Control, Problem, Units
 from contact.scene import Scene
@@ -70,22 +72,15 @@ class ByGaps:
     @classmethod
     def of(cls, scene: Scene) -> ByGaps:
         problem = scaled(scene)
-        units, profile = problem.units, scene.profile
+        units = problem.units
         assert problem.period is not None
         start = units.scaled(solve(scene, 1e-6).zones)
         gaps = np.column_stack((start[:, 1], np.append(start[1:, 0], start[0, 0] + problem.period)))
         gaps += _MOVED * np.minimum(np.diff(gaps, axis=1), np.diff(start, axis=1).min()) * [[-1.0, 1.0]]
 
-        def conjugate(x: Array) -> Array:
-            value = profile.slope_conjugate(units.x(x))
-            assert value is not None
-            return value / units.slope
-
+        conjugate = ScaledConjugate.of(conjugate_of(scene.profile), problem)
         mean = _mean_pressure(scene) / units.pressure
-        equation = sie.Equation(
-            problem.kernel, sie.Forcing(conjugate), (sie.Amplitude(0, mean), sie.ZoneTotals(0.0)),
-            (sie.Forcing(lambda x: np.full(np.shape(x), -1.0), modes=1),),
-        )
+        equation = gap_equation(problem, mean, conjugate)
         free = sie.find_ends(equation, sie.Zones.of(gaps), _TOLERANCE, _STEPS, signs=(1.0, -1.0))
         if not free.converged:
             raise NotConverged("the gaps' formulation does not converge from these zones")

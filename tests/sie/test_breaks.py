@@ -1,0 +1,136 @@
+"""Jumps of the density and of its derivatives: closed forms against their series and against quadrature."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+import sie
+from sie.breaks import Breaks
+from tests.sie import reference
+
+ZONES = sie.Zones.of([[-1.3, 0.4], [0.9, 1.6]])
+NO_COEFFICIENTS = np.zeros((2, 1))
+PERIOD = 3.5
+# One jump of each order, one in each zone near an end, and one near a middle.
+PLACES = [(-1.25, 0), (-0.45, 0), (1.1, 0), (-0.9, 1), (1.55, 1), (0.1, 2), (1.25, 2)]
+
+
+def single(at, order, height=0.8, kernel=None):
+    """The density that a single jump is subtracted with, by the engine."""
+    kernel = kernel or sie.cauchy()
+    breaks = Breaks.inside(ZONES, np.array([at]), np.array([height]), np.array([order]), kernel)
+    return breaks, sie.Density(ZONES, kernel, NO_COEFFICIENTS, breaks, np.zeros(0))
+
+
+def density_of(density):
+    return lambda t, zone: density.at_t(zone, np.asarray(t))
+
+
+@pytest.mark.parametrize(("at", "order"), PLACES)
+def test_the_closed_density_is_the_sum_of_its_series(at, order):
+    breaks, density = single(at, order)
+    zone, count = int(breaks.zone[0]), 40000
+    t = np.array([-0.95, -0.4, 0.13, 0.8])
+    theta = np.arccos(t)
+    summed = np.cos(theta[:, None] * np.arange(count)) @ breaks.t_coefficients(ZONES, count)[zone] / np.sin(theta)
+    assert density.at_t(zone, t) == pytest.approx(summed, abs=2e-3 / count**order)
+
+
+@pytest.mark.parametrize(("at", "order"), PLACES)
+def test_the_density_jumps_in_the_derivative_of_its_order_and_vanishes_at_the_ends(at, order):
+    _, density = single(at, order)
+    h = 1e-3
+    x = at + h * np.arange(1, 5)
+    weights = {0: [4.0, -6.0, 4.0, -1.0], 1: [-26 / 6, 9.5, -7.0, 11 / 6], 2: [3.0, -8.0, 7.0, -2.0]}[order]
+    above = np.dot(weights, density(x)) / h**order
+    below = np.dot(weights, density(2 * at - x)) * (-1.0) ** order / h**order
+    assert above - below == pytest.approx(0.8, rel=1e-3)
+    assert density(ZONES.table.ravel()) == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(PERIOD)], ids=["cauchy", "hilbert"])
+@pytest.mark.parametrize(("at", "order"), PLACES)
+def test_the_transform_is_that_of_the_density_on_and_off_the_zone(at, order, kernel):
+    _, density = single(at, order, kernel=kernel)
+    plain = reference.cauchy if kernel.period is None else reference.hilbert(PERIOD)
+    for x in (-2.0, -1.35, 0.42, 0.8, 1.7, 30.0, -1.0, -0.2, 0.35, 1.0, 1.4):
+        expected = reference.transform(density_of(density), ZONES.table, x if kernel.period is None else inside(x), plain, [at])
+        assert density.transform(x) == pytest.approx(expected, abs=1e-10)
+
+
+def inside(x):
+    return x - PERIOD * np.round((x - 0.15) / PERIOD)
+
+
+@pytest.mark.parametrize(("at", "order"), PLACES)
+def test_the_potential_is_that_of_the_density_on_and_off_the_zone(at, order):
+    _, density = single(at, order)
+    for x in (-2.0, -1.0, 0.3, 0.42, 1.0, 1.58, 30.0):
+        expected = reference.potential(density_of(density), ZONES.table, x, reference.log_cauchy, [at])
+        # Parts with q > 0 are summed from 1024 coefficients, which fall like l^-(2 + q).
+        assert density.potential(x) == pytest.approx(expected, abs=1e-10 if order != 1 else 1e-8)
+
+
+@pytest.mark.parametrize(("at", "order"), PLACES)
+def test_the_integral_along_the_zone_is_that_of_the_density(at, order):
+    _, density = single(at, order)
+    zone = int(density.steps.zone[0])
+    a, b = ZONES.table[zone]
+    for x in np.linspace(a, b, 7)[1:]:
+        pieces = [a, at, x] if at < x else [a, x]
+        expected = sum(quad(density, lo, hi, epsabs=1e-12)[0] for lo, hi in zip(pieces[:-1], pieces[1:], strict=True))
+        theta = 2 * np.arctan2(np.sqrt(b - x), np.sqrt(x - a))
+        assert density.integral_at(zone, theta) == pytest.approx(expected, abs=1e-10)
+
+
+def equation(kernel, at, order, height):
+    """Right sides whose densities are known: x alone beside the logarithm, bounded, with no total."""
+    q = np.array(order)
+    factorial = np.array([1.0, 1.0, 2.0])[q]
+
+    def value(x):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            away = x[:, None] - at
+            logs = away**q * np.log(np.abs(away)) / factorial
+        # At a node on a break itself there is no logarithm left to take.
+        return x + np.where((q > 0) & (away != 0), logs, 0.0) @ height / np.pi
+
+    forcing = sie.Forcing(value, breaks_at=np.array(at), breaks=np.array(height), break_orders=q)
+    return sie.Equation(kernel, forcing, (sie.ZoneTotals(0.0),)), forcing
+
+
+def test_right_sides_with_logarithms_are_solved_with_few_modes_and_met_everywhere():
+    at, order, height = [-1.25, -0.45, 1.1, 0.2, 1.55], [0, 0, 0, 1, 2], np.array([0.8, -0.3, 1.1, 0.7, -2.0])
+    problem, forcing = equation(sie.cauchy(), at, order, height)
+    state = sie.solve_fixed(problem, sie.Zones.of(ZONES.table, sie.SINGULAR, sie.SINGULAR))
+    assert state.sizes.own.max() <= 48
+    x = np.concatenate((np.linspace(-1.29, 0.39, 50), np.linspace(0.91, 1.59, 50)))
+    logs = sum(h / np.pi * np.log(np.abs(x - s)) for s, q, h in zip(at, order, height, strict=True) if q == 0)
+    assert state.density.transform(x) == pytest.approx(forcing.value(x) + logs, abs=1e-11)
+    assert state.density.totals == pytest.approx(0.0, abs=1e-14)
+    left_of, right_of = (state.density(np.array(at) + side) for side in (-1e-9, 1e-9))
+    kinks = np.array(order) == 0
+    assert (right_of - left_of)[kinks] == pytest.approx(height[kinks], abs=1e-6)
+
+
+@pytest.mark.parametrize("half_width", [1e-3, 1e-9])
+def test_a_zone_far_from_the_origin_loses_no_digit_to_its_width(half_width):
+    # About 0.375 the zone is exact in binary, and so are its mirror images.
+    half_width = 2.0 ** np.round(np.log2(half_width))
+    zone = sie.Zones.of([[0.375 - half_width, 0.375 + half_width]], sie.SINGULAR, sie.SINGULAR)
+    forcing = sie.Forcing(np.zeros_like, breaks_at=np.array([0.375]), breaks=np.array([-1.0]))
+    problem = sie.Equation(sie.cauchy(), forcing, (sie.ZoneTotals(0.0),))
+    state = sie.solve_fixed(problem, zone)
+    t = np.array([-0.9, -0.2, 0.3, 0.8])
+    # By symmetry no c_1: -eta + c_1 T_1 / sqrt with the constant -(1/pi) ln(w/2).
+    eta = np.arccos(t) / np.pi - (t < 0)
+    constant = -np.log(half_width / 2) / np.pi
+    assert state.density.at_t(0, t) == pytest.approx(-eta - constant * t / np.sqrt(1 - t * t), abs=1e-13)
+
+
+def test_steps_and_breaks_together_and_conditions_on_potentials_are_refused():
+    with pytest.raises(ValueError, match="steps or breaks"):
+        sie.Forcing(np.zeros_like, steps_at=np.zeros(1), steps=np.ones(1), breaks_at=np.zeros(1), breaks=np.ones(1))
+    forcing = sie.Forcing(np.zeros_like, breaks_at=np.zeros(1), breaks=np.ones(1))
+    with pytest.raises(ValueError, match="potentials"):
+        sie.Equation(sie.cauchy(), forcing, (sie.Total(1.0), sie.EqualPotential()))
