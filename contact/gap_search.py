@@ -228,5 +228,6 @@ def _merged(table: Array, met: NDArray[np.intp], problem: Problem) -> Array:
         if i + 1 < len(rows):
             rows[i][1] = rows.pop(i + 1)[1]
         elif len(rows) > 1:
-            rows[i][1] = rows.pop(0)[1] + problem.period
+            first = rows.pop(0)
+            rows[-1][1] = first[1] + problem.period
     return np.array(rows)

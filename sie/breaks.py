@@ -15,18 +15,21 @@ jumps by J, h = J w^q / q!, the right side is smooth once this is subtracted: q 
 the profile, q = 1 over a jump of its curvature, q = 2 over a knot of a cubic spline.
 
 For q = 0 the caller leaves (J/pi) Lambda(x, s), Lambda the kernel's potential, out of the right side's values
-altogether: it is added here, from distances that lose no digit however narrow the zone.
+altogether: it is added here, from distances that lose no digit however narrow the zone. Those near a zone but outside
+it are carried too (`beyond`).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.beyond import Beyond
 from sie.kernels import Kernel
-from sie.steps import Steps
+from sie.steps import Steps, of_sines, potential_series
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -35,13 +38,15 @@ Index = NDArray[np.intp]
 
 @dataclass(frozen=True, eq=False)
 class Logarithms:
-    """Terms (J/pi) Lambda(x, s) of the right side: places s, and J/pi. own: the zone that holds s, or -1."""
+    """Terms (J/pi) Lambda(x, s) of the right side: places s, and J/pi. own: the zone that holds s, or -1; near: those
+    that lie near a zone, outside it."""
 
     kernel: Kernel
     zones: Zones
     at: Array
     weight: Array
     own: Index
+    near: Beyond
 
     def at_points(self, x: Array) -> Array:
         """Their sum at points x (n,)."""
@@ -50,12 +55,20 @@ class Logarithms:
             return np.asarray((np.log(np.abs(away) / self.kernel.datum) + self._far(away)) @ self.weight)
 
     def on_zone(self, zone: int, left: Array) -> Array:
-        """Their sum at distances over w from a zone's left end, less (J/pi) ln(2 |t - s|) for those that lie in it."""
+        """Their sum at distances over w from a zone's left end, less (J/pi) ln(2 |t - s|) for those that lie in it, and
+        (J/pi) ln(2 |rho| |t - s|) for those near."""
         w, kernel = self.zones.half[zone], self.kernel
         away = w * left[:, None] + (self.zones.a[zone] - self.at)
-        mine = self.own == zone
+        if kernel.period is not None:
+            # The image that is nearest to the zone, from the zone's own ends where it lies in it.
+            away = np.where(self.own == zone, away, away - np.round((away[len(left) // 2]) / kernel.period) * kernel.period)
+        carried = self.own == zone
+        size = np.ones(len(self.at))
+        k = self.near.by_zone.get(zone)
+        if k is not None:
+            carried[self.near.which[k]], size[self.near.which[k]] = True, np.abs(self.near.rho[k])
         with np.errstate(divide="ignore"):
-            near = np.where(mine, np.log(w / (2 * kernel.datum)), np.log(np.abs(away) / kernel.datum))
+            near = np.where(carried, np.log(w / (2 * size * kernel.datum)), np.log(np.abs(away) / kernel.datum))
         return np.asarray((near + self._far(away)) @ self.weight)
 
     def _far(self, away: Array) -> Array:
@@ -85,66 +98,56 @@ class Breaks(Steps):
         kinks = orders == 0
         logarithms = None
         if np.any(kinks):
-            own = np.where(inside, i, -1)[kinks]
-            logarithms = Logarithms(kernel, zones, at[kinks], jumps[kinks] / np.pi, own)
+            own, weight = np.where(inside, i, -1)[kinks], jumps[kinks] / np.pi
+            near = Beyond.near(zones, at[kinks], weight, kernel.period)
+            logarithms = Logarithms(kernel, zones, at[kinks], weight, own, near)
         i, at, w = i[inside], at[inside], w[inside]
         return cls(i, (at - zones.a[i]) / w, (zones.b[i] - at) / w, size[inside], orders[inside], logarithms)
 
-    def _polynomial(self, k: Index, t: Array) -> Array:
-        q, s = self.order[k], self.s[k]
-        second = -(t - 2 * s) * s - np.cos(2 * self.phi[k]) / 4
-        return np.where(q == 0, 0.0, np.where(q == 1, -s, second))
+    def __len__(self) -> int:
+        return len(self.zone) + (0 if self.logarithms is None else len(self.logarithms.near))
+
+    def _beyond(self, zone: int) -> tuple[Beyond, Index] | None:
+        """The logarithms near a zone, outside it."""
+        if self.logarithms is None or zone not in self.logarithms.near.by_zone:
+            return None
+        return self.logarithms.near, self.logarithms.near.by_zone[zone]
+
+    @cached_property
+    def by_zone(self) -> dict[int, Index]:
+        found = self.grouped()
+        if self.logarithms is not None:
+            found = {i: np.zeros(0, np.intp) for i in self.logarithms.near.by_zone} | found
+        return found
+
+    @cached_property
+    def kinked(self) -> list[int]:
+        return sorted({*self.zone[self.order == 0].tolist(), *(self.logarithms.near.by_zone if self.logarithms is not None else ())})
+
+    # the right side -------------------------------------------------------------------------------------------------
+    def adds_to(self, zone: int) -> bool:
+        return self.logarithms is not None or zone in self.by_zone
 
     def smooth_part(self, zone: int, left: Array) -> Array:
         out = np.zeros(left.shape) if self.logarithms is None else self.logarithms.on_zone(zone, left)
         return out - self._on_zone(zone, left, 1)
 
-    def adds_to(self, zone: int) -> bool:
-        return self.logarithms is not None or zone in self.by_zone
-
-    def own_transform(self, zone: int, left: Array) -> Array:
-        return self._on_zone(zone, left, 0)
-
     def left_out(self, x: Array) -> Array:
         return np.zeros(x.shape) if self.logarithms is None else self.logarithms.at_points(x)
-
-    def _on_zone(self, zone: int, left: Array, least: int) -> Array:
-        """Transform on the zone itself of its parts of order `least` and above."""
-        k = self.by_zone.get(zone)
-        k = None if k is None else k[self.order[k] >= least]
-        if k is None or len(k) == 0:
-            return np.zeros(left.shape)
-        away, q = left[..., None] - self.left[k], self.order[k]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            logs = np.log(2 * np.abs(away))
-            value = np.where((q > 0) & (away == 0), 0.0, away**q * logs) - self._polynomial(k, left[..., None] - 1)
-        return np.asarray(value @ (self.height[k] / np.pi))
-
-    def _sine_weights(self, k: Index, j: Array) -> Array:
-        return -np.cos(j * self.phi[k][:, None])
 
     def mean_offsets(self, zones: Zones) -> Array:
         raise ValueError("a condition on potentials is for right sides without logarithms")
 
-    def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
-        scale, n = self.height / np.pi, len(zones)
-        left = np.bincount(self.zone, -scale * (-self.left) ** self.order, minlength=n)
-        right = np.bincount(self.zone, scale * self.right**self.order, minlength=n)
-        return np.asarray(left, dtype=float), np.asarray(right, dtype=float)
-
+    # the density ----------------------------------------------------------------------------------------------------
     def density(self, zone: int, left: Array, right: Array) -> Array:
         k = self.by_zone[zone]
         away = left[:, None] - self.left[k]
         from_right, from_left = 2 * np.arctan2(np.sqrt(right), np.sqrt(left)), 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
         eta = np.where(away > 0, from_right[:, None], -from_left[:, None])
         eta = np.where(away == 0, 0.5 * (from_right - from_left)[:, None], eta)
-        return np.asarray((away ** self.order[k] * eta) @ (self.height[k] / np.pi))
-
-    def _plain(self, k: Index, rho: Array) -> Array:
-        # |1 - rho e^{i phi}|^2 from the distance to the nearer end, where both terms are positive.
-        rho = rho[:, None]
-        end = np.where(rho > 0, self.right[k], self.left[k])
-        return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))
+        out = np.asarray((away ** self.order[k] * eta) @ (self.height[k] / np.pi))
+        beyond = self._beyond(zone)
+        return out if beyond is None else out + beyond[0].density(beyond[1], left, right)
 
     def integral(self, zone: int, left: Array, right: Array) -> Array:
         """Integral of a zone's parts from its left end, at distances from the ends over w; over w.
@@ -153,24 +156,88 @@ class Breaks(Steps):
         """
         k = self.by_zone[zone]
         s, q = self.s[k], self.order[k]
-        beyond = left[:, None] > self.left[k]
-        inner = np.where(beyond, 2 * np.arctan2(np.sqrt(right), np.sqrt(left))[:, None],
-                         2 * np.arctan2(np.sqrt(left), np.sqrt(right))[:, None])
+        on_right = left[:, None] > self.left[k]
+        from_right, from_left = 2 * np.arctan2(np.sqrt(right), np.sqrt(left)), 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        inner = np.where(on_right, from_right[:, None], from_left[:, None])
         # Seen from the left end, t and s change sign, and so does (tau - s)^q for odd q.
-        shift = np.where(beyond, s, -s)
+        shift = np.where(on_right, s, -s)
         sine, cosine = np.sin(inner), np.cos(inner)
         first = sine - inner * cosine
         second = np.sin(2 * inner) / 8 - inner * np.cos(2 * inner) / 4
         third = (sine - sine**3 / 3 - inner * cosine**3) / 3
         square = third - 2 * shift * second + shift**2 * first
-        part = np.where(q == 0, first, np.where(q == 1, second - shift * first, square))
+        part = np.where(q == 0, first, np.where(q == 1, second - shift * first, square)) * self.height[k] / np.pi
         total = np.pi * self._coefficients(k, 1)[:, 0]
-        sign = np.where(q == 1, 1.0, -1.0)
-        value = np.where(beyond, total - self.height[k] / np.pi * part, sign * self.height[k] / np.pi * part)
-        return np.asarray(value.sum(axis=1))
+        out = np.asarray(np.where(on_right, total - part, np.where(q == 1, 1.0, -1.0) * part).sum(axis=1))
+        beyond = self._beyond(zone)
+        return out if beyond is None else out + beyond[0].integral(beyond[1], left, right)
 
-    def _phased(self, place: int, by_phase: tuple[NDArray[np.complex128], NDArray[np.complex128]]) -> Array:
-        return -np.real(by_phase[0] + by_phase[1]) / 2
+    def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
+        scale, n = self.height / np.pi, len(zones)
+        left = np.bincount(self.zone, -scale * (-self.left) ** self.order, minlength=n)
+        right = np.bincount(self.zone, scale * self.right**self.order, minlength=n)
+        if self.logarithms is not None:
+            near = self.logarithms.near
+            more = (np.bincount(near.zone, part, minlength=n) for part in near.edge_slopes())
+            left, right = (one + two for one, two in zip((left, right), more, strict=True))
+        return np.asarray(left, dtype=float), np.asarray(right, dtype=float)
+
+    def t_coefficients(self, zones: Zones, count: int) -> Array:
+        out = super().t_coefficients(zones, count)
+        if self.logarithms is not None and len(self.logarithms.near) and count:
+            near = self.logarithms.near
+            np.add.at(out, near.zone, of_sines(near.sine_coefficients(count + 1))[:, :count])
+        return out
+
+    # what the kernel makes of it ------------------------------------------------------------------------------------
+    def own_transform(self, zone: int, left: Array) -> Array:
+        return self._on_zone(zone, left, 0)
+
+    def _on_zone(self, zone: int, left: Array, least: int) -> Array:
+        """Transform on the zone itself of its parts of order `least` and above."""
+        k = self.by_zone.get(zone)
+        if k is None:
+            return np.zeros(left.shape)
+        k = k[self.order[k] >= least]
+        away, q = left[..., None] - self.left[k], self.order[k]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            logs = np.log(2 * np.abs(away))
+            value = np.where((q > 0) & (away == 0), 0.0, away**q * logs) - self._polynomial(k, left[..., None] - 1)
+        out = np.asarray(value @ (self.height[k] / np.pi))
+        beyond = self._beyond(zone) if least == 0 else None
+        return out if beyond is None else out + beyond[0].own_transform(beyond[1], left)
+
+    def transform(self, zone: int, z: Array, rho: Array) -> Array:
+        out = super().transform(zone, z, rho) if len(self.by_zone[zone]) else np.zeros(rho.shape)
+        beyond = self._beyond(zone)
+        return out if beyond is None else out + beyond[0].transform(beyond[1], rho)
+
+    def _plain(self, k: Index, rho: Array) -> Array:
+        # |1 - rho e^{i phi}|^2 from the distance to the nearer end, where both terms are positive.
+        rho = rho[:, None]
+        end = np.where(rho > 0, self.right[k], self.left[k])
+        return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))
+
+    def _polynomial(self, k: Index, t: Array) -> Array:
+        q, s = self.order[k], self.s[k]
+        second = -(t - 2 * s) * s - np.cos(2 * self.phi[k]) / 4
+        return np.where(q == 0, 0.0, np.where(q == 1, -s, second))
+
+    def kink_potential(self, zone: int, rho: NDArray[np.complex128] | Array) -> Array:
+        out = super().kink_potential(zone, rho)
+        beyond = self._beyond(zone)
+        if beyond is not None:
+            near, k = beyond
+            for up, weight in zip(near.rho[k], near.weight[k], strict=True):
+                own = -up * (-np.log(2 * np.abs(rho)) + np.real(rho**2) / 2)
+                out = out + weight * (own - np.real(potential_series(up, rho)))
+        return np.asarray(out)
+
+    def _sine_weights(self, k: Index, j: Array) -> Array:
+        return -np.cos(j * self.phi[k][:, None])
 
     def _first(self, place: int) -> float:
         return float(-np.cos(self.phi[place]))
+
+    def _phased(self, place: int, by_phase: tuple[NDArray[np.complex128], NDArray[np.complex128]]) -> Array:
+        return -np.real(by_phase[0] + by_phase[1]) / 2

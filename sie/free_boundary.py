@@ -111,11 +111,11 @@ def find_ends(
         move = float(np.abs(delta / width).max(initial=0.0))
         trace.append(Step(zones.table, move, value if equation.open_condition is not None else None))
         error = (MARGIN * np.abs(delta) + noise) / width
-        floor = float((noise / width).max(initial=0.0))
         rest = bool(np.all(np.abs(delta) <= np.maximum(tolerance * width, noise)))
         stalled = stalled + 1 if move > 0.5 * best else 0
         best = min(best, move)
-        stuck = (stalled >= 2 and move < 1e-9) or (stalled >= 5 and move < max(1e-6, min(100 * floor, 1e-2)))
+        quiet = bool(np.all(np.abs(delta) < np.clip(100 * noise, 1e-6 * width, 1e-2 * width)))
+        stuck = (stalled >= 2 and move < 1e-9) or (stalled >= 5 and quiet)
         if stuck:
             # Rounding keeps the ends moving: the largest of the last moves is what they are known to.
             error = error * (max(step.move for step in trace[-4:]) / max(move, 1e-300))
@@ -211,8 +211,9 @@ def _newton(
     gaps = np.array(modes.gaps(density.zones, equation.kernel))
     across, holds = gap_steps(gaps, 2 * w, moves, side * residual, side * a, signs[0] == signs[1])
     delta, weak = np.where(holds, across, delta), weak & ~holds
-    if len(equation.forcing.steps_at):
-        bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, residual, a, delta, INWARD, OUTWARD)
+    if len(equation.forcing.steps_at) + len(equation.forcing.breaks_at):
+        toward, slopes = side * residual, side * a
+        bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, toward, slopes, delta, INWARD, OUTWARD)
         delta = np.where(moves & ~weak, bent, delta)
     return delta, noise, change, not np.any(weak & moves)
 

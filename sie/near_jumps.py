@@ -7,9 +7,15 @@ motion. The part that is not is known, so the step solves
     K - (A - C / sqrt(r)) delta / 2 - C (sqrt(r + delta) - sqrt(r)) = 0,
 
 where an end that passes the jump inward leaves the root behind, and one that passes a jump outward takes it up.
+
+A logarithm (J/pi) ln|x - s| of the right side, J > 0, at distance y outside an end does the same mirrored (`beyond`): it
+puts 2 J / (pi sqrt(y)) into A, and 2 J sqrt(y) / pi into K, which it leaves where the end passes it outward. An end never
+passes one with J < 0 inward: the density would have the wrong sign all about it.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +28,8 @@ Array = NDArray[np.float64]
 # A jump farther than this many plain steps away does not bend K noticeably: the plain step is quadratic there.
 _FAR = 20.0
 _HALVINGS = 60
+# An end stops at this part of its way to a jump that it must not pass.
+_SHORT_OF = 0.9
 
 
 def bent_steps(
@@ -29,14 +37,14 @@ def bent_steps(
     outward: float,
 ) -> Array:
     """Steps (2, Z) of the left and right ends: `plain` = 2 K / A but where a jump is near. No step is longer than
-    `inward` or `outward` of the width there. k, slopes: K less its target, and A."""
-    rising = np.asarray(forcing.steps) > 0
-    if forcing.orders is not None:
-        rising &= np.asarray(forcing.orders) == 0
+    `inward` or `outward` of the width there. k, slopes: K less its target, and A, positive where they push outward."""
+    if len(forcing.breaks_at):
+        return _beside_logarithms(forcing, zones, period, k, slopes, plain, inward, outward)
+    kinks = _kinks(forcing.steps_at, forcing.steps, forcing.orders)
+    rising = kinks[1] > 0
     if not np.any(rising):
         return plain
-    at, heights = np.asarray(forcing.steps_at)[rising], np.asarray(forcing.steps)[rising]
-    inside, outside = _nearest(zones, at, heights, period)
+    inside, outside = _nearest(zones, kinks[0][rising], kinks[1][rising], period)
     width = zones.b - zones.a
     near = np.minimum(inside[0], outside[0])
     bent = (near < width) & (near < _FAR * np.abs(plain)) & (slopes > 0)
@@ -50,15 +58,54 @@ def bent_steps(
     c_out = np.where(y < width, 2 * j_out / np.pi, 0.0)
     r, y = np.minimum(r, width), np.minimum(y, width)
     straight = np.maximum(slopes[side] - c_in / np.sqrt(r), 0.0)
-    low, high = -inward * width, outward * width
-    for _ in range(_HALVINGS):
-        delta = 0.5 * (low + high)
+
+    def intensity(delta: Array) -> Array:
         bend = c_in * (np.sqrt(np.maximum(r + delta, 0)) - np.sqrt(r)) + c_out * np.sqrt(np.maximum(delta - y, 0))
-        further = k[side] - 0.5 * straight * delta - bend > 0
-        low, high = np.where(further, delta, low), np.where(further, high, delta)
+        return np.asarray(k[side] - 0.5 * straight * delta - bend)
+
     steps = plain.copy()
-    steps[side] = 0.5 * (low + high)
+    steps[side] = _root(intensity, -inward * width, outward * width)
     return steps
+
+
+def _beside_logarithms(
+    forcing: Forcing, zones: Zones, period: float | None, k: Array, slopes: Array, plain: Array, inward: float,
+    outward: float,
+) -> Array:
+    at, heights = _kinks(forcing.breaks_at, forcing.breaks, forcing.break_orders)
+    width, steps = zones.b - zones.a, plain.copy()
+    inside, outside = _nearest(zones, at[heights > 0], heights[heights > 0], period)
+    bent = (np.minimum(inside[0], outside[0]) < np.minimum(width, _FAR * np.abs(plain))) & (slopes > 0)
+    if np.any(bent):
+        side = np.nonzero(bent)
+        width = width[side[1]]
+        (r, j_in), (y, j_out) = ((d[side], j[side]) for d, j in (inside, outside))
+        c_in, c_out = np.where(r < width, 2 * j_in / np.pi, 0.0), np.where(y < width, 2 * j_out / np.pi, 0.0)
+        r, y = np.minimum(r, width), np.clip(y, 1e-300, width)
+        straight = np.maximum(slopes[side] - c_out / np.sqrt(y), 0.0)
+
+        def intensity(delta: Array) -> Array:
+            bend = c_out * (np.sqrt(y) - np.sqrt(np.maximum(y - delta, 0))) - c_in * np.sqrt(np.maximum(-delta - r, 0))
+            return np.asarray(k[side] - 0.5 * straight * delta - bend)
+
+        steps[side] = _root(intensity, -inward * width, outward * width)
+    valleys = _nearest(zones, at[heights < 0], heights[heights < 0], period)[0][0]
+    return np.maximum(steps, -_SHORT_OF * valleys)
+
+
+def _kinks(at: Array, heights: Array, orders: NDArray[np.intp] | None) -> tuple[Array, Array]:
+    """Positions and heights of the jumps of order 0."""
+    which = np.ones(len(at), dtype=bool) if orders is None else np.asarray(orders) == 0
+    return np.asarray(at)[which], np.asarray(heights)[which]
+
+
+def _root(falls: Callable[[Array], Array], low: Array, high: Array) -> Array:
+    """Where a function that falls passes zero between bounds, by halving."""
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        further = falls(middle) > 0
+        low, high = np.where(further, middle, low), np.where(further, high, middle)
+    return np.asarray(0.5 * (low + high))
 
 
 def _nearest(

@@ -84,6 +84,10 @@ class Steps:
     @cached_property
     def by_zone(self) -> dict[int, Index]:
         """Places of the jumps of each zone that has any."""
+        return self.grouped()
+
+    def grouped(self) -> dict[int, Index]:
+        """See `by_zone`."""
         order = np.argsort(self.zone, kind="stable")
         zones, first = np.unique(self.zone[order], return_index=True)
         return dict(zip(zones.tolist(), np.split(order, first[1:]), strict=False))
@@ -126,7 +130,7 @@ class Steps:
         """First `count` coefficients c_l of these parts as sums of T_l / sqrt(1 - t^2); shape (zones, count)."""
         out = np.zeros((len(zones), count))
         if len(self) and count:
-            np.add.at(out, self.zone, self._coefficients(np.arange(len(self)), count))
+            np.add.at(out, self.zone, self._coefficients(np.arange(len(self.zone)), count))
         return out
 
     def _sine_weights(self, k: Index, j: Array) -> Array:
@@ -134,11 +138,8 @@ class Steps:
         return np.asarray(np.sin(j * self.phi[k][:, None]))
 
     def _coefficients(self, k: Index, count: int) -> Array:
-        size = count + HIGHEST + 1
-        j = np.arange(1, size + 1)
-        beta = (2 * self.height[k] / np.pi)[:, None] * self._sine_weights(k, j) / j
-        c = 0.5 * beta
-        c[:, 2:] -= 0.5 * beta[:, :-2]
+        j = np.arange(1, count + HIGHEST + 2)
+        c = of_sines((2 * self.height[k] / np.pi)[:, None] * self._sine_weights(k, j) / j)
         for power in range(1, HIGHEST + 1):
             some = self.order[k] >= power
             if np.any(some):
@@ -215,7 +216,7 @@ class Steps:
         out = np.zeros(rho.shape)
         for place in k[self.order[k] == 0]:
             up = np.exp(1j * self.phi[place])
-            both = _potential_series(up, rho), _potential_series(np.conj(up), rho)
+            both = potential_series(up, rho), potential_series(np.conj(up), rho)
             own = self._first(place) * (-np.log(2 * np.abs(rho)) + np.real(rho**2) / 2)
             out += self.height[place] / np.pi * (own + self._phased(place, both))
         return out
@@ -234,6 +235,13 @@ class Steps:
         return [int(i) for i in np.unique(self.zone[self.order == 0])]
 
 
+def of_sines(beta: Array) -> Array:
+    """Coefficients of T_l / sqrt(1 - t^2), l = 0, 1, ..., from those of sin(j theta), j = 1, 2, ..., along the last axis."""
+    c = 0.5 * beta
+    c[..., 2:] -= 0.5 * beta[..., :-2]
+    return np.asarray(c)
+
+
 def _times_t(c: Array) -> Array:
     """Coefficients of t times sum c_l T_l, the last one lost."""
     out = np.zeros_like(c)
@@ -243,11 +251,12 @@ def _times_t(c: Array) -> Array:
     return out
 
 
-def _potential_series(up: complex, rho: NDArray[np.complex128] | Array) -> NDArray[np.complex128]:
+def potential_series(up: complex, rho: NDArray[np.complex128] | Array) -> NDArray[np.complex128]:
+    """sum_{j >= 2} (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)), and of j = 1 what has no logarithm of rho."""
     q = up * rho
     log = -np.log1p(-q)
     rest = log - q
-    return np.asarray(-(up * log - rest / rho) + rho * rest - np.conj(up) * (rest - q * q / 2))
+    return np.asarray(-(up * log - rest / rho) + rho * rest - (rest - q * q / 2) / up)
 
 
 _NONE = Steps(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp))

@@ -18,6 +18,7 @@ SIE = """
     ends chebyshev kernels exact
     zones
     conditions steps
+    beyond
     breaks
     equation
     gap_steps lazy modes near_jumps tree

@@ -134,3 +134,58 @@ def test_steps_and_breaks_together_and_conditions_on_potentials_are_refused():
     forcing = sie.Forcing(np.zeros_like, breaks_at=np.zeros(1), breaks=np.ones(1))
     with pytest.raises(ValueError, match="potentials"):
         sie.Equation(sie.cauchy(), forcing, (sie.Total(1.0), sie.EqualPotential()))
+
+
+OUTSIDE = [-1.31, 0.4, 0.4 + 1e-4, 0.89]
+
+
+def beside(at, kernel=None, height=0.8):
+    kernel = kernel or sie.cauchy()
+    breaks = Breaks.inside(ZONES, np.array([at]), np.array([height]), np.zeros(1, dtype=int), kernel)
+    return breaks, sie.Density(ZONES, kernel, NO_COEFFICIENTS, breaks, np.zeros(0))
+
+
+@pytest.mark.parametrize("at", OUTSIDE)
+def test_a_logarithm_just_outside_has_its_own_bounded_density(at):
+    breaks, density = beside(at)
+    count, t = 40000, np.array([-0.95, -0.4, 0.13, 0.8])
+    theta = np.arccos(t)
+    for zone in set(breaks.logarithms.near.zone.tolist()):
+        a, b = ZONES.table[zone]
+        rho = np.sqrt(abs(at - b) * abs(at - a)) / (0.5 * (b - a))
+        s = (2 * at - a - b) / (b - a)
+        rho = s - np.sign(s) * rho
+        j = np.arange(1, count)
+        expected = -0.8 * 2 / np.pi * np.sin(theta[:, None] * j) @ (rho**j / j)
+        slow = 2e-4 if abs(rho) > 0.99 else 1e-12
+        assert density.at_t(zone, t) == pytest.approx(expected, abs=slow)
+        summed = np.cos(theta[:, None] * np.arange(count)) @ breaks.t_coefficients(ZONES, count)[zone] / np.sin(theta)
+        assert density.at_t(zone, t) == pytest.approx(summed, abs=slow)
+        assert density.at_t(zone, np.array([-1.0, 1.0])) == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(PERIOD)], ids=["cauchy", "hilbert"])
+@pytest.mark.parametrize("at", OUTSIDE)
+def test_its_transform_potential_and_integral_are_those_of_the_density(at, kernel):
+    _, density = beside(at, kernel)
+    plain = reference.cauchy if kernel.period is None else reference.hilbert(PERIOD)
+    log = reference.log_cauchy if kernel.period is None else reference.log_hilbert(PERIOD)
+    for x in (-2.0, 0.42, 1.7, -1.0, 0.35, 1.4):
+        moved = x if kernel.period is None else inside(x)
+        assert density.transform(x) == pytest.approx(reference.transform(density_of(density), ZONES.table, moved, plain), abs=1e-9)
+        assert density.potential(x) == pytest.approx(reference.potential(density_of(density), ZONES.table, moved, log), abs=1e-9)
+    for zone, (a, b) in enumerate(ZONES.table):
+        x = np.linspace(a, b, 6)[1:-1]
+        expected = [quad(density, a, end, epsabs=1e-12, limit=200)[0] for end in x]
+        assert density.integral(x) == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize("distance", [0.0, 1e-12, 1e-6, 1e-3, 0.1])
+def test_a_logarithm_near_an_end_costs_no_modes(distance):
+    height = np.array([0.8, -0.5])
+    problem, forcing = equation(sie.cauchy(), [1.6 + distance, -1.3 - distance], [0, 0], height)
+    state = sie.solve_fixed(problem, sie.Zones.of(ZONES.table, sie.SINGULAR, sie.SINGULAR))
+    assert state.sizes.own.max() <= 24
+    x = np.linspace(0.91, 1.59, 50)
+    logs = height[0] / np.pi * np.log(np.abs(x - 1.6 - distance)) + height[1] / np.pi * np.log(np.abs(x + 1.3 + distance))
+    assert state.density.transform(x) == pytest.approx(forcing.value(x) + logs, abs=1e-11)
