@@ -19,7 +19,7 @@ from sie import modes
 from sie.ends import FREE, SINGULAR, End
 from sie.equation import Equation
 from sie.gap_steps import gap_steps
-from sie.near_jumps import bent_steps
+from sie.near_jumps import bent_steps, tips_between
 from sie.released import AnyDensity, AnyState, solve_zones
 from sie.solve import Sizes, State, assembled, density_of, first_sizes
 from sie.zones import Zones
@@ -209,12 +209,14 @@ def _newton(
         residual = np.where(moves, residual + change * np.array(unit.intensities), 0.0)
         a = a + change * np.array(unit.edge_slopes)
     gaps = np.array(modes.gaps(density.zones, equation.kernel))
-    across, holds = gap_steps(gaps, 2 * w, moves, side * residual, side * a, signs[0] == signs[1])
+    jumps = len(equation.forcing.breaks_at) > 0
+    tips = tips_between(equation.forcing, density.zones, equation.kernel.period) if jumps else 0.0
+    across, holds = gap_steps(gaps, 2 * w, moves, side * residual, side * a, signs[0] == signs[1], tips)
     delta, weak = np.where(holds, across, delta), weak & ~holds
-    if len(equation.forcing.steps_at) + len(equation.forcing.breaks_at):
+    if len(equation.forcing.steps_at) or jumps:
         toward, slopes = side * residual, side * a
         bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, toward, slopes, delta, INWARD, OUTWARD)
-        delta = np.where(moves & ~weak, bent, delta)
+        delta = np.where(moves & ~weak & ~(holds & jumps), bent, delta)
     return delta, noise, change, not np.any(weak & moves)
 
 

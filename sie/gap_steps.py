@@ -13,7 +13,9 @@ and the new half gap is sqrt(-4 P_0/P_2) there. With rho = K / (c S), S what is 
     (new half gap / c)^2 = 1 - 2 (rho_right + rho_left) + 2 (rho_right - rho_left)^2.
 
 If the density changes sign from one end to the other (the slope of a gap on both sides of a contact strip), the narrow
-strip is Hertz's and the last square is absent. For small K all of this is the plain step 2 K / A.
+strip is Hertz's and the last square is absent. With a tip of height J in it (a logarithm of the right side: `breaks`) part
+of S is the wedge's, (J/pi) sqrt(2/c), whose load grows with c and not with c^2; then it is the sum of both loads that
+changes by -K sqrt(2 c). For small K all of this is the plain step 2 K / A.
 """
 
 from __future__ import annotations
@@ -33,12 +35,12 @@ def facing(of_ends: NDArray[Any]) -> NDArray[Any]:
 
 
 def gap_steps(
-    gaps: Array, widths: Array, moves: NDArray[np.bool_], k: Array, slopes: Array, alike: bool
+    gaps: Array, widths: Array, moves: NDArray[np.bool_], k: Array, slopes: Array, alike: bool, tips: Array | float = 0.0
 ) -> tuple[Array, NDArray[np.bool_]]:
     """(outward steps (2, Z), where they hold): for moving pairs across gaps (2, Z) narrower than both zones.
 
     k, slopes: K less its target and A, positive where a density of the right sign pushes outward. alike: whether the
-    density has the same sign at both ends of a gap.
+    density has the same sign at both ends of a gap. tips: heights J of the tips in the gaps (2, Z), if it has not.
     """
     of_both = np.array([widths, widths])
     pairs = moves & facing(moves) & (gaps < np.minimum(of_both, facing(of_both)))
@@ -55,4 +57,9 @@ def gap_steps(
     square = 1 - 2 * (rho + rho_other) + (2 * shift**2 if alike else 0.0)
     # 1 - sqrt(square) without cancellation; a gap that wants to close altogether moves by all of its half.
     closing = np.where(square > 0, (1 - square) / (1 + np.sqrt(np.maximum(square, 0.0))), 1.0)
+    # Shares of S that are a wedge's, and of what closes: load (1 - e)^2 (1 - share) / 2 + (1 - e) share of the new half gap.
+    share = np.clip(np.asarray(tips) / np.pi * np.sqrt(2 / c) / np.where(holds, 0.5 * (straight + beyond), 1.0), 0.0, 1.0)
+    left = np.maximum(0.5 * (1 + share) - (rho + rho_other), 0.0)
+    wedged = 1 - 2 * left / np.maximum(share + np.sqrt(share**2 + 2 * (1 - share) * left), 1e-300)
+    closing = np.where(share > 0, np.where(left > 0, wedged, 1.0), closing)
     return np.where(holds, c * (shift + closing), 0.0), holds

@@ -93,6 +93,18 @@ def _beside_logarithms(
     return np.maximum(steps, -_SHORT_OF * valleys)
 
 
+def tips_between(forcing: Forcing, zones: Zones, period: float | None) -> Array:
+    """Heights J > 0 of the logarithms of the right side that lie between zones, added up, on both sides (2, Z) of each."""
+    at, heights = _kinks(forcing.breaks_at, forcing.breaks, forcing.break_orders)
+    at, heights = at[heights > 0], heights[heights > 0]
+    if period is not None:
+        at = at - np.floor((at - zones.a[0]) / period) * period
+    i = np.searchsorted(zones.a, at, side="right") - 1
+    between = (i >= 0) & (at > zones.b[i])
+    after = np.bincount(i[between], heights[between], minlength=len(zones))
+    return np.array([np.roll(after, 1), after])
+
+
 def _kinks(at: Array, heights: Array, orders: NDArray[np.intp] | None) -> tuple[Array, Array]:
     """Positions and heights of the jumps of order 0."""
     which = np.ones(len(at), dtype=bool) if orders is None else np.asarray(orders) == 0
