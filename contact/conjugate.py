@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from math import pi
 
 import numpy as np
@@ -80,8 +81,7 @@ class ScaledConjugate:
     def without_own(self, kinks: NDArray[np.intp]) -> Array:
         """H f' at some of the kinks themselves, less the logarithm of each."""
         at, turns = self.at[kinks], (self.at[kinks, None] - self.at) / self.period
-        with np.errstate(divide="ignore"):
-            logs = np.log(np.abs(2 * np.sin(pi * (turns - np.round(turns)))))
+        logs = _log_sine(turns - np.round(turns))
         logs[np.arange(len(kinks)), kinks] = 0.0
         return np.asarray(self.smooth(at) + logs @ (self.heights / pi))
 
@@ -94,8 +94,7 @@ class ScaledConjugate:
 
 def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
     """sum of (J / pi) ln|2 sin(pi (x - s) / L)|."""
-    with np.errstate(divide="ignore"):
-        return _over_jumps(x, at, heights / pi, period, lambda u: np.log(np.abs(2 * np.sin(pi * u))))
+    return _over_jumps(x, at, heights / pi, period, _log_sine)
 
 
 def conjugate_of(profile: Profile) -> Conjugate:
@@ -118,11 +117,11 @@ def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], 
     orders = jumps[:, 1] - 1
 
     def polynomials(x: Array) -> Array:
-        out = _over_jumps(x, kinks[:, 0], kinks[:, 1], length, lambda u: -_bernoulli(0, u % 1.0))
+        out = _over_jumps(x, kinks[:, 0], -kinks[:, 1], length, partial(_bernoulli, 0))
         for q in (1, 2):
             here = jumps[orders == q]
-            out = out + _over_jumps(x, here[:, 0], -here[:, 2] * length**q, length, lambda u, q=q: _bernoulli(q, u % 1.0))
-        return out
+            out = out + _over_jumps(x, here[:, 0], -here[:, 2] * length**q, length, partial(_bernoulli, q))
+        return np.asarray(out)
 
     # The parts that are taken out may be much larger than their sum.
     rounding = 2.2e-16 * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum()) / 12
@@ -149,7 +148,7 @@ def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], 
         out = np.zeros(x.shape) if left is None else left(turns.ravel()).reshape(x.shape)
         for q, factor, function in ((1, -length / (2 * pi**2), clausen2), (2, length**2 / (4 * pi**3), clausen3)):
             here = jumps[orders == q]
-            out = out + _over_jumps(x, here[:, 0], factor * here[:, 2], length, lambda u, f=function: f(2 * pi * u))
+            out = out + _over_jumps(x, here[:, 0], factor * here[:, 2], length, function)
         return np.asarray(out)
 
     return smooth, settled
@@ -177,6 +176,11 @@ def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[
     return smooth
 
 
+def _log_sine(u: Array) -> Array:
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.log(np.abs(2 * np.sin(pi * u))))
+
+
 def _over_jumps(x: Array, at: Array, weights: Array, length: float, function: Callable[[Array], Array]) -> Array:
     """sum_k weights_k function(u_k), u_k = (x - s_k)/L in turns from -1/2 to 1/2, by blocks of bounded memory."""
     x = np.asarray(x, dtype=float)
@@ -192,7 +196,8 @@ def _over_jumps(x: Array, at: Array, weights: Array, length: float, function: Ca
 
 
 def _bernoulli(q: int, u: Array) -> Array:
-    """B_(q+1)(u) / (q+1)!, u in [0, 1): minus its q-th derivative jumps by one at 0."""
+    """B_(q+1)(u) / (q+1)!, u in turns: minus its q-th derivative jumps by one at 0."""
+    u = u % 1.0
     if q == 0:
         return np.asarray(u - 0.5)
     if q == 1:
@@ -200,16 +205,18 @@ def _bernoulli(q: int, u: Array) -> Array:
     return np.asarray(((u - 1.5) * u + 0.5) * u / 6)
 
 
-def clausen2(angle: Array) -> Array:
-    """sum_k sin(k y)/k^2 for |y| <= pi: y - y ln|y| + sum_k |B_2k| y^(2k+1) / (2k (2k+1)!)."""
+def clausen2(u: Array) -> Array:
+    """sum_k sin(k y)/k^2, y = 2 pi u, for |u| <= 1/2: y - y ln|y| + sum_k |B_2k| y^(2k+1) / (2k (2k+1)!)."""
+    angle = 2 * pi * u
     square = angle * angle
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(angle == 0, 0.0, angle * (1 - np.log(np.abs(angle))))
     return np.asarray(own + angle * square * _horner(_SECOND, square))
 
 
-def clausen3(angle: Array) -> Array:
-    """sum_k cos(k y)/k^3 for |y| <= pi: zeta(3) + (y^2/2)(ln|y| - 3/2) - sum_k |B_2k| y^(2k+2) / (2k (2k+2)!)."""
+def clausen3(u: Array) -> Array:
+    """sum_k cos(k y)/k^3, y = 2 pi u, |u| <= 1/2: zeta(3) + (y^2/2)(ln|y| - 3/2) - sum_k |B_2k| y^(2k+2) / (2k (2k+2)!)."""
+    angle = 2 * pi * u
     square = angle * angle
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(angle == 0, 0.0, 0.5 * square * (np.log(np.abs(angle)) - 1.5))

@@ -71,7 +71,7 @@ class GapFields:
         """pbar - H f' + H s wherever it is asked for."""
         return np.asarray(self.mean - self.conjugate(x) + self.density.transform(x))
 
-    def pressure_in(self, zone: ArrayLike, left: Array, right: Array) -> Array:
+    def pressure_in(self, zone: int | NDArray[np.intp], left: Array, right: Array) -> Array:
         """Scaled pressure at distances over the half width from the ends of contact zones."""
         a, b = self.zones[zone].T
         half = 0.5 * (b - a)

@@ -138,7 +138,7 @@ class Steps:
         return np.asarray(np.sin(j * self.phi[k][:, None]))
 
     def _coefficients(self, k: Index, count: int) -> Array:
-        j = np.arange(1, count + HIGHEST + 2)
+        j = np.arange(1.0, count + HIGHEST + 2)
         c = of_sines((2 * self.height[k] / np.pi)[:, None] * self._sine_weights(k, j) / j)
         for power in range(1, HIGHEST + 1):
             some = self.order[k] >= power

@@ -174,7 +174,7 @@ def test_its_transform_potential_and_integral_are_those_of_the_density(at, kerne
         moved = x if kernel.period is None else inside(x)
         assert density.transform(x) == pytest.approx(reference.transform(density_of(density), ZONES.table, moved, plain), abs=1e-9)
         assert density.potential(x) == pytest.approx(reference.potential(density_of(density), ZONES.table, moved, log), abs=1e-9)
-    for zone, (a, b) in enumerate(ZONES.table):
+    for a, b in ZONES.table:
         x = np.linspace(a, b, 6)[1:-1]
         expected = [quad(density, a, end, epsabs=1e-12, limit=200)[0] for end in x]
         assert density.integral(x) == pytest.approx(expected, abs=1e-9)
