@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 import sie
 from contact import planning
-from contact.certificate import ROUNDING, Certificate
+from contact.accuracy import limit, stated_error
+from contact.certificate import Certificate
 from contact.conjugate import ScaledConjugate
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.fields import ZoneFields, mean_shape
@@ -82,16 +83,17 @@ class _Run:
         self.frame = framed(self.scene, self.single)
         self.problem, self.control = self.frame.problem, self.frame.control
         found = self._found()
+        if isinstance(found, Found):
+            found = self._tightened(found)
         if found is None:
             return self._full(self._mean_pressure())
-        if isinstance(found, Gapped):
-            return self._gapped(found)
-        return self._solved(self._tightened(found))
+        return self._gapped(found) if isinstance(found, Gapped) else self._solved(found)
 
-    def _tightened(self, found: Found) -> Found:
-        """Solved again from the same zones with a smaller inner tolerance, where the error came out above the wanted one."""
+    def _tightened(self, found: Found) -> Found | Gapped | None:
+        """Solved again from the same zones with a smaller inner tolerance, where the error came out above the wanted one; from
+        the start, if they do not stand up to it."""
         for _ in range(3):
-            error = self._error(found)
+            error = stated_error(found, self.control)
             if error <= self.tol or self.tolerance <= 2e-15:
                 break
             self.tolerance = max(2e-15, 0.05 * self.tolerance * self.tol / error)
@@ -99,18 +101,22 @@ class _Run:
                 with self.plan.timed("zone ends"):
                     better = self._again(found)
             except (WrongTopology, NotConverged, OutOfRange):
-                break
-            if better is not None and self._error(better) < error:
+                try:
+                    better = self._found()
+                except (NotConverged, OutOfRange):
+                    break
+            if not isinstance(better, Found):
+                return better
+            if stated_error(better, self.control) < error:
                 found = better
         return found
 
-    def _again(self, found: Found) -> Found | None:
+    def _again(self, found: Found) -> Found | Gapped | None:
         if self.scene.interaction.follows_isolated:
             return self._first_order()
         problem, table = found.fields.problem, found.free.density.zones.table
         if self.scene.interaction.strip:
-            again = self._centred(problem, self.control, table)
-            return None if isinstance(again, Gapped) else again
+            return self._centred(problem, self.control, table)
         return self._settle(problem, self.control, table)
 
     def _mean_pressure(self) -> float:
@@ -375,7 +381,7 @@ class _Run:
 
     def _solved(self, found: Found) -> Solution:
         density = found.fields.density
-        error = self._error(found)
+        error = stated_error(found, self.control)
         sizes = found.free.state.sizes
         plan = self.plan
         zones = density.zones
@@ -400,7 +406,7 @@ class _Run:
             self.scene, self._si(zones), replace(found.fields, problem=found.fields.problem), error, found.certificate, plan,
             found.free.trace,
         )
-        return self._within_tolerance(solution)
+        return self._within_tolerance(solution, found.free, "zone")
 
     def _gapped(self, found: Gapped) -> Solution:
         """The solution of a nearly full contact from its gaps."""
@@ -417,34 +423,14 @@ class _Run:
         error = found.error
         table = self._in_cell(np.asarray(self.problem.units.x(fields.zones)))
         solution = Solution(self.scene, table, fields, error, found.certificate, plan, found.free.trace)
-        return self._within_tolerance(solution)
+        return self._within_tolerance(solution, found.free, "gap")
 
-    def _within_tolerance(self, solution: Solution) -> Solution:
+    def _within_tolerance(self, solution: Solution, free: sie.Free, of: str) -> Solution:
         if solution.error > self.tol:
+            why = limit(free, self.tol, of)
             raise NotConverged(
-                f"the stated error {solution.error:.2g} is above the tolerance {self.tol:.2g}; the best state is attached",
+                f"the stated error {solution.error:.2g} is above the tolerance {self.tol:.2g}{': ' if why else ''}{why}; the best "
+                "state is attached",
                 solution.trace, solution,
             )
         return solution
-
-    def _error(self, found: Found) -> float:
-        """Bound of the errors of pressure and ends: decay of coefficients, remaining moves of the ends, roundoff."""
-        free, state = found.free, found.fields.state
-        density = state.density
-        ends = free.end_error + state.end_truncation
-        largest, by_left, by_right = density.sensitivity
-        singular = any(end.intensity is None for end in (*density.zones.left, *density.zones.right))
-        infinite = singular or bool(np.any((density.steps.height > 0) & (density.steps.order == 0)))
-        width = float((density.zones.b - density.zones.a).sum())
-        peak = abs(density.total) / width if infinite else float(largest.max())
-        moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
-        # Beside a singular end the pressure is several times the mean, to which its error is referred.
-        on_zones = (8 if singular else 1) * (state.density_error * state.size / peak + ROUNDING)
-        error = max(float(ends.max(initial=0.0)) + ROUNDING, moved + on_zones)
-        if self.control.kind != "approach":
-            return error
-        # A stiff contact turns the rounding of its level into load.
-        fields, units = found.fields, found.fields.problem.units
-        assert fields.stiffness is not None
-        rounding = fields.gap_rounding / 16 + 4e-16 * state.density.total
-        return error + abs(rounding * fields.stiffness * units.height / (units.load * state.density.total))

@@ -27,6 +27,10 @@ Timed = Callable[[str], AbstractContextManager[object]]
 ROUNDS = 12
 # Where a dip of the pressure may be a gap, zones are found to this.
 TIGHT = 1e-15
+# Where only the error of the ends makes signs fail, the next tolerance is this part of the last.
+CLOSER = 1e-3
+# Over the ends' stated errors.
+MARGIN = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,9 +65,10 @@ def settle(
     slight: Found | None = None
     try:
         for found in _rounds(problem, control, table, tolerance, progress, formal, timed):
-            if formal or found.certificate.dip > 10 * tolerance or found.tolerance <= TIGHT:
+            if formal or found.tolerance <= TIGHT or not _is_slight(found):
                 return found
-            # Whether so slight a dip is a gap, a solution to the tolerance does not tell: on to a tighter one.
+            # Whether so slight a dip is a gap, or so narrow a gap open, a solution to the tolerance does not tell: on to a
+            # tighter one.
             slight = slight or found
     except WrongTopology:
         if slight is None:
@@ -112,8 +117,34 @@ def _rounds(
             continue
         if control.kind == "half_width":
             raise WrongTopology("pressure or gap change sign", free)
+        if tolerance > TIGHT and _is_error(free, certificate):
+            table, tolerance = free.density.zones.table, max(TIGHT, CLOSER * tolerance)
+            continue
         table = _corrected(free.density.zones, certificate, problem)
     raise WrongTopology("the number of zones did not settle", free)
+
+
+def _off(free: sie.Free) -> Array:
+    """How far the ends may be off (Z, 2), with a margin: signs so close to them tell nothing."""
+    zones = free.density.zones
+    return np.asarray(MARGIN * (free.end_error + free.state.end_truncation) * (zones.b - zones.a)[:, None])
+
+
+def _is_slight(found: Found) -> bool:
+    """Whether a dip of the pressure, or a gap between zones, is so slight that the error of the solution may have made it."""
+    zones, off = found.free.density.zones, _off(found.free)
+    return found.certificate.dip <= 10 * found.tolerance or bool(np.any(zones.a[1:] - zones.b[:-1] <= off[1:, 0] + off[:-1, 1]))
+
+
+def _is_error(free: sie.Free, certificate: Certificate) -> bool:
+    """Whether all that fails lies so close to ends that their error may have made it."""
+    zones, off = free.density.zones, _off(free)
+    bad = np.concatenate((certificate.negative, certificate.overlaps))
+    if len(bad) == 0:
+        return False
+    ends, reach = np.concatenate((zones.a, zones.b)), np.concatenate((off[:, 0], off[:, 1]))
+    near = (np.abs(bad[:, :1] - ends) <= reach) & (np.abs(bad[:, 1:] - ends) <= reach)
+    return bool(near.any(axis=1).all())
 
 
 def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:

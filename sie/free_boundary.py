@@ -51,7 +51,7 @@ class Free:
     """Result of the search for the ends.
 
     converged; end_error: each end's remaining move over its zone's width (Z, 2), with roundoff but without what
-    truncated coefficients shift it by (`state.end_truncation`); trace of the steps;
+    truncated coefficients shift it by (`state.end_truncation`); rounding: that part of it alone; trace of the steps;
     value: that of the open condition, if there is one; lost: zones that shrank away; met: gaps (by the zone left of
     them) that closed.
     """
@@ -59,6 +59,7 @@ class Free:
     state: AnyState
     converged: bool
     end_error: Array
+    rounding: Array
     trace: tuple[Step, ...]
     value: float | None
     lost: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
@@ -110,15 +111,15 @@ def find_ends(
         noise = noise + np.where(moves, 4 * np.spacing(np.abs([zones.a, zones.b])), 0.0)
         move = float(np.abs(delta / width).max(initial=0.0))
         trace.append(Step(zones.table, move, value if equation.open_condition is not None else None))
-        error = (MARGIN * np.abs(delta) + noise) / width
+        rounding = (noise / width).T
         rest = bool(np.all(np.abs(delta) <= np.maximum(tolerance * width, noise)))
         stalled = stalled + 1 if move > 0.5 * best else 0
         best = min(best, move)
         quiet = bool(np.all(np.abs(delta) < np.clip(100 * noise, 1e-6 * width, 1e-2 * width)))
         stuck = (stalled >= 2 and move < 1e-9) or (stalled >= 5 and quiet)
-        if stuck:
-            # Rounding keeps the ends moving: the largest of the last moves is what they are known to.
-            error = error * (max(step.move for step in trace[-4:]) / max(move, 1e-300))
+        # Where rounding keeps the ends moving, the largest of the last moves is what they are known to.
+        largest = max(step.move for step in trace[-4:]) / max(move, 1e-300) if stuck else 1.0
+        error = rounding + MARGIN * largest * (np.abs(delta) / width).T
         done = certain and not released and (rest or stuck)
         done = done and abs(change) <= max(tolerance, 1e-14) * abs(value + change)
         # At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones.
@@ -127,7 +128,7 @@ def find_ends(
         if done or hopeless or len(trace) > max_steps:
             if done:
                 state = state.settled()
-            return Free(state, done, error.T, tuple(trace), value if equation.open_condition is not None else None)
+            return Free(state, done, error, rounding, tuple(trace), value if equation.open_condition is not None else None)
         value += change
         limited = _limit(zones, equation, delta)
         zones = _held_at(zones.moved(zones.a - limited[0], zones.b + limited[1]), walls)
@@ -135,7 +136,7 @@ def find_ends(
         lost = np.flatnonzero(zones.b - zones.a < collapse * first_width)
         met = np.flatnonzero(gap < collapse * np.minimum(first_gap, np.minimum(zones.b - zones.a, first_width)))
         if len(lost) or len(met):
-            return Free(state, False, error.T, tuple(trace), value, lost, met)
+            return Free(state, False, error, rounding, tuple(trace), value, lost, met)
 
 
 def _stays(trace: list[Step]) -> bool:

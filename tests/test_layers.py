@@ -64,7 +64,7 @@ CONTACT = """
     certificate conjugate sampling
     full
     export framing plotting topology
-    first_order gapped proposals solution
+    accuracy first_order gapped proposals solution
     gap_certificate
     gap_search
     solver

@@ -1,0 +1,54 @@
+"""What is stated of a solution's error, and what keeps it from being smaller.
+
+The error bounds (docs/errors.md) the ends' errors over the width of their zone, and the pressure's at equal normalised position
+over the peak. Ends are off by what Newton has left to do, by what truncated series shift them by, and by rounding; a zone's
+pressure follows its ends (`sie.Density.sensitivity`), and is off itself by the series' truncation.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+import sie
+from contact.certificate import ROUNDING
+from contact.problem import Control
+from contact.topology import Found
+
+# Beside a singular end the pressure is several times the mean, to which its error is referred.
+_SINGULAR = 8
+_EPS = 2.2e-16
+
+
+def stated_error(found: Found, control: Control) -> float:
+    """Bound of the errors of pressure and ends."""
+    free, state = found.free, found.fields.state
+    density = state.density
+    ends = free.end_error + state.end_truncation
+    largest, by_left, by_right = density.sensitivity
+    singular = any(end.intensity is None for end in (*density.zones.left, *density.zones.right))
+    infinite = singular or bool(np.any((density.steps.height > 0) & (density.steps.order == 0)))
+    width = float((density.zones.b - density.zones.a).sum())
+    peak = abs(density.total) / width if infinite else float(largest.max())
+    moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
+    on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING)
+    error = max(float(ends.max(initial=0.0)) + ROUNDING, moved + on_zones)
+    if control.kind != "approach":
+        return error
+    # A stiff contact turns the rounding of its level into load.
+    fields, units = found.fields, found.fields.problem.units
+    assert fields.stiffness is not None
+    rounding = fields.gap_rounding / 16 + 4e-16 * density.total
+    return error + abs(rounding * fields.stiffness * units.height / (units.load * density.total))
+
+
+def limit(free: sie.Free, tol: float, of: str) -> str:
+    """What keeps the ends of zones (of: "zone" or "gap") from being known to `tol`, in words; empty where it is not rounding."""
+    if float(free.rounding.max(initial=0.0)) <= 0.5 * tol:
+        return ""
+    zones = free.density.zones
+    zone = int(free.rounding.max(axis=1).argmax())
+    rounding, width = float(free.rounding[zone].max()), zones.b - zones.a
+    return (
+        f"rounding of heights and slopes leaves the ends of a {of} of {width[zone] / width.max():.1e} of the widest one's width "
+        f"uncertain by {rounding:.1e} of it (condition {rounding / _EPS:.0e})"
+    )
