@@ -82,8 +82,8 @@ MUTATIONS = (
     ),
     Mutation(
         "stated error of nothing", "contact/solver.py",
-        "return self._within_tolerance(solution)\n\n    def _gapped",
-        "return self._within_tolerance(replace(solution, error=0.0))\n\n    def _gapped",
+        "return self._within_tolerance(solution, found.free, \"zone\")",
+        "return self._within_tolerance(replace(solution, error=0.0), found.free, \"zone\")",
     ),
     Mutation(
         "potential between zones without its logarithm", "sie/assemble.py",
