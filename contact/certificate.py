@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from contact.dips import DIP_ROUNDING, follow, may_be_negative
 from contact.fields import ZoneFields
 
 Array = NDArray[np.float64]
@@ -23,10 +24,6 @@ _ZOOMS = 7
 # From this number of zones on, all gaps are looked at together.
 _MANY = 32
 
-# So many negative samples show the width of a dip.
-_TELLING = 4
-# A dip of the pressure this far from zero, over the zone's largest pressure, is rounding.
-_DIP_ROUNDING = 1e-14
 # What sums of some hundred terms are rounded to, relative to the largest of them: no error is stated below it.
 ROUNDING = 4e-14
 
@@ -72,7 +69,7 @@ def certify(fields: ZoneFields, load: float | None) -> Certificate:
     density = fields.density
     balance = 0.0 if load is None else abs(density.total - load) / abs(load)
     spread = float(np.ptp(fields.levels)) * units.height
-    undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (dip <= _DIP_ROUNDING and len(pressures) == 0)
+    undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (dip <= DIP_ROUNDING and len(pressures) == 0)
     holds = least > 0 and len(overlaps) == 0 and balance < 1e-9
     return Certificate(
         smallest_pressure=least * units.pressure,
@@ -105,7 +102,7 @@ def _pressures(fields: ZoneFields) -> tuple[Array, float, float, int]:
         finite = np.where(np.isfinite(value), value, np.inf)
         scale = np.abs(np.where(np.isfinite(value), value, 0.0)).max(axis=1)
         # At nearly merged zones the pressure there is small of higher order: rounding is not a failure.
-        rounding = scale * np.clip(2 * fields.state.noise[group], _DIP_ROUNDING, 1e-6)
+        rounding = scale * np.clip(2 * fields.state.noise[group], DIP_ROUNDING, 1e-6)
         fails = finite < -rounding[:, None]
         worst = np.where(np.abs(finite) <= rounding[:, None], np.abs(finite), finite)
         least = min(least, float(worst.min()))
@@ -129,44 +126,18 @@ def _dips(
     value over the zone's scale)."""
     density = fields.density
     zones = density.zones
-    middle = value[:, 1:-1]
-    with np.errstate(invalid="ignore"):
-        bend = value[:, :-2] - 2 * middle + value[:, 2:]
-        # A parabola through three samples falls below the middle one by an eighth of their second difference at most.
-        low = (middle <= value[:, :-2]) & (middle <= value[:, 2:]) & (middle > 0) & (middle < bend)
-    rows, places = np.nonzero(low)
-    bad: list[tuple[float, float]] = []
-    if len(rows) == 0:
-        return bad, np.inf, np.inf
-    zone = group[rows][:, None]
-    lo, hi = theta[places], theta[places + 2]
-    least = dip = np.inf
-    for zoom in range(_ZOOMS):
-        angle = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 17)
+    rows, places = np.nonzero(may_be_negative(value[:, :-2], value[:, 1:-1], value[:, 2:]))
+
+    def over_root(zone: NDArray[np.intp], angle: Array) -> Array:
         right, left = 2 * np.sin(angle / 2) ** 2, 2 * np.cos(angle / 2) ** 2
-        here = density.at(zone, left, right) / np.sqrt(left * right)
-        here = np.where(np.isfinite(here), here, np.inf)
-        least = min(least, float(here[here > rounding[rows, None]].min(initial=np.inf)))
-        dip = min(dip, float((here.min(axis=1) / scale[rows]).min()))
-        best = np.clip(np.argmin(here, axis=1), 1, 15)
-        fails = here < -rounding[rows, None]
-        each = np.arange(len(rows))
-        lo, hi = angle[each, best - 1], angle[each, best + 1]
-        keep = np.ones(len(rows), dtype=bool)
-        for k in np.flatnonzero(fails.any(axis=1)):
-            at = np.flatnonzero(fails[k])
-            lo[k], hi[k] = angle[k, max(at[0] - 1, 0)], angle[k, min(at[-1] + 1, 16)]
-            # A few negative samples tell where the pressure changes sign; one may stand for much less than its spacing.
-            keep[k] = len(at) < _TELLING and zoom < _ZOOMS - 1
-            if not keep[k]:
-                i = group[rows[k]]
-                ends = zones.middle[i] + zones.half[i] * np.cos([hi[k], lo[k]])
-                bad.append((float(ends[0]), float(ends[1])))
-                least = min(least, float(here[k].min()))
-        if not keep.any():
-            break
-        rows, zone, lo, hi = rows[keep], zone[keep], lo[keep], hi[keep]
-    return bad, least, dip
+        return np.asarray(density.at(zone, left, right) / np.sqrt(left * right))
+
+    found = follow(over_root, group[rows], theta[places], theta[places + 2], scale[rows], rounding[rows])
+    bad = []
+    for i, lo, hi in found.negative:
+        ends = zones.middle[i] + zones.half[i] * np.cos([hi, lo])
+        bad.append((float(ends[0]), float(ends[1])))
+    return bad, min(found.least, found.lowest), found.relative
 
 
 def runs_of(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:

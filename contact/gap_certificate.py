@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.certificate import Certificate, runs_of
+from contact.dips import DIP_ROUNDING, follow, may_be_negative
 from contact.gapped import GapFields
 
 Array = NDArray[np.float64]
@@ -29,7 +30,7 @@ class Signs:
 def certify_gaps(fields: GapFields) -> Signs:
     """Signs of gap and pressure on the whole period."""
     smallest_gap, overlaps, looked = _openings(fields)
-    least, negative, points = _pressures(fields)
+    least, negative, dip, points = _pressures(fields)
     valleys, left_out = _valleys(fields)
     negative += [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in negative)]
     units = fields.problem.units
@@ -39,7 +40,7 @@ def certify_gaps(fields: GapFields) -> Signs:
     certificate = Certificate(
         smallest_pressure=least * units.pressure, smallest_gap=smallest_gap * units.height, gap_rounding=0.0,
         load_balance=0.0, level_spread=0.0, points=looked + points, holds=not (negative or overlaps),
-        undecided=left_out > 0, note=note,
+        undecided=left_out > 0 or (dip <= DIP_ROUNDING and not negative), note=note, dip=dip,
     )
     return Signs(certificate, np.array(sorted(negative)).reshape(-1, 2), np.array(overlaps).reshape(-1, 2))
 
@@ -67,8 +68,8 @@ def _openings(fields: GapFields) -> tuple[float, list[tuple[float, float]], int]
     return smallest, overlaps, points
 
 
-def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], int]:
-    """(least pressure over the sine of the angle, intervals where it is negative, points)."""
+def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:
+    """(least pressure over the sine of the angle, intervals where it is negative, least dip over its zone's scale, points)."""
     problem, zones = fields.problem, fields.zones
     spacing = (problem.profile.resolution or problem.units.length * fields.period / 16) / problem.units.length
     middle, half = zones.mean(axis=1), 0.5 * (zones[:, 1] - zones[:, 0])
@@ -88,18 +89,18 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], int
         here, angles = fails[zone == i], angle[zone == i]
         for s, e in runs_of(here):
             pulls(i, angles[max(s - 1, 0)], angles[min(e + 1, len(angles) - 1)])
-    inner = np.flatnonzero((zone[:-2] == zone[2:]) & (value[1:-1] <= value[:-2]) & (value[1:-1] <= value[2:]) & ~fails[1:-1]) + 1
-    # A parabola through three samples falls below the middle one by an eighth of their second difference at most.
-    with np.errstate(invalid="ignore"):
-        inner = inner[value[inner] < value[inner - 1] - 2 * value[inner] + value[inner + 1]]
-    if len(inner):
-        fine = angle[inner - 1][:, None] + (angle[inner + 1] - angle[inner - 1])[:, None] * np.linspace(0, 1, 129)
-        here, rough = (v.reshape(fine.shape) for v in _over_root(fields, np.repeat(zone[inner], 129), fine.ravel()))
-        least = min(least, float(np.where(np.abs(here) <= rough, np.abs(here), here).min()))
-        for row in np.flatnonzero((here < -rough).any(axis=1)):
-            for s, e in runs_of(here[row] < -rough[row]):
-                pulls(zone[inner[row]], fine[row, max(s - 1, 0)], fine[row, min(e + 1, 128)])
-    return least, negative, len(zone)
+    inner = may_be_negative(value[:-2], value[1:-1], value[2:]) & (zone[:-2] == zone[2:]) & ~fails[1:-1]
+    places = np.flatnonzero(inner) + 1
+    scale = np.zeros(len(zones))
+    np.maximum.at(scale, zone, np.where(np.isfinite(value), np.abs(value), 0.0))
+
+    def over_root(i: NDArray[np.intp], angles: Array) -> Array:
+        return _over_root(fields, np.repeat(i.ravel(), angles.shape[1]), angles.ravel())[0].reshape(angles.shape)
+
+    dips = follow(over_root, zone[places], angle[places - 1], angle[places + 1], scale[zone[places]], rough[places])
+    for i, lo, hi in dips.negative:
+        pulls(i, lo, hi)
+    return min(least, dips.least, dips.lowest), negative, dips.relative, len(zone)
 
 
 def _over_root(fields: GapFields, zone: NDArray[np.intp], angle: Array) -> tuple[Array, Array]:

@@ -16,7 +16,7 @@ from contact.fields import mean_shape
 from contact.gap_certificate import NARROWEST, certify_gaps
 from contact.gapped import GapFields, Gapped
 from contact.problem import Control, Problem
-from contact.topology import WrongTopology
+from contact.topology import TIGHT, WrongTopology
 
 Array = NDArray[np.float64]
 
@@ -81,13 +81,17 @@ def _open_bracket(miss: Callable[[float], float], problem: Problem, conjugate: S
     return low, mean
 
 
-def solve_gaps(problem: Problem, mean: float, conjugate: ScaledConjugate, tolerance: float) -> Gapped:
-    """Gaps at a scaled mean pressure: first where H f' exceeds it, then Newton, then the signs on the whole period.
+def solve_gaps(
+    problem: Problem, mean: float, conjugate: ScaledConjugate, tolerance: float, table: Array | None = None
+) -> Gapped:
+    """Gaps at a scaled mean pressure: first where H f' exceeds it (or those of a table), then Newton, then the signs on the whole
+    period.
 
     Raises WrongTopology where that does not come to an end that passes.
     """
     equation = gap_equation(problem, mean, conjugate)
-    table = _first_gaps(problem, mean, conjugate)
+    if table is None:
+        table = _first_gaps(problem, mean, conjugate)
     for _ in range(_ROUNDS):
         if len(table) == 0:
             raise WrongTopology("no gap is left", None)
@@ -103,9 +107,22 @@ def solve_gaps(problem: Problem, mean: float, conjugate: ScaledConjugate, tolera
         fields = GapFields(problem, free.state, mean, conjugate)
         signs = certify_gaps(fields)
         if signs.certificate.holds:
-            return Gapped(free, fields, signs.certificate)
+            found = Gapped(free, fields, signs.certificate)
+            if signs.certificate.dip > 10 * tolerance or tolerance <= TIGHT:
+                return found
+            # Whether so slight a dip is a gap, a solution to the tolerance does not tell.
+            return _decided(found, problem, mean, conjugate)
         table = _united(np.concatenate((_cut(free.density.zones.table, signs.overlaps), signs.negative)), fields.period)
     raise WrongTopology("the number of gaps did not settle", free)
+
+
+def _decided(slight: Gapped, problem: Problem, mean: float, conjugate: ScaledConjugate) -> Gapped:
+    """The gaps as tightly as rounding allows, where a dip of the pressure may be one more; undecided if that cannot be told."""
+    table = slight.fields.density.zones.table
+    try:
+        return solve_gaps(problem, mean, conjugate, TIGHT, table)
+    except WrongTopology:
+        return replace(slight, certificate=replace(slight.certificate, undecided=True))
 
 
 def with_gaps(fields: GapFields, mean: float, table: Array, tolerance: float) -> GapFields:

@@ -1,0 +1,72 @@
+"""Dips of the pressure inside zones, followed below the sampling: whether a zone has a gap in it that no sample has met."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# Each zoom into a minimum narrows its bracket to an eighth.
+_ZOOMS = 7
+# So many negative samples show the width of a dip.
+_TELLING = 4
+# A dip of the pressure this far from zero, over the zone's largest pressure, is rounding.
+DIP_ROUNDING = 1e-14
+
+
+@dataclass(frozen=True)
+class Dips:
+    """negative: (zone, angle from, angle to) of every dip below its rounding; least: value above it; relative: least of all over
+    the zone's scale, inf without any; lowest: least of the negative ones."""
+
+    negative: list[tuple[int, float, float]]
+    least: float = np.inf
+    relative: float = np.inf
+    lowest: float = np.inf
+
+
+def may_be_negative(before: Array, here: Array, after: Array) -> NDArray[np.bool_]:
+    """Whether a minimum sampled at three even places may lie below zero between them: a parabola through them falls below the
+    middle one by an eighth of their second difference at most."""
+    with np.errstate(invalid="ignore"):
+        bend = before - 2 * here + after
+        return np.asarray((here <= before) & (here <= after) & (here > 0) & (here < bend))
+
+
+def follow(
+    over_root: Callable[[Index, Array], Array], zone: Index, lo: Array, hi: Array, scale: Array, rounding: Array
+) -> Dips:
+    """Minima of p / sqrt(1 - t^2), t = cos(angle), one in each bracket (lo, hi) of angles (n,) of the zones (n,).
+
+    over_root: of zones (n, 1) and angles (n, k). scale, rounding: of the values in each bracket.
+    """
+    negative: list[tuple[int, float, float]] = []
+    least = relative = lowest = np.inf
+    for zoom in range(_ZOOMS if len(zone) else 0):
+        angle = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 17)
+        here = over_root(zone[:, None], angle)
+        here = np.where(np.isfinite(here), here, np.inf)
+        least = min(least, float(here[here > rounding[:, None]].min(initial=np.inf)))
+        relative = min(relative, float((here.min(axis=1) / scale).min()))
+        best = np.clip(np.argmin(here, axis=1), 1, 15)
+        fails = here < -rounding[:, None]
+        each = np.arange(len(zone))
+        lo, hi = angle[each, best - 1], angle[each, best + 1]
+        keep = np.ones(len(zone), dtype=bool)
+        for k in np.flatnonzero(fails.any(axis=1)):
+            at = np.flatnonzero(fails[k])
+            lo[k], hi[k] = angle[k, max(at[0] - 1, 0)], angle[k, min(at[-1] + 1, 16)]
+            # A few negative samples tell where the pressure changes sign; one may stand for much less than its spacing.
+            keep[k] = len(at) < _TELLING and zoom < _ZOOMS - 1
+            if not keep[k]:
+                negative.append((int(zone[k]), float(lo[k]), float(hi[k])))
+                lowest = min(lowest, float(here[k].min()))
+        if not keep.any():
+            break
+        zone, lo, hi, scale, rounding = zone[keep], lo[keep], hi[keep], scale[keep], rounding[keep]
+    return Dips(negative, least, relative, lowest)
