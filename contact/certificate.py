@@ -24,6 +24,8 @@ _ZOOMS = 7
 # From this number of zones on, all gaps are looked at together.
 _MANY = 32
 
+# Normalised positions at which many zones are looked at for what the gap comes to on them.
+_ON_ZONES = np.cos(np.pi * np.array([0.125, 0.375, 0.625, 0.875]))
 # What sums of some hundred terms are rounded to, relative to the largest of them: no error is stated below it.
 ROUNDING = 4e-14
 
@@ -170,13 +172,20 @@ def _gaps(fields: ZoneFields) -> tuple[float | None, Array, float, int]:
 
 
 def _gaps_together(fields: ZoneFields) -> tuple[float | None, Array, float, int]:
-    """The same for many zones: the points of all gaps at once, and only minima followed that may touch zero."""
+    """The same for many zones: the points of all gaps at once, and only minima followed that may touch zero.
+
+    Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones. On the zones the gap is zero:
+    what it comes to there is known of it no better.
+    """
     intervals = list(fields.open_intervals())
     parts = [_between(lo, hi, fields.spacing, left, right) for lo, hi, left, right in intervals]
     points = np.concatenate(parts)
     place = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
-    gap = _finite(fields.formal_gap(points))
-    count = len(points)
+    count, zones = len(points), fields.density.zones
+    inside = zones.middle[:, None] + zones.half[:, None] * _ON_ZONES
+    gap = fields.formal_gap(np.concatenate((points, inside.ravel())))
+    rounding = fields.gap_rounding + 2 * float(np.abs(gap[count:]).max())
+    gap = _finite(gap[:count])
     bend = gap[:-2] - 2 * gap[1:-1] + gap[2:]
     low = (gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]) & (place[:-2] == place[2:])
     with np.errstate(invalid="ignore"):
@@ -194,13 +203,25 @@ def _gaps_together(fields: ZoneFields) -> tuple[float | None, Array, float, int]
     x, gap, place = np.concatenate(found), np.concatenate(values), np.concatenate(places)
     order = np.lexsort((x, place))
     x, gap, place = x[order], gap[order], place[order]
-    rounding, bad = fields.gap_rounding, []
+    bad: list[tuple[float, float]] = []
     fails = gap < -rounding
     for i in np.unique(place[fails]):
         here = np.flatnonzero(place == i)
         bad += _overlaps(x[here], fails[here], *intervals[i][:2])
-    smallest = float(gap.min()) if np.isfinite(gap).any() else None
+    seen = gap[~_closing(gap, place, rounding)]
+    smallest = float(seen.min()) if np.isfinite(seen).any() else None
     return smallest, np.array(bad).reshape(-1, 2), rounding, count
+
+
+def _closing(gap: Array, place: NDArray[np.intp], rounding: float) -> NDArray[np.bool_]:
+    """Samples, by interval and from left to right, that lie between the end of a zone and the first one where the gap is above
+    its rounding: there it closes as d^(3/2), and its sign is that of the pressure's slope."""
+    index, first_of = np.arange(len(gap)), np.flatnonzero(np.diff(place, prepend=-1))
+    number = np.repeat(np.arange(len(first_of)), np.diff(first_of, append=len(gap)))
+    open_ = gap > rounding
+    first = np.minimum.reduceat(np.where(open_, index, len(gap)), first_of)[number]
+    last = np.maximum.reduceat(np.where(open_, index, -1), first_of)[number]
+    return np.asarray((np.abs(gap) <= rounding) & (last >= 0) & ((index < first) | (index > last)))
 
 
 def _finite(gap: Array) -> Array:

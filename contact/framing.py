@@ -1,11 +1,13 @@
 """A scene in scaled variables: where the origin is, what lengths, slopes and loads are counted in, where zones are looked for.
 
 A periodic profile is counted in its period; one without a period in the half width of the contact itself, found roughly
-first, so that nanometres and kilometres, and loads over tens of decades, come to the same numbers.
+first, so that nanometres and kilometres, and loads over tens of decades, come to about the same numbers. Either is taken to the
+nearest power of two.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import partial
 
@@ -40,6 +42,7 @@ def framed(scene: Scene, single: bool) -> Framed:
         length, cell = period, (profile.x0, profile.x0 + period)
     else:
         origin, length, cell = _isolated_frame(scene, single)
+    length = 2.0 ** round(math.log2(length))
     units = Units(origin, length, _typical_slope(scene, length, cell), scene.E_star)
     problem = Problem(profile, scene.interaction, units, lowest(profile, cell))
     return Framed(problem, scaled_control(scene, units), cell)

@@ -23,7 +23,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Units:
-    """origin and length [m], slope [1], and what follows for pressure and load; E_star [Pa]."""
+    """origin and length [m], slope [1], and what follows for pressure and load; E_star [Pa].
+
+    The length is a power of two: counted in it, places lose no digit.
+    """
 
     origin: float
     length: float
@@ -125,7 +128,7 @@ class Problem:
             return np.asarray(profile.slope(units.x(x))) / units.slope
 
         resolution = None if profile.resolution is None else profile.resolution / units.length
-        return sie.Forcing(value, self.shape, at, heights, orders, resolution=resolution)
+        return sie.Forcing(value, self.shape, at, heights, orders, resolution=resolution, placed=lambda x: units.scaled(units.x(x)))
 
     def shape(self, x: Array) -> Array:
         """F = (f - min f) / (slope length)."""

@@ -23,6 +23,7 @@ Height = Callable[[Array], ArrayLike]
 
 COARSEST = 64  # points of the first of the nested grids
 MOST_POINTS = 2**22  # of the last grid, however fine the shape is
+_PASSING = 1e-3  # tolerance of the grids before the last
 NARROW = 3  # cells: below this a zone or a gap is not resolved
 
 
@@ -198,7 +199,8 @@ def propose(
             else Influence.isolated(n, h, E, images=images, datum=datum)
         )
         start = None if state is None else _refine(state.pressure, periodic)
-        state = solve_grid(f, influence, load=load, level=level, start=start, tol=tol)
+        # What a grid before the last is wrong by, the next one puts right.
+        state = solve_grid(f, influence, load=load, level=level, start=start, tol=tol if n >= target else max(tol, _PASSING))
         iterations += state.iterations
         resolved = narrowest(state) >= NARROW
         if n >= target and (resolved or 2 * n > limit):

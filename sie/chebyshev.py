@@ -16,7 +16,7 @@ from scipy import fft
 Array = NDArray[np.float64]
 
 # Below this size a product with a stored matrix is faster than the call of a fast transform.
-_MATRIX_SIZE = 96
+LARGEST_MATRIX = 96
 
 
 @lru_cache(maxsize=64)
@@ -49,7 +49,7 @@ def _sine_matrix(n: int) -> Array:
 def u_coefficients(values: Array) -> Array:
     """Coefficients g_k, k = 1 ... n, of sum g_k U_{k-1} through values at the n zeros of U_n (along the last axis)."""
     n = values.shape[-1]
-    if n <= _MATRIX_SIZE:
+    if n <= LARGEST_MATRIX:
         return np.asarray(values @ _sine_matrix(n).T)
     return np.asarray(fft.dst(values * np.sin(angles(n)[1:-1]), type=1, axis=-1) / (n + 1))
 
@@ -57,9 +57,24 @@ def u_coefficients(values: Array) -> Array:
 def project_rows(values: Array) -> Array:
     """`u_coefficients` along the first axis: rows of node values become rows of U coefficients."""
     n = values.shape[0]
-    if n <= _MATRIX_SIZE:
+    if n <= LARGEST_MATRIX:
         return np.asarray(_sine_matrix(n) @ values)
     return np.asarray(fft.dst(values * np.sin(angles(n)[1:-1])[:, None], type=1, axis=0) / (n + 1))
+
+
+@lru_cache(maxsize=64)
+def _slope_matrix(n: int) -> Array:
+    theta = angles(n)[1:-1]
+    k = np.arange(1, n + 1)[:, None]
+    sine, cosine = np.sin(theta), np.cos(theta)
+    # dU_{k-1}/dt = (U_{k-1} t - k T_k) / (1 - t^2)
+    slopes = (np.sin(k * theta) * cosine / sine - k * np.cos(k * theta)) / sine**2
+    return np.ascontiguousarray(_sine_matrix(n).T @ slopes)
+
+
+def slopes(values: Array) -> Array:
+    """d/dt at the n zeros of U_n, n <= LARGEST_MATRIX, of the polynomial through values there (along the last axis)."""
+    return np.asarray(values @ _slope_matrix(values.shape[-1]))
 
 
 @lru_cache(maxsize=64)

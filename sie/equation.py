@@ -41,6 +41,7 @@ class Forcing:
         breaks.
     resolution: smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones
         are many: they keep digits that the primitive has lost.
+    placed: where x comes to stand when `value` rounds it; x itself if left out. Narrow zones far from the origin see it.
     modes: of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
     """
 
@@ -54,6 +55,15 @@ class Forcing:
     break_orders: NDArray[np.intp] | None = None
     modes: int | None = None
     resolution: float | None = None
+    placed: Function | None = None
+
+    def sampled(self, start: Array, away: Array, slope: Function) -> Array:
+        """g at start + away, more exactly than such places can be told apart: taken where they are rounded to, and what that is
+        off by put right with slope(values), the derivative of g there."""
+        x = start + away
+        values = np.array(self.value(x.ravel()), dtype=float).reshape(x.shape)
+        at = x if self.placed is None else self.placed(x)
+        return np.asarray(values + slope(values) * (away - (at - start)))
 
     def __post_init__(self) -> None:
         if len(self.steps_at) and len(self.breaks_at):

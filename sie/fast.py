@@ -7,10 +7,9 @@ so does what a whole node of the tree does, with moments about its hull:
 
 R its half width. Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s), and the same A takes
 the Chebyshev series of what is far from a parent to its children; the potential comes along as its value at the middle of each
-node, since its derivative is the transform; it is summed in two words, for its differences between neighbours. So zones need
-no nodes of their own: coefficients in, coefficients out. Only near zones see each other directly, by the closed forms of
-`assemble`. Greengard & Rokhlin (1987), J. Comput. Phys. 73, 325-348, in
-one dimension and with Chebyshev series in place of powers.
+node, since its derivative is the transform; it is summed in two words, for its differences between neighbours. So zones need no
+nodes of their own: coefficients in, coefficients out. Only near zones see each other directly, by the closed forms of `assemble`.
+Greengard & Rokhlin (1987), J. Comput. Phys. 73, 325-348, in one dimension and with Chebyshev series in place of powers.
 """
 
 from __future__ import annotations

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie import modes
+from sie.apart import far_off, moved_apart
 from sie.ends import FREE, SINGULAR, End
 from sie.equation import Equation
 from sie.gap_steps import gap_steps
@@ -33,6 +34,8 @@ INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
 _WANDERING = 20
 # The remaining motion of an end is the next step but for its square.
 MARGIN = 1.5
+# Tolerances of solutions by iteration: at first, and at last over that of the ends.
+_LOOSE, _TIGHT = 1e-6, 1e-3
 # Ends are moved by this part of their zone's width to difference the rows: truncation and rounding are alike.
 _NUDGE = 1e-5
 
@@ -95,11 +98,11 @@ def find_ends(
     best = np.inf
     stalled = 0
     while True:
-        # The next move is about the square of the last one: a solution by iteration need not be better than that, but the
-        # last one but one places the ends for good.
+        # The next move is about the square of the last one: a solution by iteration need not be much better than that.
         last = min(trace[-1].move, 1.0) if trace else 1.0
-        sizes.linear = min(1e-8, 1e-4 * last**2, 1e-3 * tolerance if last < 1e-2 else 1.0)
+        sizes.linear = min(_LOOSE, max(1e-3 * last**2, _TIGHT * tolerance))
         state = solve_zones(equation, zones, decay, sizes)
+        loose = state.iterated and sizes.linear > _TIGHT * tolerance
         if equation.open_condition is not None and value != 0.0:
             state = state.with_value(equation.open_condition, value)
         zones, released = _release(zones, walls, state.density)
@@ -107,8 +110,8 @@ def find_ends(
         target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
         delta, noise, change, certain = _newton(state, moves, target, sizes, decay, signs)
         width = zones.b - zones.a
-        # The right side is known at places rounded to a few units in their last digit, and so are the ends.
-        noise = noise + np.where(moves, 4 * np.spacing(np.abs([zones.a, zones.b])), 0.0)
+        # The right side is known at places rounded to a unit in their last digit, and so are the ends.
+        noise = noise + np.where(moves, 2 * np.spacing(np.abs([zones.a, zones.b])), 0.0)
         move = float(np.abs(delta / width).max(initial=0.0))
         trace.append(Step(zones.table, move, value if equation.open_condition is not None else None))
         rounding = (noise / width).T
@@ -120,7 +123,7 @@ def find_ends(
         # Where rounding keeps the ends moving, the largest of the last moves is what they are known to.
         largest = max(step.move for step in trace[-4:]) / max(move, 1e-300) if stuck else 1.0
         error = rounding + MARGIN * largest * (np.abs(delta) / width).T
-        done = certain and not released and (rest or stuck)
+        done = certain and not released and not loose and (rest or stuck)
         done = done and abs(change) <= max(tolerance, 1e-14) * abs(value + change)
         # At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones.
         hopeless = stalled >= 5 and not certain and (move < 1e-6 or (stalled >= 10 and _stays(trace)))
@@ -131,7 +134,12 @@ def find_ends(
             return Free(state, done, error, rounding, tuple(trace), value if equation.open_condition is not None else None)
         value += change
         limited = _limit(zones, equation, delta)
-        zones = _held_at(zones.moved(zones.a - limited[0], zones.b + limited[1]), walls)
+        a, b = zones.a - limited[0], zones.b + limited[1]
+        apart = far_off(state, moves, delta)
+        if len(apart):
+            near_a, near_b, came = moved_apart(state, apart, lambda d, size: _alone(d, size, signs))
+            a[apart], b[apart] = np.where(came, near_a, a[apart]), np.where(came, near_b, b[apart])
+        zones = _held_at(zones.moved(a, b), walls)
         gap = modes.gaps(zones, equation.kernel)[1]
         lost = np.flatnonzero(zones.b - zones.a < collapse * first_width)
         met = np.flatnonzero(gap < collapse * np.minimum(first_gap, np.minimum(zones.b - zones.a, first_width)))
@@ -143,6 +151,22 @@ def _stays(trace: list[Step]) -> bool:
     """Whether the zones have neither grown nor shrunk in the last steps, however much their ends wanted to move."""
     now, before = (np.diff(step.zones, axis=1) for step in (trace[-1], trace[-10]))
     return bool(np.all((before / 3 < now) & (now < 3 * before)))
+
+
+def _alone(density: AnyDensity, natural: Array, signs: tuple[float, float]) -> Array:
+    """Outward steps of free zones that stand alone, cut to what their widths allow."""
+    safe, _ = _safe_slopes(density, natural, signs)
+    width = density.zones.b - density.zones.a
+    return np.clip(2 * np.array(density.intensities) / safe, -INWARD * width, OUTWARD * width)
+
+
+def _safe_slopes(density: AnyDensity, natural: Array, signs: tuple[float, float]) -> tuple[Array, NDArray[np.bool_]]:
+    """(A to divide by, where it is no guide). The bounded solution's slope at an end has the sign of the density; where the
+    guess is far off, only K tells. natural: size of the coefficients beyond the first."""
+    a, root = np.array(density.edge_slopes), np.sqrt(density.zones.half)
+    side = np.array(signs)[:, None]
+    weak = side * a < 1e-8 * natural / root
+    return np.where(weak, side * (natural / root + 1e-300), a), weak
 
 
 def _held_at(zones: Zones, walls: tuple[float, float]) -> Zones:
@@ -188,10 +212,8 @@ def _newton(
     k = np.array(density.intensities)
     a = np.array(density.edge_slopes)
     w = density.zones.half
-    # The bounded solution's slope at an end has the sign of the density; where the guess is far off, only K is a guide.
     side = np.array(signs)[:, None]
     natural = state.natural
-    weak = side * a < 1e-8 * natural / np.sqrt(w)
     prescribed = np.any(target != 0)
     noise_k = state.intensity_noise
     residual = np.where(moves, k - target, 0.0)
@@ -200,7 +222,7 @@ def _newton(
         assert isinstance(state, State)  # no holes where intensities are prescribed
         delta, noise, change = _full_newton(equation, state, moves, residual, noise_k, unit, sizes, tolerance)
         return delta, noise, change, True
-    safe = np.where(weak, side * (natural / np.sqrt(w) + 1e-300), a)
+    safe, weak = _safe_slopes(density, natural, signs)
     delta = np.where(moves, 2 * residual / safe, 0.0)
     noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
     change = 0.0

@@ -11,12 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sie import chebyshev
+from sie import chebyshev, modes
 from sie.assemble import System
 from sie.conditions import Linear, ZoneTotals
 from sie.equation import Equation
@@ -24,6 +24,7 @@ from sie.fast import ZoneSums, reaches
 from sie.folding import Folding
 from sie.hierarchical import Inverse
 from sie.krylov import gmres
+from sie.neighbours import felt
 from sie.steps import Steps
 from sie.zones import Zones
 
@@ -40,6 +41,16 @@ _ROUNDING = 3e-16
 _LIGHTEST = 1e-4
 # Nodes for the integral of g over one length of its resolution.
 _GAUSS = 16
+
+
+@lru_cache(maxsize=1)
+def _gauss_legendre() -> tuple[Array, Array, Array]:
+    """(nodes, weights, D): values @ D is the slope of their polynomial at the nodes."""
+    t, weights = np.polynomial.legendre.leggauss(_GAUSS)
+    basis = np.polynomial.legendre.legvander(t, _GAUSS - 1)
+    orders = np.eye(_GAUSS)
+    slopes = np.polynomial.legendre.legval(t, np.polynomial.legendre.legder(orders)).T
+    return np.asarray(t), np.asarray(weights), np.asarray(np.linalg.solve(basis.T, slopes.T), dtype=np.float64)
 
 
 def fits(equation: Equation, zones: Zones) -> bool:
@@ -130,23 +141,34 @@ class ManySystem(System):
     def _forcing_steps(self) -> Array:
         """Differences of the primitive's means between neighbours: over the gap by quadrature, over the zones from the
         coefficients of g, since the antiderivative of U_{k-1} is T_k / k."""
-        forcing, solved = self.equation.forcing, self.zones.solved
+        solved = self.zones.solved
         if not self._integrable:
             return np.diff(self._forcing_means())
+        across, _ = self._across_gaps
+        g, w = self.g[solved], self.zones.half[solved]
+        odd, even = np.arange(1, g.shape[1], 2), np.arange(2, g.shape[1], 2)
+        half_rise, offset = w * (g[:, odd] @ (1 / odd)), w * (g[:, even] @ (1 / even))
+        return across + half_rise[1:] + half_rise[:-1] - np.diff(offset)
+
+    @cached_property
+    def _across_gaps(self) -> tuple[Array, Array]:
+        """(integral of g over every gap, what is left of the rounding of places in it: half a unit in the last digit, which the
+        forcing's own arithmetic may lose of x)."""
+        forcing = self.equation.forcing
         assert forcing.resolution is not None
         start, length = self._gaps
         panels = np.ceil(length / forcing.resolution).astype(np.intp)
         gap = np.repeat(np.arange(len(length)), panels)
         number = np.arange(len(gap)) - np.repeat(np.cumsum(panels) - panels, panels)
         size = (length / panels)[gap]
-        t, weights = np.polynomial.legendre.leggauss(_GAUSS)
-        x = (start[gap] + number * size)[:, None] + size[:, None] * (0.5 * (1 + t))
-        values = np.asarray(forcing.value(x.ravel())).reshape(x.shape)
-        across = np.bincount(gap, 0.5 * size * (values @ weights), minlength=len(length))
-        g, w = self.g[solved], self.zones.half[solved]
-        odd, even = np.arange(1, g.shape[1], 2), np.arange(2, g.shape[1], 2)
-        half_rise, offset = w * (g[:, odd] @ (1 / odd)), w * (g[:, even] @ (1 / even))
-        return across + half_rise[1:] + half_rise[:-1] - np.diff(offset)
+        t, weights, slope_of = _gauss_legendre()
+        from_start = (number * size)[:, None] + size[:, None] * (0.5 * (1 + t))
+        left = start[gap][:, None]
+        values = forcing.sampled(left, from_start, lambda g: g @ slope_of / (0.5 * size[:, None]))
+        across = 0.5 * size * (values @ weights)
+        lost = 0.3 * np.spacing(np.maximum(np.abs(start), np.abs(start + length)))
+        varies = np.bincount(gap, ((values @ slope_of) ** 2) @ weights**2, minlength=len(length))
+        return np.asarray(np.bincount(gap, across, minlength=len(length)), dtype=np.float64), lost * np.sqrt(varies)
 
     @property
     def _gaps(self) -> tuple[Array, Array]:
@@ -173,9 +195,13 @@ class ManySystem(System):
         if not self._integrable or any(c.levels and c.count(zones) == len(zones.solved) for c in self.equation.conditions):
             far = max(1.0, abs(math.log((zones.b[-1] - zones.a[0]) / datum)))
             return 2.2e-16 * float(own.sum() * far + (own * near).max() + np.abs(self.level_constants).max())
-        length = np.concatenate(([0.0], zones.a[1:] - zones.b[:-1], [0.0]))
-        slope = float(np.abs(self.g).max())
-        return np.asarray(2.2e-16 * (slope * (zones.half + np.maximum(length[1:], length[:-1])) + own * near))
+        # A step is the integral of g over a gap, and over the border that of all others.
+        slope, steps = float(np.abs(self.g).max()), 2.2e-16 * float(np.abs(self.g).max()) * self._gaps[1] + self._across_gaps[1]
+        border = float(np.linalg.norm(steps))
+        felt_left, felt_right = felt(*(gap[zones.solved] + zones.half[zones.solved] for gap in modes.gaps(zones, self.equation.kernel)))
+        out = 2.2e-16 * (slope * zones.half + own * near)
+        out[zones.solved] += felt_left * np.append(border, steps) + felt_right * np.append(steps, border)
+        return np.maximum(out, out[::-1]) if zones.symmetric else out
 
     def integrals_at(self, weight: Callable[[Array], Array], y: Array) -> Linear:
         rows, constants = np.zeros(len(self.zones.solved)), np.zeros(len(self.zones.solved))
@@ -366,15 +392,15 @@ class Coarse:
 class Iterative:
     """Solves the rows of a `ManySystem` for any right side.
 
-    Unknowns are counted in the largest of their zone, so that lightly loaded zones are as right as the others. error: the last
-    residual as a part of that, the largest over the zones.
+    Unknowns are counted in the largest of their zone, so that lightly loaded zones are as right as the others. error: the largest
+    of what the last residual, preconditioned, says of the error of each zone's unknowns (Z,).
     """
 
     def __init__(self, system: ManySystem, punches: Punches | None, tolerance: float) -> None:
         self.system, self.tolerance = system, tolerance
         self.coarse = Coarse(system, punches)
         self.equations = len(system.kept)
-        self.error = 0.0
+        self.error = np.zeros(len(system.zones))
         self.iterations = 0
 
     @property
@@ -411,14 +437,25 @@ class Iterative:
             x = x + found.x * scale
             # Rounding in a long recurrence is not seen by it: the residual itself is looked at.
             left_over = self.coarse(right - self.rows(x)) / scale
-            self.error = float(np.abs(left_over).max())
+            self.error = self._by_zone(left_over * scale)
             if found.steps == 0 or float(np.linalg.norm(left_over)) <= 4 * wanted:
                 break
         return x
 
+    def _largest(self, folded: Array) -> Array:
+        """Largest unknown of every solved zone."""
+        return np.asarray(np.maximum.reduceat(np.abs(folded[: self.size - len(self.coarse.amplitudes)]), self.coarse.first))
+
+    def _by_zone(self, folded: Array) -> Array:
+        """Largest unknown of every zone, mirrored ones too."""
+        zones = self.system.zones
+        out = np.zeros(len(zones))
+        out[zones.solved] = self._largest(folded)
+        return np.maximum(out, out[::-1]) if zones.symmetric else out
+
     def _scale(self, folded: Array) -> Array:
         """Largest unknown of its zone for every unknown, but not below a small part of the largest of all; 1 for amplitudes."""
-        largest = np.maximum.reduceat(np.abs(folded), self.coarse.first)
+        largest = self._largest(folded)
         top = float(largest.max())
         size = np.diff(np.append(self.coarse.first, self.size - len(self.coarse.amplitudes)))
         out = np.ones(self.size)

@@ -26,6 +26,8 @@ OWN_SIZES = np.array(
 )
 # Only below this part of the largest coefficient can a plateau be rounding.
 _NOISE = 1e-5
+# Places rounded to less than this part of a zone are exact to all purposes.
+_FINE = 1e-14
 COUPLED_SIZES = np.array(
     [0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768]
 )
@@ -86,7 +88,9 @@ def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: 
                 g[0, ::2] = 0.0
             last = np.abs(g[:, -max(4, int(n) // 8) :]).max(axis=1)
             scale = np.abs(g).max(axis=1)
-            grow = (last > tolerance * scale) & (n < largest)
+            # Places are rounded to half a unit in their last digit: what that makes of the slope of g is seen in all coefficients.
+            rounded = _places(zones, group) * np.linalg.norm(g * np.arange(1, int(n) + 1), axis=1) * (2 / np.sqrt(n))
+            grow = (last > np.maximum(tolerance * scale, rounded)) & (n < largest)
             for place, i in enumerate(group):
                 # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
                 slow = i in found and last[place] > tail[i] * (len(found[i]) / n) ** 0.75
@@ -107,6 +111,11 @@ def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: 
     return Samples(table, own, tail, evaluations)
 
 
+def _places(zones: Zones, group: Index) -> Array:
+    """Spacing of numbers at a zone over its half width."""
+    return np.asarray(np.spacing(np.maximum(np.abs(zones.a[group]), np.abs(zones.b[group]))) / zones.half[group])
+
+
 def mirror(zones: Zones, table: Array) -> None:
     """Fill the left half of a symmetric set's coefficient table from the right half: T_k(-t) = (-1)^k T_k(t)."""
     left = np.arange(len(zones) // 2)
@@ -117,8 +126,13 @@ def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int) 
     _, right, left = chebyshev.lobatto(n)
     left, right = left[1:-1], right[1:-1]
     w = zones.half[group][:, None]
-    x = np.where(left <= right, zones.a[group][:, None] + w * left, zones.b[group][:, None] - w * right)
-    values = np.array(forcing.value(x.ravel()), dtype=float).reshape(x.shape)
+    end = np.where(left <= right, zones.a[group][:, None], zones.b[group][:, None])
+    away = w * np.where(left <= right, left, -right)
+    if n <= chebyshev.LARGEST_MATRIX and float(_places(zones, group).max()) > _FINE:
+        values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g) / w)
+    else:
+        x = end + away
+        values = np.array(forcing.value(x.ravel()), dtype=float).reshape(x.shape)
     for place, zone in enumerate(group):
         if steps.adds_to(int(zone)):
             values[place] += steps.smooth_part(int(zone), left)

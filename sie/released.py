@@ -191,7 +191,8 @@ class Release:
         within = np.arange(count) <= system.layout.m[:, None]
         smooth = replace(whole, coefficients=np.where(within, table - s, table))
         whole = replace(whole, coefficients=np.where(within, table, table + s))
-        state = replace(base, folded_unknowns=folded, unknowns=y, density=whole)
+        left_over = base.solver.error if isinstance(base.solver, Iterative) else base.linear_error
+        state = replace(base, folded_unknowns=folded, unknowns=y, density=whole, linear_error=left_over)
         return state, Pierced(self.cut, smooth, whole, self.holes, d)
 
 
@@ -233,8 +234,12 @@ class PiercedState:
         return self.wide.condition_index
 
     @property
-    def linear_error(self) -> float:
-        return self.wide.linear_error
+    def linear_error(self) -> Array:
+        return self.wide.linear_error[self.cut.piece_zone]
+
+    @property
+    def iterated(self) -> bool:
+        return self.wide.iterated
 
     # further right sides --------------------------------------------------------------------------------------------
     def _answer(self, values: Array) -> tuple[Array, tuple[Array, ...]]:

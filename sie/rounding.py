@@ -17,6 +17,8 @@ from sie.assemble import System
 from sie.density import Density
 from sie.equation import Forcing
 from sie.folding import Folding
+from sie.modes import gaps
+from sie.neighbours import conformal_radius
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -50,7 +52,7 @@ class Solved(Protocol):
     @property
     def natural(self) -> Array: ...
     @property
-    def linear_error(self) -> float: ...
+    def linear_error(self) -> Array: ...
 
 
 def intensity_rounding(state: Solved) -> Array:
@@ -61,18 +63,22 @@ def intensity_rounding(state: Solved) -> Array:
     subtracted = np.abs(density.coefficients).sum(axis=1) + np.abs(system.g).sum(axis=1) + state.natural
     own = 4e-16 * np.sqrt(zones.half / 2) * subtracted
     if state.direct is None:
-        linear = np.sqrt(zones.half / 2) * state.natural * state.linear_error
-        own = own + _of_levels(state) / np.sqrt(2 * zones.half) + linear
+        own = own + _of_levels(state) + np.sqrt(2 * zones.half) * state.linear_error
     if len(zones) == 1 or state.direct is None:
         return np.array([own, own])
     return np.asarray(own + SAFETY * _through_rows(state))
 
 
 def _of_levels(state: Solved) -> Array | float:
-    """Rounding of the potentials that the zones' totals are matched by, per zone."""
-    if len(state.density.zones) == 1 or not any(c.levels for c in state.system.equation.conditions):
+    """What rounding of the potentials that the zones' totals are matched by does to K, per zone."""
+    equation, zones = state.system.equation, state.density.zones
+    if len(zones) == 1 or not any(c.levels for c in equation.conditions):
         return 0.0
-    return 2 * state.system.level_rounding(state.unknowns)
+    w = zones.half
+    # A level off by e is met by c_0 = e / (w log(w / 2R)), K by that over sqrt(2 w); neighbours no wider hold less than a plane.
+    radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
+    logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
+    return np.asarray(2 * state.system.level_rounding(state.unknowns) / (logarithm * np.sqrt(2 * w)))
 
 
 def _through_rows(state: Solved) -> Array:

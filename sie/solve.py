@@ -102,7 +102,8 @@ class State:
     """The solution on given zones, with what its error is made of.
 
     density; the solver for further right sides; `truncation`: what the neglected coefficients may amount to, over
-    the largest coefficient of the same zone (Z,); `field_tail`: the same for the coupled modes of all zones.
+    the largest coefficient of the same zone (Z,); `field_tail`: the same for the coupled modes of all zones;
+    `linear_error`: what an iteration left of the error of each zone's coefficients (Z,), 0 for a direct solve.
     """
 
     density: Density
@@ -114,6 +115,7 @@ class State:
     condition_scale: Array
     truncation: Array
     field_tail: float
+    linear_error: Array
     sizes: Sizes
 
     def response(self, values: Array) -> Density:
@@ -183,9 +185,9 @@ class State:
         return np.asarray(self.intensity_noise.max(axis=0) / np.sqrt(self.density.zones.half / 2))
 
     @property
-    def linear_error(self) -> float:
-        """What an iteration left of the error of each coefficient, over its zone's largest; 0 for a direct solve."""
-        return self.solver.error if isinstance(self.solver, Iterative) else 0.0
+    def iterated(self) -> bool:
+        """Whether the unknowns come from an iteration, to its tolerance."""
+        return isinstance(self.solver, Iterative)
 
     def _homogeneous_density(self, y: Array) -> Density:
         layout = self.system.layout
@@ -212,7 +214,7 @@ class State:
         coupled = self.system.layout.m[self.density.zones.solved]
         # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
         beyond = 3 * np.maximum(residual - 4e-15, 0.0) * coupled
-        return neglected + float((beyond + residual + 1e-15 * coupled).max())
+        return neglected + float((beyond + residual + 1e-15 * coupled).max()) + float(self.linear_error.max()) / self.size
 
     @cached_property
     def end_truncation(self) -> Array:
@@ -377,7 +379,8 @@ def _state(
     top = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(system.known).max(axis=1, initial=0.0)
     truncation = samples.tail / np.where(top > 0, top, 1.0)
     tail = max(_field_tail(system, y, density), system.source_tail)
-    return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, sizes)
+    left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
+    return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, left_over, sizes)
 
 
 def assembled(

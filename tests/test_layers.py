@@ -21,7 +21,7 @@ SIE = """
     beyond
     breaks
     equation
-    gap_steps lazy modes near_jumps tree
+    gap_steps lazy modes near_jumps neighbours tree
     assemble
     fast folding hierarchical krylov
     field many
@@ -32,6 +32,7 @@ SIE = """
     holes
     pierced
     released
+    apart
     free_boundary
     __init__
 """

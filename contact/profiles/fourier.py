@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from contact.checks import finite_array, positive
 from contact.errors import SceneError
 from contact.profiles.base import Array, Profile
-from contact.profiles.trigonometric import Sum
+from contact.profiles.trigonometric import Sum, in_turns
 from contact.registry import register_profile
 
 _LONG = 256  # harmonics from which on sums go through a grid
@@ -88,8 +88,8 @@ class Fourier(Profile):
         return Sum.of(self._wavenumbers * self._amplitudes)
 
     def _long(self, x: ArrayLike, series: Sum) -> Array:
-        turns = np.asarray(self.wrap(np.asarray(x, dtype=np.float64))) / self.period
-        return series(turns.ravel()).reshape(turns.shape)
+        wrapped = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
+        return series(*in_turns(wrapped.ravel(), self.period)).reshape(wrapped.shape)
 
     def _series(self, x: ArrayLike, c: NDArray[np.complex128]) -> Array:
         """Re sum_k c_k z^k, z = exp(2 pi i x/L), by k = r + s q: a matrix product and sqrt(N) terms more.

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import scipy.fft
@@ -54,13 +55,13 @@ class Sum:
         values = scipy.fft.irfft(spectrum, n)
         return cls(np.concatenate((values, values[:_WIDTH])), n)
 
-    def __call__(self, turns: Array) -> Array:
-        """Values at x (m,)."""
+    def __call__(self, turns: Array, rest: Array) -> Array:
+        """Values at x = turns + rest (m,), rest what rounding has left of x: with many terms it is seen."""
         out = np.empty(turns.size)
         for start in range(0, turns.size, _BLOCK):
             place = turns[start : start + _BLOCK] * self.n
             first = np.ceil(place - _HALF)
-            away = (place - first) / _HALF
+            away = ((place - first) + rest[start : start + _BLOCK] * self.n) / _HALF
             with np.errstate(invalid="ignore"):
                 index = first.astype(np.intp) % self.n
             total = np.zeros(place.size)
@@ -69,3 +70,19 @@ class Sum:
                 total += self.values[index + j] * np.exp(_STEEP * (np.sqrt(np.maximum(1 - d * d, 0.0)) - 1))
             out[start : start + _BLOCK] = total
         return out
+
+
+def in_turns(x: Array, period: float) -> tuple[Array, Array]:
+    """x / period in two words: the quotient, and what rounding has left of it (Dekker's exact product, Numer. Math. 18, 1971)."""
+    turns = x / period
+    product = turns * period
+    (high, low), (period_high, period_low) = _halves(turns), _halves(np.float64(period))
+    error = ((high * period_high - product) + high * period_low + low * period_high) + low * period_low
+    return turns, np.asarray(((x - product) - error) / period)
+
+
+def _halves(x: Any) -> tuple[Any, Any]:
+    """x as the sum of two numbers of half its digits."""
+    large = 134217729.0 * x
+    high = large - (large - x)
+    return high, x - high
