@@ -236,6 +236,7 @@ def _newton(
     tips = tips_between(equation.forcing, density.zones, equation.kernel.period) if jumps else 0.0
     across, holds = gap_steps(gaps, 2 * w, moves, side * residual, side * a, signs[0] == signs[1], tips)
     delta, weak = np.where(holds, across, delta), weak & ~holds
+    noise = np.where(holds, 2 * noise_k / np.abs(np.where(holds, a, 1.0)), noise)
     if len(equation.forcing.steps_at) or jumps:
         toward, slopes = side * residual, side * a
         bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, toward, slopes, delta, INWARD, OUTWARD)

@@ -55,13 +55,16 @@ class Sum:
         values = scipy.fft.irfft(spectrum, n)
         return cls(np.concatenate((values, values[:_WIDTH])), n)
 
-    def __call__(self, turns: Array, rest: Array) -> Array:
-        """Values at x = turns + rest (m,), rest what rounding has left of x: with many terms it is seen."""
+    def __call__(self, turns: Array, rest: Array | None = None) -> Array:
+        """Values at x = turns + rest (m,); rest: what rounding has left of x, where it is known: with many terms it is seen."""
         out = np.empty(turns.size)
         for start in range(0, turns.size, _BLOCK):
             place = turns[start : start + _BLOCK] * self.n
             first = np.ceil(place - _HALF)
-            away = ((place - first) + rest[start : start + _BLOCK] * self.n) / _HALF
+            away = place - first
+            if rest is not None:
+                away += rest[start : start + _BLOCK] * self.n
+            away /= _HALF
             with np.errstate(invalid="ignore"):
                 index = first.astype(np.intp) % self.n
             total = np.zeros(place.size)
