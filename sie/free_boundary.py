@@ -126,7 +126,7 @@ def find_ends(
         done = certain and not released and not loose and (rest or stuck)
         done = done and abs(change) <= max(tolerance, 1e-14) * abs(value + change)
         # At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones.
-        hopeless = stalled >= 5 and not certain and (move < 1e-6 or (stalled >= 10 and _stays(trace)))
+        hopeless = stalled >= 5 and not certain and (move < 1e-6 or (stalled >= 15 and _stays(trace)))
         hopeless = hopeless or (len(trace) > _WANDERING and min(step.move for step in trace[-10:]) > 0.5 and _stays(trace))
         if done or hopeless or len(trace) > max_steps:
             if done:
@@ -148,9 +148,9 @@ def find_ends(
 
 
 def _stays(trace: list[Step]) -> bool:
-    """Whether the zones have neither grown nor shrunk in the last steps, however much their ends wanted to move."""
+    """Whether the zones have neither grown nor shrunk in the last steps, nor their ends come to rest."""
     now, before = (np.diff(step.zones, axis=1) for step in (trace[-1], trace[-10]))
-    return bool(np.all((before / 3 < now) & (now < 3 * before)))
+    return bool(np.all((before / 3 < now) & (now < 3 * before))) and trace[-1].move > 0.7 * trace[-5].move
 
 
 def _alone(density: AnyDensity, natural: Array, signs: tuple[float, float]) -> Array:
