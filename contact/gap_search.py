@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact import lazy
 from contact.conjugate import ScaledConjugate
 from contact.extrema import maximum
 from contact.fields import mean_shape
@@ -23,79 +22,45 @@ Array = NDArray[np.float64]
 _ROUNDS = 12
 # Newton steps: from the first guess of gaps a few are enough, or it is no problem for gaps.
 _STEPS = 25
+# Samples a shortest length of the shape.
+_CLOSE = 32
 # Gaps over kinks that are this many samples narrow are placed by their closed form.
 _UNSEEN = 4
 
 
-def find_gaps(problem: Problem, control: Control, conjugate: ScaledConjugate, full: float, tolerance: float) -> Gapped:
-    """The gaps under a control; for an approach or a contact width the mean pressure is found by Brent's method, below the
-    scaled mean pressure `full` at which full contact begins (inf: a valley with a kink never fills)."""
-    if control.kind == "load":
-        assert problem.period is not None
-        return solve_gaps(problem, control.value / problem.period, conjugate, tolerance)
-    units = problem.units
-
-    def miss(mean: float) -> float:
-        fields = solve_gaps(problem, mean, conjugate, 0.01 * tolerance).fields
-        if control.kind == "approach":
-            return fields.approach / units.height - control.value
-        return fields.contact_fraction * fields.period - control.value
-
-    low, high = _bracket(miss, full) if np.isfinite(full) else _open_bracket(miss, problem, conjugate)
-    mean = lazy.scipy_optimize().brentq(miss, low, high, xtol=1e-300, rtol=1e-15)
-    found = solve_gaps(problem, mean, conjugate, tolerance)
-    rounding = 1e-15 * abs(mean)
-    if control.kind == "approach":
-        # The approach is a difference of numbers of the size of the profile, and hardly changes near full contact.
-        rate = found.fields.stiffness / found.fields.period * units.height / units.load
-        rounding += 3e-16 * abs(rate) * max(control.value, mean_shape(problem))
-    return replace(found, off=rounding)
-
-
-def _bracket(miss: Callable[[float], float], full: float) -> tuple[float, float]:
-    """Mean pressures below and above the wanted one, below that of full contact."""
-    high, low = 1 - 1e-12, 0.9
-    while miss(full * low) > 0:
-        low = 1 - 2 * (1 - low)
-        if low <= 0:
-            raise WrongTopology("no mean pressure gives such gaps", None)
-    if miss(full * high) < 0:
-        raise WrongTopology("the gaps are narrower than the rounding of the load can tell from full contact", None)
-    return full * low, full * high
-
-
-def _open_bracket(miss: Callable[[float], float], problem: Problem, conjugate: ScaledConjugate) -> tuple[float, float]:
-    """The same where no load gives full contact. A gap over a kink narrows e-fold with every |J| / pi of mean pressure."""
-    step = float(-conjugate.heights.min()) / np.pi
-    mean = 2 * step
-    if miss(mean) > 0:
-        high = mean
-        while miss(mean := 0.75 * high) > 0:
-            high = mean
-            if mean < 0.02 * step:
-                raise WrongTopology("no mean pressure gives such gaps", None)
-        return mean, high
-    low = mean
-    while miss(mean := low + step) < 0:
-        low = mean
-    return low, mean
-
-
-def solve_gaps(
-    problem: Problem, mean: float, conjugate: ScaledConjugate, tolerance: float, table: Array | None = None
+def find_gaps(
+    problem: Problem, control: Control, conjugate: ScaledConjugate, tolerance: float, width: float, zones: Array | None = None
 ) -> Gapped:
-    """Gaps at a scaled mean pressure: first where H f' exceeds it (or those of a table), then Newton, then the signs on the whole
-    period.
+    """The gaps under a control (load, approach, or width): first guesses, Newton, then the signs on the whole period.
 
-    Raises WrongTopology where that does not come to an end that passes.
+    width: about that of all contact, zones: about where it is, both scaled. Raises WrongTopology where that does not come to
+    an end that passes.
     """
-    equation = gap_equation(problem, mean, conjugate)
-    if table is None:
-        table = _first_gaps(problem, mean, conjugate)
+    assert problem.period is not None
+    first = _First.of(problem, conjugate)
+    if control.kind == "width":
+        width = control.value
+    mean = control.value / problem.period if control.kind == "load" else first.mean_of(width)
+    try:
+        return settle_gaps(problem, control, conjugate, first.gaps(mean), mean, tolerance)
+    except WrongTopology:
+        if zones is None or len(zones) == 0:
+            raise
+    between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + problem.period)))
+    return settle_gaps(problem, control, conjugate, _united(between, problem.period), mean, tolerance)
+
+
+def settle_gaps(
+    problem: Problem, control: Control, conjugate: ScaledConjugate, table: Array, mean: float, tolerance: float
+) -> Gapped:
+    """From proposed gaps (n, 2) to gaps that pass; mean: the scaled mean pressure, or a guess of it."""
+    equation = gap_equation(problem, control, conjugate)
+    free: sie.Free | None = None
     for _ in range(_ROUNDS):
         if len(table) == 0:
-            raise WrongTopology("no gap is left", None)
-        free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, signs=(1.0, -1.0))
+            raise WrongTopology("no gap is left: they are narrower than rounding can tell from full contact", free)
+        free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, value=mean, signs=(1.0, -1.0))
+        mean = mean if free.value is None else free.value
         if len(free.lost):
             table = np.delete(free.density.zones.table, free.lost, axis=0)
             continue
@@ -104,108 +69,170 @@ def solve_gaps(
             continue
         if not free.converged:
             raise WrongTopology("the ends of the gaps did not settle", free)
-        fields = GapFields(problem, free.state, mean, conjugate)
+        mean = float(free.density.amplitudes[0])
+        fields = GapFields(problem, _under_mean(problem, control, conjugate, free, mean, tolerance), mean, conjugate)
         signs = certify_gaps(fields)
         if signs.certificate.holds:
-            found = Gapped(free, fields, signs.certificate)
+            found = Gapped(free, fields, signs.certificate, _rounding_of_mean(control, fields))
             if signs.certificate.dip > 10 * tolerance or tolerance <= TIGHT:
                 return found
             # Whether so slight a dip is a gap, a solution to the tolerance does not tell.
-            return _decided(found, problem, mean, conjugate)
+            return _decided(found, problem, control, conjugate, mean)
         table = _united(np.concatenate((_cut(free.density.zones.table, signs.overlaps), signs.negative)), fields.period)
     raise WrongTopology("the number of gaps did not settle", free)
 
 
-def _decided(slight: Gapped, problem: Problem, mean: float, conjugate: ScaledConjugate) -> Gapped:
+def _decided(slight: Gapped, problem: Problem, control: Control, conjugate: ScaledConjugate, mean: float) -> Gapped:
     """The gaps as tightly as rounding allows, where a dip of the pressure may be one more; undecided if that cannot be told."""
-    table = slight.fields.density.zones.table
     try:
-        return solve_gaps(problem, mean, conjugate, TIGHT, table)
+        return settle_gaps(problem, control, conjugate, slight.fields.density.zones.table, mean, TIGHT)
     except WrongTopology:
         return replace(slight, certificate=replace(slight.certificate, undecided=True))
 
 
+def _under_mean(
+    problem: Problem, control: Control, conjugate: ScaledConjugate, free: sie.Free, mean: float, tolerance: float
+) -> sie.AnyState:
+    """The same gaps under their mean pressure, whatever the control was: stiffness is read from this state."""
+    if control.kind == "load":
+        return free.state
+    assert problem.period is not None
+    equation = gap_equation(problem, Control("load", mean * problem.period), conjugate)
+    return sie.solve_fixed(equation, free.density.zones, max(0.1 * tolerance, 3e-16)).settled()
+
+
+def _rounding_of_mean(control: Control, fields: GapFields) -> float:
+    """How far rounding may take the mean pressure that comes with an approach: a difference of numbers of the size of the
+    profile, which hardly changes near full contact."""
+    if control.kind != "approach":
+        return 0.0
+    units = fields.problem.units
+    rate = fields.stiffness / fields.period * units.height / units.load
+    return 3e-16 * (abs(fields.mean) + abs(rate) * max(control.value, mean_shape(fields.problem)))
+
+
 def with_gaps(fields: GapFields, mean: float, table: Array, tolerance: float) -> GapFields:
     """The same profile at another mean pressure with this many gaps, whatever the signs."""
-    equation = gap_equation(fields.problem, mean, fields.conjugate)
+    equation = gap_equation(fields.problem, Control("load", mean * fields.period), fields.conjugate)
     free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, signs=(1.0, -1.0))
     if not free.converged:
         raise WrongTopology("the ends of the gaps did not settle", free)
     return GapFields(fields.problem, free.state, mean, fields.conjugate)
 
 
-def gap_equation(problem: Problem, mean: float, conjugate: ScaledConjugate) -> sie.Equation:
-    """The equation of the slope of the gap at a scaled mean pressure."""
+def gap_equation(problem: Problem, control: Control, conjugate: ScaledConjugate) -> sie.Equation:
+    """The equation of the slope of the gap. The mean pressure is a column: taken off the right side it would leave little but
+    the rounding of both."""
+    assert problem.period is not None
     jumps = problem.forcing
     right = sie.Forcing(
         conjugate.smooth, breaks_at=np.asarray(jumps.steps_at), breaks=np.asarray(jumps.steps), break_orders=jumps.orders
     )
-    # The mean pressure is a column: taken off the right side it would leave little but the rounding of both.
-    return sie.Equation(
-        problem.kernel, right, (sie.Amplitude(0, mean), sie.ZoneTotals(0.0)),
-        (sie.Forcing(lambda x: np.full(np.shape(x), -1.0), modes=1),),
-    )
+    ends: tuple[sie.TotalWidth, ...] = ()
+    if control.kind == "load":
+        given: sie.Condition = sie.Amplitude(0, control.value / problem.period)
+    elif control.kind == "approach":
+        # min f = 0 and mean u = 0: the mean of f less the mean gap.
+        given = sie.ZoneMoments((control.value - mean_shape(problem)) * problem.period)
+    else:
+        given, ends = sie.Amplitude(0, None), (sie.TotalWidth(problem.period - control.value),)
+    column = sie.Forcing(lambda x: np.full(np.shape(x), -1.0), modes=1)
+    return sie.Equation(problem.kernel, right, (given, sie.ZoneTotals(0.0)), (column,), ends)
 
 
-def _samples(problem: Problem, count: int = 32) -> Array:
-    assert problem.period is not None
-    resolution = problem.profile.resolution or problem.units.length * problem.period / 16
-    n = int(np.clip(count * problem.period * problem.units.length / resolution, 256, 2**18))
-    start = float(problem.units.scaled(np.array(problem.profile.x0)))
-    # Off the borders of the cell and of its halves and thirds, where kinks like to be.
-    return np.asarray(start + problem.period * (np.arange(n + 1) + 0.4142) / n)
+@dataclass(frozen=True, eq=False)
+class _First:
+    """First guesses: where samples of H f' exceed the mean pressure."""
 
+    conjugate: ScaledConjugate
+    period: float
+    x: Array
+    value: Array
 
-def _first_gaps(problem: Problem, mean: float, conjugate: ScaledConjugate) -> Array:
-    """Where H f' exceeds the mean pressure, widened as a lone gap in a parabola of H f' would be, and over kinks."""
-    period = problem.period
-    assert period is not None
-    x = _samples(problem)[:-1]
-    step = float(x[1] - x[0])
-    value = np.asarray(conjugate(x))
-    valleys = _over_kinks(period, mean, conjugate, 0.5 * _UNSEEN * step)
-    above = value > mean
-    if above.all():
-        raise WrongTopology("the mean pressure is below H f' everywhere", None)
-    if above.any():
-        seen = _runs(x, value, above, mean, period)
-        apart = np.abs((seen.mean(axis=1)[:, None] - valleys.mean(axis=1) + 0.5 * period) % period - 0.5 * period)
-        unseen = (apart < 2 * step).any(axis=1) & (seen[:, 1] - seen[:, 0] < 2 * _UNSEEN * step)
-        return _united(np.concatenate((seen[~unseen], valleys)), period)
-    if len(valleys):
-        return _united(valleys, period)
-    place, highest = maximum(lambda points: np.asarray(conjugate(points)), np.append(x, x[0] + period))
-    if highest <= mean:
-        return np.zeros((0, 2))
-    bend = 2 * highest - float(conjugate(np.array([place - step]))[0]) - float(conjugate(np.array([place + step]))[0])
-    half = 2 * step * np.sqrt((highest - mean) / bend)
-    return np.array([[place - half, place + half]])
+    @classmethod
+    def of(cls, problem: Problem, conjugate: ScaledConjugate) -> _First:
+        assert problem.period is not None
+        resolution = problem.profile.resolution or problem.units.length * problem.period / 16
+        n = int(np.clip(_CLOSE * problem.period * problem.units.length / resolution, 256, 2**18))
+        start = float(problem.units.scaled(np.array(problem.profile.x0)))
+        # Off the borders of the cell and of its halves and thirds, where kinks like to be.
+        x = start + problem.period * (np.arange(n) + 0.4142) / n
+        return cls(conjugate, problem.period, x, np.asarray(conjugate(x)))
 
+    @property
+    def step(self) -> float:
+        return self.period / len(self.x)
 
-def _over_kinks(period: float, mean: float, conjugate: ScaledConjugate, widest: float) -> Array:
-    """Lone gaps over the concave kinks, where they are narrower than the samples show and wide enough to have ends."""
-    kinks = np.flatnonzero(conjugate.heights < 0)
-    half = period / np.pi * np.exp(np.pi * np.minimum((mean - conjugate.without_own(kinks)) / conjugate.heights[kinks], 9.0))
-    which = (half < widest) & (half > NARROWEST * period)
-    at, half = conjugate.at[kinks][which], half[which]
-    return np.column_stack((at - half, at + half))
+    def gaps(self, mean: float) -> Array:
+        """Runs of samples above the mean pressure, widened as a lone gap in a parabola of H f' would be; lone gaps over
+        kinks."""
+        valleys = self._over_kinks(mean)
+        above = self.value > mean
+        if above.all():
+            raise WrongTopology("the mean pressure is below H f' everywhere", None)
+        if above.any():
+            seen = self._runs(above, mean)
+            half = 0.5 * self.period
+            apart = np.abs((seen.mean(axis=1)[:, None] - valleys.mean(axis=1) + half) % self.period - half)
+            unseen = (apart < 2 * self.step).any(axis=1) & (seen[:, 1] - seen[:, 0] < 2 * _UNSEEN * self.step)
+            return _united(np.concatenate((seen[~unseen], valleys)), self.period)
+        return _united(valleys, self.period) if len(valleys) else self._last(mean)
 
+    def mean_of(self, width: float) -> float:
+        """The mean pressure whose first guess leaves about this width in contact, by bisection."""
+        finite = self.value[np.isfinite(self.value)]
+        low, high = float(finite.min()), float(finite.max())
+        while self._open(high) > self.period - width and high < 1e3 * (1 + float(finite.max())):
+            high += high - low
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self._open(middle) > self.period - width else (low, middle)
+        return 0.5 * (low + high)
 
-def _runs(x: Array, value: Array, above: NDArray[np.bool_], mean: float, period: float) -> Array:
-    """The runs of samples above the mean pressure, from crossing to crossing, widened by sqrt(2)."""
-    shift = int(np.argmin(above))  # start in contact, so that no run crosses the border
-    x = np.concatenate((x[shift:], x[:shift] + period))
-    highest = 2 * np.abs(value[np.isfinite(value)]).max(initial=abs(mean))
-    above, value = np.roll(above, -shift), np.clip(np.roll(value, -shift), -highest, highest)
-    change = np.flatnonzero(np.diff(np.concatenate(([False], above, [False])).astype(np.int8)))
-    first, last = change[::2], change[1::2] - 1
-    step = float(x[1] - x[0])
-    # The crossings of the level lie between samples.
-    before, after = value[first - 1] - mean, value[(last + 1) % len(x)] - mean
-    a = x[first] - step * (value[first] - mean) / (value[first] - mean - before)
-    b = x[last] + step * (value[last] - mean) / (value[last] - mean - after)
-    middle, half = 0.5 * (a + b), 0.5 * np.sqrt(2) * (b - a)
-    return _united(np.column_stack((middle - half, middle + half)), period)
+    def _open(self, mean: float) -> float:
+        try:
+            table = self.gaps(mean)
+        except WrongTopology:
+            return self.period
+        return float(np.sum(table[:, 1] - table[:, 0]))
+
+    def _last(self, mean: float) -> Array:
+        """The gap about the highest H f', narrower than the samples."""
+        place, highest = maximum(self.conjugate, np.append(self.x, self.x[0] + self.period))
+        if highest <= mean:
+            return np.zeros((0, 2))
+        beside = np.asarray(self.conjugate(np.array([place - self.step, place + self.step])))
+        half = 2 * self.step * np.sqrt((highest - mean) / (2 * highest - float(beside.sum())))
+        return np.array([[place - half, place + half]])
+
+    def _over_kinks(self, mean: float) -> Array:
+        """Lone gaps over the concave kinks, where they are narrower than the samples show and wide enough to have ends."""
+        kinks, rest = self._valleys
+        at, heights = self.conjugate.at[kinks], self.conjugate.heights[kinks]
+        half = self.period / np.pi * np.exp(np.pi * np.minimum((mean - rest) / heights, 9.0))
+        which = (half < 0.5 * _UNSEEN * self.step) & (half > NARROWEST * self.period)
+        return np.column_stack((at - half, at + half))[which]
+
+    @cached_property
+    def _valleys(self) -> tuple[NDArray[np.intp], Array]:
+        """The concave kinks, and H f' there less their own logarithm."""
+        kinks = np.flatnonzero(self.conjugate.heights < 0)
+        return kinks, self.conjugate.without_own(kinks)
+
+    def _runs(self, above: NDArray[np.bool_], mean: float) -> Array:
+        """The runs of samples above the mean pressure, from crossing to crossing, widened by sqrt(2)."""
+        shift = int(np.argmin(above))  # start in contact, so that no run crosses the border
+        x = np.concatenate((self.x[shift:], self.x[:shift] + self.period))
+        highest = 2 * np.abs(self.value[np.isfinite(self.value)]).max(initial=abs(mean))
+        above, value = np.roll(above, -shift), np.clip(np.roll(self.value, -shift), -highest, highest)
+        change = np.flatnonzero(np.diff(np.concatenate(([False], above, [False])).astype(np.int8)))
+        first, last = change[::2], change[1::2] - 1
+        # The crossings of the level lie between samples.
+        before, after = value[first - 1] - mean, value[(last + 1) % len(x)] - mean
+        a = x[first] - self.step * (value[first] - mean) / (value[first] - mean - before)
+        b = x[last] + self.step * (value[last] - mean) / (value[last] - mean - after)
+        middle, half = 0.5 * (a + b), 0.5 * np.sqrt(2) * (b - a)
+        return _united(np.column_stack((middle - half, middle + half)), self.period)
 
 
 def _united(table: Array, period: float) -> Array:

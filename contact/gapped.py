@@ -178,7 +178,7 @@ class Gapped:
         An end of a gap off by delta shifts the normalised positions in the zone beside it, by delta over its width, and the
         pressure there by delta over the length in which it varies.
         """
-        fields, state, gaps = self.fields, self.free.state, self.fields.density.zones
+        fields, state, gaps = self.fields, self.fields.state, self.fields.density.zones
         units, profile = fields.problem.units, fields.problem.profile
         moved = self.free.end_error + state.end_truncation + self.off * self.widening / (gaps.b - gaps.a)[:, None]
         shift = float((moved * (gaps.b - gaps.a)[:, None]).max())
@@ -193,7 +193,7 @@ class Gapped:
     @property
     def widening(self) -> Array:
         """How far each end of the gaps (n, 2) moves by a unit of mean pressure: 2 K / A, as a step of Newton's."""
-        state = self.free.state
+        state = self.fields.state
         values = np.zeros(len(state.condition_scale))
         values[state.condition_index[0]] = 1.0
         k, a = np.array(state.response(values).intensities), np.array(self.fields.density.edge_slopes)

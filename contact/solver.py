@@ -20,7 +20,7 @@ from contact.fields import ZoneFields, mean_shape
 from contact.first_order import FirstOrder
 from contact.framing import framed, lowest
 from contact.full import FullFields, FullLimit, period_samples
-from contact.gap_search import find_gaps
+from contact.gap_search import find_gaps, settle_gaps
 from contact.gapped import Gapped
 from contact.interactions.isolated import Isolated
 from contact.interactions.periodic import Periodic
@@ -205,16 +205,35 @@ class _Run:
         """Whether contact of about this scaled width is better solved by its gaps."""
         return self.full.approached and problem.period is not None and width > _NEARLY_FULL * problem.period
 
-    def _by_gaps(self, problem: Problem, control: Control, width: float) -> Gapped | None:
+    def _by_gaps(self, problem: Problem, control: Control, width: float, zones: Array | None = None) -> Gapped | None:
         """The contact solved by its gaps, where it is about as wide as that; None if it is not or that fails."""
         if control.kind == "half_width" or not self._worth_gaps(problem, width):
             return None
         conjugate = ScaledConjugate.of(self.full.conjugate, problem)
         with self.plan.timed("zone ends"):
             try:
-                return find_gaps(problem, control, conjugate, self.full.pressure / problem.units.pressure, self.tolerance)
+                return self._tightened_gaps(
+                    problem, control, find_gaps(problem, control, conjugate, self.tolerance, width, zones)
+                )
             except WrongTopology:
                 return None
+
+    def _tightened_gaps(self, problem: Problem, control: Control, found: Gapped) -> Gapped:
+        """Solved again from the same gaps with a smaller inner tolerance, where the error came out above the wanted one."""
+        tolerance = self.tolerance
+        for _ in range(3):
+            if found.error <= self.tol or tolerance <= 2e-15:
+                break
+            tolerance = max(2e-15, 0.05 * tolerance * self.tol / found.error)
+            fields = found.fields
+            try:
+                better = settle_gaps(
+                    problem, control, fields.conjugate, fields.density.zones.table, fields.mean, tolerance
+                )
+            except WrongTopology:
+                break
+            found = better if better.error < found.error else found
+        return found
 
     def _is_full(self, control: Control) -> bool:
         """Whether the load is that of full contact or above."""
@@ -310,7 +329,7 @@ class _Run:
             width = proposal.width / problem.units.length
             if problem.period is not None and width > 0.4 * problem.period and self._is_full(control):
                 return None
-            gapped = self._by_gaps(problem, control, width)
+            gapped = self._by_gaps(problem, control, width, placed(problem, proposal.zones))
             if gapped is not None:
                 return gapped
             if not proposal.full and len(proposal.zones):

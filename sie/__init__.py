@@ -1,6 +1,17 @@
 """Singular integral equations with Cauchy and Hilbert kernels on any number of zones, fixed or with unknown ends."""
 
-from sie.conditions import Amplitude, Condition, EqualPotential, Level, Total, TotalWidth, Weighted, ZoneTotals, moment
+from sie.conditions import (
+    Amplitude,
+    Condition,
+    EqualPotential,
+    Level,
+    Total,
+    TotalWidth,
+    Weighted,
+    ZoneMoments,
+    ZoneTotals,
+    moment,
+)
 from sie.density import Density
 from sie.ends import BOUNDED, FREE, SINGULAR, End, free_with_intensity
 from sie.equation import CountError, Equation, Forcing
@@ -15,6 +26,6 @@ from sie.zones import Zones
 __all__ = [
     "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EqualPotential",
     "Equation", "Forcing", "Free", "Kernel", "Level", "LocalPotential", "Pierced", "SingularSystem", "Smooth", "State", "Total",
-    "TotalWidth", "Weighted", "ZoneTotals", "Zones", "cauchy", "find_ends", "free_with_intensity", "hilbert",
+    "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "cauchy", "find_ends", "free_with_intensity", "hilbert",
     "images", "moment", "solve_fixed", "solve_zones",
 ]

@@ -112,6 +112,27 @@ def moment(value: float, about: float = 0.0) -> Weighted:
 
 
 @dataclass(frozen=True)
+class ZoneMoments(Condition):
+    """The first moments of the density about the middle of each zone add up to `value`: where every total is zero, minus
+    the integral of what the density opens."""
+
+    value: float
+
+    def count(self, zones: Zones) -> int:
+        return 1
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        zones = system.zones
+
+        def about_middle(x: Array) -> Array:
+            return np.asarray(x - zones.middle[np.searchsorted(zones.a, x, side="right") - 1])
+
+        matrix, constants = system.integrals(about_middle)
+        weight = system.multiplicity()
+        return (weight @ matrix)[None], np.array([weight @ constants]), np.array([self.value])
+
+
+@dataclass(frozen=True)
 class ZoneTotals(Condition):
     """The integral of the density over each zone: one value for all, or one per solved zone (0: as in cracks)."""
 
@@ -159,11 +180,16 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The amplitude of column k is `value` plus `per_total` times the total: a closure by name."""
+    """The amplitude of column k is `value` plus `per_total` times the total: a closure by name; value None: unknown, found
+    from a condition on the ends."""
 
     k: int
-    value: float = 0.0
+    value: float | None = 0.0
     per_total: float = 0.0
+
+    @property
+    def open(self) -> bool:  # type: ignore[override]
+        return self.value is None
 
     def count(self, zones: Zones) -> int:
         return 1
@@ -175,7 +201,7 @@ class Amplitude(Condition):
             weight = system.multiplicity()
             matrix = matrix - self.per_total * (weight @ totals)[None]
             constants = constants - self.per_total * (weight @ known)
-        return matrix, constants, np.array([self.value])
+        return matrix, constants, np.array([self.value or 0.0])
 
 
 class EndCondition(Protocol):

@@ -80,7 +80,7 @@ class ByGaps:
 
         conjugate = ScaledConjugate.of(conjugate_of(scene.profile), problem)
         mean = _mean_pressure(scene) / units.pressure
-        equation = gap_equation(problem, mean, conjugate)
+        equation = gap_equation(problem, Control("load", mean * problem.period), conjugate)
         free = sie.find_ends(equation, sie.Zones.of(gaps), _TOLERANCE, _STEPS, signs=(1.0, -1.0))
         if not free.converged:
             raise NotConverged("the gaps' formulation does not converge from these zones")
