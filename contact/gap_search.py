@@ -41,13 +41,14 @@ def find_gaps(
     if control.kind == "width":
         width = control.value
     mean = control.value / problem.period if control.kind == "load" else first.mean_of(width)
-    try:
-        return settle_gaps(problem, control, conjugate, first.gaps(mean), mean, tolerance)
-    except WrongTopology:
-        if zones is None or len(zones) == 0:
-            raise
-    between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + problem.period)))
-    return settle_gaps(problem, control, conjugate, _united(between, problem.period), mean, tolerance)
+    if zones is not None and len(zones) > 0:
+        # Where zones are known about, so are the gaps; but not those that a grid does not see.
+        between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + problem.period)))
+        try:
+            return settle_gaps(problem, control, conjugate, _united(between, problem.period), mean, tolerance)
+        except WrongTopology:
+            pass
+    return settle_gaps(problem, control, conjugate, first.gaps(mean), mean, tolerance)
 
 
 def settle_gaps(
