@@ -33,6 +33,10 @@ HIGHEST = 2
 _SERIES = 1024
 # Seen from farther than this rho, the closed form cancels and the series is short.
 _FAR = 0.25
+# Up to which rho how many terms of the series are enough.
+_SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
+# (point, jump) pairs handled at once.
+_PAIRS = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,16 +179,44 @@ class Steps:
         return np.asarray(value @ (self.height[k] / np.pi))
 
     def transform(self, zone: int, z: Array, rho: Array) -> Array:
-        """Transform of a zone's parts off the zone."""
+        """Transform of a zone's parts off the zone: by their closed forms, or by the series of all of them together where
+        that is shorter or the closed forms cancel."""
         k = self.by_zone[zone]
+        far = np.abs(rho)
+        terms = np.zeros(len(rho), dtype=np.intp)
+        for reach, count in _SERIES_TO:
+            if reach <= _FAR or count <= 8 * len(k):
+                terms[(terms == 0) & (far < reach)] = count
+        out = np.empty(len(rho))
+        near = np.flatnonzero(terms == 0)
+        out[near] = self._closed_transform(k, z[near], rho[near])
+        for count in np.unique(terms[terms > 0]):
+            here = np.flatnonzero(terms == count)
+            r, total = rho[here], np.zeros(len(here))
+            for c in self._summed(zone)[count - 1 :: -1]:
+                total = total * r + c
+            out[here] = total * (2 * r / (1 - r * r))
+        return out
+
+    def _closed_transform(self, k: Index, z: Array, rho: Array) -> Array:
+        out = np.empty(len(z))
+        block = max(1, _PAIRS // max(1, len(k)))
         q, weight = self.order[k], self.height[k] / np.pi
-        plain = self._plain(k, rho)
-        out = ((z[:, None] - self.s[k]) ** q * plain - self._polynomial(k, z[:, None])) @ weight
-        far = np.abs(rho) < _FAR
-        if np.any(q > 0) and np.any(far):
-            r = rho[far]
-            out[far] = r[:, None] ** np.arange(32) @ self._coefficients(k, 32).sum(axis=0) * (2 * r / (1 - r * r))
-        return np.asarray(out)
+        for s in range(0, len(z), block):
+            here = slice(s, s + block)
+            power = (z[here, None] - self.s[k]) ** q
+            out[here] = (power * self._plain(k, rho[here]) - self._polynomial(k, z[here, None])) @ weight
+        return out
+
+    def _summed(self, zone: int) -> Array:
+        """Coefficients of T_l / sqrt(1 - t^2) of all parts of a zone together."""
+        if zone not in self._sums:
+            self._sums[zone] = self._coefficients(self.by_zone[zone], _SERIES_TO[-1][1]).sum(axis=0)
+        return self._sums[zone]
+
+    @cached_property
+    def _sums(self) -> dict[int, Array]:
+        return {}
 
     def _plain(self, k: Index, rho: Array) -> Array:
         """pi over h times the transform of parts with q = 0 off the zone, (points, jumps)."""
