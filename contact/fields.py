@@ -183,6 +183,19 @@ class ZoneFields:
         return span / 16 if resolution is None else resolution / self.problem.units.length
 
     @cached_property
+    def tips(self) -> Array:
+        """Scaled places of sharp tips, ascending: there a gap is least without a level tangent. Of a period those beside the
+        zones, too."""
+        forcing = self.problem.forcing
+        orders = np.zeros(len(forcing.steps)) if forcing.orders is None else forcing.orders
+        at = forcing.steps_at[(orders == 0) & (forcing.steps > 0)]
+        period = self.problem.period
+        if period is not None and len(at):
+            at = at - np.floor((at - self.density.zones.a[0]) / period) * period
+            at = np.concatenate((at - period, at, at + period))
+        return np.sort(at)
+
+    @cached_property
     def gap_rounding(self) -> float:
         """What rounding may do to a scaled gap."""
         zones = self.density.zones
