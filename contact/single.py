@@ -40,7 +40,16 @@ def guess_half_width(problem: Problem, control: Control) -> float:
     value = _carried(problem, control, a)
     above = np.flatnonzero(value >= control.value)
     if len(above) == 0:
-        return float(a[np.argmax(value)])
+        # A maximum between two of them may still reach it.
+        k = int(np.clip(np.argmax(value), 1, len(a) - 2))
+        top = lazy.scipy_optimize().minimize_scalar(
+            lambda x: -float(_carried(problem, control, np.array([x]))[0]), bounds=(float(a[k - 1]), float(a[k + 1])),
+            method="bounded", options={"xatol": 1e-9 * float(a[k])},
+        )
+        if -top.fun < control.value:
+            return float(top.x)
+        a, value = np.array([a[k - 1], top.x]), np.array([value[k - 1], -top.fun])
+        above = np.array([1])
     k = int(above[0])
     if k == 0:
         return float(a[0])
