@@ -30,6 +30,8 @@ _MANY = 32
 
 # Normalised positions at which many zones are looked at for what the gap comes to on them.
 _ON_ZONES = np.cos(np.pi * np.array([0.125, 0.375, 0.625, 0.875]))
+# Points in one gap at the most: where the profile's resolution asks for them, and where it is a guess.
+_MOST_KNOWN, _MOST = 2**17, 4000
 # What sums of some hundred terms are rounded to, relative to the largest of them: no error is stated below it.
 ROUNDING = 4e-14
 
@@ -40,7 +42,8 @@ class Certificate:
     smallest_gap: between the zones [m]. load_balance: relative. level_spread: largest difference of the zones' approaches [m].
     points: how many were looked at. dip: least minimum of p / sqrt(1 - t^2) inside a zone over its largest value there, inf if
     there is none. undecided: a gap within `gap_rounding` of zero, or a dip within rounding of it: whether there is contact in
-    that place is below what double precision tells.
+    that place is below what double precision tells. moment_balance: relative to the load times the farthest end
+    of a zone; None where no moment is given.
     """
 
     smallest_pressure: float
@@ -53,6 +56,7 @@ class Certificate:
     undecided: bool = False
     note: str = ""
     dip: float = np.inf
+    moment_balance: float | None = None
     negative: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
     overlaps: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
 
@@ -61,7 +65,8 @@ class Certificate:
             "holds", "undecided", "smallest_pressure", "smallest_gap", "gap_rounding", "load_balance", "level_spread",
             "points", "note",
         )
-        return {name: getattr(self, name) for name in names}
+        found = {name: getattr(self, name) for name in names}
+        return found if self.moment_balance is None else {**found, "moment_balance": self.moment_balance}
 
 
 NOT_CHECKED = Certificate(np.nan, None, 0.0, np.nan, np.nan, 0, False, note="a formal solution: its signs were not checked")
@@ -77,9 +82,10 @@ def certify(fields: ZoneFields, load: float | None) -> Certificate:
     units = fields.problem.units
     density = fields.density
     balance = 0.0 if load is None else abs(density.total - load) / abs(load)
+    turned = _moment_balance(fields)
     spread = float(np.ptp(fields.levels)) * units.height
     undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (dip <= DIP_ROUNDING and len(pressures) == 0)
-    holds = least > 0 and len(new) == 0 and len(overlaps) == 0 and balance < 1e-9
+    holds = least > 0 and len(new) == 0 and len(overlaps) == 0 and balance < 1e-9 and (turned is None or turned < 1e-9)
     return Certificate(
         smallest_pressure=least * units.pressure,
         smallest_gap=None if gaps is None else gaps * units.height,
@@ -91,9 +97,20 @@ def certify(fields: ZoneFields, load: float | None) -> Certificate:
         undecided=bool(undecided) or left_out > 0,
         note=f"{left_out} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of their zones" if left_out else "",
         dip=dip,
+        moment_balance=turned,
         negative=pressures,
         overlaps=overlaps,
     )
+
+
+def _moment_balance(fields: ZoneFields) -> float | None:
+    """What the moment is off, over the load times the farthest end of a zone; None where none is given."""
+    given = fields.problem.moment
+    if given is None:
+        return None
+    zones, lever = fields.density.zones, fields.problem.units.lever
+    reach = max(abs(lever + zones.a[0]), abs(lever + zones.b[-1]))
+    return float(abs(fields.scaled_moment - given) / (fields.density.total * reach))
 
 
 def _pressures(fields: ZoneFields) -> tuple[Array, float, float, int]:
@@ -188,7 +205,7 @@ def _gaps(fields: ZoneFields) -> tuple[float | None, Array, float, int]:
     smallest: float | None = None
     rounding, points = fields.gap_rounding, 0
     for lo, hi, left_zone, right_zone in fields.open_intervals():
-        x = _between(lo, hi, fields.spacing, left_zone, right_zone, fields.tips)
+        x = _between(lo, hi, fields, left_zone, right_zone)
         scaled_gap = fields.gap_between(lo, hi)
         gap = scaled_gap(x)
         points += len(x)
@@ -200,7 +217,20 @@ def _gaps(fields: ZoneFields) -> tuple[float | None, Array, float, int]:
         smallest = here if smallest is None else min(smallest, here)
         fails = finite < -rounding
         bad += _overlaps(x, fails, lo, hi)
-    return smallest, np.array(bad).reshape(-1, 2), rounding, points
+    far = _far_away(fields)
+    return smallest, np.array(bad + far[0]).reshape(-1, 2), rounding, points + far[1]
+
+
+def _far_away(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
+    """(intervals of overlap, points) far from all zones: a turned or a lopsided body may touch there as well."""
+    bad: list[tuple[float, float]] = []
+    points = 0
+    for x in fields.far_stretches():
+        with np.errstate(over="ignore", invalid="ignore"):
+            finite, x = _zoom(fields.formal_gap, x, _finite(fields.formal_gap(x)))
+        points += len(x)
+        bad += _overlaps(x, finite < -fields.gap_rounding, float(x[0]), float(x[-1]))
+    return bad, points
 
 
 def _gaps_together(fields: ZoneFields) -> tuple[float | None, Array, float, int]:
@@ -210,7 +240,7 @@ def _gaps_together(fields: ZoneFields) -> tuple[float | None, Array, float, int]
     what it comes to there is known of it no better.
     """
     intervals = list(fields.open_intervals())
-    parts = [_between(lo, hi, fields.spacing, left, right, fields.tips) for lo, hi, left, right in intervals]
+    parts = [_between(lo, hi, fields, left, right) for lo, hi, left, right in intervals]
     points = np.concatenate(parts)
     place = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
     count, zones = len(points), fields.density.zones
@@ -242,7 +272,8 @@ def _gaps_together(fields: ZoneFields) -> tuple[float | None, Array, float, int]
         bad += _overlaps(x[here], fails[here], *intervals[i][:2])
     seen = gap[~_closing(gap, place, rounding)]
     smallest = float(seen.min()) if np.isfinite(seen).any() else None
-    return smallest, np.array(bad).reshape(-1, 2), rounding, count
+    far = _far_away(fields)
+    return smallest, np.array(bad + far[0]).reshape(-1, 2), rounding, count + far[1]
 
 
 def _closing(gap: Array, place: NDArray[np.intp], rounding: float) -> NDArray[np.bool_]:
@@ -268,19 +299,22 @@ def _overlaps(x: Array, fails: NDArray[np.bool_], lo: float, hi: float) -> list[
     ]
 
 
-def _between(lo: float, hi: float, spacing: float, left_zone: bool, right_zone: bool, tips: Array) -> Array:
-    """Points in (lo, hi), evenly at least as close as `spacing` allows, and quadratically closer next to zones; tips among them."""
-    n = int(np.clip(4 * (hi - lo) / spacing, 24, 4000))
+def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool) -> Array:
+    """Points in (lo, hi), evenly at least as close as the fields' spacing asks for, quadratically closer next to zones; tips among
+    them, and the limit of what is looked at: the body may touch right there."""
+    known = fields.problem.profile.resolution is not None and (fields.is_bounded or (left_zone and right_zone))
+    n = int(np.clip(4 * (hi - lo) / fields.spacing, 24, _MOST_KNOWN if known else _MOST))
     s = (np.arange(n) + 0.5) / n
     if left_zone and right_zone:
         s = np.sin(0.5 * np.pi * s) ** 2
     elif left_zone:
-        s = s * s
+        s = np.append(s * s, 1.0)
     elif right_zone:
-        s = 1 - (1 - s) ** 2
-    x = lo + (hi - lo) * s
+        s = np.append(0.0, 1 - (1 - s) ** 2)
+    x = np.clip(lo + (hi - lo) * s, lo, hi)
+    tips = fields.tips
     first, last = np.searchsorted(tips, [lo, hi], side="right")
-    return np.unique(np.concatenate((x, tips[first:last]))) if last > first else np.asarray(x)
+    return np.unique(np.concatenate((x, tips[first:last]))) if last > first else x
 
 
 def _zoom(scaled_gap: Callable[[Array], Array], x: Array, gap: Array) -> tuple[Array, Array]:

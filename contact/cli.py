@@ -22,6 +22,7 @@ from contact.compare import compare, refusals, table, total_width
 from contact.compare_plot import plot_comparison
 from contact.errors import ContactError, NotConverged, SceneError
 from contact.export import ZONE_COLUMNS, to_json, write_csv, write_netcdf, zone_table
+from contact.interactions.base import TURNING
 from contact.planning import plan
 from contact.plotting import plot
 from contact.registry import interactions, profiles
@@ -268,6 +269,7 @@ def _show_solution(solution: Answer, seconds: float) -> None:
             ("max pressure", quantity(solution.max_pressure, "Pa", 10)),
             ("approach", quantity(solution.approach, "m", 10)),
             ("contact fraction", "not defined" if fraction is None else f"{fraction:.10g}"),
+            *_turning(solution),
             ("zones", str(len(solution.zones)) if len(solution.zones) else "full contact"),
             ("total width", quantity(total_width(solution), "m", 10)),
             ("error, at most", f"{solution.error:.2g}"),
@@ -288,6 +290,13 @@ def _show_solution(solution: Answer, seconds: float) -> None:
     show_table("zones", names, shown, numeric=range(len(names)))
     if len(rows) > _ZONES_SHOWN:
         click.echo(f"{len(rows) - _ZONES_SHOWN} more zones: --csv writes them all")
+
+
+def _turning(solution: Answer) -> list[tuple[str, str]]:
+    """Rows of a scene that gives a tilt or a moment."""
+    if all(getattr(solution.scene, name) is None for name in TURNING):
+        return []
+    return [("tilt", f"{solution.tilt:.10g}"), ("moment", quantity(solution.moment, "N", 10))]
 
 
 def _told(value: Any) -> str:

@@ -20,6 +20,7 @@ import numpy as np
 
 from contact import lazy
 from contact.answer import Answer
+from contact.interactions.base import TURNING
 from contact.sampling import positions, window
 from contact.scene import Scene
 
@@ -49,11 +50,19 @@ def to_dict(solution: Answer) -> dict[str, Any]:
         "zone_widths": solution.zone_widths,
         "stiffness": solution.stiffness,
         "mean_gap": solution.mean_gap,
+        "tilt": solution.tilt,
+        "moment": solution.moment,
+        # One more solution: worth it only where turning is what the scene is about.
+        "rotational_stiffness": solution.rotational_stiffness if _is_about_turning(solution.scene) else None,
         "error": solution.error,
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
     }
     return {key: plain(value) for key, value in values.items()}
+
+
+def _is_about_turning(scene: Scene) -> bool:
+    return any(getattr(scene, name) is not None for name in TURNING)
 
 
 def to_json(solution: Answer) -> str:
@@ -136,7 +145,7 @@ def describe(scene: Scene) -> dict[str, Any]:
         "profile": {"shape": scene.profile.name, **_parameters(scene.profile)},
         "material": {"E_star": scene.E_star},
         "interaction": {"model": scene.interaction.name, **_parameters(scene.interaction)},
-        "control": {name: value},
+        "control": {name: value, **{turn: given for turn in TURNING if (given := getattr(scene, turn)) is not None}},
     }
 
 
@@ -163,6 +172,8 @@ def _attributes(solution: Answer) -> dict[str, Any]:
         "max_pressure": solution.max_pressure,
         "approach": solution.approach,
         "contact_fraction": solution.contact_fraction,
+        "tilt": solution.tilt,
+        "moment": solution.moment,
         "error": solution.error,
     }
     numbers = {name: float(value) for name, value in values.items() if value is not None}

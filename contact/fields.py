@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -12,14 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 
 import sie
 from contact.extrema import maximum
-from contact.problem import Problem
+from contact.problem import Control, Problem
 
 Array = NDArray[np.float64]
 
 # Zones from which on the potential of far ones is interpolated.
 _MANY = 8
-# How far from the zones a half-line is looked at, in units of what the zones span.
-_FAR = 1e3
+# How far from the zones a half-line is looked at closely, and at all, in units of what the zones span.
+_FAR, _FARTHEST = 1e3, 1e12
+_FAR_POINTS = 512
 
 
 class Fields(Protocol):
@@ -65,7 +66,7 @@ class ZoneFields:
         zones = self.density.zones
         if len(zones) == 1:
             end = zones.b
-            return -(self._sunk(end) + self.problem.shape(end))
+            return -(self._sunk(end) + self._shape(end))
         return self.state.levels
 
     @cached_property
@@ -83,7 +84,8 @@ class ZoneFields:
     def stiffness(self) -> float | None:
         """d load / d approach [N/m^2]: the ends may be held, since their motion does not change the density at first order.
 
-        Under the first-order closure the nominal pressure follows the load at `amplitude_rate`. None without an approach.
+        Under the first-order closure the nominal pressure follows the load at `amplitude_rate`. At the tilt that is given, or at the
+        moment that is. None without an approach.
         """
         if self.approach is None:
             return None
@@ -147,7 +149,7 @@ class ZoneFields:
 
     def formal_gap(self, x: Array) -> Array:
         """F - V + lambda C + level everywhere, rounding left as it is on the zones."""
-        gap = np.asarray(self.problem.shape(x) + self.level + self._sunk(x))
+        gap = np.asarray(self._shape(x) + self.level + self._sunk(x))
         if isinstance(self.density, sie.Pierced):
             # In a narrow gap what opens it keeps digits that the difference has lost.
             narrow, opening = self.density.opening(x)
@@ -159,7 +161,16 @@ class ZoneFields:
         if len(self.density.zones) < _MANY or not isinstance(self.density, sie.Density):
             return self.scaled_gap
         potential = sie.LocalPotential.on(self.density, lo, hi)
-        return lambda x: self.problem.shape(x) + self.level + self._raised(x, potential(x))
+        return lambda x: self._shape(x) + self.level + self._raised(x, potential(x))
+
+    def _shape(self, x: Array) -> Array:
+        """F of the profile as it stands: turned on by what the first guess of the tilt missed."""
+        shape = self.problem.shape(x)
+        return shape if self.problem.moment is None else shape - self._missing_tilt * (x + self.problem.units.lever)
+
+    @property
+    def _missing_tilt(self) -> float:
+        return float(self.density.amplitudes[-1])
 
     def _sunk(self, x: Array) -> Array:
         """Displacement -V + lambda C; not less than its level on the zones."""
@@ -167,7 +178,8 @@ class ZoneFields:
 
     def _raised(self, x: Array, potential: Array) -> Array:
         out = -potential
-        for amplitude, column in zip(self.density.amplitudes, self.problem.columns, strict=True):
+        columns = self.problem.columns
+        for amplitude, column in zip(self.density.amplitudes[: len(columns)], columns, strict=True):
             assert column.primitive is not None
             out = out + amplitude * column.primitive(x)
         return np.asarray(out)
@@ -217,12 +229,35 @@ class ZoneFields:
             if first + problem.period > last:
                 yield last, first + problem.period, True, True
             return
-        lo = max(problem.borders[0], problem.walls[0], first - _FAR * (last - first))
-        hi = min(problem.borders[1], problem.walls[1], last + _FAR * (last - first))
+        reach = _FAR * (last - first)
+        lo, hi = self._known
+        lo, hi = lo if np.isfinite(lo) else first - reach, hi if np.isfinite(hi) else last + reach
         if lo < first:
             yield lo, first, False, True
         if hi > last:
             yield last, hi, True, False
+
+    @property
+    def _known(self) -> tuple[float, float]:
+        """Scaled limits of a profile that does not repeat, infinite without."""
+        problem = self.problem
+        return max(problem.borders[0], problem.walls[0]), min(problem.borders[1], problem.walls[1])
+
+    @property
+    def is_bounded(self) -> bool:
+        return self.problem.period is not None or bool(np.all(np.isfinite(self._known)))
+
+    def far_stretches(self) -> Iterator[Array]:
+        """Scaled points on half-lines beyond what `open_intervals` holds, evenly in the logarithm of the distance."""
+        if self.is_bounded:
+            return
+        zones, (lo, hi) = self.density.zones, self._known
+        first, last = float(zones.a[0]), float(zones.b[-1])
+        away = (last - first) * np.geomspace(_FAR, _FARTHEST, _FAR_POINTS)
+        if not np.isfinite(lo):
+            yield first - away[::-1]
+        if not np.isfinite(hi):
+            yield last + away
 
     # SI ---------------------------------------------------------------------------------------------------------------
     def _scaled(self, x: ArrayLike) -> Array:
@@ -246,6 +281,37 @@ class ZoneFields:
     @cached_property
     def loads(self) -> Array:
         return self.density.totals * self.problem.units.load
+
+    @property
+    def tilt(self) -> float:
+        """By how much the body is turned [rad]."""
+        if self.problem.moment is None:
+            return self.problem.tilt
+        return self.problem.tilt + self._missing_tilt * self.problem.units.slope
+
+    @property
+    def scaled_moment(self) -> float:
+        """int p x dx about x = 0."""
+        return self.density.moment(about=-self.problem.units.lever)
+
+    @property
+    def moment(self) -> float:
+        """int p x dx about x = 0 [N]."""
+        return self.scaled_moment * self.problem.units.moment
+
+    @cached_property
+    def rotational_stiffness(self) -> float:
+        """d moment / d tilt at the given load [N]: 1 over the tilt that a unit of moment adds, the ends held as for `stiffness`."""
+        problem, density = self.problem, self.density
+        state = self.state
+        if problem.moment is None:
+            ends = density.zones
+            whole = sie.Zones(ends.a, ends.b, ends.left, ends.right)
+            equation = replace(problem, moment=self.scaled_moment).equation(Control("load", density.total))
+            state = sie.solve_zones(equation, whole, 1e-14)
+        values = np.zeros(len(state.condition_scale))
+        values[-1] = 1.0
+        return problem.units.moment / (problem.units.slope * float(state.response(values).amplitudes[-1]))
 
     @property
     def contact_fraction(self) -> float:
@@ -296,7 +362,7 @@ class ZoneFields:
     def displacement(self, x: ArrayLike) -> Array:
         scaled = self._scaled(x)
         inside = self.inside(scaled)
-        shape = np.where(inside, self.problem.shape(np.where(inside, scaled, self.density.zones.middle[0])), 0.0)
+        shape = np.where(inside, self._shape(np.where(inside, scaled, self.density.zones.middle[0])), 0.0)
         zero = self.level if self.approach is None else 0.0
         u = np.where(inside, -self.level - shape, self._sunk(scaled)) + zero
         return np.asarray(u * self.problem.units.height)

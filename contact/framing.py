@@ -2,7 +2,8 @@
 
 A periodic profile is counted in its period; one without a period in the half width of the contact itself, found roughly
 first, so that nanometres and kilometres, and loads over tens of decades, come to about the same numbers. Either is taken to the
-nearest power of two.
+nearest power of two. A turned body is counted likewise, and repeats nothing; where its tilt is unknown, a rough one is found
+with the contact.
 """
 
 from __future__ import annotations
@@ -14,10 +15,13 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from contact.errors import OutOfRange
 from contact.extrema import maximum
 from contact.full import period_samples
+from contact.leaning import Window, held_by, known_part, leaning, window_at_load
 from contact.problem import Control, Problem, Units
 from contact.profiles.base import Profile
+from contact.profiles.tilted import Tilted
 from contact.scene import Scene
 from contact.search import find_window, grid_height
 from contact.single import guess_half_width
@@ -31,11 +35,13 @@ class Framed:
 
     problem: Problem
     control: Control
-    cell: tuple[float, float]
+    cell: Window
 
 
-def framed(scene: Scene, single: bool) -> Framed:
-    """Scale a scene; single: its contact is known to begin as one zone about x = 0."""
+def framed(scene: Scene, single: bool, tilt: float = 0.0) -> Framed:
+    """Scale a scene; single: its contact is known to begin as one zone about x = 0. tilt: a first guess, where it is unknown."""
+    if scene.turned:
+        return _turned(scene, tilt)
     profile, period = scene.profile, scene.profile.period
     if period is not None:
         origin = 0.0 if profile.symmetric else profile.x0 + 0.5 * period
@@ -43,12 +49,76 @@ def framed(scene: Scene, single: bool) -> Framed:
     else:
         origin, length, cell = _isolated_frame(scene, single)
     length = 2.0 ** round(math.log2(length))
-    units = Units(origin, length, _typical_slope(scene, length, cell), scene.E_star)
+    units = Units(origin, length, _typical_slope(scene, profile, length, cell), scene.E_star)
     problem = Problem(profile, scene.interaction, units, lowest(profile, cell))
     return Framed(problem, scaled_control(scene, units), cell)
 
 
-def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, tuple[float, float]]:
+def framed_about(scene: Scene, tilt: float, zones: Array) -> Framed:
+    """The frame of a body of unknown tilt that stands about as in another solution, with about its zones [m]."""
+    lo, hi = float(zones[0, 0]), float(zones[-1, 1])
+    known = known_part(scene.profile) or (-np.inf, np.inf)
+    window = (max(known[0], 2 * lo - hi), min(known[1], 2 * hi - lo))
+    return _turned_frame(scene, Tilted(scene.profile, tilt), scene.profile.support or window)
+
+
+def _turned(scene: Scene, guess: float) -> Framed:
+    """The frame of a body turned by a given or an unknown tilt."""
+    if scene.moment is None:
+        assert scene.tilt is not None
+        profile = Tilted(scene.profile, scene.tilt)
+        return _turned_frame(scene, profile, _window(scene, profile))
+    lean = leaning(scene, guess)
+    return _turned_frame(scene, Tilted(scene.profile, lean.tilt), lean.found)
+
+
+def _turned_frame(scene: Scene, profile: Tilted, window: Window) -> Framed:
+    """Scaled by a window that holds the contact. The approach counts, at x = 0, from where the body is not turned."""
+    length = 2.0 ** round(math.log2(0.5 * (window[1] - window[0])))
+    units = Units(0.5 * (window[0] + window[1]), length, _typical_slope(scene, profile, length, window), scene.E_star)
+    moment = None if scene.moment is None else scene.moment / units.moment
+    level = lowest(profile, window) if _datum(scene) is None else _lowest_unturned(scene)
+    return Framed(Problem(profile, scene.interaction, units, level, moment=moment), scaled_control(scene, units), window)
+
+
+def _window(scene: Scene, profile: Tilted) -> Window:
+    """A window that holds the contact at the given tilt."""
+    load, datum, fixed = scene.given_load, _datum(scene) or 1.0, held_by(profile)
+    find = partial(find_window, start_scale=profile.resolution, datum=datum, limits=profile.extent)
+    try:
+        if load is not None:
+            return window_at_load(scene, profile, load)
+        first = fixed or find(profile.height, scene.E_star, load=1e-3 * scene.E_star * datum)
+        level, deepest = _lowest_unturned(scene), lowest(profile, first)
+        value = scene.control[1]
+        if level + value <= deepest:
+            raise OutOfRange(
+                f"approach {value:.6g} m at x = 0 leaves the body clear: turned by {profile.tilt:.6g} it touches from "
+                f"{deepest - level:.6g} m on"
+            )
+        return fixed or find(profile.height, scene.E_star, level=level + value)
+    except OutOfRange as failure:
+        if "no window" not in str(failure):
+            raise
+        raise OutOfRange(f"turned by {profile.tilt:.6g}, the body finds no hold: {failure}") from failure
+
+
+def _lowest_unturned(scene: Scene) -> float:
+    """min f of the body as it is given."""
+    profile = scene.profile
+    cell = profile.support or profile.extent
+    if cell is None and profile.period is None and profile.summits is None:
+        datum = _datum(scene) or 1.0
+        cell = find_window(profile.height, scene.E_star, load=1e-3 * scene.E_star * datum, start_scale=profile.resolution)
+    return lowest(profile, cell)
+
+
+def _datum(scene: Scene) -> float | None:
+    datum: float | None = getattr(scene.interaction, "datum", None)
+    return datum
+
+
+def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
     """Origin, length and search window of a profile without a period."""
     profile = scene.profile
     kind, value = scene.control
@@ -73,7 +143,7 @@ def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, tuple[flo
     return origin, 0.5 * (window[1] - window[0]), window
 
 
-def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
+def lowest(profile: Profile, cell: Window | None = None) -> float:
     """min f, over the period or, without one, over a window that holds the tip."""
     if profile.summits is not None:
         return float(np.min(profile.height(np.asarray(profile.summits))))
@@ -81,31 +151,30 @@ def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
         x = period_samples(profile)
     else:
         assert cell is not None
-        x = np.linspace(*cell, 1025)
+        per_feature = 0.0 if profile.resolution is None else 4 * (cell[1] - cell[0]) / profile.resolution
+        x = np.linspace(*cell, int(np.clip(per_feature, 1025, 2**20)))
     return -maximum(lambda points: -np.asarray(profile.height(points)), x)[1]
 
 
-def _typical_slope(scene: Scene, length: float, cell: tuple[float, float]) -> float:
+def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) -> float:
     lo, hi = cell
     x = lo + (hi - lo) * (np.arange(32) + 0.4142) / 32
     with np.errstate(over="ignore", invalid="ignore"):
-        slopes = np.abs(np.asarray(scene.profile.slope(x)))
+        slopes = np.abs(np.asarray(profile.slope(x)))
     slope = float(np.max(slopes[np.isfinite(slopes)], initial=0.0))
-    if slope > 0.0:
+    if slope > 0.0 and not scene.is_flat:
         return slope
+    # A flat punch, turned or not, bears its load by its corners.
     kind, value = scene.control
-    return value / (scene.E_star * length) if kind == "load" else 1.0
+    return max(slope, value / (scene.E_star * length) if kind == "load" else 1.0)
 
 
 def scaled_control(scene: Scene, units: Units) -> Control:
     """The scene's control in scaled variables."""
     kind, value = scene.control
-    period = scene.profile.period
-    if kind == "mean_pressure":
-        assert period is not None
-        return Control("load", value * period / units.load)
-    if kind == "load":
-        return Control("load", value / units.load)
+    period, load = scene.profile.period, scene.given_load
+    if load is not None:
+        return Control("load", load / units.load)
     if kind == "approach":
         return Control("approach", value / units.height)
     if kind == "half_width":

@@ -193,6 +193,14 @@ def solve_grid(
     return run.at_level(level, guess)
 
 
+def turning_rate(state: GridState, x: Array) -> float:
+    """d moment / d tilt of a contact on points x, the load and (its pressure being zero at the ends) the contact held: the
+    moment of the pressure that the shape -x calls up."""
+    run = _Run(np.zeros(len(x)), state.influence, 1e-3, 500)
+    pressure = run.conjugate_gradient(0.0, state.contact, None, 1e-3, -(x - x[state.contact].mean()))[0]
+    return float(pressure @ x) * state.influence.h
+
+
 class _Run:
     """One problem (shape and influence) with its tolerances and its count of iterations."""
 

@@ -90,7 +90,8 @@ def plan(scene: Scene) -> Plan:
             not (given or single),
             "zones are given" if given else "one symmetric asperity" if single else "number of zones unknown",
         ),
-        Part("symmetry", bool(profile.symmetric), "profile symmetric" if profile.symmetric else "profile not symmetric"),
+        _symmetry(scene),
+        _tilt(scene),
         Part(
             "periodic kernel",
             model.images is None,
@@ -120,6 +121,20 @@ def plan(scene: Scene) -> Plan:
     return Plan(parts)
 
 
+def _symmetry(scene: Scene) -> Part:
+    if scene.turned:
+        return Part("symmetry", False, "the body is turned")
+    symmetric = bool(scene.profile.symmetric)
+    return Part("symmetry", symmetric, "profile symmetric" if symmetric else "profile not symmetric")
+
+
+def _tilt(scene: Scene) -> Part:
+    """The tilt of the body: none, a part of the profile, or one more unknown."""
+    if not scene.turned:
+        return Part("tilt", False, "none given" if scene.moment is None else "no moment turns a symmetric body")
+    return Part("tilt", True, "given: a part of the profile" if scene.moment is None else "unknown: found with the moment")
+
+
 def zone_is_given(scene: Scene) -> bool:
     """Whether the zones need no search at all."""
     kind, value = scene.control
@@ -129,4 +144,4 @@ def zone_is_given(scene: Scene) -> bool:
 def starts_from_one_zone(scene: Scene) -> bool:
     """Whether the first guess is one zone about the tip of a symmetric asperity."""
     summits = scene.profile.summits
-    return bool(scene.profile.symmetric and summits is not None and len(summits) == 1 and summits[0] == 0.0)
+    return not scene.turned and bool(scene.profile.symmetric and summits is not None and len(summits) == 1 and summits[0] == 0.0)

@@ -57,6 +57,8 @@ def summary(solution: Answer) -> str:
         parts.append(rf"$\bar p$ = {quantity(solution.mean_pressure, 'Pa')}")
     else:
         parts.append(f"$P$ = {quantity(solution.load, 'N/m')}")
+    if scene.turned and solution.tilt is not None:
+        parts.append(rf"tilt {solution.tilt:.3g}")
     peak = quantity(solution.max_pressure, "Pa") if np.isfinite(solution.max_pressure) else r"$\infty$"
     parts.append(rf"$p_\mathrm{{max}}$ = {peak}")
     if solution.contact_fraction is not None:

@@ -4,6 +4,9 @@ Lengths are counted in `length`, slopes in `slope`, pressures in E* slope / 2, s
 (1/pi) PV int phi K = f' / slope =: g. With F = f / (slope length), the potential V of phi and the columns' C,
 
     V - lambda C - F = level on every zone,    level = -approach / (slope length).
+
+Where the moment is given, the tilt is one of the unknown amplitudes: F is that of the profile at a first guess of it, and the
+column C = -x, of slope -1, turns the body by what is missing. x counts from x = 0, where the approach is taken.
 """
 
 from __future__ import annotations
@@ -17,6 +20,7 @@ from numpy.typing import NDArray
 import sie
 from contact.interactions.base import Interaction
 from contact.profiles.base import Profile
+from contact.profiles.tilted import Tilted
 
 Array = NDArray[np.float64]
 
@@ -45,6 +49,15 @@ class Units:
     def height(self) -> float:
         return self.slope * self.length
 
+    @property
+    def moment(self) -> float:
+        return self.load * self.length
+
+    @property
+    def lever(self) -> float:
+        """The origin's own place, scaled: x = length (lever + scaled x)."""
+        return self.origin / self.length
+
     def x(self, scaled: Array) -> Array:
         return self.origin + self.length * scaled
 
@@ -63,7 +76,8 @@ class Control:
 @dataclass(frozen=True, eq=False)
 class Problem:
     """Profile and interaction in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
-    reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell."""
+    reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell.
+    moment: scaled, about x = 0; None where the tilt of the profile is not an unknown."""
 
     profile: Profile
     interaction: Interaction
@@ -72,6 +86,12 @@ class Problem:
     centre: float = 0.0
     amplitude: float | None = None
     reference: bool = False
+    moment: float | None = None
+
+    @property
+    def tilt(self) -> float:
+        """By how much the profile is turned; where the moment is given, a first guess of it."""
+        return self.profile.tilt if isinstance(self.profile, Tilted) else 0.0
 
     @property
     def period(self) -> float | None:
@@ -149,6 +169,14 @@ class Problem:
     def columns(self) -> tuple[sie.Forcing, ...]:
         return self.interaction.columns(self.period, self.centre)
 
+    @property
+    def _turning(self) -> tuple[sie.Forcing, ...]:
+        """The column of the tilt that is missing, in units of the slope; none where the tilt is given."""
+        if self.moment is None:
+            return ()
+        lever = self.units.lever
+        return (sie.Forcing(lambda x: np.full(np.shape(x), -1.0), lambda x: -(x + lever), modes=1),)
+
     def equation(self, control: Control) -> sie.Equation:
         """The integral equation with the side conditions of the control."""
         if self.interaction.follows_isolated:
@@ -165,10 +193,17 @@ class Problem:
             conditions, ends = (sie.Total(None), sie.EqualPotential()), (sie.TotalWidth(control.value),)
         else:
             conditions = ()
-        return sie.Equation(self.kernel, self.forcing, (*conditions, *closure), self.columns, ends)
+        if self.moment is not None:
+            closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
+        return sie.Equation(self.kernel, self.forcing, (*conditions, *closure), (*self.columns, *self._turning), ends)
 
     def with_amplitude(self, amplitude: float) -> Problem:
         return replace(self, amplitude=amplitude)
 
     def about(self, centre: float) -> Problem:
         return replace(self, centre=centre)
+
+    def turned_to(self, tilt: float) -> Problem:
+        """The problem from another first guess of the tilt."""
+        assert isinstance(self.profile, Tilted)
+        return replace(self, profile=replace(self.profile, tilt=tilt))

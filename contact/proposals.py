@@ -10,20 +10,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.framing import Framed
+from contact.leaning import known_part
 from contact.problem import Control, Problem
-from contact.search import grid_height, propose
+from contact.search import Proposal, grid_height, propose
+from contact.turning import Lean, balanced
 
 Array = NDArray[np.float64]
+
+# Cells by which the centre of the load may miss its place, tilts tried on one grid, and how often a window is doubled.
+_CELLS = 0.1
+_MOST_TILTS = 12
+_WIDENINGS = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Proposed:
-    """Zones (n, 2) [m], the grid's points, and whether it is in full contact or touches the border of what is known."""
+    """Zones (n, 2) [m], the grid's points, whether it is in full contact or touches the border of what is known, and the tilt
+    under which the moment is right, where that is unknown."""
 
     zones: Array
     points: int
     full: bool
     touches_border: bool
+    tilt: float | None = None
 
     @property
     def width(self) -> float:
@@ -35,6 +44,8 @@ def proposed(frame: Framed, problem: Problem, control: Control, points: int | No
     """Zones from a grid of so many points, or of as many as the profile's resolution asks for."""
     if control.kind == "width":
         return _by_width(frame, problem, control, points)
+    if problem.moment is not None:
+        return _by_moment(frame, problem, control, points)
     units, profile, interaction = problem.units, problem.profile, problem.interaction
     by_load = control.kind == "load"
     found = propose(
@@ -44,6 +55,39 @@ def proposed(frame: Framed, problem: Problem, control: Control, points: int | No
         level=None if by_load else problem.lowest + control.value * units.height,
     )
     return Proposed(found.zones, found.points, found.full, found.touches_border)
+
+
+class _TooNarrow(Exception):
+    """The contact reaches the border of the window."""
+
+
+def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | None) -> Proposed:
+    """At the tilt under which the grid's load has the given centre, in a window that is widened where the contact reaches its
+    border."""
+    units, load = problem.units, control.value * problem.units.load
+    assert problem.moment is not None
+    centre, limits = problem.moment * units.moment / load, known_part(problem.profile) or (-math.inf, math.inf)
+    lo, hi = frame.cell
+    for widened in range(_WIDENINGS + 1):
+        cell, last = (lo, hi), widened == _WIDENINGS or (lo, hi) == limits
+
+        def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> Lean[Proposal]:
+            profile = problem.turned_to(tilt).profile
+            found = propose(
+                partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.resolution,
+                points=points, load=load,
+            )
+            if found.touches_border and not last:
+                raise _TooNarrow
+            return Lean.of(tilt, cell, found, _CELLS, found)
+
+        try:
+            best = balanced(lean, centre, (problem.tilt,), _MOST_TILTS)
+            break
+        except _TooNarrow:
+            half = 0.5 * (hi - lo)
+            lo, hi = max(limits[0], lo - half), min(limits[1], hi + half)
+    return Proposed(best.found.zones, best.found.points, False, best.found.touches_border, best.tilt)
 
 
 def _by_width(frame: Framed, problem: Problem, control: Control, points: int | None) -> Proposed:

@@ -5,8 +5,9 @@ The material enters through the reduced modulus alone, equation (2) of Goryachev
     1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2,
 
 and the control is the one quantity that is given, of load [N/m], mean pressure [Pa], approach [m], half width [m]
-and contact fraction [1]. SI units throughout. Everything is checked when the scene is made, so that the solver need
-not check it again.
+and contact fraction [1]. A body alone on a half-plane may also be turned: by a given `tilt` [rad], which makes the gap at
+zero load f(x) - tilt x, or by as much as a given `moment` of the pressure, int p x dx [N], asks for. SI units throughout.
+Everything is checked when the scene is made, so that the solver need not check it again.
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
-from contact.checks import finite, positive
+from contact.checks import finite, finite_or_none, positive
 from contact.errors import SceneError
-from contact.interactions.base import CONTROLS, Interaction
+from contact.interactions.base import CONTROLS, TURNING, Interaction
 from contact.profiles.base import Profile
 
 _NO_DATUM_NEEDED = object()
@@ -46,7 +47,12 @@ def _plane_compliance(modulus_name: str, modulus: float, ratio_name: str, ratio:
 
 @dataclass(frozen=True)
 class Scene:
-    """One contact problem in full. Exactly one of the five controls is given, the others stay None."""
+    """One contact problem in full. Exactly one of the five controls is given, the others stay None.
+
+    tilt [rad]: the gap at zero load is f(x) - tilt x: where it is positive, the body is turned so that x > 0 comes down.
+    moment [N]: int p x dx, about x = 0 and per unit thickness, positive where more of the load is at x > 0; the tilt is then
+    unknown. At most one of the two, and only under a model that lets the body turn (`isolated`); without either the tilt is 0.
+    """
 
     profile: Profile
     E_star: float
@@ -57,19 +63,26 @@ class Scene:
     approach: float | None = None
     half_width: float | None = None
     contact_fraction: float | None = None
+    tilt: float | None = None
+    moment: float | None = None
 
     def __post_init__(self) -> None:
         _require_instance("profile", self.profile, Profile, "Sinusoid(amplitude=1e-6, period=1e-4)")
         _require_instance("interaction", self.interaction, Interaction, "Periodic()")
         object.__setattr__(self, "E_star", positive("E_star", self.E_star))
 
+        for turning in TURNING:
+            object.__setattr__(self, turning, finite_or_none(turning, getattr(self, turning)))
         name, value = self._the_one_control()
-        object.__setattr__(self, name, positive(name, value))
+        # A turned body touches at some other place than its lowest: there the approach counts from there.
+        value = finite(name, value) if name == "approach" and self.turned else positive(name, value)
+        object.__setattr__(self, name, value)
         if name == "contact_fraction" and value > 1.0:
             raise SceneError.of(name, value, "above 0 and at most 1")
 
         self._check_period()
         self._check_control_suits_interaction(name)
+        self._check_turning(name)
         if name == "half_width":
             self._check_half_width()
         if name == "contact_fraction" or self.interaction.follows_isolated:
@@ -79,6 +92,20 @@ class Scene:
     def control(self) -> tuple[str, float]:
         """Name and value of the quantity that is given."""
         return self._the_one_control()
+
+    @property
+    def given_load(self) -> float | None:
+        """The load [N/m] that the control gives, as such or by the mean pressure; None if it gives none."""
+        if self.mean_pressure is not None and self.profile.period is not None:
+            return self.mean_pressure * self.profile.period
+        return self.load
+
+    @property
+    def turned(self) -> bool:
+        """Whether the body stands at an angle, given or unknown; that no moment turns a symmetric one needs no solving."""
+        if self.moment is not None:
+            return self.moment != 0.0 or not self.profile.symmetric
+        return self.tilt is not None and self.tilt != 0.0
 
     @property
     def period(self) -> float | None:
@@ -106,6 +133,19 @@ class Scene:
         if name not in model.allows:
             allowed = f"left out: the controls of {model.name} are {', '.join(model.allows)}"
             raise SceneError.of(name, getattr(self, name), allowed)
+
+    def _check_turning(self, name: str) -> None:
+        given = {turning: value for turning in TURNING if (value := getattr(self, turning)) is not None}
+        if not given:
+            return
+        if len(given) > 1:
+            raise SceneError.of(" and ".join(TURNING), tuple(given.values()), "one of them: the other is part of the solution")
+        turning, value = next(iter(given.items()))
+        if not self.interaction.turns:
+            allowed = f"left out: a body that repeats, as {self.interaction.name} takes it, does not turn"
+            raise SceneError.of(turning, value, allowed)
+        if name == "half_width" and self.turned:
+            raise SceneError.of(turning, value, "0 or left out with half_width, which means one zone about x = 0")
 
     def _check_half_width(self) -> None:
         half_width, profile = self.control[1], self.profile

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from contact.checks import text
 from contact.errors import SceneError
-from contact.interactions.base import CONTROLS, Interaction
+from contact.interactions.base import CONTROLS, TURNING, Interaction
 from contact.profiles.base import Profile
 from contact.registry import PROFILES, interaction
 from contact.scene import E_star, Scene
@@ -82,9 +82,10 @@ def _read_interaction(table: Table) -> Interaction:
 
 
 def _read_control(table: Table) -> dict[str, float]:
-    _require_known("key", table, CONTROLS)
-    if len(table) != 1:
-        given = " and ".join(table) or "nothing"
+    _require_known("key", table, (*CONTROLS, *TURNING))
+    controls = [name for name in table if name in CONTROLS]
+    if len(controls) != 1:
+        given = " and ".join(controls) or "nothing"
         raise SceneError(f"{given} given: give exactly one of {', '.join(CONTROLS)}")
     return dict(table)
 

@@ -229,16 +229,17 @@ def find_window(
     datum: float = 1.0,
     limits: tuple[float, float] | None = None,
     points: int = 128,
+    start: tuple[float, float] | None = None,
 ) -> tuple[float, float]:
     """A window of the line of which an isolated contact takes between about 20 % and 70 %, clear of its
     border.
 
-    The search starts at `start_scale` around 0 (or at `limits`, which it never leaves) and grows or shrinks
-    by what the contact takes. A window returned with its border in contact is `limits` itself."""
+    The search begins with the window `start`, or else at `start_scale` around 0 (or at `limits`, which it never leaves), and
+    grows or shrinks by what the contact takes. A window returned with its border in contact is `limits` itself."""
     if (load is None) == (level is None):
         raise ValueError("exactly one of load and level")
     search = _Window(height, E, datum, limits, points)
-    window = limits if limits is not None else (-(start_scale or 1.0), start_scale or 1.0)
+    window = start or limits or (-(start_scale or 1.0), start_scale or 1.0)
     if load is not None:
         return search.at_load(load, window)[0]
     assert level is not None

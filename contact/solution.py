@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact import export
 from contact.certificate import Certificate
-from contact.fields import Fields
+from contact.fields import Fields, ZoneFields
 from contact.planning import Plan
 from contact.scene import Scene
 
@@ -100,8 +100,29 @@ class Solution:
 
     @property
     def stiffness(self) -> float | None:
-        """d load / d approach [N/m^2]; inf in full contact, None where there is no approach."""
+        """d load / d approach [N/m^2], at the given moment where one is given, else at the tilt; inf in full contact, None where
+        there is no approach."""
         return self.fields.stiffness
+
+    @property
+    def tilt(self) -> float | None:
+        """By how much the body is turned [rad]: the gap at zero load is f(x) - tilt x; None for what repeats."""
+        return None if self._lone is None else self._lone.tilt
+
+    @property
+    def moment(self) -> float | None:
+        """int p x dx, about x = 0 [N]; None for what repeats."""
+        return None if self._lone is None else self._lone.moment
+
+    @property
+    def rotational_stiffness(self) -> float | None:
+        """d moment / d tilt at the given load [N]; None for what repeats."""
+        return None if self._lone is None else self._lone.rotational_stiffness
+
+    @property
+    def _lone(self) -> ZoneFields | None:
+        """The fields of a body that may turn."""
+        return self.fields if self.scene.interaction.turns and isinstance(self.fields, ZoneFields) else None
 
     @property
     def mean_gap(self) -> float | None:

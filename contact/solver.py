@@ -18,12 +18,14 @@ from contact.conjugate import ScaledConjugate
 from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.fields import ZoneFields, mean_shape
 from contact.first_order import FirstOrder
-from contact.framing import framed, lowest
+from contact.framing import Framed, framed, framed_about, lowest
 from contact.full import FullFields, FullLimit, period_samples
 from contact.gap_search import find_gaps, settle_gaps
 from contact.gapped import Gapped
 from contact.interactions.isolated import Isolated
 from contact.interactions.periodic import Periodic
+from contact.leaning import known_part
+from contact.levelling import at_approach
 from contact.planning import Plan
 from contact.problem import Control, Problem, Units
 from contact.proposals import about, placed, proposed
@@ -80,9 +82,10 @@ class _Run:
         kind, value = self.scene.control
         if kind == "contact_fraction" and value == 1.0:
             return self._full(self._full_pressure_or_refuse())
-        self.frame = framed(self.scene, self.single)
-        self.problem, self.control = self.frame.problem, self.frame.control
-        found = self._found()
+        found: Found | Gapped | None = self._beside_near()
+        if found is None:
+            self._set(self._framed())
+            found = self._found()
         if isinstance(found, Gapped) and found.error > self.tol:
             found = self._by_zones(found)
         if isinstance(found, Found):
@@ -90,6 +93,53 @@ class _Run:
         if found is None:
             return self._full(self._mean_pressure())
         return self._gapped(found) if isinstance(found, Gapped) else self._solved(found)
+
+    def _set(self, frame: Framed) -> None:
+        self.frame, self.problem, self.control = frame, frame.problem, frame.control
+
+    def _framed(self) -> Framed:
+        if not self._levelled:
+            tilt = None if self.near is None else self.near.tilt
+            return framed(self.scene, self.single, tilt or 0.0)
+        # Grids are searched by load: the zones are those of the load that has the approach.
+        self.near = self._at_approach()
+        frame = framed_about(self._loaded(self.near.load), self.near.tilt or 0.0, self.near.zones)
+        return replace(frame, control=Control("approach", self.scene.control[1] / frame.problem.units.height))
+
+    def _beside_near(self) -> Found | None:
+        """A body of unknown tilt, from a solution at hand: its tilt need not be searched for; None if that does not lead on."""
+        near, scene = self.near, self.scene
+        if near is None or len(near.zones) == 0 or scene.moment is None or not scene.turned or self._levelled:
+            return None
+        self._set(framed_about(scene, near.tilt or 0.0, near.zones))
+        with self.plan.timed("zone ends"):
+            try:
+                return self._settle(self.problem, self.control, placed(self.problem, near.zones))
+            except (WrongTopology, OutOfRange):
+                return None
+
+    @property
+    def _levelled(self) -> bool:
+        """Whether both load and tilt are unknown."""
+        return self.scene.turned and self.scene.moment is not None and self.scene.approach is not None
+
+    def _at_approach(self) -> Solution:
+        scene, approach = self.scene, self.scene.control[1]
+        assert scene.moment is not None
+        known = known_part(scene.profile)
+        reach = math.inf if known is None else known[1] if scene.moment > 0 else -known[0]
+        if not reach > 0.0:
+            raise OutOfRange(f"moment {scene.moment:.6g} N: the whole body lies on the other side of x = 0")
+        first = scene.E_star * (0.3 * abs(approach) or 1e-3 * getattr(scene.interaction, "datum", 1.0))
+        bounded = known is not None and scene.profile.support is None
+
+        def solved(load: float, near: Solution | None) -> Solution:
+            return solve(self._loaded(load), max(self.tol, 1e-8), self.progress, near or self.near)
+
+        return at_approach(solved, approach, first, abs(scene.moment) / reach, bounded)
+
+    def _loaded(self, load: float) -> Scene:
+        return replace(self.scene, approach=None, load=load)
 
     def _by_zones(self, found: Gapped) -> Found | Gapped:
         """The same contact with the pressure as the unknown, if that comes out better."""
@@ -164,6 +214,9 @@ class _Run:
     def _found(self) -> Found | Gapped | None:
         """Zones that pass the certificate; None in full contact."""
         interaction, problem = self.scene.interaction, self.problem
+        if self._levelled:
+            assert self.near is not None
+            return self._settled(problem, self.control, placed(problem, self.near.zones))
         if interaction.follows_isolated:
             return self._first_order()
         if interaction.strip:
@@ -243,8 +296,9 @@ class _Run:
 
     def _below_full_approach(self, control: Control) -> None:
         datum, support = getattr(self.scene.interaction, "datum", None), self.scene.profile.support
+        upright = self.scene.is_flat and not self.scene.turned
         # A punch as wide as four times the datum has that of a line load there: no load lowers it.
-        if datum is not None and support is not None and self.scene.is_flat and support[1] - support[0] >= 4 * datum:
+        if datum is not None and support is not None and upright and support[1] - support[0] >= 4 * datum:
             raise OutOfRange(
                 f"approach {control.value * self.problem.units.height:.6g} m: a flat punch of width "
                 f"{support[1] - support[0]:.6g} m has none above zero with a datum of {datum:.6g} m"
@@ -323,9 +377,10 @@ class _Run:
             if points is None:
                 most = max(most, min(4 * proposal.points, MOST_POINTS))
             points = proposal.points
+            if proposal.tilt is not None:
+                problem = problem.turned_to(proposal.tilt)
             search.detail = f"{points} points, {len(proposal.zones)} zones proposed"
-            if proposal.touches_border and self.scene.profile.support is None:
-                raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
+            at_border = proposal.touches_border and self.scene.profile.support is None
             width = proposal.width / problem.units.length
             if problem.period is not None and width > 0.4 * problem.period and self._is_full(control):
                 return None
@@ -339,6 +394,9 @@ class _Run:
                         return self._settle(about(problem, table), control, table)
                     except WrongTopology as error:
                         failure = error
+            if at_border:
+                # The grid may touch it by its own error; what the zones then were, did not pass.
+                raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
             points *= 4
         raise self._not_converged(failure or WrongTopology("the gaps are narrower than the finest grid tells from full contact", None))
 

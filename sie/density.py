@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 _MANY_ZONES = 32
+# Distance from a singular end, over the half width, within which errors of the density are not asked for.
+_BESIDE = 0.01
 # Most angles of a zone at which it is looked how the density follows the ends.
 LOOKS = 128
 
@@ -112,7 +114,7 @@ class Density:
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
         """(Z,) each: the largest density of a zone, and the largest change of its density at equal normalised position by a
-        motion of its left end, of its right end, per motion over width; 1/sqrt(d) at singular ends is not counted.
+        motion of its left end, of its right end, per motion over width; 1/sqrt(d) at singular ends counts no nearer than _BESIDE.
 
         To first order the motion of an end leaves a bounded density as it is at fixed places, but for K / sqrt(d), which the
         density at the new ends does not have. At equal t = cos(theta), a motion of the right end by eps widths makes that
@@ -120,7 +122,7 @@ class Density:
             eps (1 + t) phi'(t) + K's part = -eps cot(theta/2) (phi_theta(theta) - phi_theta(0)).
         """
         peak, by_left, by_right = np.zeros((3, len(self.zones)))
-        _, _, u = self.bounded
+        alpha, beta, u = self.bounded
         counts = np.minimum(self.sampling, LOOKS)
         edge_left, edge_right = self.steps.edge_slopes(self.zones)
         for n in np.unique(counts):
@@ -141,7 +143,9 @@ class Density:
             peak[group] = np.abs(value).max(axis=0)
             by_right[group] = np.abs((slope - at_right) / half).max(axis=0)
             by_left[group] = np.abs((slope + at_left) * half).max(axis=0)
-        return peak, by_left, by_right
+        # A zone held at one end spreads its load over another width as the other end moves.
+        edge = (np.abs(alpha) + np.abs(beta)) / np.sqrt(_BESIDE * (2 - _BESIDE))
+        return peak, by_left + edge, by_right + edge
 
     # evaluation -----------------------------------------------------------------------------------------------------
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:

@@ -28,6 +28,8 @@ OWN_SIZES = np.array(
 _NOISE = 1e-5
 # Places rounded to less than this part of a zone are exact to all purposes.
 _FINE = 1e-14
+# Coefficients among which the largest of a jump's part is.
+_LEADING = 8
 COUPLED_SIZES = np.array(
     [0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768]
 )
@@ -69,9 +71,11 @@ class Samples:
 def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: float, largest: int) -> Samples:
     """Sample the right side on each zone and double the nodes of those whose coefficients have not decayed.
 
-    A symmetric set is sampled on its right half only.
+    A symmetric set is sampled on its right half only. Where jumps leave nothing smooth, as in a wedge, they are what the decay
+    is measured by: of them rounding remains.
     """
     own = own.copy()
+    subtracted = np.abs(steps.t_coefficients(zones, _LEADING)).max(axis=1)
     found: dict[int, Array] = {}
     tail = np.zeros(len(zones))
     settled = np.zeros(len(zones), dtype=np.intp)
@@ -87,7 +91,7 @@ def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: 
             if zones.central and group[0] == zones.solved[0]:
                 g[0, ::2] = 0.0
             last = np.abs(g[:, -max(4, int(n) // 8) :]).max(axis=1)
-            scale = np.abs(g).max(axis=1)
+            scale = np.maximum(np.abs(g).max(axis=1), subtracted[group])
             # Places are rounded to half a unit in their last digit: what that makes of the slope of g is seen in all coefficients.
             rounded = _places(zones, group) * np.linalg.norm(g * np.arange(1, int(n) + 1), axis=1) * (2 / np.sqrt(n))
             grow = (last > np.maximum(tolerance * scale, rounded)) & (n < largest)

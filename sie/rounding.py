@@ -64,7 +64,8 @@ def intensity_rounding(state: Solved) -> Array:
     own = 4e-16 * np.sqrt(zones.half / 2) * subtracted
     if state.direct is None:
         own = own + _of_levels(state) + np.sqrt(2 * zones.half) * state.linear_error
-    if len(zones) == 1 or state.direct is None:
+    # One zone alone is given by its own rows and its total, unless there are more unknowns to share them with.
+    if state.direct is None or (len(zones) == 1 and not system.equation.columns):
         return np.array([own, own])
     return np.asarray(own + SAFETY * _through_rows(state))
 

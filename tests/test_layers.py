@@ -60,14 +60,16 @@ CONTACT = """
     inverse.__init__
     interactions.base
     interactions.*
+    turning
     problem interactions.__init__ scene
-    fields planning single scene_file answer
+    fields planning single scene_file answer leaning
     certificate conjugate sampling
     full
     export framing plotting topology
     accuracy first_order gapped proposals solution
     gap_certificate
     gap_search
+    levelling
     solver
     compare paths
     compare_plot figures.base

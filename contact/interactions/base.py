@@ -11,6 +11,7 @@ from typing import ClassVar
 import sie
 
 CONTROLS = ("load", "mean_pressure", "approach", "half_width", "contact_fraction")
+TURNING = ("tilt", "moment")
 
 
 class Interaction:
@@ -19,6 +20,7 @@ class Interaction:
     needs_period: the model means nothing without one. allows: the controls it accepts. exact: nothing is approximated.
     images: copies of the cell on each side that are kept explicitly, None for all of them (a periodic kernel).
     strip: the zones are those of one strip, cut from the period at its widest gap and centred on them.
+    turns: one body alone, which may be given a tilt or a moment.
     follows_isolated: the amplitude of the first column is the mean isolated load of the same total width.
     """
 
@@ -27,6 +29,7 @@ class Interaction:
     allows: ClassVar[tuple[str, ...]] = CONTROLS
     exact: ClassVar[bool] = True
     strip: ClassVar[bool] = False
+    turns: ClassVar[bool] = False
 
     @property
     def images(self) -> int | None:

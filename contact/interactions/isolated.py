@@ -20,6 +20,7 @@ class Isolated(Interaction):
 
     datum: float | None = None
     allows = ("load", "mean_pressure", "approach", "half_width")
+    turns = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "datum", positive_or_none("datum", self.datum))

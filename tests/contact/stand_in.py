@@ -34,6 +34,9 @@ class StandIn:
     waves: int = 1
     peak: float | None = None
     error: float = 1e-14
+    tilt: float | None = None
+    moment: float | None = None
+    rotational_stiffness: float | None = None
     certificate: StandInReport = StandInReport({"smallest_pressure": np.float64(0.0), "largest_gap": np.inf})
     plan: StandInReport = StandInReport({"rows": [{"name": "search", "used": False}]})
 
