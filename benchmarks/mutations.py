@@ -1,7 +1,8 @@
-"""Breaks the engine in named ways, one at a time, and shows that the tests notice: python benchmarks/mutations.py [NAME ...].
+"""Breaks the package in named ways, one at a time, and shows that the tests notice: python benchmarks/mutations.py [NAME ...].
 
-Each mutation replaces one piece of source in a temporary copy and runs a fast part of the suite there, up to the first failure. A
-mutation that no test notices, or whose source is no longer there, is an error (exit status 1).
+Each mutation replaces one piece of source in a temporary copy and runs the suite there, up to the first failure: the files that
+look at that part first, then a fast selection, then all others. A mutation that no test notices, or whose source is no longer
+there, is an error (exit status 1). --out FILE writes the table.
 """
 
 from __future__ import annotations
@@ -13,28 +14,31 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from contact.bench.report import Table, markdown
 from contact.terminal import show_table
 
 ROOT = Path(__file__).parents[1]
-# What is run on each broken copy, closed forms first.
+# What is run on each broken copy after the files that are named with it, closed forms first; and then the rest.
 SUBSET = (
     "tests/contact/test_solve_exact.py", "tests/contact/test_gapped.py", "tests/sie/test_closed_forms.py",
     "tests/sie/test_kernels.py", "tests/sie/test_solve.py", "tests/sie/test_steps.py", "tests/sie/test_free_boundary.py",
-    "tests/sie/test_inverse_multizone.py",
+    "tests/sie/test_inverse_multizone.py", "tests/contact/test_solve_multizone.py", "tests/contact/test_plan.py",
 )
 
 
 @dataclass(frozen=True)
 class Mutation:
-    """`old` becomes `new` in `file`, where it stands exactly once."""
+    """`old` becomes `new` in `file`, where it stands exactly once; `first`: the files of tests to begin with."""
 
     name: str
     file: str
     old: str
     new: str
+    first: tuple[str, ...] = ()
 
 
 MUTATIONS = (
@@ -89,14 +93,78 @@ MUTATIONS = (
         "potential between zones without its logarithm", "sie/assemble.py",
         "block[0] += power * zero", "block[0] += 0.0 * power * zero",
     ),
+    Mutation(
+        "pressures one part in 1e9 too large", "contact/problem.py",
+        "return 0.5 * self.E_star * self.slope", "return 0.5 * self.E_star * self.slope * (1 + 1e-9)",
+    ),
+    Mutation(
+        "certificate that does not look between the zones", "contact/certificate.py",
+        "holds = least > 0 and len(overlaps) == 0 and balance < 1e-9", "holds = least > 0 and balance < 1e-9",
+        ("tests/contact/test_certificate.py",),
+    ),
+    Mutation(
+        "certificate that takes a pressure that pulls for one that pushes", "contact/certificate.py",
+        "pressures, least, dip, inside = _pressures(fields)",
+        "pressures, least, dip, inside = _pressures(fields)\n    least = abs(least)",
+        ("tests/contact/test_certificate.py",),
+    ),
+    Mutation(
+        "localization: a strip half a period too wide", "contact/interactions/localized.py",
+        "half = 0.5 * (2 * self.neighbours + 1) * period", "half = 0.5 * (2 * self.neighbours + 2) * period",
+        ("tests/contact/test_localized.py",),
+    ),
+    Mutation(
+        "localization: a nominal pressure one part in 1e6 too small", "contact/interactions/localized.py",
+        "sie.Amplitude(0, per_total=1 / period)", "sie.Amplitude(0, per_total=(1 - 1e-6) / period)",
+        ("tests/contact/test_localized.py",),
+    ),
+    Mutation(
+        "sign of a jump of the curvature", "sie/steps.py",
+        "np.where(q == 1, sine, second))", "np.where(q == 1, -sine, second))", ("tests/sie/test_steps.py",),
+    ),
+    Mutation(
+        "knots of a spline twice as strong: 2! forgotten", "sie/steps.py",
+        "factorial = np.array([1.0, 1.0, 2.0])[q]", "factorial = np.array([1.0, 1.0, 1.0])[q]",
+        ("tests/sie/test_steps.py", "tests/contact/test_sampled.py"),
+    ),
+    Mutation(
+        "nearly full contact: the mean gap of the wrong sign", "contact/gapped.py",
+        "return mean_shape(self.problem) * self.problem.units.height - self.mean_gap",
+        "return mean_shape(self.problem) * self.problem.units.height + self.mean_gap", ("tests/contact/test_gapped.py",),
+    ),
+    Mutation(
+        "stiffness without the response of the load", "contact/fields.py",
+        "values[index[0]] = 1.0", "values[index[0]] = 2.0", ("tests/contact/test_solve_exact.py",),
+    ),
+    Mutation(
+        "many zones: a step between neighbours with one half left out", "sie/many.py",
+        "across + half_rise[1:] + half_rise[:-1]", "across + half_rise[1:]", ("tests/contact/test_solve_multizone.py",),
+    ),
+    Mutation(
+        "zones left in another cell than the profile's", "contact/solver.py",
+        "turns = np.floor((table[:, 0] - x0) / period)", "turns = np.round((table[:, 0] - x0) / period)",
+    ),
+    Mutation(
+        "events of a load path displaced", "contact/paths.py",
+        "self.position = float(self.problem.units.x(np.array(place)))",
+        "self.position = float(self.problem.units.x(np.array(place + 1e-4)))", ("tests/contact/test_path.py",),
+    ),
+    Mutation(
+        "a module that no wave needs", "contact/solver.py",
+        "import numpy as np\nfrom numpy.typing", "import numpy as np\nimport scipy.interpolate  # noqa: F401\nfrom numpy.typing",
+        ("tests/contact/test_plan.py",),
+    ),
+    Mutation(
+        "symmetric zones solved as if they were not", "contact/topology.py",
+        "return sie.Zones.of(table, left, right, symmetric=symmetric)", "return sie.Zones.of(table, left, right)",
+        ("tests/contact/test_plan.py",),
+    ),
 )
 
 
 def broken_copy(mutation: Mutation, folder: Path) -> None:
-    """The packages, the tests and the configuration in `folder`, with the mutation made."""
-    for name in ("sie", "contact", "tests"):
-        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(ROOT / "pyproject.toml", folder)
+    """The project in `folder`, with the mutation made."""
+    shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns("__pycache__", ".*"))
     path = folder / mutation.file
     source = path.read_text(encoding="utf-8")
     count = source.count(mutation.old)
@@ -105,10 +173,12 @@ def broken_copy(mutation: Mutation, folder: Path) -> None:
     path.write_text(source.replace(mutation.old, mutation.new), encoding="utf-8")
 
 
-def first_failure(folder: Path, patience: float) -> tuple[str | None, float]:
-    """The first test of the subset that fails in `folder`, None if none does, and the seconds it took to know."""
+def first_failure(folder: Path, files: Sequence[str], patience: float) -> tuple[str | None, float]:
+    """The first test of the files that fails in `folder`, None if none does, and the seconds it took to know."""
     environment = {**os.environ, "PYTHONPATH": str(folder)}
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "--tb=no", "-p", "no:cacheprovider", *SUBSET]
+    # test_bench looks whether the sources of the mutations are there, which here they are not.
+    options = ["-x", "-q", "--no-header", "--tb=no", "-p", "no:cacheprovider", "--ignore=tests/contact/test_bench.py"]
+    command = [sys.executable, "-m", "pytest", *options, *files]
     start = time.perf_counter()
     try:
         run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=patience)
@@ -124,26 +194,34 @@ def first_failure(folder: Path, patience: float) -> tuple[str | None, float]:
     return found.group(1), took
 
 
-def noticed(mutation: Mutation | None, patience: float = 600.0) -> tuple[str | None, float]:
-    """What notices the mutation; None: the sound engine, which nothing may notice."""
+def noticed(mutation: Mutation | None, patience: float = 900.0) -> tuple[str | None, float]:
+    """What notices the mutation; None: the sound package, which nothing of the fast selection may notice."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name) / "copy"
-        folder.mkdir()
         broken_copy(mutation or Mutation("none", "sie/kernels.py", "def hilbert(", "def hilbert("), folder)
-        return first_failure(folder, patience)
+        first = mutation.first if mutation else ()
+        test, seconds = first_failure(folder, list(dict.fromkeys((*first, *SUBSET))), patience)
+        if test is None and mutation is not None:
+            test, more = first_failure(folder, ["tests"], patience)
+            seconds += more
+        return test, seconds
 
 
-def main(names: list[str]) -> int:
+def main(arguments: list[str]) -> int:
+    out = Path(arguments.pop(arguments.index("--out") + 1)) if "--out" in arguments else None
+    names = [name for name in arguments if name != "--out"]
     chosen = [m for m in MUTATIONS if not names or any(name in m.name for name in names)]
-    rows, missed = [], 0
     wrong, seconds = noticed(None)
-    rows.append(("none: the engine as it is", "-", wrong or "all pass", f"{seconds:.1f} s"))
-    missed += wrong is not None
+    rows, missed = [("none: the package as it is", "-", wrong or "all pass", f"{seconds:.0f} s")], int(wrong is not None)
     for mutation in chosen:
         test, seconds = noticed(mutation)
-        rows.append((mutation.name, mutation.file, test or "NOT NOTICED", f"{seconds:.1f} s"))
+        rows.append((mutation.name, mutation.file, (test or "NOT NOTICED").replace("::", ": "), f"{seconds:.0f} s"))
         missed += test is None
-    show_table("mutations", ("what is broken", "file", "first test that fails", "after"), rows)
+        print(f"{mutation.name}: {rows[-1][2]}, {rows[-1][3]}", file=sys.stderr, flush=True)
+    table = Table("mutations", "mutations", ("what is broken", "file", "first test that fails", "after"), rows)
+    show_table(table.title, table.columns, table.rows)
+    if out is not None:
+        out.write_text(markdown(table), encoding="utf-8")
     return 1 if missed else 0
 
 

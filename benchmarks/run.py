@@ -1,27 +1,43 @@
-"""Everything docs/benchmarks.md and docs/stability.md show: python benchmarks/run.py [--quick] [--peers] OUT."""
+"""Everything that docs/benchmarks.md and docs/stability.md show:
+
+    python benchmarks/run.py [--quick] [--peers] [--docs] OUT
+
+Tables, CSV and figures go to OUT; --docs sets them, and what else is there (mutations.md), in the pages. Runs on one thread.
+"""
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
+from pages import fill
+
 from contact.bench import run
 from contact.terminal import Progress, show_table
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_FLAGS = {"--quick", "--peers", "--docs"}
 
 
 def main(arguments: list[str]) -> int:
     flags = {a for a in arguments if a.startswith("--")}
     names = [a for a in arguments if a not in flags]
-    if len(names) != 1 or not flags <= {"--quick", "--peers"}:
+    if len(names) != 1 or not flags <= _FLAGS:
         print(__doc__, file=sys.stderr)
         return 2
+    if any(os.environ.get(name) != "1" for name in _THREADS):
+        # numpy takes its number of threads when it is loaded: once more from the start.
+        os.execve(sys.executable, [sys.executable, *sys.argv], {**os.environ, **dict.fromkeys(_THREADS, "1")})
     folder, quick = Path(names[0]), "--quick" in flags
     folder.mkdir(parents=True, exist_ok=True)
     with Progress() as progress:
         tables = run.bench(folder, quick, "--peers" in flags, progress)
         table, failed = run.extremes(folder, quick, progress)
-    for title, columns, rows in (*tables, table):
-        show_table(title, columns, rows)
+    for measured in (*tables, table):
+        show_table(measured.title, measured.columns, measured.rows)
+    if "--docs" in flags:
+        fill(folder)
     return 3 if failed else 0
 
 

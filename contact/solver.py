@@ -479,6 +479,9 @@ class _Run:
             plan["symmetry"].reason = "the zones straddle the border of the cell"
         plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {found.rounds} rounds"
         plan["certificate"].detail = f"{found.certificate.points} points"
+        if sizes.iterations:
+            plan["fast sums"].used, plan["fast sums"].reason = True, "many unknowns: sums by trees, GMRES for the matrix"
+            plan["fast sums"].detail = f"{sizes.iterations} iterations"
         plan["kinks"].used = len(density.steps) > 0
         if plan["kinks"].used:
             plan["kinks"].reason = f"{len(density.steps)} jumps of the slope or its derivatives inside zones"

@@ -82,7 +82,7 @@ CONTACT = """
     bench.extremes.__init__
     bench.peers bench.stability
     bench.report
-    bench.plots bench.required
+    bench.machine bench.plots bench.required
     bench.run
     bench.__init__
     __init__

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from contact.bench import peers, plots, precision, report, required, scaling, stability
+from contact.bench import machine, peers, plots, precision, report, required, scaling, stability
 from contact.bench.cases import Case, suite
 from contact.bench.precision import Row
 from contact.bench.report import Table
@@ -33,6 +33,7 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
     scaled, single = list(scaling.measure(quick)), list(scaling.floors(quick))
     tables += [report.scaling_table(scaled), report.exponents_table(scaled), report.single_table(single)]
     tables.append(required.table(rows, cases, single, [peer.name for peer in chosen]))
+    tables.append(machine.table([peer.name for peer in chosen]))
     report.write_csv(folder / "precision.csv", rows)
     report.write_csv(folder / "scaling.csv", [*scaled, *single])
     plots.precision(rows, folder / "precision.png")

@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 import contact
-from contact.bench import cases, clock, extremes, peers, report, run, scaling, stability, truth
+from contact.bench import cases, clock, extremes, peers, report, required, run, scaling, stability, truth
 from contact.bench.harmonics import HarmonicZone
 from contact.bench.hyperbola import BluntedWedge, IsolatedBluntedWedge
 from contact.bench.one_gap import OneGap
@@ -209,7 +209,7 @@ class TestRuns:
         names = {file.name for file in (tmp_path / "out").iterdir()}
         assert names == {
             "precision.csv", "precision.png", "scaling.csv", "scaling.png", "precision.md", "hierarchy.md", "scaling.md",
-            "exponents.md", "single.md", "required.md",
+            "exponents.md", "single.md", "required.md", "machine.md",
         }
         with (tmp_path / "out" / "precision.csv").open() as stream:
             table = list(csv.DictReader(stream))
@@ -233,13 +233,74 @@ class TestRuns:
         assert report.markdown(report.Table("key", "title", ("a", "b"), [("|x|", "1")])).splitlines()[-1] == "| \\|x\\| | 1 |"
 
 
-def test_every_mutation_still_finds_its_source_once(monkeypatch):
-    spec = importlib.util.spec_from_file_location("mutations", ROOT / "benchmarks" / "mutations.py")
+def script(name, monkeypatch):
+    spec = importlib.util.spec_from_file_location(name, ROOT / "benchmarks" / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     # Dataclasses look their module up by name.
-    monkeypatch.setitem(sys.modules, "mutations", module)
+    monkeypatch.setitem(sys.modules, name, module)
     spec.loader.exec_module(module)
+    return module
+
+
+class TestRequired:
+    CASES = [cases.wave(0.4), cases.biquadratic()]
+    NAME = CASES[0].name
+
+    def rows(self, ours, peer):
+        """Runs of one scene: (seconds, error of p(x)) each; the stated measure is the same."""
+        made = [Row(self.NAME, "contact", 1e-2, t, e, e, e, 2 * e, 0, True) for t, e in ours]
+        return made + [Row(self.NAME, "tamaas", 0, t, e, e, None, None, 0, True) for t, e in peer]
+
+    def told(self, rows, peers=("tamaas",)):
+        table = required.table(rows, self.CASES, [], peers)
+        return {row[0].split(",")[0]: row[1:] for row in table.rows}
+
+    def test_a_hundred_times_faster_is_met_and_ninety_times_is_missed_with_its_reason(self):
+        for seconds, word in ((0.11, "met"), (0.09, "missed: ")):
+            (measured, verdict) = self.told(self.rows([(1e-3, 1e-5)], [(seconds, 5e-5)]))["at an error of p(x) of 1e-4"]
+            assert verdict.startswith(word) and f"{1e3 * seconds:.3g}" in measured
+
+    def test_a_peer_that_never_gets_there_counts_with_its_longest_run(self):
+        measured, verdict = self.told(self.rows([(1e-3, 1e-5)], [(0.5, 5e-3)]))["at an error of p(x) of 1e-4"]
+        assert "> 500" in measured and verdict == "met"
+
+    def test_a_true_error_above_the_stated_one_is_a_miss(self):
+        rows = self.rows([(1e-3, 1e-5)], [])
+        assert self.told(rows, ())["the true error is at most the stated one"][1] == "met"
+        rows.append(dataclasses.replace(rows[0], stated=0.9e-5))
+        assert self.told(rows, ())["the true error is at most the stated one"][1].startswith("missed")
+
+    def test_without_peers_nothing_is_said_of_them(self):
+        assert not any("peer" in figure for figure in self.told(self.rows([(1e-3, 1e-5)], []), ()))
+
+
+class TestPages:
+    def test_a_table_takes_its_place_and_the_rest_of_the_page_stays(self, tmp_path, monkeypatch):
+        pages = script("pages", monkeypatch)
+        (tmp_path / "scaling.md").write_text("| new |\n", encoding="utf-8")
+        page = "before\n<!-- measured: scaling -->\nold\n<!-- end -->\n<!-- measured: peers -->\nkept\n<!-- end -->\nafter"
+        filled = pages.filled(page, tmp_path)
+        assert "| new |" in filled and "old" not in filled and "kept" in filled
+        assert filled.startswith("before\n") and filled.endswith("\nafter")
+        assert pages.filled(filled, tmp_path) == filled
+
+    def test_every_place_in_the_pages_is_that_of_a_table_that_is_made_and_is_filled(self, monkeypatch):
+        pages = script("pages", monkeypatch)
+        made = {
+            "precision", "hierarchy", "peers", "scaling", "exponents", "single", "required", "machine", "stability", "mutations"
+        }
+        named = set()
+        for name in pages.PAGES:
+            for found in pages.PLACE.finditer((ROOT / "docs" / name).read_text(encoding="utf-8")):
+                named.add(found[2])
+                assert found[0].count("\n| ") > 3, f"{found[2]} in {name} is empty"
+        assert named == made
+
+
+def test_every_mutation_still_finds_its_source_once(monkeypatch):
+    module = script("mutations", monkeypatch)
     assert len(module.MUTATIONS) >= 10
     for mutation in module.MUTATIONS:
         assert (ROOT / mutation.file).read_text().count(mutation.old) == 1, mutation.name
         assert mutation.new != mutation.old
+        assert all((ROOT / file).exists() for file in (*mutation.first, *module.SUBSET))

@@ -117,6 +117,10 @@ class TestOneZoneAgainstMany:
     def test_few_zones_use_no_fast_sums(self):
         assert not solve(waves(5), mean_pressure=0.1 * full_pressure()).plan["fast sums"].used
 
+    def test_some_hundred_zones_do(self):
+        plan = solve(waves(303), mean_pressure=0.1 * full_pressure(), tol=1e-8).plan
+        assert plan["fast sums"].used and "iterations" in plan["fast sums"].detail
+
     def test_the_smooth_wave_needs_few_modes_whatever_else_the_solver_can_do(self):
         counts = solve(WAVE, tol=1e-12, mean_pressure=0.2 * full_pressure()).plan.counts
         assert counts["own_modes"] <= 32 and counts["coupled_unknowns"] <= 32 and counts["zones"] == 1

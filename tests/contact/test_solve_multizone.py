@@ -47,6 +47,22 @@ class TestInverseDesign:
             solution = solved(answer, tol=1e-8, **{control: getattr(answer, control)})
             assert true_error(solution, answer) <= solution.error <= 1e-8
 
+    @pytest.mark.parametrize("profile", ["designed", "rough"])
+    def test_fast_sums_lead_to_the_same_zones_as_a_matrix(self, profile, monkeypatch):
+        if profile == "designed":
+            answer = random_problem(np.random.default_rng(8), zones=24, period=1.0, spread=3.0, fraction=0.4)
+            scene = contact.Scene(answer.profile, 1.0, PERIODIC, load=answer.load)
+        else:
+            rng, k = np.random.default_rng(3), np.arange(1, 65)
+            waves = 1e-3 * np.maximum(k, 4) ** -1.3 * np.exp(2j * np.pi * rng.uniform(size=64))
+            scene = contact.Scene(contact.Fourier(1.0, waves.real, waves.imag), 1.0, PERIODIC, mean_pressure=2e-3)
+        by_matrix = contact.solve(scene, tol=1e-9)
+        monkeypatch.setattr("sie.solve.MANY_UNKNOWNS", 50)
+        by_sums = contact.solve(scene, tol=1e-9)
+        assert by_sums.plan["fast sums"].used and not by_matrix.plan["fast sums"].used
+        allowed = (by_sums.error + by_matrix.error) * by_matrix.zone_widths[:, None]
+        assert len(by_sums.zones) >= 8 and np.all(np.abs(by_sums.zones - by_matrix.zones) <= allowed)
+
     @pytest.mark.parametrize("tol", [1e-3, 1e-5, 1e-7, 1e-9])
     def test_the_stated_error_is_no_less_than_the_true_one_at_any_tolerance(self, tol):
         for seed in range(6):

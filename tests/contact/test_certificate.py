@@ -1,0 +1,41 @@
+"""The certificate is not satisfied with zones that are not the contact: a zone missing, or one too many taken for one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import contact
+from contact.bench.formulations import scaled
+from contact.certificate import certify
+from contact.inverse import design
+from contact.problem import Control
+from contact.topology import settle
+
+ZONES = [[-0.4, -0.15], [-0.05, 0.0], [0.1, 0.4]]
+EXACT = design(ZONES, 1.0, 1e-3, 1.0)
+
+
+def certificate_of(zones):
+    """Of the state on these zones, whose ends are moved to where the pressure is bounded, whatever the signs."""
+    problem = scaled(contact.Scene(EXACT.profile, 1.0, contact.Periodic(), load=1e-3))
+    load = 1e-3 / problem.units.load
+    found = settle(problem, Control("load", load), problem.units.scaled(np.array(zones)), 1e-12, formal=True)
+    return certify(found.fields, load), problem.units
+
+
+def test_the_right_zones_are_certified():
+    certificate, _ = certificate_of(ZONES)
+    assert certificate.holds and certificate.smallest_pressure > 0 and certificate.smallest_gap > 0
+    assert len(certificate.overlaps) == 0 and len(certificate.negative) == 0
+
+
+def test_where_a_zone_is_missing_the_bodies_overlap():
+    certificate, units = certificate_of([ZONES[0], ZONES[2]])
+    assert not certificate.holds and certificate.smallest_gap < 0 and certificate.smallest_pressure > 0
+    assert [lo < -0.025 < hi for lo, hi in units.x(certificate.overlaps)] == [True]
+
+
+def test_where_two_zones_are_taken_for_one_the_pressure_pulls_between_them():
+    certificate, units = certificate_of([[-0.4, 0.0], [0.1, 0.4]])
+    assert not certificate.holds and certificate.smallest_pressure < 0
+    assert any(lo < -0.1 < hi for lo, hi in units.x(certificate.negative))
