@@ -74,7 +74,7 @@ def settle_gaps(
         fields = GapFields(problem, _under_mean(problem, control, conjugate, free, mean, tolerance), mean, conjugate)
         signs = certify_gaps(fields)
         if signs.certificate.holds:
-            found = Gapped(free, fields, signs.certificate, _rounding_of_mean(control, fields))
+            found = Gapped(free, fields, signs.certificate, free.value_error + _rounding_of_mean(control, fields))
             if signs.certificate.dip > 10 * tolerance or tolerance <= TIGHT:
                 return found
             # Whether so slight a dip is a gap, a solution to the tolerance does not tell.
@@ -109,7 +109,7 @@ def _rounding_of_mean(control: Control, fields: GapFields) -> float:
         return 0.0
     units = fields.problem.units
     rate = fields.stiffness / fields.period * units.height / units.load
-    return 3e-16 * (abs(fields.mean) + abs(rate) * max(control.value, mean_shape(fields.problem)))
+    return 6e-16 * (abs(fields.mean) + abs(rate) * max(control.value, mean_shape(fields.problem)))
 
 
 def with_gaps(fields: GapFields, mean: float, table: Array, tolerance: float) -> GapFields:

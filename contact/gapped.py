@@ -75,7 +75,10 @@ class GapFields:
         """Scaled pressure at distances over the half width from the ends of contact zones."""
         a, b = self.zones[zone].T
         half = 0.5 * (b - a)
-        return self.bearing(np.where(left <= right, a + half * left, b - half * right))
+        x = np.where(left <= right, a + half * left, b - half * right)
+        # Next to an end the pressure goes with the root of the distance, of which x has lost digits.
+        nearer, kept = half * np.minimum(left, right), np.where(left <= right, x - a, b - x)
+        return np.asarray(self.bearing(x) * np.sqrt(nearer / np.where(kept > 0, kept, np.inf)))
 
     # SI ---------------------------------------------------------------------------------------------------------------
     def pressure(self, x: ArrayLike) -> Array:
@@ -173,22 +176,28 @@ class Gapped:
 
     @property
     def error(self) -> float:
-        """Estimated error of the pressure over its peak and of the zones' ends over their width.
+        """Estimated error of the pressure over its unit and of the zones' ends over their width.
 
-        An end of a gap off by delta shifts the normalised positions in the zone beside it, by delta over its width, and the
-        pressure there by delta over the length in which it varies.
+        An end of a gap off by delta shifts the normalised positions in the zone beside it, by delta over its width; the
+        pressure there by delta over the length in which it varies; and the pressure beside the gap, which is of the size of
+        its slope on the length of its width, by delta over that width.
         """
         fields, state, gaps = self.fields, self.fields.state, self.fields.density.zones
+        assert isinstance(state, sie.State)  # the total of every gap is given: no holes
         units, profile = fields.problem.units, fields.problem.profile
-        moved = self.free.end_error + state.end_truncation + self.off * self.widening / (gaps.b - gaps.a)[:, None]
-        shift = float((moved * (gaps.b - gaps.a)[:, None]).max())
-        widths = fields.zones[:, 1] - fields.zones[:, 0]
+        width = (gaps.b - gaps.a)[:, None]
+        moved = self.free.end_error + state.end_truncation + self.off * self.widening / width
+        shift = moved * width
+        # The zone before the first gap is the last.
+        zones = fields.zones[:, 1] - fields.zones[:, 0]
+        ends = float((shift / np.column_stack((np.roll(zones, 1), zones))).max())
         varies = (profile.resolution or units.length * fields.period) / units.length / (2 * np.pi)
         unit = fields.unit_pressure / units.pressure
-        slopes = np.abs(fields.density.coefficients).max()
-        return float(
-            2 * shift / min(widths.min(), varies) + state.density_error * slopes / unit + ROUNDING * (1 + abs(fields.mean) / unit)
-        )
+        beside = float((moved.sum(axis=1) * state.zone_sizes).max()) / unit
+        # Beside a kink the logarithms that cancel are several times the pressure.
+        rounding = (3 if len(fields.conjugate.at) else 1) * ROUNDING * (1 + abs(fields.mean) / unit)
+        on_zones = state.density_error * state.size / unit + rounding
+        return 2 * (ends + float(shift.max()) / varies + beside) + on_zones
 
     @property
     def widening(self) -> Array:

@@ -55,8 +55,8 @@ class Free:
 
     converged; end_error: each end's remaining move over its zone's width (Z, 2), with roundoff but without what
     truncated coefficients shift it by (`state.end_truncation`); rounding: that part of it alone; trace of the steps;
-    value: that of the open condition, if there is one; lost: zones that shrank away; met: gaps (by the zone left of
-    them) that closed.
+    value: that of the open condition, if there is one; value_error: how far it moved last; lost: zones that shrank away; met:
+    gaps (by the zone left of them) that closed.
     """
 
     state: AnyState
@@ -65,6 +65,7 @@ class Free:
     rounding: Array
     trace: tuple[Step, ...]
     value: float | None
+    value_error: float = 0.0
     lost: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     met: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
@@ -130,8 +131,12 @@ def find_ends(
         hopeless = hopeless or (len(trace) > _WANDERING and min(step.move for step in trace[-10:]) > 0.5 and _stays(trace))
         if done or hopeless or len(trace) > max_steps:
             if done:
+                if equation.open_condition is not None:
+                    # The ends are at rest, and so is the value after its own last step.
+                    state, value = state.with_value(equation.open_condition, change), value + change
                 state = state.settled()
-            return Free(state, done, error, rounding, tuple(trace), value if equation.open_condition is not None else None)
+            found = value if equation.open_condition is not None else None
+            return Free(state, done, error, rounding, tuple(trace), found, value_error=abs(change))
         value += change
         limited = _limit(zones, equation, delta)
         a, b = zones.a - limited[0], zones.b + limited[1]
@@ -144,7 +149,7 @@ def find_ends(
         lost = np.flatnonzero(zones.b - zones.a < collapse * first_width)
         met = np.flatnonzero(gap < collapse * np.minimum(first_gap, np.minimum(zones.b - zones.a, first_width)))
         if len(lost) or len(met):
-            return Free(state, False, error, rounding, tuple(trace), value, lost, met)
+            return Free(state, False, error, rounding, tuple(trace), value, abs(change), lost, met)
 
 
 def _stays(trace: list[Step]) -> bool:

@@ -197,7 +197,7 @@ class State:
     @cached_property
     def size(self) -> float:
         """The largest coefficient of all zones."""
-        return float(self._sizes.max())
+        return float(self.zone_sizes.max())
 
     @cached_property
     def density_error(self) -> float:
@@ -221,13 +221,13 @@ class State:
         """What the density's error may shift moving ends by, over their zone's width (Z, 2): 2 K / A by its K."""
         zones, solved = self.density.zones, self.density.zones.solved
         missing = self._missing.copy()
-        missing[solved] += 3 * np.maximum(self._residual - 2e-15 * self._sizes[solved], 0.0)
+        missing[solved] += 3 * np.maximum(self._residual - 2e-15 * self.zone_sizes[solved], 0.0)
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
         slopes = np.where(moves, np.abs(self.density.edge_slopes), np.inf)
         return np.asarray(np.sqrt(zones.half / 2) * missing / np.maximum(slopes, 1e-300) / zones.half).T
 
     @cached_property
-    def _sizes(self) -> Array:
+    def zone_sizes(self) -> Array:
         """The largest coefficient of each zone, what is subtracted for jumps included (Z,)."""
         known = np.abs(self.system.known).max(axis=1, initial=0.0)
         return np.asarray(np.abs(self.density.coefficients).max(axis=1) + known)
@@ -236,7 +236,7 @@ class State:
     def _missing(self) -> Array:
         """Sum of the coefficients that each zone neglects (Z,), as the decay of the last ones has it; but not more than
         ten times the residual, which would show them: a series may fall faster towards its end."""
-        missing = self.neglected * self._sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1)
+        missing = self.neglected * self.zone_sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1)
         solved = self.density.zones.solved
         missing[solved] = np.minimum(missing[solved], 10 * self._residual)
         if self.density.zones.symmetric:
