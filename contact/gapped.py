@@ -30,6 +30,10 @@ from contact.problem import Problem
 
 Array = NDArray[np.float64]
 
+# Pressures closer to a gap than this part of the period are as uncertain as the rounding of their own position makes them:
+# what is stated is not about them.
+_BESIDE = 1e-7
+
 
 @dataclass(frozen=True, eq=False)
 class GapFields:
@@ -193,7 +197,9 @@ class Gapped:
         ends = float((shift / np.column_stack((np.roll(zones, 1), zones))).max())
         varies = (profile.resolution or units.length * fields.period) / units.length / (2 * np.pi)
         unit = fields.unit_pressure / units.pressure
-        beside = float((moved.sum(axis=1) * state.zone_sizes).max()) / unit
+        # Away from a gap this falls as the square of width over distance.
+        seen = np.minimum((gaps.b - gaps.a) / (_BESIDE * fields.period), 1.0) ** 2
+        beside = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
         # Beside a kink the logarithms that cancel are several times the pressure.
         rounding = (3 if len(fields.conjugate.at) else 1) * ROUNDING * (1 + abs(fields.mean) / unit)
         on_zones = state.density_error * state.size / unit + rounding
