@@ -105,7 +105,8 @@ class Moving:
         reach = np.maximum(_HALVES * field.half, _WAVE * (self.equation.forcing.resolution or 0.0))
         self.lowest = np.maximum(zones.a[chosen] - _INTO_GAP * left_gap, field.middle - reach)
         self.highest = np.minimum(zones.b[chosen] + _INTO_GAP * right_gap, field.middle + reach)
-        self.total = density.totals[chosen] / np.pi
+        whole, place = _whole(state, chosen)
+        self.total = whole.density.totals[place] / np.pi
         # Level plus the mean of the primitive of h, and the zones and coefficients to which it belongs.
         self.level = self.total * self._log(field.half)
         self.middle, self.half = field.middle, field.half

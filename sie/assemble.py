@@ -83,15 +83,16 @@ class Targets:
     @classmethod
     def lobatto(cls, zones: Zones, chosen: Index, m: Index) -> Targets:
         """The Lobatto nodes of each chosen zone, ends included, from right to left."""
-        z, left, right = [], [], []
-        for i in chosen:
-            _, r, lf = chebyshev.lobatto(int(m[i]))
-            w = zones.half[i]
-            z.append(np.full(len(r), i))
-            left.append(lf * w)
-            right.append(r * w)
-        zone = np.concatenate(z)
-        lefts, rights = np.concatenate(left), np.concatenate(right)
+        count = m[chosen] + 2
+        start = np.cumsum(count) - count
+        zone = np.repeat(chosen, count)
+        lefts, rights = np.empty((2, len(zone)))
+        for n in np.unique(m[chosen]):
+            some = np.flatnonzero(m[chosen] == n)
+            _, r, lf = chebyshev.lobatto(int(n))
+            at = start[some][:, None] + np.arange(int(n) + 2)
+            w = zones.half[chosen[some]][:, None]
+            lefts[at], rights[at] = lf * w, r * w
         x = np.where(lefts <= rights, zones.a[zone] + lefts, zones.b[zone] - rights)
         return cls(zone, lefts, rights, x)
 
@@ -230,6 +231,17 @@ class System:
         if not blocks:
             return np.zeros((0, layout.size)), np.zeros(0)
         return np.concatenate(blocks), np.concatenate(rights)
+
+    @cached_property
+    def diagonal(self) -> Index:
+        """Unknown c_k of each row of the equation."""
+        solved = self.zones.solved
+        count = self.layout.m[solved]
+        k = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + 1
+        unknown = np.repeat(self.layout.offset[solved], count) + k
+        if not self.zones.central:
+            return unknown
+        return np.asarray(unknown[(k % 2 == 0) | (np.arange(len(k)) >= count[0])])
 
     # what conditions ask for ----------------------------------------------------------------------------------------
     def multiplicity(self) -> Array:

@@ -98,6 +98,11 @@ def potential_at(density: Density, x: Array) -> Array:
     return _by_blocks(density, x, _potential, density.kernel.regular_potential)
 
 
+def transform_from(density: Density, x: Array, sources: Sources) -> Array:
+    """What some sources add to the transform at points x (n,)."""
+    return _transform(density, x, sources)
+
+
 def potential_from(density: Density, x: Array, sources: Sources) -> Array:
     """What some sources add to the potential at points x (n,)."""
     return _potential(density, x, sources)

@@ -11,7 +11,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lu_factor, lu_solve
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -29,7 +28,8 @@ class Inverse:
         self.count = end - first
         if self.count <= _LEAF:
             here = np.arange(first, end)
-            self.factors = lu_factor(entries(here[:, None], here), check_finite=False)
+            # Inverses, not factors: they are applied some hundred times, and their errors are far below `tolerance`.
+            self.inverse = np.linalg.inv(entries(here[:, None], here))
             self.halves: tuple[Inverse, Inverse] | None = None
             return
         cut = (first + end) // 2
@@ -42,15 +42,15 @@ class Inverse:
         small = np.eye(r1 + r2)
         small[:r1, r1:] = self.v1.T @ self.w2
         small[r1:, :r1] = self.v2.T @ self.w1
-        self.small = lu_factor(small, check_finite=False)
+        self.small = np.linalg.inv(small)
 
     def __call__(self, b: Array) -> Array:
         """A^-1 b for b (n,) or (n, k)."""
         if self.halves is None:
-            return np.asarray(lu_solve(self.factors, b, check_finite=False))
+            return np.asarray(self.inverse @ b)
         one, two = self.halves
         y1, y2 = one(b[: one.count]), two(b[one.count :])
-        s = lu_solve(self.small, np.concatenate((self.v1.T @ y2, self.v2.T @ y1)), check_finite=False)
+        s = self.small @ np.concatenate((self.v1.T @ y2, self.v2.T @ y1))
         rank = self.v1.shape[1]
         return np.concatenate((y1 - self.w1 @ s[:rank], y2 - self.w2 @ s[rank:]))
 

@@ -424,19 +424,27 @@ class Iterative:
             values.append(wanted - constants)
         return np.concatenate((system.equation_right, *values))
 
-    def __call__(self, right: Array, near: Array | None = None, tolerance: float | None = None) -> Array:
-        """Folded unknowns; near: a first guess; tolerance: if another than that of the solver."""
+    def __call__(
+        self, right: Array, near: Array | None = None, tolerance: float | None = None,
+        taken: Callable[[Array], Array] | None = None,
+    ) -> Array:
+        """Folded unknowns; near: a first guess; tolerance: if another than that of the solver; taken: what is taken from the
+        rows, of the unknowns too."""
+
+        def rows(folded: Array) -> Array:
+            return self.rows(folded) if taken is None else self.rows(folded) - taken(folded)
+
         plain = self.coarse(right)
         scale = self._scale(plain if near is None else near)
         wanted = max(self.tolerance if tolerance is None else tolerance, 4 * _ROUNDING * math.sqrt(len(self.system.zones.solved)))
         x = np.zeros(self.size) if near is None else near
-        left_over = (plain if near is None else self.coarse(right - self.rows(near))) / scale
+        left_over = (plain if near is None else self.coarse(right - rows(near))) / scale
         for _ in range(3):
-            found = gmres(lambda v: self.coarse(self.rows(v * scale)) / scale, left_over, wanted)
+            found = gmres(lambda v: self.coarse(rows(v * scale)) / scale, left_over, wanted)
             self.iterations += found.steps
             x = x + found.x * scale
             # Rounding in a long recurrence is not seen by it: the residual itself is looked at.
-            left_over = self.coarse(right - self.rows(x)) / scale
+            left_over = self.coarse(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
             if found.steps == 0 or float(np.linalg.norm(left_over)) <= 4 * wanted:
                 break

@@ -2,7 +2,7 @@
 
 The holes change the right side of the wide zones' system by -s, and the level of each by the mean of what s opens; the wide
 zones' coefficients are the right sides of the holes. A hole bends its surroundings by the square of its width over its distance,
-so a few alternations come to rest; each costs one solution with factors at hand.
+so with factors at hand a few alternations come to rest; by iteration the holes' answer is part of the rows.
 """
 
 from __future__ import annotations
@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 _ALTERNATIONS = 60
+# Tolerance of the wide zones' own solution by iteration, from which the holes' one starts.
+_START = 0.1
 _ROUNDING = 2.2e-16
 # On a hole the rounding of the right side and of all terms are seen at one place, where at the end of a zone they average.
 _SAFETY = 3.0
@@ -101,33 +103,52 @@ class Release:
             out.append(here.by_coefficients @ c + here.of_steps(self.system.steps))
         return out
 
+    @cached_property
+    def _answers(self) -> list[tuple[Array, Array]]:
+        """(by the zone's coefficients with what s adds to them, by what is given): series of the holes of each wide zone."""
+        out = []
+        for here, given in zip(self.holes, self._given, strict=True):
+            m = int(self.system.layout.m[here.zone])
+            smooth = here.solve(here.by_coefficients[:, : m + 1])
+            both = np.column_stack((smooth, here.solve(given)))
+            answer = np.linalg.solve(np.eye(len(smooth)) + smooth @ here.told[: m + 1], both)
+            out.append((np.asarray(answer[:, :-1], dtype=float), np.asarray(answer[:, -1], dtype=float)))
+        return out
+
+    def _series(self, folded: Array, homogeneous: bool) -> tuple[Array, ...]:
+        """Series of all holes for unknowns of the wide zones."""
+        y, offset = self._unfold(folded), self.system.layout.offset
+        return tuple(
+            by @ y[offset[here.zone] : offset[here.zone] + by.shape[1]] + (0.0 if homogeneous else given)
+            for here, (by, given) in zip(self.holes, self._answers, strict=True)
+        )
+
     def solve(self, values: Array | None = None) -> tuple[Array, tuple[Array, ...], float]:
         """(unknowns of the wide zones, series of all holes, size of the last change).
 
         values: of the side conditions, with no right side and no jumps; None: the equation itself.
         """
-        homogeneous = values is not None
+        solver, homogeneous = self.base.solver, values is not None
         right_side = self._first(values)
-        first = folded = self.base.folded_unknowns if values is None else self.base.solver(right_side)
-        d = tuple(np.zeros(here.offset[-1]) for here in self.holes)
+        if isinstance(solver, Iterative):
+            # The holes' answer is part of the rows: what is iterated on is both at once.
+            nothing = tuple(np.zeros(here.offset[-1]) for here in self.holes)
+            given = nothing if homogeneous else tuple(one for _, one in self._answers)
+            near = None if homogeneous else self.base.folded_unknowns
+            folded = solver(
+                right_side + self._right(given), near, self.linear, lambda y: self._right(self._series(y, True))
+            )
+            return folded, self._series(folded, homogeneous), 0.0
+        first = folded = solver(right_side) if homogeneous else self.base.folded_unknowns
+        d = self._series(folded, homogeneous)
         change, before = np.inf, np.inf
         for _ in range(_ALTERNATIONS):
-            table = self.system.layout.padded(self._unfold(folded))
-            new = []
-            for number, (here, old) in enumerate(zip(self.holes, d, strict=True)):
-                m = int(self.system.layout.m[here.zone])
-                c = table[here.zone, : m + 1] - here.told[: m + 1] @ old
-                right = here.by_coefficients[:, : m + 1] @ c
-                new.append(here.solve(right if homogeneous else right + self._given[number]))
-            size = max(float(np.abs(table).max()), 1e-300)
+            folded = first + solver(self._right(d))
+            new = self._series(folded, homogeneous)
+            size = max(float(np.abs(folded).max()), 1e-300)
             change = max(float(np.abs(one - old).max()) for one, old in zip(new, d, strict=True)) / size
-            d = tuple(new)
-            if isinstance(self.base.solver, Iterative):
-                # From the last unknowns on, to what is asked of all of them: what a hole changes is little.
-                folded = self.base.solver(right_side + self._right(d), folded, self.linear)
-            else:
-                folded = first + self.base.solver(self._right(d))
-            if change <= max(_ROUNDING, 0.1 * self.linear) or (change < 1e-13 and change > 0.5 * before):
+            d = new
+            if change <= _ROUNDING or (change < 1e-13 and change > 0.5 * before):
                 break
             if not np.isfinite(change) or (change > 10 * before and change > 1):
                 raise SingularSystem("the holes of a wide zone do not come to rest")
@@ -165,15 +186,12 @@ class Release:
         """What s adds to the right side of the wide zones' rows."""
         system, zones, base = self.system, self.cut.wide, self.base
         s = self.s_table(d)
-        rows = []
-        for place, i in enumerate(zones.solved):
-            step = 2 if zones.central and place == 0 else 1
-            rows.append(-s[i, 1 : system.layout.m[i] + 1][step - 1 :: step])
+        rows = -system.layout.flat(s)[system.diagonal]
         view = Opened(zones, s, self.mean_openings(d), system.moments, system.layout.m, system.multiplicity())
         constants = [condition.rows(view)[1] for condition in system.equation.conditions]
         constants = [np.atleast_1d(c) for c in constants]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
-        return np.concatenate((*rows, conditions))
+        return np.concatenate((rows, conditions))
 
     def density(self, folded: Array, d: tuple[Array, ...], homogeneous: bool = False) -> tuple[State, Pierced]:
         """(state of the wide zones, density) for solved unknowns."""
@@ -387,12 +405,19 @@ def solve_zones(
     inner = sizes.wide
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
-    inner.linear = sizes.linear
+    # By iteration the wide zones alone are no more than a start.
+    inner.linear = max(sizes.linear, _START)
     profile, kernel, iterations = inner.profile_evaluations, inner.kernel_evaluations, inner.iterations
     state = solve_fixed(equation, found.wide, tolerance, inner)
     release = Release(found, state, sizes.linear)
     folded, series, rest = release.solve()
+    if isinstance(state.solver, Iterative):
+        more = state.solver.iterations - (inner.iterations - iterations)
+        inner.iterations += more
+        inner.kernel_evaluations += more * state.solver.system.sums.size
     wide, density = release.density(folded, series)
+    if inner.carried is not None:
+        inner.carried = replace(inner.carried, density=wide.density)
     sizes.wide = inner
     sizes.solves += 1
     sizes.profile_evaluations += inner.profile_evaluations - profile
