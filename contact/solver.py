@@ -33,7 +33,7 @@ from contact.scene import Scene
 from contact.search import MOST_POINTS
 from contact.single import guess_half_width, largest_single_load, single_half_width
 from contact.solution import Solution
-from contact.topology import Found, Progress, WrongTopology, settle
+from contact.topology import Found, Progress, WrongTopology, same_end, settle
 
 Array = NDArray[np.float64]
 
@@ -393,6 +393,8 @@ class _Run:
                     try:
                         return self._settle(about(problem, table), control, table)
                     except WrongTopology as error:
+                        if failure is not None and same_end(error, failure):
+                            break
                         failure = error
             if at_border:
                 # The grid may touch it by its own error; what the zones then were, did not pass.

@@ -85,7 +85,11 @@ def _rounds(
     """Zones that pass, to the tolerance and, where more of them are asked for, to one as tight as there is."""
     free: sie.Free | None = None
     value = 0.0
+    tried: list[tuple[float, Array]] = []
     for done in range(1, ROUNDS + 1):
+        if any(same(table, before) for at, before in tried if at == tolerance):
+            raise WrongTopology(f"the number of zones did not settle{_over_kinks(problem, table)}", free)
+        tried.append((tolerance, table))
         if len(table) == 0:
             raise WrongTopology("all zones vanished", free)
         if not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
@@ -122,6 +126,30 @@ def _rounds(
             continue
         table = _corrected(free.density.zones, certificate, problem)
     raise WrongTopology("the number of zones did not settle", free)
+
+
+def same(table: Array, other: Array) -> bool:
+    """Whether these are the same zones, to a millionth of their widths."""
+    return table.shape == other.shape and bool(np.all(np.abs(table - other) <= 1e-6 * (table[:, 1:] - table[:, :1])))
+
+
+def same_end(one: WrongTopology, other: WrongTopology) -> bool:
+    """Whether two searches ended in the same way with the same zones."""
+    if str(one) != str(other) or one.free is None or other.free is None:
+        return False
+    return same(one.free.density.zones.table, other.free.density.zones.table)
+
+
+def _over_kinks(problem: Problem, table: Array) -> str:
+    """Whether a gap narrower than a thousandth of its zones holds a kink: what cannot be solved, in words."""
+    forcing = problem.forcing
+    lo, hi = table[:-1, 1], table[1:, 0]
+    narrow = hi - lo < 1e-3 * np.minimum(np.diff(table[:-1])[:, 0], np.diff(table[1:])[:, 0])
+    at = forcing.steps_at[forcing.steps < 0]
+    if problem.period is not None and len(table):
+        at = at - np.floor((at - table[0, 0]) / problem.period) * problem.period
+    held = np.any((at[:, None] > lo) & (at[:, None] < hi) & narrow, axis=0)
+    return f": a gap over the kink of a valley, {(hi - lo)[held].min() * problem.units.length:.1e} m, is too narrow" if held.any() else ""
 
 
 def _off(free: sie.Free) -> Array:

@@ -129,6 +129,7 @@ def find_ends(
         # At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones.
         hopeless = stalled >= 5 and not certain and (move < 1e-6 or (stalled >= 15 and _stays(trace)))
         hopeless = hopeless or (len(trace) > _WANDERING and min(step.move for step in trace[-10:]) > 0.5 and _stays(trace))
+        hopeless = hopeless or (equation.grows and state.unresolved)
         if done or hopeless or len(trace) > max_steps:
             if done:
                 if equation.open_condition is not None:

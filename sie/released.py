@@ -256,6 +256,10 @@ class PiercedState:
         return self.wide.linear_error[self.cut.piece_zone]
 
     @property
+    def unresolved(self) -> bool:
+        return self.wide.unresolved
+
+    @property
     def iterated(self) -> bool:
         return self.wide.iterated
 

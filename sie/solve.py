@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 
+# With the last coupled coefficients above this part of the largest, zones lie too close to what is singular beside them.
+UNRESOLVED = 1e-6
 # A reciprocal condition below this is rounding: the rows are of size one.
 _DEPENDENT = 1e-15
 # Points of every zone at which the residual is looked at: none of them a node.
@@ -183,6 +185,11 @@ class State:
     def coefficient_noise(self) -> Array:
         """Rounding of what each zone's coefficients add up to."""
         return np.asarray(self.intensity_noise.max(axis=0) / np.sqrt(self.density.zones.half / 2))
+
+    @property
+    def unresolved(self) -> bool:
+        """Whether the most modes that zones are given do not show what the columns do on them."""
+        return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.COUPLED_SIZES[-1]
 
     @property
     def iterated(self) -> bool:
