@@ -99,7 +99,7 @@ MUTATIONS = (
     ),
     Mutation(
         "certificate that does not look between the zones", "contact/certificate.py",
-        "holds = least > 0 and len(overlaps) == 0 and balance < 1e-9", "holds = least > 0 and balance < 1e-9",
+        "holds = least > 0 and len(new) == 0 and len(overlaps) == 0 and", "holds = least > 0 and",
         ("tests/contact/test_certificate.py",),
     ),
     Mutation(

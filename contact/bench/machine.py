@@ -14,7 +14,7 @@ from contact.bench.report import Table
 def table(peers: Sequence[str]) -> Table:
     """Versions, processor and threads."""
     packages = ["sie-contact", "numpy", "scipy", *peers]
-    rows = [("processor", _processor()), ("threads", os.environ.get("OMP_NUM_THREADS", "as many as numpy takes"))]
+    rows: list[tuple[str, ...]] = [("processor", _processor()), ("threads", os.environ.get("OMP_NUM_THREADS", "as many as numpy takes"))]
     rows += [("Python", platform.python_version()), *((name, _version(name)) for name in packages)]
     return Table("machine", "measured with", ("what", ""), rows)
 
