@@ -89,6 +89,14 @@ def test_flat_punches_have_the_pressure_of_their_closed_form() -> None:
     assert np.max(np.abs(solution.pressure_at(t) / closed.pressure_at(t * (1 - 1e-6)) - 1)) > 1e-11
 
 
+def test_a_punch_lifts_off_one_corner_when_the_load_is_far_off_its_middle() -> None:
+    found = module("tilted_punch").main()
+    assert [closed.lifted for _, closed in found] == [False, False, False, True]
+    for solution, closed in found:
+        assert solution.tilt == pytest.approx(closed.tilt, rel=1e-8, abs=1e-15)
+        assert solution.zones == pytest.approx(closed.zones, abs=1e-12)
+
+
 def rms_slope(profile: contact.Sampled) -> float:
     """Of the spline itself: f' squared is of degree 4 between knots, which three Gauss points integrate exactly."""
     knots = np.append(profile.x, profile.x[0] + profile.period)

@@ -1,0 +1,86 @@
+"""Many zones: by fast sums as by a matrix, equal zones that stay equal, and work that grows with the zones and no faster."""
+
+import numpy as np
+import pytest
+
+import contact
+from contact.exact import Westergaard
+from sie import solve as engine
+from sie.many import Iterative
+
+T = np.array([-0.99, -0.6, 0.0, 0.4, 0.95])
+
+
+def rough(kmax, seed=1):
+    """Self-affine: Hurst 0.8, harmonics 4 ... kmax, rms slope 0.1."""
+    k = np.arange(4, kmax + 1)
+    phase = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(k))
+    amplitude = k**-1.3
+    amplitude *= 0.1 / np.sqrt(0.5 * np.sum((2 * np.pi * k * amplitude) ** 2))
+    cosine, sine = np.zeros(kmax), np.zeros(kmax)
+    cosine[3:], sine[3:] = amplitude * np.cos(phase), amplitude * np.sin(phase)
+    return contact.Scene(contact.Fourier(1.0, cosine, sine), 1.0, contact.Periodic(), mean_pressure=0.005)
+
+
+def solve(scene, monkeypatch, unknowns, tol=1e-9):
+    """With a matrix up to a number of unknowns."""
+    monkeypatch.setattr(engine, "MANY_UNKNOWNS", unknowns)
+    return contact.solve(scene, tol=tol)
+
+
+def test_fast_sums_give_what_a_matrix_gives(monkeypatch):
+    scene = rough(400)
+    direct, fast = solve(scene, monkeypatch, 10**9), solve(scene, monkeypatch, 10)
+    assert not direct.plan["fast sums"].used and fast.plan["fast sums"].used
+    assert len(direct.zones) == len(fast.zones) > 30
+    width = np.diff(direct.zones, axis=1)
+    bound = direct.error + fast.error
+    assert np.abs((direct.zones - fast.zones) / width).max() <= bound
+    for zone in range(len(width)):
+        difference = np.abs(direct.pressure_at(T, zone) - fast.pressure_at(T, zone)).max()
+        assert difference <= bound * direct.max_pressure
+    x = np.linspace(0, 1, 301)
+    assert fast.gap(x) == pytest.approx(direct.gap(x), abs=1e-10)
+
+
+@pytest.mark.parametrize("zones", [64, 301])
+def test_equal_waves_in_one_period_are_each_the_wave_alone(zones):
+    """Harmonic number `zones` alone: rounding must not make one zone differ from the next."""
+    cosine = np.zeros(zones)
+    cosine[-1] = -1e-3 / zones
+    truth = Westergaard(amplitude=1e-3 / zones, period=1 / zones, E_star=1.0, half_width=0.15 / zones)
+    scene = contact.Scene(contact.Fourier(1.0, cosine, 0 * cosine), 1.0, contact.Periodic(), mean_pressure=truth.mean_pressure)
+    solution = contact.solve(scene, tol=1e-8)
+    assert len(solution.zones) == zones and solution.certificate.holds
+    assert solution.zone_widths == pytest.approx(0.3 / zones, rel=1e-8)
+    assert solution.zone_loads == pytest.approx(truth.load, rel=1e-8)
+    spread = np.array([solution.pressure_at(T, zone) for zone in range(zones)])
+    assert np.abs(spread - truth.pressure_at(T)).max() <= solution.error * truth.max_pressure
+
+
+def test_iterations_do_not_grow_with_the_zones(monkeypatch):
+    """GMRES with a coarse problem for the zones' loads: what is left couples neighbours only."""
+    steps, counts = [], []
+    original = Iterative.__call__
+
+    def counted(self, *given, **options):
+        before = self.iterations
+        out = original(self, *given, **options)
+        steps.append(self.iterations - before)
+        return out
+
+    monkeypatch.setattr(Iterative, "__call__", counted)
+    most = []
+    for kmax in (400, 3200):
+        steps.clear()
+        counts.append(len(solve(rough(kmax), monkeypatch, 10, 1e-8).zones))
+        most.append(max(steps))
+    assert counts[1] > 4 * counts[0]
+    assert most[1] <= 1.3 * most[0] + 2
+
+
+def test_a_harmonic_left_out_is_seen(monkeypatch):
+    whole = solve(rough(300), monkeypatch, 10)
+    less = contact.Fourier(1.0, whole.scene.profile.cosine[:-1], whole.scene.profile.sine[:-1])
+    part = contact.solve(contact.Scene(less, 1.0, contact.Periodic(), mean_pressure=0.005), tol=1e-9)
+    assert abs(part.max_pressure / whole.max_pressure - 1) > 1e-6
