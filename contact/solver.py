@@ -41,6 +41,8 @@ Array = NDArray[np.float64]
 _MOST_POINTS = 2**17
 # Contact of more than this part of the period is solved by its gaps.
 _NEARLY_FULL = 0.7
+# The same where valleys have kinks: gaps over them, however narrow, are unknowns like any others.
+_WITH_KINKS = 0.25
 
 
 def solve(
@@ -142,7 +144,10 @@ class _Run:
         return replace(self.scene, approach=None, load=load)
 
     def _by_zones(self, found: Gapped) -> Found | Gapped:
-        """The same contact with the pressure as the unknown, if that comes out better."""
+        """The same contact with the pressure as the unknown, if that comes out better. Not under an approach: near full
+        contact the level of the zones, a difference of large numbers, tells little of them."""
+        if self.control.kind == "approach":
+            return found
         table = found.fields.zones
         try:
             with self.plan.timed("zone ends"):
@@ -256,7 +261,9 @@ class _Run:
 
     def _worth_gaps(self, problem: Problem, width: float) -> bool:
         """Whether contact of about this scaled width is better solved by its gaps."""
-        return self.full.approached and problem.period is not None and width > _NEARLY_FULL * problem.period
+        if not self.full.approached or problem.period is None:
+            return False
+        return width > (_NEARLY_FULL if self.full.possible else _WITH_KINKS) * problem.period
 
     def _by_gaps(self, problem: Problem, control: Control, width: float, zones: Array | None = None) -> Gapped | None:
         """The contact solved by its gaps, where it is about as wide as that; None if it is not or that fails."""
