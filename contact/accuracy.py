@@ -24,11 +24,8 @@ def stated_error(found: Found, control: Control) -> float:
     free, state = found.free, found.fields.state
     density = state.density
     ends = free.end_error + state.end_truncation
-    largest, by_left, by_right = density.sensitivity
-    singular = any(end.intensity is None for end in (*density.zones.left, *density.zones.right))
-    infinite = singular or bool(np.any((density.steps.height > 0) & (density.steps.order == 0)))
-    width = float((density.zones.b - density.zones.a).sum())
-    peak = abs(density.total) / width if infinite else float(largest.max())
+    _, by_left, by_right = density.sensitivity
+    singular, peak = _is_singular(density), _reference(density)
     moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
     on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING)
     error = max(float(ends.max(initial=0.0)) + ROUNDING, moved + on_zones)
@@ -41,14 +38,33 @@ def stated_error(found: Found, control: Control) -> float:
     return error + abs(rounding * fields.stiffness * units.height / (units.load * density.total))
 
 
+def _is_singular(density: sie.AnyDensity) -> bool:
+    return any(end.intensity is None for end in (*density.zones.left, *density.zones.right))
+
+
+def _reference(density: sie.AnyDensity) -> float:
+    """What errors of the pressure are referred to: its peak, or the mean contact pressure where the peak is infinite."""
+    if _is_singular(density) or np.any((density.steps.height > 0) & (density.steps.order == 0)):
+        return abs(density.total) / float((density.zones.b - density.zones.a).sum())
+    return float(density.sensitivity[0].max())
+
+
 def limit(free: sie.Free, tol: float, of: str) -> str:
     """What keeps the ends of zones (of: "zone" or "gap") from being known to `tol`, in words; empty where it is not rounding."""
-    if float(free.rounding.max(initial=0.0)) <= 0.5 * tol:
-        return ""
-    zones = free.density.zones
-    zone = int(free.rounding.max(axis=1).argmax())
-    rounding, width = float(free.rounding[zone].max()), zones.b - zones.a
-    return (
-        f"rounding of heights and slopes leaves the ends of a {of} of {width[zone] / width.max():.1e} of the widest one's width "
-        f"uncertain by {rounding:.1e} of it (condition {rounding / _EPS:.0e})"
-    )
+    density, rounding = free.density, free.rounding
+    width = density.zones.b - density.zones.a
+    zone = int(rounding.max(axis=1).argmax())
+    worst = float(rounding[zone].max())
+    if worst > 0.5 * tol:
+        return (
+            f"rounding of heights and slopes leaves the ends of a {of} of {width[zone] / width.max():.1e} of the widest one's "
+            f"width uncertain by {worst:.1e} of it (condition {worst / _EPS:.0e})"
+        )
+    _, by_left, by_right = density.sensitivity
+    moved = float((rounding[:, 0] * by_left + rounding[:, 1] * by_right).max()) / _reference(density)
+    if of == "zone" and moved > 0.25 * tol:
+        return (
+            f"rounding leaves ends uncertain by {worst:.1e} of a width, and beside a corner so close to an end the pressure follows "
+            f"them {moved / worst:.0e} times"
+        )
+    return ""

@@ -33,6 +33,10 @@ UNRESOLVED = 1e-6
 _DEPENDENT = 1e-15
 # Points of every zone at which the residual is looked at: none of them a node.
 LOOKS = 15
+_THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
+# sin(k theta) there, for as many k as the points tell apart, and what finds their amplitudes.
+_FIRST = np.sin(_THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
+_FIRST_OF = np.linalg.pinv(_FIRST)
 # From this number of unknowns on, a matrix costs more than fast sums.
 MANY_UNKNOWNS = 1500
 
@@ -217,11 +221,11 @@ class State:
         if self.size == 0.0:
             return 0.0
         neglected = float((self._missing * np.maximum(self.sizes.own[: len(self._missing)], 1)).max()) / self.size
-        residual = self._residual / self.size
         coupled = self.system.layout.m[self.density.zones.solved]
+        low, high = (part / self.size for part in self._residual_parts)
         # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
-        beyond = 3 * np.maximum(residual - 4e-15, 0.0) * coupled
-        return neglected + float((beyond + residual + 1e-15 * coupled).max()) + float(self.linear_error.max()) / self.size
+        beyond = 3 * np.maximum(high - 4e-15, 0.0) * coupled + 1.5 * low
+        return neglected + float((beyond + high + 1e-15 * coupled).max()) + float(self.linear_error.max()) / self.size
 
     @cached_property
     def end_truncation(self) -> Array:
@@ -282,16 +286,28 @@ class State:
 
     @cached_property
     def _residual(self) -> Array:
-        """Residual of the equation times sqrt(1 - t^2), the largest of a few points of every solved zone, no nodes."""
+        """The largest residual of each solved zone at a few points."""
+        return np.asarray(np.abs(self._residuals).max(axis=1))
+
+    @cached_property
+    def _residual_parts(self) -> tuple[Array, Array]:
+        """(what the density is off by for the residual's first modes, which the points tell apart, the largest of the rest)."""
+        low = self._residuals @ _FIRST_OF.T
+        rest = self._residuals - low @ _FIRST.T
+        return np.abs(low) @ np.maximum(0.73 * np.arange(1, low.shape[1] + 1), 1.0), np.abs(rest).max(axis=1)
+
+    @cached_property
+    def _residuals(self) -> Array:
+        """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone, no nodes."""
         system, zones = self.system, self.density.zones
-        theta = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
+        theta = _THETA
         t = np.cos(theta)
         x = (zones.middle[zones.solved][:, None] + zones.half[zones.solved][:, None] * t).ravel()
         equation = system.equation
         value = self.density.transform(x) - equation.forcing.value(x) - system.steps.left_out(x)
         for amplitude, column in zip(self.density.amplitudes, equation.columns, strict=True):
             value = value - amplitude * column.value(x)
-        return np.asarray(np.abs(value.reshape(-1, len(t)) * np.sin(theta)).max(axis=1))
+        return np.asarray(value.reshape(-1, len(t)) * np.sin(theta))
 
     @cached_property
     def condition_index(self) -> Index:
