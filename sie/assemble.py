@@ -315,6 +315,11 @@ class System:
         matrix, constants = self.levels()
         return np.diff(matrix, axis=0), np.diff(constants)
 
+    @property
+    def integrated(self) -> bool:
+        """Whether differences of levels are integrated from g: then the rounding of its primitive is not in them."""
+        return False
+
     def level_rounding(self, y: Array) -> Array | float:
         """Root mean square of the rounding of each level's potentials."""
         return np.asarray(2.2e-16 * np.sqrt(self.levels()[0] ** 2 @ y**2))

@@ -23,6 +23,8 @@ Index = NDArray[np.intp]
 
 # Gaps narrower than this part of the wider zone beside them may be holes.
 NARROW = 0.02
+# Gaps with a jump of a derivative of the right side in them must be narrower than this part of both zones.
+SMALL = 0.003
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +78,10 @@ def cut(equation: Equation, pieces: Zones) -> Cut | None:
     narrow &= _free(pieces)
     if kernel.period is None or pieces.symmetric:
         narrow[-1] = False
-    narrow[_bent(equation, pieces, after)] = False
+    # With a jump of the right side in it the wide zone's density would be singular there, and with one of a derivative the hole's
+    # own series falls slowly: that matters unless it is small beside both zones.
+    jump, bend = _bent(equation, pieces, after)
+    narrow &= ~jump & (~bend | (after < SMALL * np.minimum(width, following)))
     if not narrow.any():
         return None
     count = len(pieces)
@@ -117,15 +122,15 @@ def _free(pieces: Zones) -> NDArray[np.bool_]:
     return np.asarray(right & np.roll(left, -1))
 
 
-def _bent(equation: Equation, pieces: Zones, after: Array) -> Index:
-    """Gaps with a jump of the right side in them: the wide zone's density would be singular there."""
+def _bent(equation: Equation, pieces: Zones, after: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """(gaps with a jump of the right side in them, gaps with one of its derivatives)."""
     forcing, period = equation.forcing, equation.kernel.period
-    orders = forcing.orders
-    at = forcing.steps_at if orders is None else forcing.steps_at[orders == 0]
-    if len(at) == 0:
-        return np.zeros(0, dtype=np.intp)
+    at = forcing.steps_at
     if period is not None:
         at = at - np.floor((at - pieces.a[0]) / period) * period
     i = np.searchsorted(pieces.a, at, side="right") - 1
     within = (i >= 0) & (at >= pieces.b[i]) & (at <= pieces.b[i] + after[i])
-    return np.asarray(i[within])
+    own = np.ones(len(at), dtype=bool) if forcing.orders is None else np.asarray(forcing.orders) == 0
+    itself, derivative = np.zeros((2, len(pieces)), dtype=bool)
+    itself[i[within & own]] = derivative[i[within & ~own]] = True
+    return itself, derivative

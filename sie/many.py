@@ -133,7 +133,7 @@ class ManySystem(System):
         return np.diff(self.known_field[1]) + np.diff(known) - self._forcing_steps()
 
     @property
-    def _integrable(self) -> bool:
+    def integrated(self) -> bool:
         """Whether differences of the primitive may be taken from g."""
         forcing = self.equation.forcing
         return forcing.resolution is not None and len(forcing.steps_at) == 0
@@ -142,7 +142,7 @@ class ManySystem(System):
         """Differences of the primitive's means between neighbours: over the gap by quadrature, over the zones from the
         coefficients of g, since the antiderivative of U_{k-1} is T_k / k."""
         solved = self.zones.solved
-        if not self._integrable:
+        if not self.integrated:
             return np.diff(self._forcing_means())
         across, _ = self._across_gaps
         g, w = self.g[solved], self.zones.half[solved]
@@ -188,15 +188,16 @@ class ManySystem(System):
 
     def level_rounding(self, y: Array) -> Array | float:
         """The terms of a level are at most all totals at the farthest distance, and the largest at the nearest. Where only
-        differences between neighbours matter and are integrated, it is what is between them that is rounded."""
+        differences between neighbours matter, it is what is between them that is rounded."""
         zones, datum = self.zones, self.equation.kernel.datum
         own = np.abs(zones.half * y[self.layout.offset])
         near = np.abs(np.log(zones.half / datum))
-        if not self._integrable or any(c.levels and c.count(zones) == len(zones.solved) for c in self.equation.conditions):
+        if any(c.levels and c.count(zones) == len(zones.solved) for c in self.equation.conditions):
             far = max(1.0, abs(math.log((zones.b[-1] - zones.a[0]) / datum)))
             return 2.2e-16 * float(own.sum() * far + (own * near).max() + np.abs(self.level_constants).max())
-        # A step is the integral of g over a gap, and over the border that of all others.
-        slope, steps = float(np.abs(self.g).max()), 2.2e-16 * float(np.abs(self.g).max()) * self._gaps[1] + self._across_gaps[1]
+        slope = float(np.abs(self.g).max())
+        steps = 2.2e-16 * slope * self._gaps[1] + (self._across_gaps[1] if self.integrated else 0.0)
+        # The step over the border is that of all others.
         border = float(np.linalg.norm(steps))
         felt_left, felt_right = felt(*(gap[zones.solved] + zones.half[zones.solved] for gap in modes.gaps(zones, self.equation.kernel)))
         out = 2.2e-16 * (slope * zones.half + own * near)

@@ -79,7 +79,7 @@ def _of_levels(state: Solved) -> Array | float:
     # A level off by e is met by c_0 = e / (w log(w / 2R)), K by that over sqrt(2 w); neighbours no wider hold less than a plane.
     radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
     logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
-    return np.asarray(2 * state.system.level_rounding(state.unknowns) / (logarithm * np.sqrt(2 * w)))
+    return np.asarray(2 * _level_noise(state) / (logarithm * np.sqrt(2 * w)))
 
 
 def _through_rows(state: Solved) -> Array:
@@ -109,8 +109,10 @@ def _through_rows(state: Solved) -> Array:
 
 
 def _level_noise(state: Solved) -> Array:
-    """Root mean square of the rounding of each solved zone's level: of its potentials, and of the heights."""
+    """Root mean square of the rounding of the zones' levels: of their potentials, and of the heights."""
     sizes, forcing = state.sizes, state.system.equation.forcing
+    if state.system.integrated:
+        return np.asarray(state.system.level_rounding(state.unknowns))
     if sizes.primitive_rounding is None:
         sizes.primitive_rounding = primitive_rounding(forcing, state.system.zones, state.density.kernel.period)
     return np.hypot(state.system.level_rounding(state.unknowns), sizes.primitive_rounding)
