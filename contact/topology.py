@@ -29,6 +29,8 @@ ROUNDS = 12
 TIGHT = 1e-15
 # Where only the error of the ends makes signs fail, the next tolerance is this part of the last.
 CLOSER = 1e-3
+# Gaps over kinks below this part of the zones beside them are not taken to close.
+_NARROW = 1e-3
 # Over the ends' stated errors.
 MARGIN = 10.0
 
@@ -87,9 +89,6 @@ def _rounds(
     value = 0.0
     tried: list[tuple[float, Array]] = []
     for done in range(1, ROUNDS + 1):
-        if any(same(table, before) for at, before in tried if at == tolerance):
-            raise WrongTopology(f"the number of zones did not settle{_over_kinks(problem, table)}", free)
-        tried.append((tolerance, table))
         if len(table) == 0:
             raise WrongTopology("all zones vanished", free)
         if not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
@@ -103,6 +102,10 @@ def _rounds(
             raise WrongTopology(f"the equation has no solution on such zones ({failure})", free) from failure
         if free.value is not None:
             value = free.value
+        valley = _narrow_valley(problem, table, free)
+        if valley is not None:
+            length = valley * problem.units.length
+            raise WrongTopology(f"a gap of about {length:.1e} m over the kink of a valley is too narrow to be found", free)
         if len(free.lost) or len(free.met):
             table = _dropped_or_merged(free, problem)
             continue
@@ -124,7 +127,11 @@ def _rounds(
         if tolerance > TIGHT and _is_error(free, certificate):
             table, tolerance = free.density.zones.table, max(TIGHT, CLOSER * tolerance)
             continue
+        ended = free.density.zones.table
         table = _corrected(free.density.zones, certificate, problem)
+        if any(same(ended, before) for at, before in tried if at == tolerance):
+            raise WrongTopology("the number of zones did not settle", free)
+        tried.append((tolerance, ended))
     raise WrongTopology("the number of zones did not settle", free)
 
 
@@ -140,16 +147,25 @@ def same_end(one: WrongTopology, other: WrongTopology) -> bool:
     return same(one.free.density.zones.table, other.free.density.zones.table)
 
 
-def _over_kinks(problem: Problem, table: Array) -> str:
-    """Whether a gap narrower than a thousandth of its zones holds a kink: what cannot be solved, in words."""
+def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | None:
+    """Width of a gap over the kink of a valley that the search has closed or taken off its kink: too narrow for it. Such gaps
+    do not close, but narrow as exp(-pressure); None if there is none."""
     forcing = problem.forcing
-    lo, hi = table[:-1, 1], table[1:, 0]
-    narrow = hi - lo < 1e-3 * np.minimum(np.diff(table[:-1])[:, 0], np.diff(table[1:])[:, 0])
-    at = forcing.steps_at[forcing.steps < 0]
-    if problem.period is not None and len(table):
+    orders = np.zeros(len(forcing.steps)) if forcing.orders is None else forcing.orders
+    at = forcing.steps_at[(orders == 0) & (forcing.steps < 0)]
+    if len(at) == 0 or len(table) < 2:
+        return None
+    if problem.period is not None:
         at = at - np.floor((at - table[0, 0]) / problem.period) * problem.period
-    held = np.any((at[:, None] > lo) & (at[:, None] < hi) & narrow, axis=0)
-    return f": a gap over the kink of a valley, {(hi - lo)[held].min() * problem.units.length:.1e} m, is too narrow" if held.any() else ""
+    i = np.searchsorted(table[:, 0], at, side="right") - 1
+    inner = (i >= 0) & (i < len(table) - 1)
+    at, i = at[inner], i[inner]
+    lo, hi = table[i, 1], table[i + 1, 0]
+    width = np.diff(table)[:, 0]
+    narrow = (at > lo) & (at < hi) & (hi - lo < _NARROW * np.minimum(width[i], width[i + 1]))
+    now = free.density.zones
+    lost = narrow & (np.isin(i, free.met) | (now.b[i] >= at) | (now.a[i + 1] <= at))
+    return float((hi - lo)[lost].min()) if lost.any() else None
 
 
 def _off(free: sie.Free) -> Array:

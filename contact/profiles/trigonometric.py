@@ -53,7 +53,7 @@ class Sum:
         spectrum = np.zeros(n // 2 + 1, dtype=np.complex128)
         spectrum[1 : c.size + 1] = 0.5 * n * c / _transform(c.size, n)
         values = scipy.fft.irfft(spectrum, n)
-        return cls(np.concatenate((values, values[:_WIDTH])), n)
+        return cls(values[np.arange(n + _WIDTH) % n], n)  # a short one goes round more than once
 
     def __call__(self, turns: Array, rest: Array | None = None) -> Array:
         """Values at x = turns + rest (m,); rest: what rounding has left of x, where it is known: with many terms it is seen."""
