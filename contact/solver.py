@@ -375,7 +375,7 @@ class _Run:
         search.used, search.reason = True, search.reason if search.used else "one zone did not pass the certificate"
         points: int | None = None
         failure: WrongTopology | None = None
-        most = _MOST_POINTS
+        most, touched = _MOST_POINTS, False
         while points is None or points <= most:
             if self.progress is not None:
                 self.progress("coarse grid", 0, None)
@@ -387,7 +387,12 @@ class _Run:
             if proposal.tilt is not None:
                 problem = problem.turned_to(proposal.tilt)
             search.detail = f"{points} points, {len(proposal.zones)} zones proposed"
-            at_border = proposal.touches_border and self.scene.profile.support is None
+            if proposal.touches_border and self.scene.profile.support is None:
+                if touched or 4 * points > most:
+                    raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
+                # A coarse grid may touch it by its own error.
+                touched, points = True, 4 * points
+                continue
             width = proposal.width / problem.units.length
             if problem.period is not None and width > 0.4 * problem.period and self._is_full(control):
                 return None
@@ -403,9 +408,6 @@ class _Run:
                         if failure is not None and same_end(error, failure):
                             break
                         failure = error
-            if at_border:
-                # The grid may touch it by its own error; what the zones then were, did not pass.
-                raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
             points *= 4
         raise self._not_converged(failure or WrongTopology("the gaps are narrower than the finest grid tells from full contact", None))
 

@@ -260,27 +260,36 @@ class System:
         rows[np.arange(len(solved)), self.layout.offset[solved]] = scale
         return rows, scale * self.known[solved, 0]
 
-    def integrals(self, weight: Callable[[Array], Array]) -> Linear:
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         rows, constants = self._zero_rows(), np.zeros(len(self.zones.solved))
+        known: dict[int, Array] = {}
         for place, i in enumerate(self.zones.solved):
-            m = int(self.layout.m[i])
-            values = np.pi * self.zones.half[i] * self.moments(weight, i, max(self.g.shape[1], m + 1, 16) + 16)
-            size = len(values)
-            rows[place, self.layout.offset[i] : self.layout.offset[i] + m + 1] = values[: m + 1]
-            beyond = -self.g[i, m + 1 :]
+            m, start = int(self.layout.m[i]), self.layout.offset[i]
+            values = np.pi * self.zones.half[i] * self.moments(weight, i, max(self.g.shape[1], m + 1, 16) + 16, degree)
+            size, count = len(values), min(len(values), m + 1)
+            rows[place, start : start + count] = values[:count]
+            beyond = -self.g[i, m + 1 : size]
             constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
             if len(self.steps):
-                constants[place] += values @ self.steps.t_coefficients(self.zones, size)[i]
+                if size not in known:
+                    known[size] = self.steps.t_coefficients(self.zones, size)
+                constants[place] += values @ known[size][i]
         return rows, constants
 
-    def moments(self, weight: Callable[[Array], Array], zone: int, size: int) -> Array:
-        """Means of weight times T_l over a zone (weight 1 / sqrt(1 - t^2)), as many as it takes them to decay."""
+    def moments(self, weight: Callable[[Array], Array], zone: int, size: int, degree: int | None = None) -> Array:
+        """Means of weight times T_l over a zone (weight 1 / sqrt(1 - t^2)): of a polynomial as many as it has, else as many as it
+        takes them to decay."""
+        if degree is not None:
+            return self._moments(weight, zone, degree + 2)[: degree + 1]
         while True:
-            x = self.zones.middle[zone] + self.zones.half[zone] * chebyshev.gauss(size)
-            values = chebyshev.t_means(np.broadcast_to(np.asarray(weight(x), dtype=float), x.shape))
+            values = self._moments(weight, zone, size)
             if np.abs(values[-8:]).max() <= 1e-14 * np.abs(values).max() or size >= _LARGEST_WEIGHT:
                 return values
             size *= 2
+
+    def _moments(self, weight: Callable[[Array], Array], zone: int, nodes: int) -> Array:
+        x = self.zones.middle[zone] + self.zones.half[zone] * chebyshev.gauss(nodes)
+        return chebyshev.t_means(np.broadcast_to(np.asarray(weight(x), dtype=float), x.shape))
 
     def intensities(self) -> tuple[Linear, Linear]:
         left, right = self._zero_rows(), self._zero_rows()

@@ -37,8 +37,8 @@ class Rows(Protocol):
     def level_steps(self) -> Linear:
         """Differences of the levels of neighbouring zones."""
 
-    def integrals(self, weight: Callable[[Array], Array]) -> Linear:
-        """Integral of weight times density over each zone."""
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        """Integral of weight times density over each zone; degree: of a weight that is a polynomial on each."""
 
     def intensities(self) -> tuple[Linear, Linear]:
         """K at the left and at the right end of each zone."""
@@ -88,17 +88,19 @@ class Total(Condition):
 class Weighted(Condition):
     """The integral of weight(x) times the density over all zones: a moment, a mean, any linear functional.
 
-    The weight is smooth on each zone. Of a symmetric set only the even part of the weight counts.
+    The weight is smooth on each zone; degree: where it is a polynomial, of few coefficients. Of a symmetric set only the even
+    part of the weight counts.
     """
 
     weight: Callable[[Array], Array]
     value: float
+    degree: int | None = None
 
     def count(self, zones: Zones) -> int:
         return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
-        matrix, constants = system.integrals(self._even if system.zones.symmetric else self.weight)
+        matrix, constants = system.integrals(self._even if system.zones.symmetric else self.weight, self.degree)
         weight = system.multiplicity()
         return (weight @ matrix)[None], np.array([weight @ constants]), np.array([self.value])
 
@@ -108,7 +110,7 @@ class Weighted(Condition):
 
 def moment(value: float, about: float = 0.0) -> Weighted:
     """Integral of (x - about) phi."""
-    return Weighted(lambda x: x - about, float(value))
+    return Weighted(lambda x: x - about, float(value), degree=1)
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,7 @@ class ZoneMoments(Condition):
         def about_middle(x: Array) -> Array:
             return np.asarray(x - zones.middle[np.searchsorted(zones.a, x, side="right") - 1])
 
-        matrix, constants = system.integrals(about_middle)
+        matrix, constants = system.integrals(about_middle, degree=1)
         weight = system.multiplicity()
         return (weight @ matrix)[None], np.array([weight @ constants]), np.array([self.value])
 

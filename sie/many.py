@@ -72,7 +72,7 @@ class ManySystem(System):
         solved = zones.solved
         self.sums = ZoneSums(zones, equation.kernel, self.layout)
         self.folding = Folding.of(zones, self.layout)
-        self._moment_tables: dict[Callable[[Array], Array], list[Array]] = {}
+        self._weights: dict[Callable[[Array], Array], tuple[list[Array], Array]] = {}
         count = m[solved]
         first = np.repeat(self.sums.first_row[:-1], count)
         k = np.arange(int(count.sum())) - first + 1
@@ -204,22 +204,31 @@ class ManySystem(System):
         out[zones.solved] += felt_left * np.append(border, steps) + felt_right * np.append(steps, border)
         return np.maximum(out, out[::-1]) if zones.symmetric else out
 
-    def integrals_at(self, weight: Callable[[Array], Array], y: Array) -> Linear:
-        rows, constants = np.zeros(len(self.zones.solved)), np.zeros(len(self.zones.solved))
-        if weight not in self._moment_tables:
-            least = max(self.g.shape[1], int(self.layout.m.max()) + 1, 16) + 16
-            self._moment_tables[weight] = [self.moments(weight, i, least) for i in self.zones.solved]
-        steps = self.steps.t_coefficients(self.zones, self.g.shape[1] + 16) if len(self.steps) else None
-        for place, i in enumerate(self.zones.solved):
-            m, start = int(self.layout.m[i]), self.layout.offset[i]
-            values = np.pi * self.zones.half[i] * self._moment_tables[weight][place]
-            rows[place] = values[: m + 1] @ y[start : start + m + 1]
-            beyond = -self.g[i, m + 1 :]
-            constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
-            if steps is not None:
-                count = min(len(values), steps.shape[1])
-                constants[place] += values[:count] @ steps[i, :count]
+    def integrals_at(self, weight: Callable[[Array], Array], degree: int | None, y: Array) -> Linear:
+        if weight not in self._weights:
+            self._weights[weight] = self._weighted(weight, degree)
+        tables, constants = self._weights[weight]
+        start = self.layout.offset[self.zones.solved]
+        rows = np.array([values @ y[s : s + len(values)] for values, s in zip(tables, start, strict=True)])
         return rows[:, None], constants
+
+    def _weighted(self, weight: Callable[[Array], Array], degree: int | None) -> tuple[list[Array], Array]:
+        """(by each solved zone's coefficients, by what is known) of the integrals of a weight times the density."""
+        tables, constants = [], np.zeros(len(self.zones.solved))
+        least = max(self.g.shape[1], int(self.layout.m.max()) + 1, 16) + 16
+        known: dict[int, Array] = {}
+        for place, i in enumerate(self.zones.solved):
+            m = int(self.layout.m[i])
+            values = np.pi * self.zones.half[i] * self.moments(weight, i, least, degree)
+            tables.append(values[: m + 1])
+            beyond = -self.g[i, m + 1 : len(values)]
+            constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
+            if len(self.steps):
+                count = min(len(values), self.g.shape[1] + 16)
+                if count not in known:
+                    known[count] = self.steps.t_coefficients(self.zones, count)
+                constants[place] += values[:count] @ known[count][i]
+        return tables, constants
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,8 +259,8 @@ class Applied:
     def level_steps(self) -> Linear:
         return (np.diff(self.middle) + np.diff(self.rest))[:, None], self.system.step_constants
 
-    def integrals(self, weight: Callable[[Array], Array]) -> Linear:
-        return self.system.integrals_at(weight, self.y)
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        return self.system.integrals_at(weight, degree, self.y)
 
     def intensities(self) -> tuple[Linear, Linear]:
         raise NotImplementedError("many zones are solved with free or singular ends")

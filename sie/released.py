@@ -43,7 +43,7 @@ class Opened:
     zones: Zones
     s: Array
     mean_opening: Array
-    moments: Callable[[Callable[[Array], Array], int, int], Array]
+    moments: Callable[[Callable[[Array], Array], int, int, int | None], Array]
     coupled: Index
     multiple: Array
 
@@ -59,11 +59,11 @@ class Opened:
     def level_steps(self) -> Linear:
         return self._constants(np.diff(self.mean_opening[self.zones.solved]))
 
-    def integrals(self, weight: Callable[[Array], Array]) -> Linear:
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         """Beyond the coupled modes, whose coefficients are unknowns, s adds to those of the density."""
         out = np.zeros(len(self.zones.solved))
         for place, i in enumerate(self.zones.solved):
-            values = self.moments(weight, int(i), self.s.shape[1])
+            values = self.moments(weight, int(i), self.s.shape[1], degree)
             beyond = np.arange(self.coupled[i] + 1, min(self.s.shape[1], len(values)))
             out[place] = np.pi * self.zones.half[i] * (values[beyond] @ self.s[i, beyond])
         return self._constants(out)
