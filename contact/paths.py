@@ -8,7 +8,8 @@ condition, with the topology held fixed and the signs free:
     merge (split)   the least pressure between the two zones is zero, with the two already one,
     full            the least pressure of full contact is zero (contact.full).
 
-Names are given for a growing load; for a falling one the same event is a death or a split.
+Names are given for a growing load; for a falling one the same event is a death or a split. At a given moment the body turns as the
+load grows, and may lift off again on one side: there deaths and splits are looked for as well.
 """
 
 from __future__ import annotations
@@ -40,7 +41,7 @@ _TOLERANCE = 1e-13
 _USEFUL = 1e-3
 # Where the last gap but one has closed, as a rule: this far below the load of full contact.
 _BEFORE_FULL = 1e-7
-_REVERSED = {"birth": "death", "merge": "split", "full": "full"}
+_REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth", "split": "merge"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +71,7 @@ class Path:
 def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress | None = None) -> Path:
     """Solve a scene along loads [N/m] (per period where there is one), each from the zones of the last, with all events.
 
-    The scene's own control is replaced by each load in turn. loads: one or more, in any order.
+    The scene's own control is replaced by each load in turn; its tilt or its moment stays. loads: one or more, in any order.
     Raises what `contact.solve` raises.
     """
     if not isinstance(scene, Scene):
@@ -93,11 +94,15 @@ def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress |
 
 @dataclass(frozen=True)
 class _Change:
-    """What must happen between two solutions: the kind, and the indices it is about in the lower and the higher one."""
+    """What must happen between two solutions: the kind, and the indices it is about in the lower and the higher one.
+
+    back: it happens on the way from the higher load to the lower one, which then stand for each other.
+    """
 
     kind: str
     lower: tuple[int, ...]
     higher: int
+    back: bool = False
 
 
 class _Path:
@@ -159,9 +164,10 @@ class _Path:
         """The event of one change; None if its condition does not change sign between the two loads."""
         if change.kind == "full":
             return _full_event(self.scene, low)
-        side = low if change.kind == "birth" else high
+        first, second = (high, low) if change.back else (low, high)
+        side = first if change.kind == "birth" else second
         make = _conditions(side)[change.kind]
-        condition = make(side.fields, low, high, change)
+        condition = make(side.fields, first, second, change)
         load = condition.problem.units.load
         try:
             # Each state starts from the zones of the last: close to a zero its sign may depend on the way there.
@@ -174,13 +180,16 @@ class _Path:
         except WrongTopology:
             return None
         condition(root)
-        return Event(change.kind, root * load, condition.position, low.zones, high.zones)
+        kind = _REVERSED[change.kind] if change.back else change.kind
+        return Event(kind, root * load, condition.position, low.zones, high.zones)
 
 
 def _changes(low: Solution, high: Solution) -> list[_Change]:
     """Births and merges that lead from the zones of the lower load to those of the higher one."""
     if len(high.zones) == 0:
         return [] if len(low.zones) == 0 else [_Change("full", tuple(range(len(low.zones))), 0)]
+    if low.scene.turned and low.scene.moment is not None:
+        return [*_between(low, high), *(replace(change, back=True) for change in _between(high, low))]
     period = low.scene.period
     middles = low.zones.mean(axis=1)
     changes = []
@@ -190,6 +199,17 @@ def _changes(low: Solution, high: Solution) -> list[_Change]:
         if len(held) == 0:
             changes.append(_Change("birth", (), k))
         held = held[np.argsort(x[held])]
+        changes += [_Change("merge", (int(i), int(j)), k) for i, j in zip(held[:-1], held[1:], strict=True)]
+    return changes
+
+
+def _between(low: Solution, high: Solution) -> list[_Change]:
+    """Births and merges by the zones that overlap, where none need lie within another."""
+    changes = []
+    for k, (a, b) in enumerate(high.zones):
+        held = np.flatnonzero((low.zones[:, 0] < b) & (low.zones[:, 1] > a))
+        if len(held) == 0:
+            changes.append(_Change("birth", (), k))
         changes += [_Change("merge", (int(i), int(j)), k) for i, j in zip(held[:-1], held[1:], strict=True)]
     return changes
 

@@ -13,6 +13,7 @@ from contact.exact.localized import LocalizedZone, correction_load, correction_p
 from contact.exact.pair import EvenPair, PeriodicBiquadratic
 from contact.exact.parabola import HertzLine, PeriodicParabola
 from contact.exact.sinusoid import FullContactSinusoid, IsolatedSinusoid, Westergaard, sinusoid
+from contact.exact.tilted import TiltedParabola, TiltedPunch, TiltedWedge, TiltedZone
 from contact.exact.wedge import IsolatedWedge, PeriodicWedge
 
 __all__ = [
@@ -29,6 +30,10 @@ __all__ = [
     "PeriodicPunch",
     "PeriodicWedge",
     "SymmetricZone",
+    "TiltedParabola",
+    "TiltedPunch",
+    "TiltedWedge",
+    "TiltedZone",
     "Westergaard",
     "correction_load",
     "correction_pressure",
