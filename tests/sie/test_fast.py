@@ -1,0 +1,178 @@
+"""Fast sums: what the assembled matrix gives, for any widths and distances, at a cost that grows with the zones and no faster."""
+
+import numpy as np
+import pytest
+
+import sie
+from sie import modes
+from sie.assemble import System
+from sie.everywhere import Everywhere
+from sie.fast import Nested, ZoneSums
+from sie.field import potential_at, transform_at
+from sie.folding import Folding
+from sie.hierarchical import Inverse, cross
+from sie.krylov import gmres
+from sie.many import ManySystem
+from sie.steps import Steps
+from sie.tree import SEPARATION, Tree, interactions
+
+KERNELS = {"line": sie.cauchy(), "period": sie.hilbert(1.0), "images": sie.images(1.2, 2)}
+
+
+def scattered(count, rng, decades=2.5):
+    """Ascending zones in (-0.45, 0.45), widths and gaps over so many decades each."""
+    lengths = 10 ** rng.uniform(-decades, 0.0, 2 * count - 1)
+    ends = np.concatenate(([0.0], np.cumsum(lengths)))
+    return sie.Zones.of((0.9 * ends / ends[-1] - 0.45).reshape(count, 2))
+
+
+def mirrored(zones):
+    right = 0.5 * (zones.table + 0.46)
+    return sie.Zones.of(np.concatenate((-right[::-1, ::-1], [[-0.004, 0.004]], right)), symmetric=True)
+
+
+def equation(kernel):
+    forcing = sie.Forcing(lambda x: np.sin(9 * x), lambda x: -np.cos(9 * x) / 9)
+    return sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential()))
+
+
+def systems(kernel, zones):
+    """(assembled, by fast sums) on the same modes."""
+    problem, none = equation(kernel), Steps.none()
+    m = modes.coupled(zones, kernel, 1e-13, 0)
+    g = modes.sample(problem.forcing, zones, none, np.full(len(zones), 16), 1e-13, 512).coefficients
+    return System(problem, zones, m, g, none), ManySystem(problem, zones, m, g, none)
+
+
+def unknowns(layout, rng):
+    """Coefficients that fall, for zones of any load."""
+    table = rng.uniform(-1, 1, (len(layout.m), int(layout.m.max()) + 1)) * 0.7 ** np.arange(int(layout.m.max()) + 1)
+    return layout.flat(table * 10 ** rng.uniform(-3, 0, len(layout.m))[:, None])
+
+
+@pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
+@pytest.mark.parametrize("symmetric", [False, True], ids=["any", "mirrored"])
+def test_rows_and_levels_are_those_of_the_matrix(kernel, symmetric):
+    rng = np.random.default_rng(3)
+    zones = scattered(40, rng)
+    direct, fast = systems(kernel, mirrored(zones) if symmetric else zones)
+    folding = Folding.of(direct.zones, direct.layout)
+    y = unknowns(direct.layout, rng)
+    y = y if folding.keep is None else folding.unfold(y[folding.keep])
+    matrix, _ = direct.equation_rows()
+    rounding = 1e-14 * (np.abs(matrix) @ np.abs(y))
+    assert np.all(np.abs(fast.applied(y)[0] - matrix @ y) <= rounding + 1e-15)
+    levels, constants = direct.levels()
+    rounding = 1e-14 * (np.abs(levels) @ np.abs(y)).max()
+    assert np.abs(fast.level_changes(y) - levels @ y).max() <= rounding
+    assert fast.level_constants == pytest.approx(constants, abs=1e-15)
+
+
+def test_a_far_zone_left_out_is_seen(monkeypatch):
+    """The comparison above can fail: without the moments of one zone."""
+    rng = np.random.default_rng(3)
+    direct, fast = systems(KERNELS["period"], scattered(40, rng))
+    y = unknowns(direct.layout, rng)
+    original = Nested.upward
+    monkeypatch.setattr(Nested, "upward", lambda self, leaves: original(self, leaves * (np.arange(len(leaves)) != 20)[:, None]))
+    matrix, _ = direct.equation_rows()
+    assert np.abs(fast.applied(y)[0] - matrix @ y).max() > 1e-6
+
+
+@pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
+def test_every_pair_of_zones_is_met_once(kernel):
+    """Far pairs of nodes and near pairs of zones together: each target with each source, once for every image."""
+    zones = scattered(60, np.random.default_rng(5))
+    tree = Tree.over(zones.a, zones.b)
+    first, last = np.searchsorted(zones.a, tree.lo), np.searchsorted(zones.b, tree.hi)
+    far, near = interactions(tree, tree, kernel.poles)
+    met = np.zeros((len(kernel.poles), len(zones), len(zones)), dtype=int)
+    for t, s, shift in zip(far.target, far.source, far.shift, strict=True):
+        met[kernel.poles.index(shift), first[t] : last[t] + 1, first[s] : last[s] + 1] += 1
+        gap = max(tree.lo[t] - tree.hi[s] - shift, tree.lo[s] + shift - tree.hi[t])
+        assert gap >= SEPARATION * max(tree.half[t], tree.half[s])
+    for t, s, shift in zip(near.target, near.source, near.shift, strict=True):
+        met[kernel.poles.index(shift), t, s] += 1
+    assert np.all(met == 1)
+
+
+@pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
+def test_fields_anywhere_are_those_summed_zone_by_zone(kernel):
+    rng = np.random.default_rng(7)
+    zones = scattered(50, rng, decades=3.0)
+    table = rng.uniform(-1, 1, (50, 12)) * 0.6 ** np.arange(12)
+    table[:, 0], table[:, 1] = -table[:, 2::2].sum(axis=1), -table[:, 3::2].sum(axis=1)  # bounded ends
+    density = sie.Density(zones, kernel, table, Steps.none(), np.zeros(0))
+    everywhere = Everywhere(density)
+    t = rng.uniform(-1, 1, (50, 4))
+    x = np.concatenate(((zones.middle[:, None] + zones.half[:, None] * t).ravel(), rng.uniform(-0.5, 0.5, 400)))
+    if kernel.period is None:
+        x = np.concatenate((x, [-40.0, -1.7, -0.6, 0.7, 1.19, 90.0]))
+    assert everywhere.transform(x) == pytest.approx(transform_at(density, x), abs=2e-13)
+    assert everywhere.potential(x) == pytest.approx(potential_at(density, x), abs=2e-14)
+
+
+def test_closed_forms_evaluated_grow_with_the_zones_and_no_faster():
+    """Zones of one distribution, four times as many: four times the work, to the scatter of the distances."""
+    sizes = []
+    for count in (250, 1000, 4000):
+        zones = scattered(count, np.random.default_rng(11), decades=1.0)
+        m = np.full(len(zones), 8)
+        system = System(equation(KERNELS["period"]), zones, m, np.zeros((count, 9)), Steps.none())
+        sizes.append(ZoneSums(zones, KERNELS["period"], system.layout).size)
+    assert sizes[1] < 4.4 * sizes[0] and sizes[2] < 4.4 * sizes[1]
+    assert sizes[2] < 0.1 * 9 * 8 * 3 * 4000**2  # the matrix' own
+
+
+class TestCoarseInverse:
+    """Of the matrix of logarithms that ties the zones' loads."""
+
+    @pytest.fixture
+    def matrix(self):
+        rng = np.random.default_rng(13)
+        zones = scattered(500, rng, decades=2.0)
+
+        def entries(i, j):
+            distance = np.where(i == j, 1.0, np.abs(zones.middle[i] - zones.middle[j]))
+            return np.where(i == j, np.log(zones.half[j] / 2), np.log(distance)) - 2.0
+
+        return entries
+
+    def test_undoes_the_matrix_to_its_tolerance(self, matrix):
+        b = np.random.default_rng(0).standard_normal(500)
+        every = np.arange(500)
+        full = matrix(every[:, None], every)
+        for tolerance in (1e-2, 1e-5, 1e-8):
+            x = Inverse(matrix, 0, 500, tolerance)(b)
+            exact = np.linalg.solve(full, b)
+            assert np.linalg.norm(x - exact) < 10 * tolerance * np.linalg.norm(exact)
+
+    def test_blocks_off_the_diagonal_are_of_low_rank(self, matrix):
+        rows, columns = np.arange(250), np.arange(250, 500)
+        block = matrix(rows[:, None], columns)
+        ranks = []
+        for tolerance in (1e-3, 1e-6, 1e-9):
+            u, v = cross(matrix, rows, columns, tolerance)
+            assert np.linalg.norm(u @ v.T - block) < 10 * tolerance * np.linalg.norm(block)
+            ranks.append(u.shape[1])
+        assert ranks == sorted(ranks) and ranks[-1] < 40
+
+
+class TestGmres:
+    def test_solves_to_its_tolerance(self):
+        rng = np.random.default_rng(17)
+        a = np.eye(80) + 0.3 * rng.standard_normal((80, 80)) / np.sqrt(80)
+        b = rng.standard_normal(80)
+        for tolerance in (1e-3, 1e-12):
+            found = gmres(lambda v: a @ v, b, tolerance)
+            assert np.linalg.norm(a @ found.x - b) <= 1.01 * tolerance + 1e-13
+            assert found.residual <= tolerance
+
+    def test_takes_as_many_steps_as_there_are_distinct_factors(self):
+        factors = np.repeat([1.0, 1.5, 0.5], 20)
+        found = gmres(lambda v: factors * v, np.ones(60), 1e-12)
+        assert found.steps == 3 and found.x == pytest.approx(1 / factors, rel=1e-12)
+
+    def test_nothing_asked_is_nothing_done(self):
+        found = gmres(lambda v: v, np.zeros(5), 1e-12)
+        assert found.steps == 0 and not found.x.any()
