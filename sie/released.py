@@ -32,6 +32,8 @@ _ALTERNATIONS = 60
 # Tolerance of the wide zones' own solution by iteration, from which the holes' one starts.
 _START = 0.1
 _ROUNDING = 2.2e-16
+# What alternating may leave over the largest coefficient, to be stated as an error; more is no solution.
+_SETTLED = 1e-10
 # On a hole the rounding of the right side and of all terms are seen at one place, where at the end of a zone they average.
 _SAFETY = 3.0
 
@@ -76,6 +78,10 @@ class Opened:
 
     def multiplicity(self) -> Array:
         return self.multiple
+
+
+class HolesUnsettled(SingularSystem):
+    """System and holes, solved in turn, do not come to rest: a hole bends its surroundings too much."""
 
 
 class Release:
@@ -151,8 +157,10 @@ class Release:
             if change <= _ROUNDING or (change < 1e-13 and change > 0.5 * before):
                 break
             if not np.isfinite(change) or (change > 10 * before and change > 1):
-                raise SingularSystem("the holes of a wide zone do not come to rest")
+                raise HolesUnsettled("the holes of a wide zone do not come to rest")
             before = change
+        if change > max(_SETTLED, 10 * self.linear):
+            raise HolesUnsettled("the holes of a wide zone do not come to rest")
         return folded, d, change
 
     def _first(self, values: Array | None) -> Array:
@@ -414,7 +422,10 @@ def solve_zones(
     profile, kernel, iterations = inner.profile_evaluations, inner.kernel_evaluations, inner.iterations
     state = solve_fixed(equation, found.wide, tolerance, inner)
     release = Release(found, state, sizes.linear)
-    folded, series, rest = release.solve()
+    try:
+        folded, series, rest = release.solve()
+    except HolesUnsettled:
+        return solve_fixed(equation, zones, tolerance, sizes)
     if isinstance(state.solver, Iterative):
         more = state.solver.iterations - (inner.iterations - iterations)
         inner.iterations += more
