@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 _MOST_POINTS = 2**17
 # Contact of more than this part of the period is solved by its gaps.
 _NEARLY_FULL = 0.7
-# The same where valleys have kinks: gaps over them, however narrow, are unknowns like any others.
+# The same for several asperities whose valleys have kinks: gaps over them, however narrow, are unknowns like any others.
 _WITH_KINKS = 0.25
 
 
@@ -263,7 +263,7 @@ class _Run:
         """Whether contact of about this scaled width is better solved by its gaps."""
         if not self.full.approached or problem.period is None:
             return False
-        return width > (_NEARLY_FULL if self.full.possible else _WITH_KINKS) * problem.period
+        return width > (_NEARLY_FULL if self.full.possible or self.single else _WITH_KINKS) * problem.period
 
     def _by_gaps(self, problem: Problem, control: Control, width: float, zones: Array | None = None) -> Gapped | None:
         """The contact solved by its gaps, where it is about as wide as that; None if it is not or that fails."""
