@@ -22,7 +22,7 @@ from sie.equation import Equation
 from sie.gap_steps import gap_steps
 from sie.near_jumps import bent_steps, tips_between
 from sie.released import AnyDensity, AnyState, solve_zones
-from sie.solve import Sizes, State, assembled, density_of, first_sizes
+from sie.solve import SingularSystem, Sizes, State, assembled, density_of, first_sizes
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -110,6 +110,8 @@ def find_ends(
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
         target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
         delta, noise, change, certain = _newton(state, moves, target, sizes, decay, signs)
+        if not np.all(np.isfinite(delta)):
+            raise SingularSystem("no motion of the ends meets the condition on them")
         width = zones.b - zones.a
         # The right side is known at places rounded to a unit in their last digit, and so are the ends.
         noise = noise + np.where(moves, 2 * np.spacing(np.abs([zones.a, zones.b])), 0.0)
@@ -233,7 +235,8 @@ def _newton(
     noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
     change = 0.0
     if unit is not None:
-        slope = np.where(moves, 2 * np.array(unit.intensities) / safe, 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = np.where(moves, 2 * np.array(unit.intensities) / safe, 0.0)
         delta, change = _bordered(equation, density.zones, delta, slope)
         residual = np.where(moves, residual + change * np.array(unit.intensities), 0.0)
         a = a + change * np.array(unit.edge_slopes)
