@@ -35,8 +35,8 @@ Index = NDArray[np.intp]
 CHUNK = 200_000
 # From this number of (point, source) pairs on, far sources are summed fast.
 MANY_PAIRS = 500_000
-# Below this number of multiplications the powers of all pairs are formed at once.
-_SMALL = 200_000
+# Below this number of multiplications all pairs are summed to the same order; of few pairs, all powers are formed at once.
+_SMALL, _FEW = 200_000, 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,6 +222,13 @@ def power_sum(u: Array, rho: Array, zone: Index) -> Array:
     if count == 0:
         return np.zeros(rho.shape)
     if rho.size * count <= _SMALL:
+        if rho.size > _FEW:
+            c = u[zone]
+            out = np.zeros(rho.shape) + c[:, -1]
+            for k in range(count - 2, -1, -1):
+                out *= rho
+                out += c[:, k]
+            return out
         powers = np.empty((*rho.shape, count))
         powers[..., 0] = 1.0
         powers[..., 1:] = rho[..., None]

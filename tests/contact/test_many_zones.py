@@ -1,10 +1,12 @@
 """Many zones: by fast sums as by a matrix, equal zones that stay equal, and work that grows with the zones and no faster."""
 
+import mpmath
 import numpy as np
 import pytest
 
 import contact
 from contact.exact import Westergaard
+from sie import cuts
 from sie import solve as engine
 from sie.many import Iterative
 
@@ -84,3 +86,41 @@ def test_a_harmonic_left_out_is_seen(monkeypatch):
     less = contact.Fourier(1.0, whole.scene.profile.cosine[:-1], whole.scene.profile.sine[:-1])
     part = contact.solve(contact.Scene(less, 1.0, contact.Periodic(), mean_pressure=0.005), tol=1e-9)
     assert abs(part.max_pressure / whole.max_pressure - 1) > 1e-6
+
+
+def test_long_sums_are_exact_at_the_place_given():
+    """Slopes of 5,000 harmonics vary over a ten thousandth of the period: x / L rounded would show in the twelfth digit."""
+    rng, count, period = np.random.default_rng(4), 5000, 0.3
+    k = np.arange(1, count + 1)
+    profile = contact.Fourier(period, rng.standard_normal(count) / k, rng.standard_normal(count) / k)
+    x = np.array([0.1234567, -0.1477, 0.05])
+    slopes = []
+    with mpmath.workdps(30):
+        for place in x:
+            turn = mpmath.expj(2 * mpmath.pi * mpmath.mpf(place) / mpmath.mpf(period))
+            powers, term = [], mpmath.mpc(1)
+            for _ in range(count):
+                term *= turn
+                powers.append(term)
+            waves = [2 * mpmath.pi / mpmath.mpf(period) * int(n) for n in k]
+            slopes.append(float(mpmath.fsum(
+                w * (s * p.real - c * p.imag)
+                for w, c, s, p in zip(waves, profile.cosine, profile.sine, powers, strict=True)
+            )))
+    size = 2 * np.pi / period * np.sqrt(np.sum(k**2 * (profile.cosine**2 + profile.sine**2)))
+    assert profile.slope(x) == pytest.approx(slopes, abs=3e-15 * size)
+
+
+def test_narrow_gaps_among_many_zones_cost_the_iteration_nothing(monkeypatch):
+    """Holes are part of the rows: the same zones, and no more iterations than without any."""
+    scene = rough(1200)
+    with_holes = solve(scene, monkeypatch, 10, 1e-8)
+    monkeypatch.setattr(cuts, "NARROW", 0.0)
+    without = solve(scene, monkeypatch, 10, 1e-8)
+    assert with_holes.plan["holes"].used and not without.plan["holes"].used
+    width = np.diff(with_holes.zones, axis=1)
+    assert np.abs((with_holes.zones - without.zones) / width).max() <= with_holes.error + without.error
+    x = np.linspace(-0.5, 0.5, 501)
+    assert with_holes.gap(x) == pytest.approx(without.gap(x), abs=1e-12)
+    counts = [int(one.plan["fast sums"].detail.split()[0]) for one in (with_holes, without)]
+    assert counts[0] <= 1.3 * counts[1]

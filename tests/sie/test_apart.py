@@ -1,0 +1,165 @@
+"""Zones moved on their own, what neighbours do to a small zone, and places known beyond their last digit."""
+
+import mpmath
+import numpy as np
+import pytest
+
+import contact
+import sie
+from contact.inverse import random_problem
+from sie import free_boundary, modes
+from sie.apart import Moving
+from sie.neighbours import conformal_radius, felt
+from sie.steps import Steps
+
+
+def equation(problem):
+    kernel = sie.hilbert(problem.period)
+    forcing = sie.Forcing(problem.profile.slope, problem.profile.height, resolution=problem.period / 64)
+    return sie.Equation(kernel, forcing, (sie.Total(problem.load), sie.EqualPotential()))
+
+
+def misplaced(zones, which, widths):
+    """Zones of which some are moved by so many of their widths."""
+    table = zones.copy()
+    table[which] += np.asarray(widths)[:, None] * np.diff(zones[which])
+    return sie.Zones.of(table)
+
+
+class TestFarOffZones:
+    """A rough profile with its narrowest zones put beside their places, where a coarse grid may see them."""
+
+    @pytest.fixture
+    def solved(self):
+        k = np.arange(4, 301)
+        phase = np.random.default_rng(2).uniform(0, 2 * np.pi, len(k))
+        cosine, sine = np.zeros(300), np.zeros(300)
+        cosine[3:], sine[3:] = 1e-3 * k**-1.3 * np.cos(phase), 1e-3 * k**-1.3 * np.sin(phase)
+        profile = contact.Fourier(1.0, cosine, sine)
+        solution = contact.solve(contact.Scene(profile, 2.0, contact.Periodic(), mean_pressure=1e-3), tol=1e-11)
+        forcing = sie.Forcing(profile.slope, profile.height, resolution=1 / 300)
+        problem = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(solution.load), sie.EqualPotential()))
+        return problem, solution.zones
+
+    def start(self, zones, widths):
+        return misplaced(zones, np.argsort(np.diff(zones)[:, 0])[: len(widths)], widths)
+
+    @pytest.mark.parametrize("widths", [[1.8], [-1.5, 1.2], [1.0, -1.6, 0.8]], ids=len)
+    def test_their_ends_are_found_in_as_few_steps_as_the_others(self, solved, widths):
+        problem, zones = solved
+        found = sie.find_ends(problem, self.start(zones, widths), 1e-10)
+        assert found.converged
+        assert np.abs((found.density.zones.table - zones) / np.diff(zones)).max() < 1e-8
+        assert len(found.trace) <= 6
+
+    def test_without_it_all_would_wait_for_them(self, solved, monkeypatch):
+        problem, zones = solved
+        monkeypatch.setattr(free_boundary, "far_off", lambda *_: np.zeros(0, dtype=np.intp))
+        assert len(sie.find_ends(problem, self.start(zones, [1.8]), 1e-10).trace) > 8
+
+
+def test_level_follows_a_zone_to_where_it_goes():
+    """Level plus the mean of the primitive of h, against quadrature of h from interval to interval."""
+    problem = random_problem(np.random.default_rng(1), zones=6, period=1.0, E_star=2.0)
+    zones = misplaced(problem.zones, np.array([2]), [0.1])
+    state = sie.solve_fixed(equation(problem), zones, 1e-13)
+    moving = Moving(state, np.array([2]))
+    intervals, levels = [], []
+    for shift, stretch in ((0.0, 1.0), (0.4, 2.0), (0.2, 0.7), (-0.3, 3.0)):
+        moving.to(zones.middle[[2]] + shift * zones.half[2], stretch * zones.half[[2]])
+        intervals.append((moving.middle[0], moving.half[0]))
+        levels.append(moving.level[0])
+    t, weights = np.polynomial.legendre.leggauss(60)
+
+    def primitive(x):
+        """Integral of h from the first interval's middle to x."""
+        middle = intervals[0][0]
+        half = 0.5 * (x - middle)
+        places = middle + half * (1 + t)
+        return half * weights @ (problem.profile.slope(places) - moving.field(places[None])[0])
+
+    means = [np.mean([primitive(m + w * z) for z in np.cos((np.arange(40) + 0.5) * np.pi / 40)]) for m, w in intervals]
+    assert np.diff(levels) == pytest.approx(np.diff(means), rel=1e-9)
+
+
+class TestBetweenNeighbours:
+    """Wide zones held at their levels, and what a small zone between them feels; solved, against the closed forms."""
+
+    LONG, SMALL = 4000.0, 1e-4
+
+    def levels(self, zones, heights):
+        """The density of zones at given potentials, alone in the plane."""
+        edges = 0.5 * (zones[:-1, 1] + zones[1:, 0])
+        forcing = sie.Forcing(lambda x: 0 * x, lambda x: np.asarray(heights)[np.searchsorted(edges, x)])
+        held = sie.Zones.of(zones, sie.SINGULAR, sie.SINGULAR)
+        return sie.solve_fixed(sie.Equation(sie.cauchy(), forcing, (sie.Level(0.0),)), held, 1e-12).density
+
+    @pytest.mark.parametrize("left, right", [(1.0, 1.0), (0.3, 2.0), (5.0, 0.7)])
+    def test_conformal_radius_is_what_a_load_between_feels(self, left, right):
+        w = self.SMALL
+        zones = np.array([[-left - self.LONG, -left], [-w, w], [right, right + self.LONG]])
+        density = self.levels(zones, [0.0, 1.0, 0.0])
+        # c_0 w log(w / 2R) is the potential, 1.
+        radius = 0.5 * w * np.exp(-1 / (w * density.coefficients[1, 0]))
+        assert radius == pytest.approx(float(conformal_radius(np.array(left), np.array(right))), rel=3e-3)
+
+    @pytest.mark.parametrize("left, right", [(1.0, 1.0), (0.3, 2.0), (5.0, 0.7)])
+    def test_what_is_felt_is_the_harmonic_measure(self, left, right):
+        zones = np.array([[-left - self.LONG, -left], [right, right + self.LONG]])
+        potential = float(self.levels(zones, [1.0, -1.0]).potential(0.0))
+        of_left, of_right = felt(np.array(left), np.array(right))
+        assert potential == pytest.approx(float(of_left - of_right), abs=2e-3)
+        assert of_left + of_right == 1.0
+
+
+class TestPlacesBeyondTheLastDigit:
+    """A zone a hundred millionth wide, far from the origin: its nodes are rounded to a hundred millionth of it."""
+
+    WAVE = 3e7
+
+    def zones(self):
+        a = 0.3
+        return sie.Zones.of([[a, a + 1e-8]])
+
+    def exact(self, n):
+        """U coefficients of sin(WAVE x) from nodes in long precision."""
+        zones = self.zones()
+        with mpmath.workdps(40):
+            middle = (mpmath.mpf(zones.a[0]) + mpmath.mpf(zones.b[0])) / 2
+            half = (mpmath.mpf(zones.b[0]) - mpmath.mpf(zones.a[0])) / 2
+            angles = [mpmath.pi * k / (n + 1) for k in range(1, n + 1)]
+            values = [mpmath.sin(self.WAVE * (middle + half * mpmath.cos(angle))) for angle in angles]
+            return np.array([
+                float(2 * sum(v * mpmath.sin(k * t) * mpmath.sin(t) for v, t in zip(values, angles, strict=True)) / (n + 1))
+                for k in range(1, n + 1)
+            ])
+
+    def found(self, forcing):
+        sampled = modes.sample(forcing, self.zones(), Steps.none(), np.array([16]), 1e-13, 16)
+        return sampled.coefficients[0, 1:]
+
+    def value(self, x):
+        # To all digits at the place given: sin of a product of doubles in long precision.
+        with mpmath.workdps(40):
+            return np.array([float(mpmath.sin(self.WAVE * mpmath.mpf(place))) for place in np.ravel(x)])
+
+    def test_coefficients_are_exact_to_the_digits_of_the_function(self):
+        error = np.abs(self.found(sie.Forcing(self.value)) - self.exact(16)).max()
+        assert error < 1e-14
+
+    def test_without_it_the_rounding_of_places_is_seen(self, monkeypatch):
+        monkeypatch.setattr(modes, "_FINE", np.inf)
+        error = np.abs(self.found(sie.Forcing(self.value)) - self.exact(16)).max()
+        assert error > 1e-10
+
+    def test_a_function_that_rounds_its_places_says_so(self):
+        """Evaluated where x is kept to single-precision steps of its own, and told so."""
+        step = 2.0**-52
+
+        def placed(x):
+            return np.round(x / step) * step
+
+        told = sie.Forcing(lambda x: self.value(placed(x)), placed=placed)
+        untold = sie.Forcing(lambda x: self.value(placed(x)))
+        errors = [np.abs(self.found(f) - self.exact(16)).max() for f in (told, untold)]
+        assert errors[0] < 1e-13 < 1e-9 < errors[1]
