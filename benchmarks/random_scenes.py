@@ -1,20 +1,24 @@
 """Random scenes of every family, model and control, from first touch to beyond full contact: what became of them.
 
-python benchmarks/random_scenes.py FIRST COUNT [--tol 1e-8] [--out FILE.csv]
+python -m benchmarks.random_scenes FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
 
 Every scene must come back certified, or end in an error of the package. Anything else is a fault: another exception, a warning of
 numpy or Python, a stated error above the tolerance, or zones that differ from those of a solution a thousand times as tight, or
-from those of an independent grid where that is fine enough to tell. One line of CSV a scene; a table of all at the end.
+from those of an independent grid where that is fine enough to tell. A scene that takes longer than the limit, in seconds of processor
+time, is stopped and listed. One line of CSV a scene, written as it ends; a table of all at the end.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import signal
 import sys
 import time
 import warnings
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -97,7 +101,25 @@ def _value(rng: np.random.Generator, profile: contact.Profile, modulus: float, l
     return full if kind == "mean_pressure" else full * length
 
 
-def judged(drawn: Drawn, tol: float) -> dict[str, Any]:
+class OutOfTime(BaseException):
+    """A scene has used up its time. Not an Exception, so that nothing on its way takes it for a failure of its own."""
+
+
+@contextmanager
+def _limited(seconds: float) -> Iterator[None]:
+    def stop(*_: object) -> None:
+        raise OutOfTime
+
+    before = signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        signal.signal(signal.SIGVTALRM, before)
+
+
+def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
     """What became of a scene."""
     kind, value = drawn.scene.control
     row: dict[str, Any] = dict(
@@ -107,12 +129,15 @@ def judged(drawn: Drawn, tol: float) -> dict[str, Any]:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            solution = contact.solve(drawn.scene, tol=tol)
+            with _limited(limit) if limit < np.inf else nullcontext():
+                solution = contact.solve(drawn.scene, tol=tol)
             row["outcome"], row["reason"] = "solved", "undecided" if solution.certificate.undecided else ""
             row["zones"], row["error"] = len(solution.zones), solution.error
             row["detail"] = _fault(drawn.scene, solution, tol)
             if row["detail"]:
                 row["outcome"] = "FAULT"
+        except OutOfTime:
+            row["outcome"] = "stopped"
         except contact.ContactError as error:
             row["outcome"], row["reason"], row["detail"] = type(error).__name__, _reason(error), str(error)
             row["error"] = getattr(getattr(error, "best", None), "error", "")
@@ -201,27 +226,33 @@ def table(rows: list[dict[str, Any]]) -> list[str]:
     return [f"{count:6d}  {outcome:14s} {reason}" for (outcome, reason), count in counts.most_common()]
 
 
+def _row(seed: int, tol: float, limit: float) -> dict[str, Any]:
+    drawn = draw(seed)
+    if isinstance(drawn, contact.ContactError):
+        return dict.fromkeys(COLUMNS, "") | dict(seed=seed, outcome=type(drawn).__name__, reason="the scene itself", detail=drawn)
+    return judged(drawn, tol, limit)
+
+
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("first", type=int)
     parser.add_argument("count", type=int)
     parser.add_argument("--tol", type=float, default=1e-8)
+    parser.add_argument("--limit", type=float, default=60.0)
     parser.add_argument("--out", type=Path)
     options = parser.parse_args(arguments)
     rows: list[dict[str, Any]] = []
-    for seed in range(options.first, options.first + options.count):
-        drawn = draw(seed)
-        if isinstance(drawn, contact.ContactError):
-            rows.append(dict.fromkeys(COLUMNS, "") | dict(seed=seed, outcome=type(drawn).__name__, reason="the scene itself", detail=drawn))
-        else:
-            rows.append(judged(drawn, options.tol))
-        if rows[-1]["outcome"] == "FAULT":
-            print({key: rows[-1][key] for key in COLUMNS if rows[-1][key] != ""}, flush=True)
-    if options.out is not None:
-        with options.out.open("w", newline="") as stream:
-            writer = csv.DictWriter(stream, COLUMNS)
+    with nullcontext() if options.out is None else options.out.open("w", newline="") as stream:
+        writer = None if stream is None else csv.DictWriter(stream, COLUMNS)
+        if writer is not None:
             writer.writeheader()
-            writer.writerows(rows)
+        for seed in range(options.first, options.first + options.count):
+            rows.append(_row(seed, options.tol, options.limit))
+            if rows[-1]["outcome"] == "FAULT":
+                print({key: rows[-1][key] for key in COLUMNS if rows[-1][key] != ""}, flush=True)
+            if writer is not None and stream is not None:
+                writer.writerow(rows[-1])
+                stream.flush()
     print("\n".join(table(rows)))
     return 3 if any(row["outcome"] == "FAULT" for row in rows) else 0
 
