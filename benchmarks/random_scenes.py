@@ -123,7 +123,8 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
     """What became of a scene."""
     kind, value = drawn.scene.control
     row: dict[str, Any] = dict(
-        seed=drawn.seed, family=drawn.family, model=drawn.model, control=kind, value=value, zones="", error="", detail=""
+        seed=drawn.seed, family=drawn.family, model=drawn.model, control=kind, value=value,
+        reason="", zones="", error="", detail="",
     )
     began = time.perf_counter()
     with warnings.catch_warnings():
