@@ -60,9 +60,11 @@ def limit(free: sie.Free, tol: float, of: str) -> str:
             f"rounding of heights and slopes leaves the ends of a {of} of {width[zone] / width.max():.1e} of the widest one's "
             f"width uncertain by {worst:.1e} of it (condition {worst / _EPS:.0e})"
         )
+    if of != "zone":  # the density is the slope of the gap, and no pressure to refer to
+        return ""
     _, by_left, by_right = density.sensitivity
     moved = float((rounding[:, 0] * by_left + rounding[:, 1] * by_right).max()) / _reference(density)
-    if of == "zone" and moved > 0.25 * tol:
+    if moved > 0.25 * tol:
         return (
             f"rounding leaves ends uncertain by {worst:.1e} of a width, and beside a corner so close to an end the pressure follows "
             f"them {moved / worst:.0e} times"

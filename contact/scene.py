@@ -161,7 +161,7 @@ class Scene:
         if half_width > reach:
             raise SceneError.of("half_width", half_width, f"at most the profile's own, {reach:.17g}")
         if self._is_flat(-half_width, half_width):
-            allowed = f"left out: {profile.name} has no slope, so that the zone does not tell the load"
+            allowed = f"left out: {profile.name} has no slope, any load has its half width {reach:.17g}; give a load"
             raise SceneError.of("half_width", half_width, allowed)
 
     def _check_zone_tells_load(self, name: str) -> None:
@@ -169,7 +169,7 @@ class Scene:
         if not self.is_flat:
             return
         if name == "contact_fraction":
-            allowed = f"left out: {self.profile.name} has no slope, so that the zone does not tell the load"
+            allowed = f"left out: {self.profile.name} has no slope, any load has its width; give a load"
             raise SceneError.of(name, self.contact_fraction, allowed)
         allowed = f"another model or closure: every isolated load has the width of a {self.profile.name} profile"
         raise SceneError.of("interaction", self.interaction, allowed)

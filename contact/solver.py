@@ -27,6 +27,7 @@ from contact.interactions.periodic import Periodic
 from contact.leaning import known_part
 from contact.levelling import at_approach
 from contact.planning import Plan
+from contact.plateau import refuse_below_plateau
 from contact.problem import Control, Problem, Units
 from contact.proposals import about, placed, proposed
 from contact.scene import Scene
@@ -84,6 +85,7 @@ class _Run:
         kind, value = self.scene.control
         if kind == "contact_fraction" and value == 1.0:
             return self._full(self._full_pressure_or_refuse())
+        refuse_below_plateau(self.scene)
         found: Found | Gapped | None = self._beside_near()
         if found is None:
             self._set(self._framed())

@@ -173,7 +173,7 @@ def _safe_slopes(density: AnyDensity, natural: Array, signs: tuple[float, float]
     guess is far off, only K tells. natural: size of the coefficients beyond the first."""
     a, root = np.array(density.edge_slopes), np.sqrt(density.zones.half)
     side = np.array(signs)[:, None]
-    weak = side * a < 1e-8 * natural / root
+    weak = side * a <= 1e-8 * natural / root
     return np.where(weak, side * (natural / root + 1e-300), a), weak
 
 
@@ -235,7 +235,7 @@ def _newton(
     noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
     change = 0.0
     if unit is not None:
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             slope = np.where(moves, 2 * np.array(unit.intensities) / safe, 0.0)
         delta, change = _bordered(equation, density.zones, delta, slope)
         residual = np.where(moves, residual + change * np.array(unit.intensities), 0.0)
@@ -265,8 +265,9 @@ def _bordered(equation: Equation, zones: Zones, delta: Array, slope: Array) -> t
     """(moves, change of the unknown value) that meet the condition on the ends; slope: moves by a unit change."""
     miss, by_left, by_right = equation.end_conditions[0].residual(zones)
     gradient = np.array([by_left, by_right])
-    change = -(miss + float(np.sum(gradient * delta))) / float(np.sum(gradient * slope))
-    return delta + change * slope, change
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        change = -(miss + np.sum(gradient * delta)) / np.sum(gradient * slope)
+        return delta + change * slope, float(change)
 
 
 def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:

@@ -65,7 +65,7 @@ CONTACT = """
     fields planning single scene_file answer leaning
     certificate conjugate sampling
     full
-    export framing plotting topology
+    export framing plateau plotting topology
     accuracy first_order gapped proposals solution
     gap_certificate
     gap_search

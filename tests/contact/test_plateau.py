@@ -1,0 +1,98 @@
+"""Profiles with flat tops: contact is wider than these at every load, and narrower contact is refused by their width."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import contact
+from contact.bench.truncated import IsolatedTruncatedWedge, TruncatedWedge
+from contact.plateau import lowest_stretches
+
+E = 1e9
+pytestmark = pytest.mark.filterwarnings("error")
+
+
+@dataclass(frozen=True)
+class Plateaus(contact.Profile):
+    """Straight lines between corners over a period of 1."""
+
+    at: tuple[float, ...]
+    heights: tuple[float, ...]
+    symmetric: bool = False
+    period = 1.0
+
+    def height(self, x):
+        return np.interp(self.wrap(x), self.at, self.heights)
+
+    def slope(self, x):
+        slopes = np.diff(self.heights) / np.diff(self.at)
+        piece = np.searchsorted(self.at, self.wrap(x), side="right") - 1
+        return slopes[np.minimum(piece, len(slopes) - 1)]
+
+    @property
+    def kinks(self):
+        slopes = np.diff(self.heights) / np.diff(self.at)
+        return np.column_stack((self.at[:-1], slopes - np.roll(slopes, 1)))
+
+
+TRAPEZOID = Plateaus((-0.5, -0.1, 0.1, 0.5), (0.004, 0.0, 0.0, 0.004), symmetric=True)
+LOPSIDED = Plateaus((-0.5, -0.1, 0.15, 0.5), (0.004, 0.0, 0.0, 0.004))
+# The second one lies across the border of the cell; a third is higher than they.
+SEVERAL = Plateaus(
+    (-0.5, -0.4, -0.3, -0.2, 0.0, 0.1, 0.15, 0.2, 0.22, 0.25, 0.5), (0, 0, 0.01, 0, 0, 0.01, 0.01, 1e-4, 1e-4, 0, 0)
+)
+WIDTHS = [(TRAPEZOID, 0.2), (LOPSIDED, 0.25), (SEVERAL, 0.55)]
+
+
+@pytest.mark.parametrize(("profile", "width"), WIDTHS)
+@pytest.mark.parametrize("part", [0.01, 0.5, 1 - 1e-12, 1.0])
+def test_a_contact_fraction_that_flat_tops_exceed_is_refused_by_their_width(profile, width, part):
+    scene = contact.Scene(profile, E, contact.Periodic(), contact_fraction=part * width)
+    with pytest.raises(contact.OutOfRange, match=rf"contact_fraction .* is not above {width:.6g}: .* give a load"):
+        contact.solve(scene)
+
+
+@pytest.mark.parametrize(("profile", "width"), WIDTHS)
+def test_a_fraction_above_flat_tops_has_zones_that_hold_them(profile, width):
+    solution = contact.solve(contact.Scene(profile, E, contact.Periodic(), contact_fraction=width + 0.01))
+    assert abs(solution.contact_fraction - width - 0.01) < 1e-12
+    assert np.all(solution.gap(np.linspace(-0.5, 0.5, 4001)) >= 0)
+    for lo, hi in lowest_stretches(profile):
+        turns = np.round((solution.zones.mean(axis=1) - 0.5 * (lo + hi)) / profile.period)
+        assert np.any((solution.zones[:, 0] - turns < lo) & (hi < solution.zones[:, 1] - turns))
+
+
+def test_a_fraction_a_hair_above_flat_tops_is_solved_or_says_what_rounding_leaves():
+    for over in (1e-12, 1e-9):
+        with pytest.raises(contact.NotConverged, match="rounding leaves ends uncertain .* corner so close") as refused:
+            contact.solve(contact.Scene(TRAPEZOID, E, contact.Periodic(), contact_fraction=0.2 * (1 + over)))
+        assert abs(refused.value.best.contact_fraction - 0.2) < 1e-8
+
+
+@pytest.mark.parametrize("part", [1e-3, 0.5, 1.0])
+@pytest.mark.parametrize(
+    ("profile", "model"),
+    [(TRAPEZOID, contact.Periodic()), (TRAPEZOID, contact.Localized()), (TruncatedWedge(0.01, 0.1), contact.Isolated())],
+)
+def test_a_half_width_of_the_flat_part_or_less_is_refused_by_its_width(profile, model, part):
+    scene = contact.Scene(profile, E, model, half_width=0.1 * part)
+    with pytest.raises(contact.OutOfRange, match=r"half_width .* is not above 0\.1 m: .* give a load"):
+        contact.solve(scene)
+
+
+@pytest.mark.parametrize("over", [1e-12, 1e-6])
+def test_a_half_width_a_hair_above_the_flat_part_has_the_load_of_the_closed_form(over):
+    profile = TruncatedWedge(0.01, 0.1)
+    half_width = 0.1 * (1 + over)
+    solution = contact.solve(contact.Scene(profile, E, contact.Isolated(), half_width=half_width))
+    assert abs(solution.load / IsolatedTruncatedWedge(0.01, 0.1, E, half_width).load - 1) < 1e-9
+
+
+def test_no_width_of_a_tip_is_taken_for_flat():
+    for profile in (contact.Sinusoid(1e-6, 1e-4), contact.Polynomial([0, 0, 0, 0, 0, 0, 0, 0, 1e20], period=1e-3)):
+        assert len(lowest_stretches(profile)) == 0
+        solution = contact.solve(contact.Scene(profile, E, contact.Periodic(), half_width=1e-6 * profile.period))
+        assert solution.load > 0
