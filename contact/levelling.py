@@ -1,7 +1,8 @@
-"""The load at which a body of given moment has a given approach at x = 0.
+"""The load at which a body alone, of given moment or upright, has a given approach.
 
-The approach grows with the load, at fixed moment, up to its maximum over the datum: Newton by the stiffness, bracketed. Every
-state on the way is a solution under its load and the moment, from the zones of the last.
+The approach grows with the load up to its maximum over the datum: Newton by the stiffness, bracketed. Every state on the way is a
+solution under its load, from the zones of the last. Upright, contact only grows with the load: the approach is concave in it,
+below its tangents, which tell soon that no load has the approach.
 """
 
 from __future__ import annotations
@@ -16,37 +17,51 @@ from contact.solution import Solution
 _NEAR = 1e-5
 _CLOSED = 1e-9
 _MOST = 80
+# Of the first load: the logarithm of the datum over a width changes it by less.
+_LIGHT = 1e-4
 
 
 def at_approach(
-    solved: Callable[[float, Solution | None], Solution], approach: float, first: float, least: float, bounded: bool
+    solved: Callable[[float, Solution | None], Solution], approach: float, first: float, least: float, bounded: bool,
+    concave: bool = False,
 ) -> Solution:
     """The solution next to the approach [m]; solved(load, near). first: a load to begin with [N/m], least: one that is too small.
-    bounded: the contact of a large load may reach the end of what is known of the body.
+    bounded: the contact of a large load may reach the end of what is known of the body. concave: the approach is, in the load.
 
     OutOfRange if no load has the approach.
     """
     low, high, load = least, math.inf, max(first, 2 * least)
     best: Solution | None = None
+    last, largest = None, -math.inf
+    reach = (0.0, math.inf)  # loads between which tangents allow the approach
     for _ in range(_MOST):
         step = math.nan
         try:
             here = solved(load, best)
-        except OutOfRange:
+        except OutOfRange as refusal:
+            last = refusal
             too_large = bounded if best is None else load > best.load
             low, high = (low, load) if too_large else (load, high)
+            if concave and best is None and load < _LIGHT * first:
+                break
         else:
             assert here.approach is not None and here.stiffness is not None
+            largest = max(largest, here.approach)
             best, miss, stiffness = here, approach - here.approach, here.stiffness
             step = load + miss * stiffness
             if stiffness > 0.0 and abs(step - load) <= _NEAR * load:
                 return here
             # Beyond the maximum of the approach the stiffness is negative.
-            low, high = (load, high) if stiffness > 0.0 and miss > 0.0 else (low, load)
+            rises = stiffness > 0.0 and miss > 0.0
+            low, high = (load, high) if rises else (low, load)
+            reach = (step, reach[1]) if rises else (reach[0], step) if stiffness < 0.0 else reach
         if not low < step < high:
             step = math.sqrt(low * high) if 0.0 < low and high < math.inf else 10 * low if low > 0.0 else 0.1 * high
+        if concave and not reach[0] < min(reach[1], high):
+            break
         load = step
         if high - low <= _CLOSED * low:
             break
-    found = "" if best is None or best.approach is None else f", the last one tried had {best.approach:.6g} m"
-    raise OutOfRange(f"no load has the approach {approach:.6g} m under this moment{found}")
+    if best is None and last is not None:
+        raise last
+    raise OutOfRange(f"no load has the approach {approach:.6g} m; the largest of those tried was {largest:.6g} m")

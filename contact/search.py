@@ -314,8 +314,10 @@ class _Window:
         for _ in range(200):
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
-            if level <= lowest and load < 1e-40 * self.E * self.datum:
-                raise OutOfRange(f"level {level} does not reach the profile, whose lowest point is {lowest}")
+            if load < 1e-40 * self.E * self.datum:
+                if level <= lowest:
+                    raise OutOfRange(f"level {level} does not reach the profile, whose lowest point is {lowest}")
+                raise OutOfRange(f"level {level} is above the largest approach over a datum of {self.datum}")
             slope = self._compliance(state)
             step = (level - state.level) / slope if slope > 0.0 else np.nan
             if abs(step) <= 0.1 * load or (high < np.inf and high - low <= 0.05 * high):

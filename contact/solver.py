@@ -72,6 +72,8 @@ class _Run:
         self.tolerance = max(0.1 * tol, 2e-15)
         self.single = planning.starts_from_one_zone(scene)
         self.near = near
+        # Where both load and tilt are unknown, and where the grid does not find the approach.
+        self.by_loads = scene.turned and scene.moment is not None and scene.approach is not None
         self.full = FullLimit(scene.profile, scene.E_star, scene.interaction.images is None)
 
     def solution(self) -> Solution:
@@ -88,8 +90,10 @@ class _Run:
         refuse_below_plateau(self.scene)
         found: Found | Gapped | None = self._beside_near()
         if found is None:
-            self._set(self._framed())
-            found = self._found()
+            try:
+                found = self._framed_and_found()
+            except (OutOfRange, NotConverged) as failure:
+                found = self._found_by_loads(failure)
         if isinstance(found, Gapped) and found.error > self.tol:
             found = self._by_zones(found)
         if isinstance(found, Found):
@@ -101,19 +105,36 @@ class _Run:
     def _set(self, frame: Framed) -> None:
         self.frame, self.problem, self.control = frame, frame.problem, frame.control
 
+    def _framed_and_found(self) -> Found | Gapped | None:
+        self._set(self._framed())
+        return self._found()
+
+    def _found_by_loads(self, failure: OutOfRange | NotConverged) -> Found | Gapped | None:
+        """A lone body whose approach the grid did not find, by loads; raises `failure` if that does not lead on. A grid's lowest
+        point may lie above the profile's by more than the approach."""
+        scene = self.scene
+        if self.by_loads or self.near is not None or scene.turned or scene.approach is None or scene.interaction.needs_period:
+            raise failure
+        self.by_loads = True
+        try:
+            return self._framed_and_found()
+        except NotConverged:
+            raise failure from None
+
     def _framed(self) -> Framed:
-        if not self._levelled:
+        if not self.by_loads:
             tilt = None if self.near is None else self.near.tilt
             return framed(self.scene, self.single, tilt or 0.0)
         # Grids are searched by load: the zones are those of the load that has the approach.
         self.near = self._at_approach()
-        frame = framed_about(self._loaded(self.near.load), self.near.tilt or 0.0, self.near.zones)
+        loaded, tilt = self._loaded(self.near.load), self.near.tilt or 0.0
+        frame = framed_about(loaded, tilt, self.near.zones) if loaded.turned else framed(loaded, self.single)
         return replace(frame, control=Control("approach", self.scene.control[1] / frame.problem.units.height))
 
     def _beside_near(self) -> Found | None:
         """A body of unknown tilt, from a solution at hand: its tilt need not be searched for; None if that does not lead on."""
         near, scene = self.near, self.scene
-        if near is None or len(near.zones) == 0 or scene.moment is None or not scene.turned or self._levelled:
+        if near is None or len(near.zones) == 0 or scene.moment is None or not scene.turned or self.by_loads:
             return None
         self._set(framed_about(scene, near.tilt or 0.0, near.zones))
         with self.plan.timed("zone ends"):
@@ -122,25 +143,19 @@ class _Run:
             except (WrongTopology, OutOfRange):
                 return None
 
-    @property
-    def _levelled(self) -> bool:
-        """Whether both load and tilt are unknown."""
-        return self.scene.turned and self.scene.moment is not None and self.scene.approach is not None
-
     def _at_approach(self) -> Solution:
-        scene, approach = self.scene, self.scene.control[1]
-        assert scene.moment is not None
+        scene, approach, moment = self.scene, self.scene.control[1], self.scene.moment or 0.0
         known = known_part(scene.profile)
-        reach = math.inf if known is None else known[1] if scene.moment > 0 else -known[0]
+        reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
         if not reach > 0.0:
-            raise OutOfRange(f"moment {scene.moment:.6g} N: the whole body lies on the other side of x = 0")
+            raise OutOfRange(f"moment {moment:.6g} N: the whole body lies on the other side of x = 0")
         first = scene.E_star * (0.3 * abs(approach) or 1e-3 * getattr(scene.interaction, "datum", 1.0))
         bounded = known is not None and scene.profile.support is None
 
         def solved(load: float, near: Solution | None) -> Solution:
             return solve(self._loaded(load), max(self.tol, 1e-8), self.progress, near or self.near)
 
-        return at_approach(solved, approach, first, abs(scene.moment) / reach, bounded)
+        return at_approach(solved, approach, first, abs(moment) / reach, bounded, concave=moment == 0.0)
 
     def _loaded(self, load: float) -> Scene:
         return replace(self.scene, approach=None, load=load)
@@ -221,7 +236,7 @@ class _Run:
     def _found(self) -> Found | Gapped | None:
         """Zones that pass the certificate; None in full contact."""
         interaction, problem = self.scene.interaction, self.problem
-        if self._levelled:
+        if self.by_loads:
             assert self.near is not None
             return self._settled(problem, self.control, placed(problem, self.near.zones))
         if interaction.follows_isolated:

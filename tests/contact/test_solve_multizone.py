@@ -146,3 +146,19 @@ class TestManyAsperities:
         pressure = solution.pressure(np.linspace(-0.5, 0.5, 200001))
         assert len(solution.zones) > 1
         assert pressure.min() >= -1e-9 * pressure.max()
+
+
+class TestLightApproach:
+    @pytest.mark.parametrize("approach", [1e-4, 1e-7, 1e-9])
+    def test_tips_between_the_points_of_any_grid_are_found_at_an_approach_below_its_lowest_point(self, approach):
+        profile, datum = contact.Biquadratic(radius=20.0, spacing=1.3), contact.Isolated(datum=7.0)
+        solution = solve(profile, datum, tol=1e-8, approach=approach)
+        assert len(solution.zones) == 2 and solution.certificate.holds
+        again = solve(profile, datum, tol=1e-8, load=solution.load)
+        assert abs(again.approach / approach - 1) < 1e-7
+
+    def test_one_that_no_load_has_is_refused(self):
+        with pytest.raises(contact.OutOfRange, match="no load"):
+            solve(contact.Biquadratic(radius=20.0, spacing=1.3), contact.Isolated(datum=1.0), tol=1e-8, approach=1e3)
+        with pytest.raises(contact.OutOfRange, match="no load"):
+            solve(contact.Biquadratic(radius=20.0, spacing=1.3), contact.Isolated(datum=1e-2), tol=1e-8, approach=1e-6)
