@@ -313,7 +313,8 @@ def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zo
         s = np.append(0.0, 1 - (1 - s) ** 2)
     x = np.clip(lo + (hi - lo) * s, lo, hi)
     tips = fields.tips
-    first, last = np.searchsorted(tips, [lo, hi], side="right")
+    # One at the end of a zone is in contact.
+    first, last = np.searchsorted(tips, lo, side="right"), np.searchsorted(tips, hi, side="left")
     return np.unique(np.concatenate((x, tips[first:last]))) if last > first else x
 
 

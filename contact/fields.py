@@ -305,8 +305,7 @@ class ZoneFields:
         problem, density = self.problem, self.density
         state = self.state
         if problem.moment is None:
-            ends = density.zones
-            whole = sie.Zones(ends.a, ends.b, ends.left, ends.right)
+            whole = replace(density.zones, symmetric=False)
             equation = replace(problem, moment=self.scaled_moment).equation(Control("load", density.total))
             state = sie.solve_zones(equation, whole, 1e-14)
         values = np.zeros(len(state.condition_scale))

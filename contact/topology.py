@@ -227,7 +227,7 @@ def load_controlled(problem: Problem, control: Control, free: sie.Free, toleranc
     total = free.density.total if free.value is None else free.value
     left = [sie.FREE if end == sie.BOUNDED else end for end in zones.left]
     right = [sie.FREE if end == sie.BOUNDED else end for end in zones.right]
-    ends = sie.Zones(zones.a, zones.b, left, right, zones.symmetric)
+    ends = replace(zones, left=left, right=right)
     equation = problem.equation(Control("load", total))
     state = sie.solve_zones(equation, ends, max(0.1 * tolerance, 3e-16))
     return ZoneFields(problem, state.settled())

@@ -102,7 +102,7 @@ class Breaks(Steps):
             near = Beyond.near(zones, at[kinks], weight, kernel.period)
             logarithms = Logarithms(kernel, zones, at[kinks], weight, own, near)
         i, at, w = i[inside], at[inside], w[inside]
-        return cls(i, (at - zones.a[i]) / w, (zones.b[i] - at) / w, size[inside], orders[inside], logarithms)
+        return cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, size[inside], orders[inside], logarithms)
 
     def __len__(self) -> int:
         return len(self.zone) + (0 if self.logarithms is None else len(self.logarithms.near))

@@ -221,4 +221,4 @@ class TotalWidth:
 
     def residual(self, zones: Zones) -> tuple[float, Array, Array]:
         one = np.ones(len(zones))
-        return float(np.sum(zones.b - zones.a)) - self.value, one, one
+        return float(np.sum(zones.b - zones.a) + np.sum(zones.rest[1] - zones.rest[0])) - self.value, one, one

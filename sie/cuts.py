@@ -100,7 +100,8 @@ def cut(equation: Equation, pieces: Zones) -> Cut | None:
     zone[order] = np.repeat(np.arange(len(starts)), stops - starts + 1)
     left = [pieces.left[order[s]] for s in starts]
     right = [pieces.right[order[s]] for s in stops]
-    wide = Zones(a[starts], b[stops], left, right, pieces.symmetric)
+    rest = np.array([pieces.rest[0][order[starts]], pieces.rest[1][order[stops]]])
+    wide = Zones(a[starts], b[stops], left, right, pieces.symmetric, rest)
     at = np.flatnonzero(joined)
     holes = Zones.of(np.column_stack((b[at], a[at + 1])))
     return Cut(pieces, wide, holes, zone[order[at]], zone, shift)

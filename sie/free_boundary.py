@@ -32,6 +32,8 @@ Index = NDArray[np.intp]
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
 # Steps after which ends that still want to move by more than half of their zones may be given up.
 _WANDERING = 20
+# Slopes A above this many times what the coefficients of the density make of them come from a corner beside the end.
+_STEEP = 10.0
 # The remaining motion of an end is the next step but for its square.
 MARGIN = 1.5
 # Tolerances of solutions by iteration: at first, and at last over that of the ends.
@@ -113,12 +115,11 @@ def find_ends(
         if not np.all(np.isfinite(delta)):
             raise SingularSystem("no motion of the ends meets the condition on them")
         width = zones.b - zones.a
-        # The right side is known at places rounded to a unit in their last digit, and so are the ends.
-        noise = noise + np.where(moves, 2 * np.spacing(np.abs([zones.a, zones.b])), 0.0)
+        noise = noise + np.where(moves, _of_places(state), 0.0)
         move = float(np.abs(delta / width).max(initial=0.0))
         trace.append(Step(zones.table, move, value if equation.open_condition is not None else None))
         rounding = (noise / width).T
-        rest = bool(np.all(np.abs(delta) <= np.maximum(tolerance * width, noise)))
+        rest = bool(np.all(np.abs(delta) <= np.maximum(tolerance * _reach(state), noise)))
         stalled = stalled + 1 if move > 0.5 * best else 0
         best = min(best, move)
         quiet = bool(np.all(np.abs(delta) < np.clip(100 * noise, 1e-6 * width, 1e-2 * width)))
@@ -142,12 +143,12 @@ def find_ends(
             return Free(state, done, error, rounding, tuple(trace), found, value_error=abs(change))
         value += change
         limited = _limit(zones, equation, delta)
-        a, b = zones.a - limited[0], zones.b + limited[1]
         apart = far_off(state, moves, delta)
         if len(apart):
             near_a, near_b, came = moved_apart(state, apart, lambda d, size: _alone(d, size, signs))
-            a[apart], b[apart] = np.where(came, near_a, a[apart]), np.where(came, near_b, b[apart])
-        zones = _held_at(zones.moved(a, b), walls)
+            limited[0, apart] = np.where(came, zones.a[apart] - near_a, limited[0, apart])
+            limited[1, apart] = np.where(came, near_b - zones.b[apart], limited[1, apart])
+        zones = _held_at(zones.moved(limited), walls)
         gap = modes.gaps(zones, equation.kernel)[1]
         lost = np.flatnonzero(zones.b - zones.a < collapse * first_width)
         met = np.flatnonzero(gap < collapse * np.minimum(first_gap, np.minimum(zones.b - zones.a, first_width)))
@@ -177,17 +178,43 @@ def _safe_slopes(density: AnyDensity, natural: Array, signs: tuple[float, float]
     return np.where(weak, side * (natural / root + 1e-300), a), weak
 
 
+def _reach(state: AnyState) -> Array:
+    """Length over which the density changes beside each end (2, Z): the zone's width, or the distance of a corner."""
+    zones, steps = state.density.zones, state.density.steps
+    reach = np.tile(zones.b - zones.a, (2, 1))
+    if isinstance(state, State) and len(steps):
+        corner = steps.order == 0
+        zone, w = steps.zone[corner], zones.half[steps.zone[corner]]
+        np.minimum.at(reach[0], zone, w * steps.left[corner])
+        np.minimum.at(reach[1], zone, w * steps.right[corner])
+    return reach
+
+
+def _of_places(state: AnyState) -> Array:
+    """What ends (2, Z) are off by since the right side is known at places rounded to a unit in their last digit. Beside a corner,
+    from which the ends' distances are known, A is larger than those places make it, and the end the more fixed."""
+    density = state.density
+    zones, root = density.zones, np.sqrt(density.zones.half)
+    rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
+    if not isinstance(state, State):
+        return rounding
+    smooth = state.natural / root
+    steep = np.abs(np.array(density.edge_slopes))
+    return rounding * np.where(steep > _STEEP * smooth, _STEEP * smooth / steep, 1.0)
+
+
 def _held_at(zones: Zones, walls: tuple[float, float]) -> Zones:
     """Ends that went past a wall are put there and held, singular."""
     low, high = zones.a[0] <= walls[0], zones.b[-1] >= walls[1]
     if not (low or high):
         return zones
-    a, b, left, right = zones.a.copy(), zones.b.copy(), list(zones.left), list(zones.right)
+    a, b, rest = zones.a.copy(), zones.b.copy(), zones.rest.copy()
+    left, right = list(zones.left), list(zones.right)
     if low:
-        a[0], left[0] = walls[0], SINGULAR
+        a[0], rest[0, 0], left[0] = walls[0], 0.0, SINGULAR
     if high:
-        b[-1], right[-1] = walls[1], SINGULAR
-    return replace(zones, a=a, b=b, left=left, right=right)
+        b[-1], rest[1, -1], right[-1] = walls[1], 0.0, SINGULAR
+    return replace(zones, a=a, b=b, rest=rest, left=left, right=right)
 
 
 def _release(zones: Zones, walls: tuple[float, float], density: AnyDensity) -> tuple[Zones, bool]:

@@ -63,8 +63,8 @@ def bent_steps(
         bend = c_in * (np.sqrt(np.maximum(r + delta, 0)) - np.sqrt(r)) + c_out * np.sqrt(np.maximum(delta - y, 0))
         return np.asarray(k[side] - 0.5 * straight * delta - bend)
 
-    steps = plain.copy()
-    steps[side] = _root(intensity, -inward * width, outward * width)
+    steps, kink = plain.copy(), np.where(r < y, -r, y)
+    steps[side] = _root(intensity, -inward * width, outward * width, kink)
     return steps
 
 
@@ -88,7 +88,7 @@ def _beside_logarithms(
             bend = c_out * (np.sqrt(y) - np.sqrt(np.maximum(y - delta, 0))) - c_in * np.sqrt(np.maximum(-delta - r, 0))
             return np.asarray(k[side] - 0.5 * straight * delta - bend)
 
-        steps[side] = _root(intensity, -inward * width, outward * width)
+        steps[side] = _root(intensity, -inward * width, outward * width, np.where(r < y, -r, y))
     valleys = _nearest(zones, at[heights < 0], heights[heights < 0], period)[0][0]
     return np.maximum(steps, -_SHORT_OF * valleys)
 
@@ -111,13 +111,19 @@ def _kinks(at: Array, heights: Array, orders: NDArray[np.intp] | None) -> tuple[
     return np.asarray(at)[which], np.asarray(heights)[which]
 
 
-def _root(falls: Callable[[Array], Array], low: Array, high: Array) -> Array:
-    """Where a function that falls passes zero between bounds, by halving."""
+def _root(falls: Callable[[Array], Array], low: Array, high: Array, kink: Array) -> Array:
+    """Where a function that falls passes zero between bounds, by halving the root of the distance from a kink: an end may come
+    to lie nearer to it than any part of the step."""
+
+    def at(root: Array) -> Array:
+        return np.asarray(kink + np.sign(root) * root**2)
+
+    low, high = (np.sign(bound - kink) * np.sqrt(np.abs(bound - kink)) for bound in (low, high))
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        further = falls(middle) > 0
+        further = falls(at(middle)) > 0
         low, high = np.where(further, middle, low), np.where(further, high, middle)
-    return np.asarray(0.5 * (low + high))
+    return at(0.5 * (low + high))
 
 
 def _nearest(
@@ -126,13 +132,18 @@ def _nearest(
     """(distance, height) of the nearest jump on the zone's side of each end, and of the nearest beyond it, (2, Z) each;
     infinite where there is none."""
     if period is not None:
-        at = at - np.floor((at - zones.a[0]) / period) * period
-        at, heights = np.concatenate((at - period, at, at + period)), np.tile(heights, 3)
+        # Places as they are where kinks are located in zones: their distances from ends count beyond the last digit.
+        turns = np.ceil((zones.a[0] - at) / period)
+        at, heights = np.concatenate([at + (turns + k) * period for k in (-1, 0, 1)]), np.tile(heights, 3)
     order = np.argsort(at)
     at, heights = np.concatenate(([-np.inf], at[order], [np.inf])), np.concatenate(([0.0], heights[order], [0.0]))
+    each = np.arange(len(zones))
     after_a, after_b = np.searchsorted(at, zones.a, side="right"), np.searchsorted(at, zones.b, side="left")
-    inside = np.array([at[after_a] - zones.a, zones.b - at[after_b - 1]])
-    outside = np.array([zones.a - at[after_a - 1], at[after_b] - zones.b])
+    # One at the very place of an end lies on the side of what was cut off that.
+    after_a = after_a - (zones.beyond_a(at[after_a - 1], each) > 0)
+    after_b = after_b + (zones.before_b(at[after_b], each) > 0)
+    inside = np.array([zones.beyond_a(at[after_a], each), zones.before_b(at[after_b - 1], each)])
+    outside = -np.array([zones.beyond_a(at[after_a - 1], each), zones.before_b(at[after_b], each)])
     of_inside = np.array([heights[after_a], heights[after_b - 1]])
     of_outside = np.array([heights[after_a - 1], heights[after_b]])
     return (inside, of_inside), (outside, of_outside)

@@ -62,7 +62,7 @@ class Steps:
         i, at, q = i[inside], at[inside], orders[inside]
         w = zones.half[i]
         factorial = np.array([1.0, 1.0, 2.0])[q]
-        return cls(i, (at - zones.a[i]) / w, (zones.b[i] - at) / w, jumps[inside] * w**q / factorial, q)
+        return cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, jumps[inside] * w**q / factorial, q)
 
     @staticmethod
     def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, NDArray[np.bool_]]:
@@ -71,7 +71,7 @@ class Steps:
         if period is not None:
             at = at + np.ceil((zones.a[0] - at) / period) * period
         i = np.searchsorted(zones.a, at, side="right") - 1
-        return at, np.maximum(i, 0), (i >= 0) & (at > zones.a[i]) & (at < zones.b[i])
+        return at, np.maximum(i, 0), (i >= 0) & (zones.beyond_a(at, i) > 0) & (zones.before_b(at, i) > 0)
 
     def __len__(self) -> int:
         return len(self.zone)
@@ -80,6 +80,16 @@ class Steps:
     def phi(self) -> Array:
         """Angle of each jump, s = cos(phi)."""
         return np.asarray(2 * np.arctan2(np.sqrt(self.right), np.sqrt(self.left)))
+
+    @cached_property
+    def psi(self) -> Array:
+        """pi - phi, to all its digits beside the left end."""
+        return np.asarray(2 * np.arctan2(np.sqrt(self.left), np.sqrt(self.right)))
+
+    @cached_property
+    def sine(self) -> Array:
+        """sin(phi), to all its digits beside either end."""
+        return np.asarray(np.sin(np.minimum(self.phi, self.psi)))
 
     @cached_property
     def s(self) -> Array:
@@ -98,7 +108,7 @@ class Steps:
 
     def _polynomial(self, k: Index, t: Array) -> Array:
         """P_q(t) of jumps k at t (..., 1), for each jump along the last axis."""
-        sine, q, s = np.sin(self.phi[k]), self.order[k], self.s[k]
+        sine, q, s = self.sine[k], self.order[k], self.s[k]
         second = (t - 2 * s) * sine + np.sin(2 * self.phi[k]) / 4
         return np.where(q == 0, 0.0, np.where(q == 1, sine, second))
 
@@ -109,25 +119,27 @@ class Steps:
             return np.zeros(left.shape)
         away = left[..., None] - self.left[k]
         q, h = self.order[k], self.height[k]
-        power = away**q
-        taken = np.where(away > 0, power, 0.0)
-        added = (self.phi[k] * power + self._polynomial(k, left[..., None] - 1)) / np.pi
-        return np.asarray((h * (added - taken)).sum(-1))
+        angle = np.where(away > 0, -self.psi[k], self.phi[k])
+        added = (angle * away**q + self._polynomial(k, left[..., None] - 1)) / np.pi
+        return np.asarray((h * added).sum(-1))
 
     def mean_offsets(self, zones: Zones) -> Array:
         """Mean over each zone of the primitive of g (zero where its values at the ends are), less what the smooth
         part's own coefficients say, over w: see `System.levels`."""
         phi, s, q = self.phi, self.s, self.order
-        sine, double = np.sin(phi), np.sin(2 * phi)
+        sine, double = self.sine, np.sin(2 * phi)
+        # A jump of g itself by its distance from the nearer end: close to that the parts cancel to its square root, cubed.
+        near, angle = np.minimum(self.left, self.right), np.minimum(phi, self.psi)
+        kink = (sine - angle * (1 - near)) / np.pi - 0.5 * near
         # Primitives of (t - s)_+^q at t = 1, and their means.
         end = self.right ** (q + 1) / (q + 1)
         cubic = (sine - sine**3 / 3) - 3 * s * (phi / 2 + double / 4) + 3 * s * s * sine - s**3 * phi
         square = (phi / 2 + double / 4) - 2 * s * sine + s * s * phi
-        mean = np.where(q == 0, sine - phi * s, np.where(q == 1, square / 2, cubic / 3)) / np.pi
+        mean = np.where(q == 1, square / 2, cubic / 3) / np.pi
         # Primitives of C_q, zero at t = 0: half the sum of those at both ends, and their means.
-        ends_c = np.where(q == 0, 0.0, np.where(q == 1, phi / 2, -s * phi + sine / 2)) / np.pi
-        mean_c = np.where(q == 0, 0.0, np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4)) / np.pi
-        parts = self.height * (-0.5 * end + ends_c + mean - mean_c)
+        ends_c = np.where(q == 1, phi / 2, -s * phi + sine / 2) / np.pi
+        mean_c = np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4) / np.pi
+        parts = self.height * np.where(q == 0, kink, -0.5 * end + ends_c + mean - mean_c)
         return np.asarray(np.bincount(self.zone, parts, minlength=len(zones)), dtype=float)
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
@@ -139,7 +151,9 @@ class Steps:
 
     def _sine_weights(self, k: Index, j: Array) -> Array:
         """b_j of jumps k where their function is sum_j (2/j) b_j sin(j theta)."""
-        return np.asarray(np.sin(j * self.phi[k][:, None]))
+        from_left = (self.psi < self.phi)[k][:, None]
+        sines = np.sin(j * np.minimum(self.phi, self.psi)[k][:, None])
+        return np.asarray(np.where(from_left & (j % 2 == 0), -sines, sines))
 
     def _coefficients(self, k: Index, count: int) -> Array:
         j = np.arange(1.0, count + HIGHEST + 2)
@@ -172,9 +186,12 @@ class Steps:
         k = self.by_zone[zone]
         up, vp = np.sqrt(right[:, None] * self.left[k]), np.sqrt(left[:, None] * self.right[k])
         away = left[:, None] - self.left[k]
-        # sin((theta +- phi)/2) = (sqrt(r l_s) +- sqrt(l r_s)) / 2; their product is (s - t)/2 without cancellation.
+        # sin((theta +- phi)/2) = (sqrt(r l_s) +- sqrt(l r_s)) / 2; their product is (s - t)/2 without cancellation. A jump beside
+        # an end, or a point, has little of kappa: then it is 2 artanh of the roots' ratio, to all digits.
+        small, large = np.minimum(up, vp), np.maximum(up, vp)
         with np.errstate(divide="ignore", invalid="ignore"):
             kappa = np.log((up + vp) ** 2 / (2 * np.abs(away)))
+            kappa = np.where(small < 0.5 * large, 2 * np.arctanh(np.minimum(small / large, 0.5)), kappa)
             value = np.where(self.order[k] == 0, kappa, np.where(away == 0, 0.0, away ** self.order[k] * kappa))
         return np.asarray(value @ (self.height[k] / np.pi))
 
@@ -220,8 +237,8 @@ class Steps:
 
     def _plain(self, k: Index, rho: Array) -> Array:
         """pi over h times the transform of parts with q = 0 off the zone, (points, jumps)."""
-        phi, rho = self.phi[k], rho[:, None]
-        return np.asarray(2 * np.arctan2(rho * np.sin(phi), 1 - rho * np.cos(phi)))
+        rho = rho[:, None]
+        return np.asarray(2 * np.arctan2(rho * self.sine[k], 1 - rho * np.cos(self.phi[k])))
 
     def adds_to(self, zone: int) -> bool:
         """Whether `smooth_part` has anything to add on a zone."""
@@ -247,7 +264,7 @@ class Steps:
         k = self.by_zone[zone]
         out = np.zeros(rho.shape)
         for place in k[self.order[k] == 0]:
-            up = np.exp(1j * self.phi[place])
+            up = complex(np.cos(self.phi[place]), self.sine[place])
             both = potential_series(up, rho), potential_series(np.conj(up), rho)
             own = self._first(place) * (-np.log(2 * np.abs(rho)) + np.real(rho**2) / 2)
             out += self.height[place] / np.pi * (own + self._phased(place, both))
@@ -255,7 +272,7 @@ class Steps:
 
     def _first(self, place: int) -> float:
         """b_1 of a jump."""
-        return float(np.sin(self.phi[place]))
+        return float(self.sine[place])
 
     def _phased(self, place: int, by_phase: tuple[NDArray[np.complex128], NDArray[np.complex128]]) -> Array:
         """The sum with weights b_j from those with e^{i j phi} and e^{-i j phi}."""

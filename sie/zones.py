@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -29,6 +29,8 @@ class Zones:
     """`n` zones with ends a (n,) and b (n,), a < b < next a. `left`, `right`: one End for all, or one per zone.
 
     symmetric: the zones are mirror images of each other about x = 0 and so are the data; only half is solved.
+    rest: what rounding has cut off the ends, (2, n), which are a + rest[0] and b + rest[1]: an end may lie nearer to a corner of the
+        profile than the digits of its position tell.
     """
 
     a: Array
@@ -36,6 +38,11 @@ class Zones:
     left: Sequence[End] = field(default=())
     right: Sequence[End] = field(default=())
     symmetric: bool = False
+    rest: Array = field(default_factory=lambda: np.zeros((2, 0)))
+
+    def __post_init__(self) -> None:
+        if self.rest.shape[1] != len(self.a):
+            object.__setattr__(self, "rest", np.zeros((2, len(self.a))))
 
     @classmethod
     def of(
@@ -63,11 +70,24 @@ class Zones:
             table = 0.5 * (table + mirrored)
         return cls(table[:, 0], table[:, 1], lefts, rights, symmetric)
 
-    def moved(self, a: Array, b: Array) -> Zones:
-        """The same zones with new ends."""
+    def moved(self, outward: Array) -> Zones:
+        """The same zones with ends moved outward (2, n); what rounding cuts off them is kept."""
         if self.symmetric:
-            a, b = 0.5 * (a - b[::-1]), 0.5 * (b - a[::-1])
-        return Zones(a, b, self.left, self.right, self.symmetric)
+            outward = 0.5 * (outward + outward[::-1, ::-1])
+        ends, by = np.array([self.a, self.b]), np.array([-outward[0], outward[1]]) + self.rest
+        there = ends + by
+        # What the sum has lost, exactly (D. E. Knuth, The Art of Computer Programming 2, 4.2.2).
+        back = there - ends
+        rest = (ends - (there - back)) + (by - back)
+        return replace(self, a=there[0], b=there[1], rest=rest)
+
+    def beyond_a(self, x: Array, zone: NDArray[np.intp]) -> Array:
+        """How far x lies to the right of the left ends of zones."""
+        return np.asarray((x - self.a[zone]) - self.rest[0][zone])
+
+    def before_b(self, x: Array, zone: NDArray[np.intp]) -> Array:
+        """How far x lies to the left of the right ends of zones."""
+        return np.asarray((self.b[zone] - x) + self.rest[1][zone])
 
     def __len__(self) -> int:
         return len(self.a)
