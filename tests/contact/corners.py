@@ -1,0 +1,375 @@
+r"""Exact contacts of profiles with corners: one zone in closed form, and many zones folded out of it.
+
+**One zone** [a, b] of f' = c0 + c1 (x - a) + sum J H(x - s) + sum Q (x - s)_+ : slope and curvature jumps J, Q at s.
+With x - a : b - x = 1 + cos(theta) : 1 - cos(theta), s at phi, a step alone has the Chebyshev series
+(2/pi) sum sin(k phi) cos(k theta)/k + phi/pi, so that (w the half width)
+
+    p = (E*/2 pi) sum J kappa(theta, phi) + (E* w/2 pi) sum Q [(t - cos phi) kappa + phi sin(theta)] + (E* w/2) c1 sin(theta)
+        + (C - D cos(theta))/sin(theta),   kappa = ln|sin((theta + phi)/2)/sin((theta - phi)/2)|,
+    D = (E*/2)(mean of f' with the weight 1/(pi sin theta)),   C = D, -D at an end where p is bounded, and free at corners,
+    P = (E* w/2) sum J sin(phi) + (E* w^2/4) sum Q (phi - sin(phi) cos(phi)) + pi E* w^2 c1/4 + pi w C.
+
+With a period L (no Q, no c1) the map y = tan(pi(x - m)/L)/tan A, A = pi w/L, makes Hilbert's kernel Cauchy's and a
+constant, and with psi = arccos(sin(pi(s - m)/L)/sin A)
+
+    D = (E*/2)(c0 + sum J psi/pi),   the last term of p  (C - D cos(theta)/cos A)/sin(theta),
+    P = (E* L/2 pi) sum J artanh(sin A sin phi) + L sin A C.
+
+**Many zones.** If a profile h(y) has the one zone [alpha, beta], pressure q and gap d, then f(x) = h(Q(x)) with a polynomial
+or trigonometric polynomial Q whose n roots of Q = y are all real for every y of the zone has the n zones Q^-1([alpha, beta]),
+the pressure |Q'| q(Q(x)) and the gap d(Q(x)), since sum_k K(x - xi_k) = Q'(x)/(Q(x) - y) over the roots xi_k: corners in
+every zone, at one level, and no two zones alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.polynomial import Polynomial as Series
+
+import contact
+
+NONE = np.empty((0, 2))
+
+
+def rows(values):
+    return np.asarray(values, dtype=float).reshape(-1, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Bent(contact.Profile):
+    """f' = slope0 + bend0 (x - origin) + sum J H(x - s) + sum Q (x - s)_+, f(origin) = 0, origin left of all s; a period starts there."""
+
+    origin: float
+    slope0: float = 0.0
+    bend0: float = 0.0
+    steps: np.ndarray = field(default_factory=lambda: NONE)
+    bends: np.ndarray = field(default_factory=lambda: NONE)
+    period: float | None = None
+    walls: tuple[float, float] | None = None
+
+    x0 = property(lambda self: self.origin)
+    support = property(lambda self: self.walls)
+
+    def _beyond(self, x, at):
+        return np.maximum(np.asarray(self.wrap(x))[..., None] - at, 0.0)
+
+    def height(self, x):
+        y = np.asarray(self.wrap(x)) - self.origin
+        rise = self._beyond(x, self.steps[:, 0]) @ self.steps[:, 1]
+        return y * (self.slope0 + 0.5 * self.bend0 * y) + rise + 0.5 * self._beyond(x, self.bends[:, 0]) ** 2 @ self.bends[:, 1]
+
+    def slope(self, x):
+        y = np.asarray(self.wrap(x))
+        past = (y[..., None] > self.steps[:, 0]) @ self.steps[:, 1]
+        return self.slope0 + self.bend0 * (y - self.origin) + past + self._beyond(x, self.bends[:, 0]) @ self.bends[:, 1]
+
+    @property
+    def kinks(self):
+        if self.period is None:
+            return self.steps
+        # f repeats: what the slope gained over the period it loses at the border.
+        return np.vstack(([[self.origin, -self.steps[:, 1].sum()]], self.steps))
+
+    @property
+    def jumps(self):
+        return np.column_stack((self.bends[:, 0], np.full(len(self.bends), 2.0), self.bends[:, 1]))
+
+
+@dataclass(frozen=True, eq=False)
+class CorneredZone:
+    """The contact of a `Bent` profile on one zone (a, b); see the head of this file.
+
+    The slope left of the zone is the one that puts the zone there: `profile` has it. punch: what C exceeds |D| by, for walls
+    at both ends; `tilted` D over E*/2 there.
+    """
+
+    zone: tuple[float, float]
+    steps: np.ndarray = field(default_factory=lambda: NONE)
+    bends: np.ndarray = field(default_factory=lambda: NONE)
+    bend0: float = 0.0
+    E_star: float = 1.0
+    period: float | None = None
+    punch: float = 0.0
+    tilted: float = 0.0
+
+    @property
+    def zones(self):
+        return np.array([self.zone])
+
+    @property
+    def zone_widths(self):
+        return np.diff(self.zones).ravel()
+
+    @property
+    def half(self):
+        return 0.5 * (self.zone[1] - self.zone[0])
+
+    def _angle(self, left, right):
+        """theta from the distances to the ends."""
+        if self.period is not None:
+            left, right = (np.sin(np.pi / self.period * np.asarray(d)) for d in (left, right))
+        return 2 * np.arctan2(np.sqrt(np.maximum(right, 0.0)), np.sqrt(np.maximum(left, 0.0)))
+
+    def _at(self, places):
+        """phi of places, beyond the zone its ends'."""
+        a, b = self.zone
+        s = np.clip(places, a, b)
+        return self._angle(s - a, b - s)
+
+    @property
+    def turn(self):
+        """A = pi w/L, 0 alone."""
+        return 0.0 if self.period is None else np.pi * self.half / self.period
+
+    @property
+    def cosine(self):
+        """cos A, from the gap between the zone and its next image."""
+        a, b = self.zone
+        return 1.0 if self.period is None else np.sin(0.5 * np.pi / self.period * (a + self.period - b))
+
+    def _mean(self):
+        """The weighted mean of f' less its value at the left end."""
+        phi, w = self._at(self.steps[:, 0]), self.half
+        psi = np.arctan2(self.cosine * np.sin(phi), np.cos(phi))
+        inside = np.where(self.steps[:, 0] > self.zone[0], self.steps[:, 1], 0.0)
+        total = inside @ psi / np.pi + self.bend0 * w
+        phi = self._at(self.bends[:, 0])
+        return total + w * self.bends[:, 1] @ (np.sin(phi) - phi * np.cos(phi)) / np.pi
+
+    @cached_property
+    def profile(self):
+        """The whole profile; a periodic one has a valley's corner where it closes, outside the zone."""
+        a, b = self.zone
+        slope = self.tilted - self._mean()  # just inside the left end
+        walls = self.zone if self.punch > 0 else None
+        if self.period is None:
+            origin = min([a, *self.steps[:, 0], *self.bends[:, 0]]) - self.half
+            rise = self.bend0 * (a - origin) + self.bends[:, 1] @ np.maximum(a - self.bends[:, 0], 0.0)
+            return Bent(origin, slope - self._before - rise, self.bend0, self.steps, self.bends, None, walls)
+        total = self.steps[:, 1].sum()
+        # (slope left of all) L + sum J (v - s) = 0 at the right border v of the cell that begins left of the zone.
+        first = slope - self._before
+        v = (self.steps[:, 1] @ self.steps[:, 0] - first * self.period) / total if total else b + 0.5 * (self.period - b + a)
+        assert b < v < a + self.period, "the valley falls into the zone"
+        inside = (self.steps[:, 0] > v - self.period) & (self.steps[:, 0] < v)
+        assert np.all(inside)
+        return Bent(v - self.period, first, 0.0, self.steps, NONE, self.period, walls)
+
+    @property
+    def _before(self):
+        """What f' gains by steps left of the zone."""
+        return self.steps[self.steps[:, 0] <= self.zone[0], 1].sum()
+
+    @property
+    def excess(self):
+        return self.punch + 0.5 * self.E_star * abs(self.tilted) / self.cosine
+
+    @property
+    def load(self):
+        phi, E, w = self._at(self.steps[:, 0]), self.E_star, self.half
+        J = self.steps[:, 1]
+        if self.period is not None:
+            # 1 - (sin A sin phi)^2 = (cos A/cos u)^2 at u = pi (s - m)/L
+            middle, inside = 0.5 * (self.zone[0] + self.zone[1]), (phi > 0) & (phi < np.pi)
+            u = np.pi / self.period * (self.steps[inside, 0] - middle)
+            grown = np.log((1 + np.sin(self.turn) * np.sin(phi[inside])) * np.cos(u) / self.cosine)
+            bounded = E * self.period / (2 * np.pi) * J[inside] @ grown
+            return float(bounded + self.period * np.sin(self.turn) * self.excess)
+        at = self._at(self.bends[:, 0])
+        curved = 0.25 * E * w**2 * (self.bends[:, 1] @ (at - np.sin(at) * np.cos(at)) + np.pi * self.bend0)
+        return float(0.5 * E * w * J @ np.sin(phi) + curved + np.pi * w * self.excess)
+
+    def pressure_at(self, t, zone=0):
+        t = np.asarray(t, dtype=float)
+        w, E = self.half, self.E_star
+        left, right = w * (1 + t), w * (1 - t)
+        theta = self._angle(left, right)
+        out = 0.5 * E * w * self.bend0 * np.sin(theta)
+        for (s, size), order in [*((r, 0) for r in self.steps), *((r, 1) for r in self.bends)]:
+            phi = self._at(s)
+            away = left - (s - self.zone[0])
+            with np.errstate(divide="ignore"):
+                kappa = np.log(np.sin(0.5 * (theta + phi)) ** 2 / (0.5 * np.abs(self._apart(away, left, right, s))))
+            kappa = kappa if self.zone[0] < s < self.zone[1] else np.zeros_like(theta)
+            if order == 0:
+                out = out + E * size / (2 * np.pi) * kappa
+            else:
+                bent = away * np.where(away == 0, 0.0, kappa) + w * phi * np.sin(theta)
+                out = out + E * size / (2 * np.pi) * bent
+        with np.errstate(divide="ignore", invalid="ignore"):
+            lean = 0.5 * E * self.tilted / self.cosine
+            return out if self.punch == 0 and self.tilted == 0 else out + (self.excess - lean * np.cos(theta)) / np.sin(theta)
+
+    def _apart(self, away, left, right, s):
+        """cos(theta) - cos(phi) from the distance, which keeps its digits."""
+        if self.period is None:
+            return away / self.half
+        turn, middle = np.pi / self.period, 0.5 * (self.zone[0] + self.zone[1])
+        u = turn * np.where(left < right, left - self.half, self.half - right)
+        return np.sin(turn * away) * self.cosine / (np.cos(u) * np.cos(turn * (s - middle)) * np.sin(self.turn))
+
+    def pressure(self, x):
+        x = np.asarray(x, dtype=float)
+        if self.period is not None:
+            middle = 0.5 * (self.zone[0] + self.zone[1])
+            x = x - self.period * np.round((x - middle) / self.period)
+        inside = (x > self.zone[0]) & (x < self.zone[1])
+        t = np.where(inside, ((x - self.zone[0]) - (self.zone[1] - x)) / (2 * self.half), 0.0)
+        return np.where(inside, self.pressure_at(t), 0.0)
+
+    def slope(self, x):
+        return self.profile.slope(x)
+
+    @property
+    def max_pressure(self):
+        a, b = self.zone
+        infinite = self.punch > 0 or self.tilted != 0 or np.any((self.steps[:, 0] > a) & (self.steps[:, 0] < b))
+        return np.inf if infinite else float(np.max(self.pressure_at(np.linspace(-1, 1, 20001))))
+
+
+@dataclass(frozen=True)
+class Wave:
+    """Q(x) = sum c_k cos(2 pi k x/L) + s_k sin(2 pi k x/L), k = 1 ...: its roots and derivatives."""
+
+    cosine: tuple[float, ...]
+    sine: tuple[float, ...]
+    period: float
+
+    def derivative(self, x, n=0):
+        k = 2 * np.pi / self.period * np.arange(1, len(self.cosine) + 1)
+        z = (np.array(self.cosine) - 1j * np.array(self.sine)) * (1j * k) ** n
+        return np.real(np.exp(1j * np.asarray(x)[..., None] * k) @ z)
+
+    def roots(self, y):
+        n = len(self.cosine)
+        z = 0.5 * (np.array(self.cosine) - 1j * np.array(self.sine))
+        powers = np.concatenate((np.conj(z[::-1]), [-y], z))
+        found = np.roots(powers[::-1])
+        x = self.period / (2 * np.pi) * np.angle(found[np.abs(np.abs(found) - 1) < 1e-6])
+        assert len(x) == 2 * n
+        return np.sort(polished(self, x, y))
+
+
+@dataclass(frozen=True)
+class Power:
+    """Q(x) a polynomial, lowest power first."""
+
+    coefficients: tuple[float, ...]
+    period = None
+
+    def derivative(self, x, n=0):
+        series = Series(self.coefficients)
+        return (series.deriv(n) if n else series)(np.asarray(x, dtype=float))
+
+    def roots(self, y):
+        found = (Series(self.coefficients) - y).roots()
+        x = np.real(found[np.abs(np.imag(found)) < 1e-6])
+        assert len(x) == len(self.coefficients) - 1
+        return np.sort(polished(self, x, y))
+
+
+def polished(map_, x, y):
+    for _ in range(4):
+        x = x - (map_.derivative(x) - y) / map_.derivative(x, 1)
+    return x
+
+
+@dataclass(frozen=True, eq=False)
+class FoldedProfile(contact.Profile):
+    """h(Q(x)), with the jumps of h in every one of its branches."""
+
+    map_: Wave | Power
+    base: contact.Profile
+    period: float | None = None
+
+    def height(self, x):
+        return self.base.height(self.map_.derivative(self.wrap(x)))
+
+    def slope(self, x):
+        x = self.wrap(x)
+        return self.base.slope(self.map_.derivative(x)) * self.map_.derivative(x, 1)
+
+    @cached_property
+    def _places(self):
+        """Position, and what is jumped by in h', in h'', going upwards in y."""
+        J, Q = self.base.steps, self.base.bends
+        return [(x, size, 0.0) for y, size in J for x in self.map_.roots(y)] + [
+            (x, 0.0, size) for y, size in Q for x in self.map_.roots(y)
+        ]
+
+    @property
+    def kinks(self):
+        return rows([(x, J * abs(self.map_.derivative(x, 1))) for x, J, _ in self._places if J])
+
+    @property
+    def jumps(self):
+        """f'' = h'' Q'^2 + h' Q'', f''' = h''' Q'^3 + 3 h'' Q' Q'' + h' Q''', each jump with the sign of Q'."""
+        out = []
+        for x, J, Q in self._places:
+            d = [self.map_.derivative(x, n) for n in (1, 2, 3)]
+            side = np.sign(d[0])
+            out.append((x, 2, side * (J * d[1] + Q * d[0] ** 2)))
+            out.append((x, 3, side * (J * d[2] + 3 * Q * d[0] * d[1])))
+        return np.array(out).reshape(-1, 3)
+
+    @property
+    def resolution(self):
+        return None if self.period is None else self.period / (4 * len(self.map_.cosine))
+
+
+@dataclass(frozen=True, eq=False)
+class FoldedContact:
+    """The contact of h(Q(x)) from that of h(y)."""
+
+    map_: Wave | Power
+    base: CorneredZone
+
+    @property
+    def E_star(self):
+        return self.base.E_star
+
+    @property
+    def period(self):
+        return self.map_.period
+
+    @cached_property
+    def profile(self):
+        return FoldedProfile(self.map_, self.base.profile, self.map_.period)
+
+    @cached_property
+    def zones(self):
+        low, high = (self.map_.roots(y) for y in self.base.zone)
+        both = np.sort(np.concatenate((low, high)))
+        if self.period is not None and np.isin(both[0], low) == np.isin(both[1], low):
+            both = np.append(both[1:], both[0] + self.period)
+        if self.period is not None and not 0 < self.map_.derivative(0.5 * (both[0] + both[1])) - self.base.zone[0] < np.diff(self.base.zone):
+            both = np.append(both[1:], both[0] + self.period)
+        return both.reshape(-1, 2)
+
+    @property
+    def zone_widths(self):
+        return np.diff(self.zones).ravel()
+
+    @property
+    def load(self):
+        return self.base.load * len(self.zones)
+
+    def pressure_at(self, t, zone=0):
+        a, b = self.zones[zone]
+        return self.pressure(0.5 * (a + b) + 0.5 * (b - a) * np.asarray(t, dtype=float))
+
+    def pressure(self, x):
+        """|Q'| q(Q); between the zones and beyond them Q is outside the one zone."""
+        return np.abs(self.map_.derivative(x, 1)) * self.base.pressure(self.map_.derivative(x))
+
+    def slope(self, x):
+        return self.profile.slope(x)
+
+    @property
+    def max_pressure(self):
+        if np.isinf(self.base.max_pressure):
+            return np.inf
+        return float(np.max([self.pressure_at(np.linspace(-1, 1, 20001), k) for k in range(len(self.zones))]))
