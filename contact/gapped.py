@@ -37,6 +37,9 @@ _NODES, _REACH = 161, 3.3
 # what is stated is not about them.
 _BESIDE = 1e-7
 
+# The same for tips: over the half width, as for zones (`sie.Density.sensitivity`).
+_BESIDE_TIPS = 0.01
+
 
 @dataclass(frozen=True, eq=False)
 class GapFields:
@@ -192,8 +195,8 @@ class Gapped:
         """Estimated error of the pressure over its unit and of the zones' ends over their width.
 
         An end of a gap off by delta shifts the normalised positions in the zone beside it, by delta over its width; the
-        pressure there by delta over the length in which it varies; and the pressure beside the gap, which is of the size of
-        its slope on the length of its width, by delta over that width.
+        pressure there by delta over the length in which it varies, beside a tip its distance; and the pressure beside the gap,
+        which is of the size of its slope on the length of its width, by delta over that width.
         """
         fields, state, gaps = self.fields, self.fields.state, self.fields.density.zones
         assert isinstance(state, sie.State)  # the total of every gap is given: no holes
@@ -212,7 +215,21 @@ class Gapped:
         # Beside a kink the logarithms that cancel are several times the pressure.
         rounding = (3 if len(fields.conjugate.at) else 1) * ROUNDING * (1 + abs(fields.mean) / unit)
         on_zones = state.density_error * state.size / unit + rounding
-        return 2 * (ends + float(shift.max()) / varies + beside) + on_zones
+        tips = float((np.maximum(shift[:, 1], np.roll(shift[:, 0], -1)) * self._steepest).max()) / unit
+        return 2 * (ends + float(shift.max()) / varies + beside + tips) + on_zones
+
+    @property
+    def _steepest(self) -> Array:
+        """Slope of the pressure in each zone beside the largest of its tips, no nearer than stated (J / pi over the distance)."""
+        fields = self.fields
+        zones, convex = fields.zones, fields.conjugate.heights > 0
+        at, heights = fields.conjugate.at[convex], fields.conjugate.heights[convex]
+        at = at - np.floor((at - zones[0, 0]) / fields.period) * fields.period
+        zone = np.maximum(np.searchsorted(zones[:, 0], at, side="right") - 1, 0)
+        count, largest = np.bincount(zone, minlength=len(zones)), np.zeros(len(zones))
+        np.maximum.at(largest, zone, heights)
+        nearest = np.minimum(_BESIDE_TIPS, 0.25 / np.maximum(count, 1)) * 0.5 * (zones[:, 1] - zones[:, 0])
+        return np.asarray(largest / (np.pi * nearest))
 
     @property
     def widening(self) -> Array:

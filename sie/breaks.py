@@ -149,6 +149,14 @@ class Breaks(Steps):
         beyond = self._beyond(zone)
         return out if beyond is None else out + beyond[0].density(beyond[1], left, right)
 
+    def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
+        """d/dtheta of `density`, by differences."""
+        theta = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))
+        order = np.argsort(theta)
+        out = np.empty(theta.shape)
+        out[order] = np.gradient(self.density(zone, left, right)[order], theta[order])
+        return out
+
     def integral(self, zone: int, left: Array, right: Array) -> Array:
         """Integral of a zone's parts from its left end, at distances from the ends over w; over w.
 

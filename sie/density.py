@@ -114,7 +114,8 @@ class Density:
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
         """(Z,) each: the largest density of a zone, and the largest change of its density at equal normalised position by a
-        motion of its left end, of its right end, per motion over width; 1/sqrt(d) at singular ends counts no nearer than _BESIDE.
+        motion of its left end, of its right end, per motion over width; infinite pressures, at singular ends and kinks, count no
+        nearer than _BESIDE.
 
         To first order the motion of an end leaves a bounded density as it is at fixed places, but for K / sqrt(d), which the
         density at the new ends does not have. At equal t = cos(theta), a motion of the right end by eps widths makes that
@@ -134,15 +135,20 @@ class Density:
             value, slope = np.sin(angle) @ sums, np.cos(angle) @ (k[:, None] * sums)
             at_left = -(k * (1.0 - 2.0 * (k % 2))) @ sums + edge_left[group]
             at_right = k @ sums + edge_right[group]
-            for column, i in enumerate(group):
-                if i in self.steps.by_zone:
-                    jumps = self.steps.density(int(i), 1 + np.cos(theta), 1 - np.cos(theta))
-                    value[:, column] += jumps
-                    slope[:, column] += np.gradient(jumps, theta)
             half = np.tan(0.5 * theta)[:, None]
             peak[group] = np.abs(value).max(axis=0)
             by_right[group] = np.abs((slope - at_right) / half).max(axis=0)
             by_left[group] = np.abs((slope + at_left) * half).max(axis=0)
+            for column, i in enumerate(group.tolist()):
+                if i not in self.steps.by_zone:
+                    continue
+                peak[i] = np.abs(value[:, column] + self.steps.density(i, 1 + np.cos(theta), 1 - np.cos(theta))).max()
+                beside = self.steps.beside_kinks(i, _BESIDE, theta)
+                left, right = 2 * np.cos(0.5 * beside) ** 2, 2 * np.sin(0.5 * beside) ** 2
+                bent = np.cos(beside[:, None] * k) @ (k * sums[:, column]) + self.steps.angular_slope(i, left, right)
+                tangent = np.tan(0.5 * beside)
+                by_right[i] = np.abs((bent - at_right[column]) / tangent).max(initial=0.0)
+                by_left[i] = np.abs((bent + at_left[column]) * tangent).max(initial=0.0)
         # A zone held at one end spreads its load over another width as the other end moves.
         edge = (np.abs(alpha) + np.abs(beta)) / np.sqrt(_BESIDE * (2 - _BESIDE))
         return peak, by_left + edge, by_right + edge

@@ -82,7 +82,9 @@ def _beside_logarithms(
         (r, j_in), (y, j_out) = ((d[side], j[side]) for d, j in (inside, outside))
         c_in, c_out = np.where(r < width, 2 * j_in / np.pi, 0.0), np.where(y < width, 2 * j_out / np.pi, 0.0)
         r, y = np.minimum(r, width), np.clip(y, 1e-300, width)
-        straight = np.maximum(slopes[side] - c_out / np.sqrt(y), 0.0)
+        # Right on a logarithm A is infinite, and all of it is bent.
+        with np.errstate(invalid="ignore"):
+            straight = np.where(np.isinf(slopes[side]), 0.0, np.maximum(slopes[side] - c_out / np.sqrt(y), 0.0))
 
         def intensity(delta: Array) -> Array:
             bend = c_out * (np.sqrt(y) - np.sqrt(np.maximum(y - delta, 0))) - c_in * np.sqrt(np.maximum(-delta - r, 0))

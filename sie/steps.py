@@ -35,6 +35,10 @@ _SERIES = 1024
 _FAR = 0.25
 # Up to which rho how many terms of the series are enough.
 _SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
+# kappa is taken no nearer to a jump than this.
+_TINY = 1e-16
+# Kinks of a zone beside which it is looked how the density follows the ends.
+_KINKS = 32
 # (point, jump) pairs handled at once.
 _PAIRS = 1 << 20
 
@@ -118,10 +122,9 @@ class Steps:
         if k is None:
             return np.zeros(left.shape)
         away = left[..., None] - self.left[k]
-        q, h = self.order[k], self.height[k]
         angle = np.where(away > 0, -self.psi[k], self.phi[k])
-        added = (angle * away**q + self._polynomial(k, left[..., None] - 1)) / np.pi
-        return np.asarray((h * added).sum(-1))
+        parts = angle * away ** self.order[k] + self._polynomial(k, left[..., None] - 1)
+        return np.asarray(parts @ (self.height[k] / np.pi))
 
     def mean_offsets(self, zones: Zones) -> Array:
         """Mean over each zone of the primitive of g (zero where its values at the ends are), less what the smooth
@@ -184,16 +187,44 @@ class Steps:
     def density(self, zone: int, left: Array, right: Array) -> Array:
         """Sum of the parts of a zone at points (n,) given by their distances from its ends over w."""
         k = self.by_zone[zone]
+        away, kappa = self._kappa(k, left, right)
+        with np.errstate(invalid="ignore"):
+            value = np.where(self.order[k] == 0, kappa, np.where(away == 0, 0.0, away ** self.order[k] * kappa))
+        return np.asarray(value @ (self.height[k] / np.pi))
+
+    def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
+        """d/dtheta of `density` at points that are no jumps: d kappa/dtheta = sin(phi) / (t - s)."""
+        k = self.by_zone[zone]
+        away, kappa = self._kappa(k, left, right)
+        q, sine = self.order[k], np.sqrt(left * right)[:, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = away ** (q - 1.0) * (self.sine[k] - q * sine * np.minimum(kappa, -np.log(_TINY)))
+        return np.asarray(value @ (self.height[k] / np.pi))
+
+    def _kappa(self, k: Index, left: Array, right: Array) -> tuple[Array, Array]:
+        """t - s and kappa of jumps k at points (n,), (n, jumps) each."""
         up, vp = np.sqrt(right[:, None] * self.left[k]), np.sqrt(left[:, None] * self.right[k])
         away = left[:, None] - self.left[k]
         # sin((theta +- phi)/2) = (sqrt(r l_s) +- sqrt(l r_s)) / 2; their product is (s - t)/2 without cancellation. A jump beside
         # an end, or a point, has little of kappa: then it is 2 artanh of the roots' ratio, to all digits.
         small, large = np.minimum(up, vp), np.maximum(up, vp)
         with np.errstate(divide="ignore", invalid="ignore"):
-            kappa = np.log((up + vp) ** 2 / (2 * np.abs(away)))
-            kappa = np.where(small < 0.5 * large, 2 * np.arctanh(np.minimum(small / large, 0.5)), kappa)
-            value = np.where(self.order[k] == 0, kappa, np.where(away == 0, 0.0, away ** self.order[k] * kappa))
-        return np.asarray(value @ (self.height[k] / np.pi))
+            far = 2 * np.arctanh(np.minimum(small / large, 0.5))
+            return away, np.where(small < 0.5 * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away))))
+
+    def beside_kinks(self, zone: int, nearest: float, theta: Array) -> Array:
+        """Angles of a zone at which its density is asked for: those given, and right beside the largest kinks, but none nearer
+        to a kink than `nearest` over w, or than a quarter of the kinks' mean distance."""
+        k = self.by_zone[zone]
+        k = k[self.order[k] == 0]
+        if len(k) == 0:
+            return theta
+        away, s = min(nearest, 0.25 / len(k)), np.sort(self.s[k])
+        largest = self.s[k[np.argsort(-np.abs(self.height[k]))[:_KINKS]]]
+        t = np.concatenate((np.cos(theta), largest - away, largest + away))
+        place = np.searchsorted(s, t)
+        distance = np.minimum(np.abs(t - s[np.maximum(place - 1, 0)]), np.abs(t - s[np.minimum(place, len(s) - 1)]))
+        return np.asarray(np.arccos(t[(distance > 0.999 * away) & (np.abs(t) < 1)]))
 
     def transform(self, zone: int, z: Array, rho: Array) -> Array:
         """Transform of a zone's parts off the zone: by their closed forms, or by the series of all of them together where

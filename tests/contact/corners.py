@@ -1,6 +1,6 @@
 r"""Exact contacts of profiles with corners: one zone in closed form, and many zones folded out of it.
 
-**One zone** [a, b] of f' = c0 + c1 (x - a) + sum J H(x - s) + sum Q (x - s)_+ : slope and curvature jumps J, Q at s.
+**One zone** [a, b] of f' = c0 + c1 (x - m) + sum J H(x - s) + sum Q (x - s)_+ : jumps J and Q of slope and curvature at s.
 With x - a : b - x = 1 + cos(theta) : 1 - cos(theta), s at phi, a step alone has the Chebyshev series
 (2/pi) sum sin(k phi) cos(k theta)/k + phi/pi, so that (w the half width)
 
@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import factorial
 
 import numpy as np
 from numpy.polynomial import Polynomial as Series
@@ -40,42 +41,66 @@ def rows(values):
 
 @dataclass(frozen=True, eq=False)
 class Bent(contact.Profile):
-    """f' = slope0 + bend0 (x - origin) + sum J H(x - s) + sum Q (x - s)_+, f(origin) = 0, origin left of all s; a period starts there."""
+    """Slope and bend at `middle`, where f = 0, and from there outwards the slope's jumps `steps` and those of its derivative `bends`:
 
-    origin: float
-    slope0: float = 0.0
-    bend0: float = 0.0
+    f' = slope + bend (x - middle) + sum J H(x - s) + sum Q (x - s)_+ over s on the right, - J H(s - x) and + Q (s - x)_+ on the
+    left: what is flat in the middle is so to the last digit. With a period the cell begins at `start`, in a valley's corner.
+    """
+
+    middle: float
+    flat: float = 0.0
+    bend: float = 0.0
     steps: np.ndarray = field(default_factory=lambda: NONE)
     bends: np.ndarray = field(default_factory=lambda: NONE)
     period: float | None = None
+    start: float = 0.0
     walls: tuple[float, float] | None = None
 
-    x0 = property(lambda self: self.origin)
+    x0 = property(lambda self: self.start)
     support = property(lambda self: self.walls)
 
     def _beyond(self, x, at):
-        return np.maximum(np.asarray(self.wrap(x))[..., None] - at, 0.0)
+        """Signs of the sides of the jumps, and how far x lies beyond each on its side."""
+        side = np.where(at < self.middle, -1.0, 1.0)
+        return side, np.maximum(side * (np.asarray(self.wrap(x))[..., None] - at), 0.0)
 
     def height(self, x):
-        y = np.asarray(self.wrap(x)) - self.origin
-        rise = self._beyond(x, self.steps[:, 0]) @ self.steps[:, 1]
-        return y * (self.slope0 + 0.5 * self.bend0 * y) + rise + 0.5 * self._beyond(x, self.bends[:, 0]) ** 2 @ self.bends[:, 1]
+        y = np.asarray(self.wrap(x)) - self.middle
+        out = y * (self.flat + 0.5 * self.bend * y) + self._beyond(x, self.steps[:, 0])[1] @ self.steps[:, 1]
+        side, past = self._beyond(x, self.bends[:, 0])
+        out = out + 0.5 * past**2 @ (side * self.bends[:, 1])
+        if self.walls is None:
+            return out
+        return np.where((x >= self.walls[0]) & (x <= self.walls[1]), out, np.inf)
 
     def slope(self, x):
-        y = np.asarray(self.wrap(x))
-        past = (y[..., None] > self.steps[:, 0]) @ self.steps[:, 1]
-        return self.slope0 + self.bend0 * (y - self.origin) + past + self._beyond(x, self.bends[:, 0]) @ self.bends[:, 1]
+        y = np.asarray(self.wrap(x)) - self.middle
+        side, past = self._beyond(x, self.steps[:, 0])
+        out = self.flat + self.bend * y + (past > 0) @ (side * self.steps[:, 1])
+        return out + self._beyond(x, self.bends[:, 0])[1] @ self.bends[:, 1]
 
     @property
     def kinks(self):
         if self.period is None:
             return self.steps
         # f repeats: what the slope gained over the period it loses at the border.
-        return np.vstack(([[self.origin, -self.steps[:, 1].sum()]], self.steps))
+        return np.vstack(([[self.start, -self.steps[:, 1].sum()]], self.steps))
 
     @property
     def jumps(self):
         return np.column_stack((self.bends[:, 0], np.full(len(self.bends), 2.0), self.bends[:, 1]))
+
+
+def _load_of_ramp(phi):
+    """phi - sin(phi) cos(phi), without cancellation for small phi."""
+    series = sum((-1) ** (k + 1) * (2 * phi) ** (2 * k + 1) / factorial(2 * k + 1) for k in range(1, 12))
+    return np.where(phi < 0.5, 0.5 * series, phi - np.sin(phi) * np.cos(phi))
+
+
+def _mean_of_ramp(phi):
+    """sin(phi) - phi cos(phi), without cancellation for small phi."""
+    series = sum((-1) ** (k + 1) * 2 * k * phi ** (2 * k + 1) / factorial(2 * k + 1) for k in range(1, 12))
+    return np.where(phi < 1, series, np.sin(phi) - phi * np.cos(phi))
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +114,7 @@ class CorneredZone:
     zone: tuple[float, float]
     steps: np.ndarray = field(default_factory=lambda: NONE)
     bends: np.ndarray = field(default_factory=lambda: NONE)
-    bend0: float = 0.0
+    bend: float = 0.0
     E_star: float = 1.0
     period: float | None = None
     punch: float = 0.0
@@ -113,11 +138,16 @@ class CorneredZone:
             left, right = (np.sin(np.pi / self.period * np.asarray(d)) for d in (left, right))
         return 2 * np.arctan2(np.sqrt(np.maximum(right, 0.0)), np.sqrt(np.maximum(left, 0.0)))
 
-    def _at(self, places):
-        """phi of places, beyond the zone its ends'."""
+    @property
+    def middle(self):
+        return 0.5 * (self.zone[0] + self.zone[1])
+
+    def _from_end(self, places):
+        """Angles of jumps from the end of their own half of the zone, 0 beyond it, and the signs of their sides."""
         a, b = self.zone
         s = np.clip(places, a, b)
-        return self._angle(s - a, b - s)
+        left = s < self.middle
+        return self._angle(np.where(left, b - s, s - a), np.where(left, s - a, b - s)), np.where(left, -1.0, 1.0)
 
     @property
     def turn(self):
@@ -130,38 +160,23 @@ class CorneredZone:
         a, b = self.zone
         return 1.0 if self.period is None else np.sin(0.5 * np.pi / self.period * (a + self.period - b))
 
-    def _mean(self):
-        """The weighted mean of f' less its value at the left end."""
-        phi, w = self._at(self.steps[:, 0]), self.half
-        psi = np.arctan2(self.cosine * np.sin(phi), np.cos(phi))
-        inside = np.where(self.steps[:, 0] > self.zone[0], self.steps[:, 1], 0.0)
-        total = inside @ psi / np.pi + self.bend0 * w
-        phi = self._at(self.bends[:, 0])
-        return total + w * self.bends[:, 1] @ (np.sin(phi) - phi * np.cos(phi)) / np.pi
-
     @cached_property
     def profile(self):
-        """The whole profile; a periodic one has a valley's corner where it closes, outside the zone."""
+        """The profile that has its contact here; a periodic one has a valley's corner where it closes, outside the zone."""
         a, b = self.zone
-        slope = self.tilted - self._mean()  # just inside the left end
+        (phi, side), (bent, _) = (self._from_end(of[:, 0]) for of in (self.steps, self.bends))
+        psi = np.arctan2(self.cosine * np.sin(phi), np.cos(phi))
+        mean = self.steps[:, 1] @ (side * psi) + self.half * self.bends[:, 1] @ _mean_of_ramp(bent)
+        flat = self.tilted - mean / np.pi
         walls = self.zone if self.punch > 0 else None
         if self.period is None:
-            origin = min([a, *self.steps[:, 0], *self.bends[:, 0]]) - self.half
-            rise = self.bend0 * (a - origin) + self.bends[:, 1] @ np.maximum(a - self.bends[:, 0], 0.0)
-            return Bent(origin, slope - self._before - rise, self.bend0, self.steps, self.bends, None, walls)
-        total = self.steps[:, 1].sum()
-        # (slope left of all) L + sum J (v - s) = 0 at the right border v of the cell that begins left of the zone.
-        first = slope - self._before
-        v = (self.steps[:, 1] @ self.steps[:, 0] - first * self.period) / total if total else b + 0.5 * (self.period - b + a)
-        assert b < v < a + self.period, "the valley falls into the zone"
-        inside = (self.steps[:, 0] > v - self.period) & (self.steps[:, 0] < v)
-        assert np.all(inside)
-        return Bent(v - self.period, first, 0.0, self.steps, NONE, self.period, walls)
-
-    @property
-    def _before(self):
-        """What f' gains by steps left of the zone."""
-        return self.steps[self.steps[:, 0] <= self.zone[0], 1].sum()
+            return Bent(self.middle, flat, self.bend, self.steps, self.bends, walls=walls)
+        at, J = self.steps.T
+        first = flat - J[at < self.middle].sum()
+        # first L + sum J (v - s) = 0 at the right border v of the cell
+        v = (J @ at - first * self.period) / J.sum() if len(J) else b + 0.5 * (self.period - b + a)
+        assert b < v < a + self.period and np.all((at > v - self.period) & (at < v)), "the valley falls into the zone"
+        return Bent(self.middle, flat, 0.0, self.steps, NONE, self.period, v - self.period, walls)
 
     @property
     def excess(self):
@@ -169,17 +184,17 @@ class CorneredZone:
 
     @property
     def load(self):
-        phi, E, w = self._at(self.steps[:, 0]), self.E_star, self.half
+        phi, E, w = self._from_end(self.steps[:, 0])[0], self.E_star, self.half
         J = self.steps[:, 1]
         if self.period is not None:
             # 1 - (sin A sin phi)^2 = (cos A/cos u)^2 at u = pi (s - m)/L
-            middle, inside = 0.5 * (self.zone[0] + self.zone[1]), (phi > 0) & (phi < np.pi)
-            u = np.pi / self.period * (self.steps[inside, 0] - middle)
+            inside = phi > 0
+            u = np.pi / self.period * (self.steps[inside, 0] - self.middle)
             grown = np.log((1 + np.sin(self.turn) * np.sin(phi[inside])) * np.cos(u) / self.cosine)
             bounded = E * self.period / (2 * np.pi) * J[inside] @ grown
             return float(bounded + self.period * np.sin(self.turn) * self.excess)
-        at = self._at(self.bends[:, 0])
-        curved = 0.25 * E * w**2 * (self.bends[:, 1] @ (at - np.sin(at) * np.cos(at)) + np.pi * self.bend0)
+        at, side = self._from_end(self.bends[:, 0])
+        curved = 0.25 * E * w**2 * (self.bends[:, 1] @ (side * _load_of_ramp(at)) + np.pi * self.bend)
         return float(0.5 * E * w * J @ np.sin(phi) + curved + np.pi * w * self.excess)
 
     def pressure_at(self, t, zone=0):
@@ -187,9 +202,10 @@ class CorneredZone:
         w, E = self.half, self.E_star
         left, right = w * (1 + t), w * (1 - t)
         theta = self._angle(left, right)
-        out = 0.5 * E * w * self.bend0 * np.sin(theta)
+        out = 0.5 * E * w * self.bend * np.sin(theta)
         for (s, size), order in [*((r, 0) for r in self.steps), *((r, 1) for r in self.bends)]:
-            phi = self._at(s)
+            phi, side = self._from_end(s)
+            phi, share = (phi if side > 0 else np.pi - phi), side * phi
             away = left - (s - self.zone[0])
             with np.errstate(divide="ignore"):
                 kappa = np.log(np.sin(0.5 * (theta + phi)) ** 2 / (0.5 * np.abs(self._apart(away, left, right, s))))
@@ -197,7 +213,7 @@ class CorneredZone:
             if order == 0:
                 out = out + E * size / (2 * np.pi) * kappa
             else:
-                bent = away * np.where(away == 0, 0.0, kappa) + w * phi * np.sin(theta)
+                bent = away * np.where(away == 0, 0.0, kappa) + w * share * np.sin(theta)
                 out = out + E * size / (2 * np.pi) * bent
         with np.errstate(divide="ignore", invalid="ignore"):
             lean = 0.5 * E * self.tilted / self.cosine
@@ -207,15 +223,14 @@ class CorneredZone:
         """cos(theta) - cos(phi) from the distance, which keeps its digits."""
         if self.period is None:
             return away / self.half
-        turn, middle = np.pi / self.period, 0.5 * (self.zone[0] + self.zone[1])
+        turn = np.pi / self.period
         u = turn * np.where(left < right, left - self.half, self.half - right)
-        return np.sin(turn * away) * self.cosine / (np.cos(u) * np.cos(turn * (s - middle)) * np.sin(self.turn))
+        return np.sin(turn * away) * self.cosine / (np.cos(u) * np.cos(turn * (s - self.middle)) * np.sin(self.turn))
 
     def pressure(self, x):
         x = np.asarray(x, dtype=float)
         if self.period is not None:
-            middle = 0.5 * (self.zone[0] + self.zone[1])
-            x = x - self.period * np.round((x - middle) / self.period)
+            x = x - self.period * np.round((x - self.middle) / self.period)
         inside = (x > self.zone[0]) & (x < self.zone[1])
         t = np.where(inside, ((x - self.zone[0]) - (self.zone[1] - x)) / (2 * self.half), 0.0)
         return np.where(inside, self.pressure_at(t), 0.0)
