@@ -27,7 +27,7 @@ def stated_error(found: Found, control: Control) -> float:
     _, by_left, by_right = density.sensitivity
     singular, peak = _is_singular(density), _reference(density)
     moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
-    on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING)
+    on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
     error = max(float(ends.max(initial=0.0)) + ROUNDING, moved + on_zones)
     if control.kind != "approach":
         return error
@@ -36,6 +36,11 @@ def stated_error(found: Found, control: Control) -> float:
     assert fields.stiffness is not None
     rounding = fields.gap_rounding / 16 + 4e-16 * density.total
     return error + abs(rounding * fields.stiffness * units.height / (units.load * density.total))
+
+
+def _of_jumps(density: sie.AnyDensity) -> float:
+    """Rounding of the logarithms at kinks, which may cancel to a pressure far below the height of the kinks."""
+    return 2 * _EPS * float(np.abs(density.steps.height).max(initial=0.0))
 
 
 def _is_singular(density: sie.AnyDensity) -> bool:

@@ -75,7 +75,7 @@ def _turned(scene: Scene, guess: float) -> Framed:
 def _turned_frame(scene: Scene, profile: Tilted, window: Window) -> Framed:
     """Scaled by a window that holds the contact. The approach counts, at x = 0, from where the body is not turned."""
     length = 2.0 ** round(math.log2(0.5 * (window[1] - window[0])))
-    units = Units(0.5 * (window[0] + window[1]), length, _typical_slope(scene, profile, length, window), scene.E_star)
+    units = Units(_middle_or_tip(profile, window), length, _typical_slope(scene, profile, length, window), scene.E_star)
     moment = None if scene.moment is None else scene.moment / units.moment
     level = lowest(profile, window) if _datum(scene) is None else _lowest_unturned(scene)
     return Framed(Problem(profile, scene.interaction, units, level, moment=moment), scaled_control(scene, units), window)
@@ -139,8 +139,16 @@ def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
         # The lowest point is in contact at any load: a window of any contact holds it.
         first = find(profile.height, scene.E_star, load=1e-3 * scene.E_star * (datum or 1.0))
         window = find(profile.height, scene.E_star, level=lowest(profile, first) + value)
-    origin = 0.0 if profile.symmetric else 0.5 * (window[0] + window[1])
+    origin = 0.0 if profile.symmetric else _middle_or_tip(profile, window)
     return origin, 0.5 * (window[1] - window[0]), window
+
+
+def _middle_or_tip(profile: Profile, window: Window) -> float:
+    """Where x is counted from: the lowest sharp tip within a window, since an end that comes close to one is known by its distance
+    from it (a wedge leaning on its flank); the middle, where there is none."""
+    tips = profile.kinks[profile.kinks[:, 1] > 0, 0]
+    tips = tips[(window[0] < tips) & (tips < window[1])]
+    return float(tips[np.argmin(profile.height(tips))]) if len(tips) else 0.5 * (window[0] + window[1])
 
 
 def lowest(profile: Profile, cell: Window | None = None) -> float:

@@ -78,13 +78,19 @@ def leaning(scene: Scene, guess: float) -> Lean[Window]:
     for reach in (_FAR * size, _FAR**2 * size, _FAR**3 * size):
         search = _Leaning(scene, load, known or (-reach, reach), known is not None, first)
         best = balanced(search, centre, tilts, _FEW_TILTS)
-        if abs(best.centre - centre) > best.fineness and len(search.windows) > 1:
+        missed = abs(best.centre - centre) > best.fineness
+        if missed and known is None and best.found != search.limits and not _holds(_hull(search.windows.values()), centre):
+            break  # the centre of a load lies between places of contact, and none came near it
+        if missed and len(search.windows) > 1:
             # A window about one asperity hid another: look at all places of contact at once, however far apart.
             search = replace(search, whole=_hull(search.windows.values()))
             best = balanced(search, centre, (best.tilt, resting), _MOST_TILTS)
         if known is not None or best.found != search.limits:
             return best
-    raise OutOfRange(f"no tilt brings the centre of the load to {centre:.6g} m: does the profile rise on both sides?")
+    raise OutOfRange(
+        f"no tilt that can be told from the slopes of the profile brings the centre of the load to {centre:.6g} m: give a smaller moment, "
+        "or check that the profile rises on both sides"
+    )
 
 
 @dataclass
@@ -118,6 +124,10 @@ class _Leaning:
         above = [t for t in self.windows if t >= tilt]
         near = [self.windows[t] for t in (max(below, default=None), min(above, default=None)) if t is not None]
         return _hull(near) if near else self.first
+
+
+def _holds(window: Window, place: float) -> bool:
+    return window[0] <= place <= window[1]
 
 
 def _hull(windows: Iterable[Window]) -> Window:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import sie
 from contact import planning
 from contact.accuracy import limit, stated_error
+from contact.bounded import refuse_unbounded
 from contact.certificate import Certificate
 from contact.conjugate import ScaledConjugate
 from contact.errors import NotConverged, OutOfRange, SceneError
@@ -88,6 +89,7 @@ class _Run:
         if kind == "contact_fraction" and value == 1.0:
             return self._full(self._full_pressure_or_refuse())
         refuse_below_plateau(self.scene)
+        refuse_unbounded(self.scene)
         found: Found | Gapped | None = self._beside_near()
         if found is None:
             try:

@@ -274,9 +274,9 @@ def _newton(
     delta, weak = np.where(holds, across, delta), weak & ~holds
     noise = np.where(holds, 2 * noise_k / np.abs(np.where(holds, a, 1.0)), noise)
     if len(equation.forcing.steps_at) or jumps:
-        toward, slopes = side * residual, side * a
+        toward, slopes = side * residual, np.where(weak, 0.0, side * a)
         bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, toward, slopes, delta, INWARD, OUTWARD)
-        delta = np.where(moves & ~weak & ~(holds & jumps), bent, delta)
+        delta = np.where(moves & ~(holds & jumps), bent, delta)
     return delta, noise, change, not np.any(weak & moves)
 
 

@@ -37,7 +37,8 @@ def bent_steps(
     outward: float,
 ) -> Array:
     """Steps (2, Z) of the left and right ends: `plain` = 2 K / A but where a jump is near. No step is longer than
-    `inward` or `outward` of the width there. k, slopes: K less its target, and A, positive where they push outward."""
+    `inward` or `outward` of the width there. k, slopes: K less its target, and A, positive where they push outward; A is 0 where it
+    is not to be relied on."""
     if len(forcing.breaks_at):
         return _beside_logarithms(forcing, zones, period, k, slopes, plain, inward, outward)
     kinks = _kinks(forcing.steps_at, forcing.steps, forcing.orders)
@@ -47,7 +48,9 @@ def bent_steps(
     inside, outside = _nearest(zones, kinks[0][rising], kinks[1][rising], period)
     width = zones.b - zones.a
     near = np.minimum(inside[0], outside[0])
-    bent = (near < width) & (near < _FAR * np.abs(plain)) & (slopes > 0)
+    # Where A is no guide yet, a jump outside is one: the end stops soon after it.
+    guided = (slopes > 0) | ((k > 0) & (outside[0] < width))
+    bent = (near < width) & (near < _FAR * np.abs(plain)) & guided
     if not np.any(bent):
         return plain
     side = np.nonzero(bent)

@@ -62,7 +62,7 @@ CONTACT = """
     interactions.*
     turning
     problem interactions.__init__ scene
-    fields planning single scene_file answer leaning
+    bounded fields planning single scene_file answer leaning
     certificate conjugate sampling
     full
     export framing plateau plotting topology

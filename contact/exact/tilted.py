@@ -192,12 +192,27 @@ class TiltedWedge(TiltedZone):
         return pi * self.tilt / (2.0 * self.wedge_slope)
 
     @property
+    def _tip(self) -> tuple[float, float]:
+        """Distances of the tip from the left and right end over the half width, 1 -+ sin alpha, near either end too."""
+        left, right = (2.0 * sin(pi * (self.wedge_slope - turn) / (4.0 * self.wedge_slope)) ** 2 for turn in (self.tilt, -self.tilt))
+        return left, right
+
+    @property
+    def _cos_alpha(self) -> float:
+        return sin(pi * (self.wedge_slope - abs(self.tilt)) / (2.0 * self.wedge_slope))
+
+    @property
     def middle(self) -> float:
         return self.half_width * sin(self._alpha)
 
     @property
+    def zones(self) -> Array:
+        left, right = self._tip
+        return np.array([[-self.half_width * left, self.half_width * right]])
+
+    @property
     def load(self) -> float:
-        return self.E_star * self.wedge_slope * self.half_width * cos(self._alpha)
+        return self.E_star * self.wedge_slope * self.half_width * self._cos_alpha
 
     @property
     def moment(self) -> float:
@@ -206,7 +221,7 @@ class TiltedWedge(TiltedZone):
     @property
     def rotational_stiffness(self) -> float:
         """dM/d tilt at given load [N]."""
-        return pi * self.load**2 / (4.0 * self.E_star * (self.wedge_slope * cos(self._alpha)) ** 2)
+        return pi * self.load**2 / (4.0 * self.E_star * (self.wedge_slope * self._cos_alpha) ** 2)
 
     def height(self, x: ArrayLike) -> Array:
         return np.asarray(self.wedge_slope * np.abs(x))
@@ -215,8 +230,7 @@ class TiltedWedge(TiltedZone):
         return np.asarray(self.wedge_slope * np.sign(x) - self.tilt)
 
     def _pressure(self, left: Array, right: Array) -> Array:
-        # The tip is 1 - sin alpha from the left end and 1 + sin alpha from the right one.
-        at_left, at_right = 1.0 - sin(self._alpha), 1.0 + sin(self._alpha)
+        at_left, at_right = self._tip
         ratio = np.where(left > at_left, right * at_left / (left - at_left), left * at_right / (right - at_right))
         return self.E_star * self.wedge_slope / pi * arcosh1p(np.abs(ratio))
 

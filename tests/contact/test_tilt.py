@@ -9,7 +9,9 @@ from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
 import contact
+import sie
 from contact import exact, path
+from contact.framing import framed
 from contact.leaning import hull_edge
 from contact.profiles.tilted import Tilted
 from contact.turning import Lean, balanced
@@ -97,6 +99,58 @@ class TestClosedForms:
         t = WITHIN[np.abs(WITHIN + answer.middle / answer.half_width) > 0.1]
         solution = solve(contact.Wedge(0.1), contact.Isolated(), E, tol=1e-8, **given_by(answer, "load", name))
         assert true_error(solution, answer, t) <= solution.error <= 1e-8
+
+
+class TestOnTheFlank:
+    """Wedges turned nearly to their slope: the zone ends a hair beyond the tip, and rises slowly on the other side."""
+
+    @pytest.mark.parametrize("share", [0.99, -0.999, 0.9999])
+    @pytest.mark.parametrize("names", CONTROLS, ids=" and ".join)
+    def test_ten_digits_down_to_a_ten_thousandth_of_the_slope(self, share, names):
+        answer = exact.TiltedWedge(0.1, E, 0.3, 0.1 * share, DATUM)
+        t = WITHIN[np.abs(WITHIN + answer.middle / answer.half_width) > 0.1]
+        solution = solve(contact.Wedge(0.1), ISOLATED, E, tol=1e-10, **given_by(answer, *names))
+        assert true_error(solution, answer, t) <= solution.error <= 1e-10
+        # The short side, of 1e-9 of the zone, has its own digits.
+        short = np.argmin(np.abs(answer.zones[0]))
+        assert relative(solution.zones[0, short], answer.zones[0, short]) < 1e-9
+
+    @pytest.mark.parametrize("start", [0.0, 1e-9, 1e-4, 1e-2])
+    def test_newton_finds_the_end_beyond_a_tip_from_either_side_of_it(self, start):
+        answer = exact.TiltedWedge(0.1, E, 0.3, 0.09999)
+        frame = framed(contact.Scene(contact.Wedge(0.1), E, contact.Isolated(), load=answer.load, tilt=answer.tilt), False)
+        units, right = frame.problem.units, answer.zones[0, 1]
+        for left in (-start * right, start * right):
+            table = units.scaled(np.array([[left, right]]))
+            found = sie.find_ends(frame.problem.equation(frame.control), sie.Zones.of(table), 1e-10)
+            assert found.converged and len(found.trace) < 12
+            assert relative(units.x(found.density.zones.table), answer.zones) < 1e-6
+
+
+class TestNoHold:
+    """Bodies that fall without bound are refused before anything is searched for."""
+
+    @pytest.mark.parametrize("tilt", [0.1, -0.1, 0.1 * (1 + 1e-12), 3.0])
+    @pytest.mark.parametrize("name", ["load", "approach"])
+    def test_a_wedge_turned_to_its_slope_or_beyond(self, tilt, name):
+        side = "right" if tilt > 0 else "left"
+        with pytest.raises(contact.OutOfRange, match=f"turned by {tilt:.6g}, .* on the {side}.* below its slopes"):
+            solve(contact.Wedge(0.1), ISOLATED, E, tilt=tilt, **{name: 0.01})
+
+    @pytest.mark.parametrize("coefficients", [[0, 0, 0, 1.0], [0, 0, -1.0], [0, 1.0], [0, 0, 1, 0.1], [0, 0, 1, 0, -0.01]])
+    @pytest.mark.parametrize("turning", [{}, {"tilt": 0.1}, {"moment": 0.001}], ids=str)
+    @pytest.mark.parametrize("name", ["load", "approach"])
+    def test_a_polynomial_that_falls_on_one_side(self, coefficients, turning, name):
+        with pytest.raises(contact.OutOfRange, match="falls without bound|does not rise on both sides"):
+            solve(contact.Polynomial(coefficients), ISOLATED, E, **{name: 0.01}, **turning)
+
+    def test_a_moment_that_asks_for_the_slope_itself(self):
+        with pytest.raises(contact.OutOfRange, match="no tilt that can be told from the slopes"):
+            solve(contact.Wedge(0.1), contact.Isolated(), 1e9, load=0.01, moment=1e3)
+
+    def test_one_cell_of_such_a_polynomial_has_an_end(self):
+        cell = contact.Polynomial([0, -0.025, 1, 0.1], period=1.0)
+        assert contact.solve(contact.Scene(cell, 1.0, contact.Isolated(), load=1e-3)).certificate.holds
 
 
 class TestStiffness:
