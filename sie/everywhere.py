@@ -1,7 +1,7 @@
 """Transform and potential of a density with many zones at many points: far zones by series, near ones by their closed forms.
 
-The line is cut into cells, the zones and the gaps between them. What is far from a cell is a Chebyshev series on it, all of them from
-one fast sum; a point adds what the few near zones do.
+The line is cut into cells, the zones and pieces of the gaps between them. What is far from a cell is a Chebyshev series on it, all of
+them from one fast sum; a point adds what the few near zones do.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from sie.fast import FarSum, Nested
 from sie.field import cosine_sum, of_zones, sum_of_powers
 from sie.tree import SEPARATION, TERMS, Tree
+from sie.zones import Zones
 
 if TYPE_CHECKING:
     from sie.density import Density
@@ -37,10 +38,7 @@ class Everywhere:
         middle = 0.5 * (first + last)
         # Beyond a span on either side the whole set is far: a last cell there would be of no use.
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
-        ends = np.empty(2 * len(zones) + 2)
-        ends[1:-1:2], ends[2:-1:2] = zones.a, zones.b
-        ends[0], ends[-1] = min(middle - reach, first), max(middle + reach, last)
-        self.ends = ends
+        self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
         sources = Nested(Tree.over(zones.a, zones.b))
         far = FarSum(sources, Nested(Tree.over(ends[:-1], ends[1:]), kept=False), density.kernel)
@@ -188,6 +186,20 @@ class Everywhere:
             else:
                 out[far] += sign / (root * half) * (self.whole[0] + powers @ (2 * self.whole[1:]))
         return out
+
+
+def _cells(zones: Zones, lo: float, hi: float) -> Array:
+    """Ends of the cells: the zones, and the gaps between them in pieces that double in length away from either zone, so that to
+    none of them many zones are near."""
+    before = np.diff(np.concatenate(([2 * lo - zones.a[0]], zones.b[:-1], zones.a)).reshape(2, -1), axis=0)[0]
+    after = np.append(before[1:], 2 * (hi - zones.b[-1]))
+    ends, step = [np.array([lo, hi]), zones.a, zones.b], zones.b - zones.a
+    while True:
+        left, right = step < 0.5 * before, step < 0.5 * after
+        if not (left.any() or right.any()):
+            return np.sort(np.concatenate(ends))
+        ends += [zones.a[left] - step[left], zones.b[right] + step[right]]
+        step = 2 * step
 
 
 def _series_at(table: Array, cell: Index, t: Array) -> Array:

@@ -112,6 +112,21 @@ def test_fields_anywhere_are_those_summed_zone_by_zone(kernel):
     assert everywhere.potential(x) == pytest.approx(potential_at(density, x), abs=2e-14)
 
 
+@pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
+def test_few_zones_are_near_to_any_point_beside_a_cluster(kernel):
+    """A hundred equal zones beside a gap 250 times as wide as all of them: cells as long as their distance see them from afar."""
+    first = 1e-5 * np.arange(100)
+    density = sie.Density(
+        sie.Zones.of(np.column_stack((first, first + 5e-6))), kernel, np.tile([0.5, 0.0, -0.5], (100, 1)), Steps.none(), np.zeros(0)
+    )
+    everywhere = Everywhere(density)
+    ends = everywhere.ends
+    assert np.diff(everywhere.start).max() <= 5
+    assert np.all(np.diff(ends) > 0) and np.all(np.isin(density.zones.table, ends))
+    x = np.concatenate((np.geomspace(1e-9, 0.2, 40) + density.zones.b[-1], -np.geomspace(1e-9, 0.2, 40)))
+    assert everywhere.transform(x) == pytest.approx(transform_at(density, x), rel=1e-13, abs=2e-13)
+
+
 def test_closed_forms_evaluated_grow_with_the_zones_and_no_faster():
     """Zones of one distribution, four times as many: four times the work, to the scatter of the distances."""
     sizes = []
