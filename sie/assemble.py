@@ -22,6 +22,8 @@ from numpy.typing import NDArray
 
 from sie import chebyshev
 from sie.conditions import Linear
+from sie.crowded import coefficients as coefficients_between
+from sie.crowded import crowded
 from sie.equation import Equation
 from sie.kernels import Kernel
 from sie.steps import Steps
@@ -197,9 +199,27 @@ class System:
         self.equation, self.zones, self.steps, self.g = equation, zones, steps, coefficients
         self.layout = Layout(m, len(equation.columns))
         self.known = steps.t_coefficients(zones, int(m.max()) + 1)
+        # In crowded zones the jumps' parts are among the unknowns, as far as those go.
+        self.crowded = crowded(equation.forcing, zones, steps)
+        self.taken = np.zeros_like(self.known)
+        self.lowest = coefficients
+        if len(self.crowded):
+            self._take(m)
         self.targets = Targets.lobatto(zones, zones.solved, m)
         self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
         self.source_tail = 0.0
+
+    def _take(self, m: Index) -> None:
+        zones, chosen = self.zones, self.crowded
+        both = np.union1d(chosen, len(zones) - 1 - chosen) if zones.symmetric else chosen
+        within = np.arange(self.known.shape[1]) <= m[both, None]
+        self.taken[both] = np.where(within, self.known[both], 0.0)
+        self.known = self.known - self.taken
+        of_g, self.crowded_means = coefficients_between(self.equation.forcing, zones, self.steps, chosen, m)
+        count = max(self.g.shape[1], of_g.shape[1])
+        self.lowest = np.pad(self.g, ((0, 0), (0, count - self.g.shape[1])))
+        inner = np.arange(count) <= m[chosen, None]
+        self.lowest[chosen] = np.where(inner, np.pad(of_g, ((0, 0), (0, count - of_g.shape[1]))), self.lowest[chosen])
 
     # rows of the equation -------------------------------------------------------------------------------------------
     def equation_rows(self) -> tuple[Array, Array]:
@@ -220,8 +240,8 @@ class System:
             rows = chebyshev.project_rows(raw[self.starts[place] + 1 : self.starts[place + 1] - 1])
             k = np.arange(1, m + 1)
             g = np.zeros(m)
-            count = min(m, self.g.shape[1] - 1)
-            g[:count] = self.g[i, 1 : count + 1]
+            count = min(m, self.lowest.shape[1] - 1)
+            g[:count] = self.lowest[i, 1 : count + 1]
             if len(self.steps):
                 g -= rows @ layout.flat(self.known)
             rows[k - 1, layout.offset[i] + k] -= 1.0
@@ -273,7 +293,7 @@ class System:
             if len(self.steps):
                 if size not in known:
                     known[size] = self.steps.t_coefficients(self.zones, size)
-                constants[place] += values @ known[size][i]
+                constants[place] += values @ known[size][i] - values[:count] @ self.taken[i, :count]
         return rows, constants
 
     def moments(self, weight: Callable[[Array], Array], zone: int, size: int, degree: int | None = None) -> Array:
@@ -301,8 +321,9 @@ class System:
             right[place, here] = root
             left[place, here] = root * sign[: m + 1]
             beyond = -self.g[i, m + 1 :]
-            constant_right[place] = root * beyond.sum()
-            constant_left[place] = root * (beyond @ sign[m + 1 : m + 1 + len(beyond)])
+            taken = self.taken[i, : m + 1]
+            constant_right[place] = root * (beyond.sum() - taken.sum())
+            constant_left[place] = root * (beyond @ sign[m + 1 : m + 1 + len(beyond)] - taken @ sign[: m + 1])
         return (left, constant_left), (right, constant_right)
 
     def amplitude(self, k: int) -> Linear:
@@ -375,4 +396,7 @@ class System:
         if len(self.steps):
             mean = mean + w * self.steps.mean_offsets(zones)[solved]
         k = np.arange(2, self.g.shape[1], 2)
-        return np.asarray(mean - w * (self.g[solved][:, k] @ (1 / k)))
+        mean = np.asarray(mean - w * (self.g[solved][:, k] @ (1 / k)))
+        if len(self.crowded):
+            mean[np.searchsorted(solved, self.crowded)] = self.crowded_means
+        return mean

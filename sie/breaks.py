@@ -175,7 +175,7 @@ class Breaks(Steps):
         third = (sine - sine**3 / 3 - inner * cosine**3) / 3
         square = third - 2 * shift * second + shift**2 * first
         part = np.where(q == 0, first, np.where(q == 1, second - shift * first, square)) * self.height[k] / np.pi
-        total = np.pi * self._coefficients(k, 1)[:, 0]
+        total = np.pi * self._coefficients(k, np.arange(len(k)), len(k), 1)[:, 0]
         out = np.asarray(np.where(on_right, total - part, np.where(q == 1, 1.0, -1.0) * part).sum(axis=1))
         beyond = self._beyond(zone)
         return out if beyond is None else out + beyond[0].integral(beyond[1], left, right)

@@ -79,7 +79,7 @@ class ManySystem(System):
         zone = np.repeat(solved, count)
         self.own = self.layout.offset[zone] + k
         self.kept = np.flatnonzero((k % 2 == 0) | (zone != solved[0])) if zones.central else np.arange(len(k))
-        g = np.where(k < self.g.shape[1], self.g[zone, np.minimum(k, self.g.shape[1] - 1)], 0.0)
+        g = np.where(k < self.lowest.shape[1], self.lowest[zone, np.minimum(k, self.lowest.shape[1] - 1)], 0.0)
         self.column_rows = np.array([self._projected(c.value) for c in equation.columns]).reshape(-1, len(k))
         none = np.zeros(len(solved))
         self.known_field = self.sums(self.layout.flat(self.known)) if len(steps) else (np.zeros(len(k)), none, none)
@@ -227,7 +227,7 @@ class ManySystem(System):
                 count = min(len(values), self.g.shape[1] + 16)
                 if count not in known:
                     known[count] = self.steps.t_coefficients(self.zones, count)
-                constants[place] += values[:count] @ known[count][i]
+                constants[place] += values[:count] @ known[count][i] - values[: m + 1] @ self.taken[i, : m + 1][: len(values)]
         return tables, constants
 
 

@@ -21,7 +21,7 @@ from sie.equation import Equation
 from sie.holes import TOLD, Holes
 from sie.many import Iterative
 from sie.pierced import Pierced
-from sie.solve import LOOKS, SingularSystem, Sizes, Solver, State, density_of, first_sizes, solve_fixed
+from sie.solve import LOOKS, Carried, SingularSystem, Sizes, Solver, State, density_of, first_sizes, residual_error, solve_fixed
 from sie.steps import Steps
 from sie.zones import Zones
 
@@ -105,6 +105,7 @@ class Release:
             m = int(self.system.layout.m[here.zone])
             c = np.zeros(here.modes + 1)
             count = min(self.system.g.shape[1], len(c))
+            c[: m + 1] = -self.system.taken[here.zone, : m + 1]
             c[m + 1 : count] = -self.system.g[here.zone, m + 1 : count]
             out.append(here.by_coefficients @ c + here.of_steps(self.system.steps))
         return out
@@ -364,7 +365,14 @@ class PiercedState:
 
     @cached_property
     def _residual(self) -> Array:
-        """Residual of the equation times sqrt(1 - t^2), the largest of a few points of each wide zone, off its holes."""
+        """The largest residual of each wide zone."""
+        out = np.zeros(len(self.cut.wide))
+        np.maximum.at(out, self.cut.piece_zone, np.abs(self._residuals).max(axis=1))
+        return out
+
+    @cached_property
+    def _residuals(self) -> Array:
+        """Residual of the equation times the wide zone's sqrt(1 - t^2) at a few points of each piece."""
         zones, cut = self.density.zones, self.cut
         theta = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
         x = (zones.middle[:, None] + zones.half[:, None] * np.cos(theta)).ravel()
@@ -374,9 +382,7 @@ class PiercedState:
         left = cut.start[:, None] + (zones.half[:, None] * (1 + np.cos(theta)))
         right = cut.rest[:, None] + (zones.half[:, None] * (1 - np.cos(theta)))
         root = np.sqrt(left * right) / cut.wide.half[cut.piece_zone][:, None]
-        out = np.zeros(len(cut.wide))
-        np.maximum.at(out, cut.piece_zone, np.abs(value.reshape(root.shape) * root).max(axis=1))
-        return out
+        return np.asarray(value.reshape(root.shape) * root)
 
     @cached_property
     def density_error(self) -> float:
@@ -385,11 +391,11 @@ class PiercedState:
         if peak == 0.0:
             return 0.0
         coupled = wide.system.layout.m
-        residual = self._residual / peak
-        beyond = 3 * np.maximum(residual - 4e-15, 0.0) * np.maximum(coupled, 1)
+        zone = self.cut.piece_zone
+        seen = residual_error(self._residuals, peak, coupled[zone], np.bincount(zone)[zone] == 1)
         holes = float(self._tails.max()) / peak + self.rest
         neglected = float((self._neglected * np.maximum(wide.sizes.own[: len(coupled)], 1)).max()) / peak
-        return neglected + float((beyond + residual + 1e-15 * coupled).max()) + holes
+        return neglected + seen + holes
 
     @cached_property
     def end_truncation(self) -> Array:
@@ -432,7 +438,7 @@ def solve_zones(
         inner.kernel_evaluations += more * state.solver.system.sums.size
     wide, density = release.density(folded, series)
     if inner.carried is not None:
-        inner.carried = replace(inner.carried, density=wide.density)
+        inner.carried = Carried.of(inner.carried.punches, wide.system.layout, wide.unknowns)
     sizes.wide = inner
     sizes.solves += 1
     sizes.profile_evaluations += inner.profile_evaluations - profile

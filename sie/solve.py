@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack, lu_factor, lu_solve
 
 from sie import modes
-from sie.assemble import System
+from sie.assemble import Layout, System
 from sie.density import Density
 from sie.ends import End
 from sie.equation import Equation
@@ -68,10 +68,25 @@ class Sizes:
 
 @dataclass(frozen=True, eq=False)
 class Carried:
-    """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, coefficients, amplitudes."""
+    """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, unknown coefficients (zones, max m + 1)
+    of m, amplitudes."""
 
     punches: Punches | None
-    density: Density
+    coefficients: Array
+    m: Index
+    amplitudes: Array
+
+    @classmethod
+    def of(cls, punches: Punches | None, layout: Layout, y: Array) -> Carried:
+        return cls(punches, layout.padded(y), layout.m, y[layout.coefficients :])
+
+    def near(self, system: ManySystem) -> Array:
+        """Unknowns of another system to start from: those of modes that had none are what the right side makes of them."""
+        count = max(self.coefficients.shape[1], system.lowest.shape[1])
+        table, right = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self.coefficients, system.lowest))
+        y = system.layout.flat(np.where(np.arange(count) <= self.m[:, None], table, -right))
+        y[system.layout.coefficients :] = self.amplitudes
+        return y if system.folding.keep is None else y[system.folding.keep]
 
 
 class Solver(Protocol):
@@ -222,10 +237,8 @@ class State:
             return 0.0
         neglected = float((self._missing * np.maximum(self.sizes.own[: len(self._missing)], 1)).max()) / self.size
         coupled = self.system.layout.m[self.density.zones.solved]
-        low, high = (part / self.size for part in self._residual_parts)
-        # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
-        beyond = 3 * np.maximum(high - 4e-15, 0.0) * coupled + 1.5 * low
-        return neglected + float((beyond + high + 1e-15 * coupled).max()) + float(self.linear_error.max()) / self.size
+        seen = residual_error(self._residuals, self.size, coupled)
+        return neglected + seen + float(self.linear_error.max()) / self.size
 
     @cached_property
     def end_truncation(self) -> Array:
@@ -290,13 +303,6 @@ class State:
         return np.asarray(np.abs(self._residuals).max(axis=1))
 
     @cached_property
-    def _residual_parts(self) -> tuple[Array, Array]:
-        """(what the density is off by for the residual's first modes, which the points tell apart, the largest of the rest)."""
-        low = self._residuals @ _FIRST_OF.T
-        rest = self._residuals - low @ _FIRST.T
-        return np.abs(low) @ np.maximum(0.73 * np.arange(1, low.shape[1] + 1), 1.0), np.abs(rest).max(axis=1)
-
-    @cached_property
     def _residuals(self) -> Array:
         """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone, no nodes."""
         system, zones = self.system, self.density.zones
@@ -315,6 +321,19 @@ class State:
         zones = self.density.zones
         counts = [c.count(zones) for c in self.system.equation.conditions]
         return np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.intp)
+
+
+def residual_error(residuals: Array, size: float, coupled: Index, apart: NDArray[np.bool_] | bool = True) -> float:
+    """Error of the density over its size for residuals of the equation at _THETA on zones (n, LOOKS); apart: where these tell the
+    first modes from the rest, of which only the largest value is known, and that the density is off by up to as many times as there
+    are modes."""
+    low = residuals @ _FIRST_OF.T
+    rest = np.abs(residuals - low @ _FIRST.T).max(axis=1)
+    high = np.where(apart, rest, np.abs(residuals).max(axis=1)) / size
+    low = np.where(apart, np.abs(low) @ np.maximum(0.73 * np.arange(1, low.shape[1] + 1), 1.0), 0.0) / size
+    # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
+    beyond = 3 * np.maximum(high - 4e-15, 0.0) * coupled + 1.5 * low
+    return float((beyond + high + 1e-15 * coupled).max())
 
 
 def first_sizes(equation: Equation, zones: Zones) -> Sizes:
@@ -369,7 +388,7 @@ def _solve_many(
 ) -> State:
     """By fast sums and iteration, starting from what the last solve on about these zones left."""
     system = ManySystem(equation, zones, m, samples.coefficients, steps)
-    carried = sizes.carried if sizes.carried is not None and len(sizes.carried.density.zones) == len(zones) else None
+    carried = sizes.carried if sizes.carried is not None and len(sizes.carried.m) == len(zones) else None
     punches = carried.punches if carried is not None else None
     if system.wants_levels and (punches is None or not punches.near(zones)):
         punches = Punches(zones, system)
@@ -377,19 +396,14 @@ def _solve_many(
     right = solver.right()
     if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right))):
         raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
-    near = None
-    if carried is not None:
-        near = system.layout.flat(carried.density.coefficients)
-        near[system.layout.coefficients :] = carried.density.amplitudes
-        near = near if system.folding.keep is None else near[system.folding.keep]
-    folded = solver(right, near)
+    folded = solver(right, None if carried is None else carried.near(system))
     if not np.all(np.isfinite(folded)):
         raise SingularSystem("the system is singular: the side conditions depend on each other")
     sizes.iterations += solver.iterations
     sizes.kernel_evaluations += solver.iterations * system.sums.size
     solver.tolerance = 0.0
     state = _state(system, solver, folded, solver.equations, np.ones(solver.size - solver.equations), samples, sizes)
-    sizes.carried = Carried(punches, state.density)
+    sizes.carried = Carried.of(punches, system.layout, state.unknowns)
     return state
 
 
@@ -436,7 +450,7 @@ def density_of(system: System, y: Array) -> Density:
     out[:, : g.shape[1]] = -g
     out[:, 0] = 0.0
     given = np.arange(solved.shape[1]) <= layout.m[:, None]
-    out[:, : solved.shape[1]] = np.where(given, solved, out[:, : solved.shape[1]])
+    out[:, : solved.shape[1]] = np.where(given, solved - system.taken, out[:, : solved.shape[1]])
     return Density(system.zones, system.equation.kernel, out, system.steps, y[layout.coefficients :])
 
 
@@ -465,7 +479,7 @@ def _held(end: End) -> bool:
 
 def _field_tail(system: System, y: Array, density: Density) -> float:
     """Last coupled coefficients of what the other zones and the columns do, over the zone's largest one."""
-    layout, g = system.layout, system.g
+    layout, g = system.layout, system.lowest
     if layout.m.max() < 8:
         return 0.0
     field = layout.padded(y)

@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 HIGHEST = 2
+# Of q over p; zero for p > q.
+_BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
 # Coefficients of the parts with q > 0 that potentials near an end are summed from; they fall as l^(-1-q).
 _SERIES = 1024
 # Seen from farther than this rho, the closed form cancels and the series is short.
@@ -147,10 +149,7 @@ class Steps:
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
         """First `count` coefficients c_l of these parts as sums of T_l / sqrt(1 - t^2); shape (zones, count)."""
-        out = np.zeros((len(zones), count))
-        if len(self) and count:
-            np.add.at(out, self.zone, self._coefficients(np.arange(len(self.zone)), count))
-        return out
+        return self._coefficients(np.arange(len(self.zone)), self.zone, len(zones), count)
 
     def _sine_weights(self, k: Index, j: Array) -> Array:
         """b_j of jumps k where their function is sum_j (2/j) b_j sin(j theta)."""
@@ -158,13 +157,25 @@ class Steps:
         sines = np.sin(j * np.minimum(self.phi, self.psi)[k][:, None])
         return np.asarray(np.where(from_left & (j % 2 == 0), -sines, sines))
 
-    def _coefficients(self, k: Index, count: int) -> Array:
+    def _coefficients(self, k: Index, row: Index, rows: int, count: int) -> Array:
+        """Coefficients of jumps k, added up in rows (rows, count): (t - s)^q is expanded in powers of t, so that what is done with
+        series is done once a row."""
         j = np.arange(1.0, count + HIGHEST + 2)
-        c = of_sines((2 * self.height[k] / np.pi)[:, None] * self._sine_weights(k, j) / j)
-        for power in range(1, HIGHEST + 1):
-            some = self.order[k] >= power
-            if np.any(some):
-                c[some] = _times_t(c[some]) - self.s[k][some][:, None] * c[some]
+        powers = np.zeros((HIGHEST + 1, rows, len(j)))
+        order = np.argsort(row, kind="stable")
+        block = max(1, _PAIRS // len(j))
+        for begin in range(0, len(k), block):
+            part = order[begin : begin + block]
+            some, into = k[part], row[part]
+            first = np.flatnonzero(np.diff(into, prepend=-1))
+            sines = self._sine_weights(some, j) * (2 / (np.pi * j))
+            q, s = self.order[some], self.s[some]
+            for power in range(int(q.max()) + 1):
+                weight = self.height[some] * _BINOMIAL[q, power] * (-s) ** np.maximum(q - power, 0)
+                powers[power, into[first]] += np.add.reduceat(weight[:, None] * sines, first, axis=0)
+        c = of_sines(powers[HIGHEST])
+        for series in powers[HIGHEST - 1 :: -1]:
+            c = _times_t(c) + of_sines(series)
         return np.asarray(c[:, :count])
 
     def high_coefficients(self, zones: Zones) -> Array:
@@ -172,7 +183,7 @@ class Steps:
         high = np.flatnonzero(self.order > 0)
         out = np.zeros((len(zones), _SERIES if len(high) else 0))
         if len(high):
-            np.add.at(out, self.zone[high], self._coefficients(high, _SERIES))
+            out += self._coefficients(high, self.zone[high], len(zones), _SERIES)
         return out
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
@@ -259,7 +270,8 @@ class Steps:
     def _summed(self, zone: int) -> Array:
         """Coefficients of T_l / sqrt(1 - t^2) of all parts of a zone together."""
         if zone not in self._sums:
-            self._sums[zone] = self._coefficients(self.by_zone[zone], _SERIES_TO[-1][1]).sum(axis=0)
+            k = self.by_zone[zone]
+            self._sums[zone] = self._coefficients(k, np.zeros_like(k), 1, _SERIES_TO[-1][1])[0]
         return self._sums[zone]
 
     @cached_property

@@ -22,6 +22,7 @@ SIE = """
     breaks
     equation
     gap_steps lazy modes near_jumps neighbours tree
+    crowded
     assemble
     fast folding hierarchical krylov
     field many
