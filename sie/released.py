@@ -361,7 +361,8 @@ class PiercedState:
     @cached_property
     def missing(self) -> Array:
         """What is neglected of each wide zone's coefficients and of the equation between its nodes, in all."""
-        return np.asarray(self._neglected + 3 * np.maximum(self._residual - 2e-15 * self._sizes, 0.0) + self._tails)
+        rounding = 2e-15 * self._sizes + self.wide.jumps_rounding
+        return np.asarray(self._neglected + 3 * np.maximum(self._residual - rounding, 0.0) + self._tails)
 
     @cached_property
     def _residual(self) -> Array:
@@ -392,7 +393,7 @@ class PiercedState:
             return 0.0
         coupled = wide.system.layout.m
         zone = self.cut.piece_zone
-        seen = residual_error(self._residuals, peak, coupled[zone], np.bincount(zone)[zone] == 1)
+        seen = residual_error(self._residuals, peak, coupled[zone], wide.jumps_rounding[zone], np.bincount(zone)[zone] == 1)
         holes = float(self._tails.max()) / peak + self.rest
         neglected = float((self._neglected * np.maximum(wide.sizes.own[: len(coupled)], 1)).max()) / peak
         return neglected + seen + holes

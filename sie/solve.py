@@ -237,7 +237,7 @@ class State:
             return 0.0
         neglected = float((self._missing * np.maximum(self.sizes.own[: len(self._missing)], 1)).max()) / self.size
         coupled = self.system.layout.m[self.density.zones.solved]
-        seen = residual_error(self._residuals, self.size, coupled)
+        seen = residual_error(self._residuals, self.size, coupled, self.jumps_rounding[self.density.zones.solved])
         return neglected + seen + float(self.linear_error.max()) / self.size
 
     @cached_property
@@ -245,7 +245,8 @@ class State:
         """What the density's error may shift moving ends by, over their zone's width (Z, 2): 2 K / A by its K."""
         zones, solved = self.density.zones, self.density.zones.solved
         missing = self._missing.copy()
-        missing[solved] += 3 * np.maximum(self._residual - 2e-15 * self.zone_sizes[solved], 0.0)
+        rounding = 2e-15 * self.zone_sizes + self.jumps_rounding
+        missing[solved] += 3 * np.maximum(self._residual - rounding[solved], 0.0)
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
         slopes = np.where(moves, np.abs(self.density.edge_slopes), np.inf)
         return np.asarray(np.sqrt(zones.half / 2) * missing / np.maximum(slopes, 1e-300) / zones.half).T
@@ -255,6 +256,11 @@ class State:
         """The largest coefficient of each zone, what is subtracted for jumps included (Z,)."""
         known = np.abs(self.system.known).max(axis=1, initial=0.0)
         return np.asarray(np.abs(self.density.coefficients).max(axis=1) + known)
+
+    @cached_property
+    def jumps_rounding(self) -> Array:
+        """Rounding of the parts of all jumps of each zone (Z,)."""
+        return self.system.steps.rounding(len(self.density.zones))
 
     @cached_property
     def _missing(self) -> Array:
@@ -323,16 +329,16 @@ class State:
         return np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.intp)
 
 
-def residual_error(residuals: Array, size: float, coupled: Index, apart: NDArray[np.bool_] | bool = True) -> float:
-    """Error of the density over its size for residuals of the equation at _THETA on zones (n, LOOKS); apart: where these tell the
-    first modes from the rest, of which only the largest value is known, and that the density is off by up to as many times as there
-    are modes."""
+def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, apart: NDArray[np.bool_] | bool = True) -> float:
+    """Error of the density over its size for residuals of the equation at _THETA on zones (n, LOOKS), which rounding of the jumps'
+    parts has its share in; apart: where these tell the first modes from the rest, of which only the largest value is known, and that
+    the density is off by up to as many times as there are modes."""
     low = residuals @ _FIRST_OF.T
     rest = np.abs(residuals - low @ _FIRST.T).max(axis=1)
     high = np.where(apart, rest, np.abs(residuals).max(axis=1)) / size
     low = np.where(apart, np.abs(low) @ np.maximum(0.73 * np.arange(1, low.shape[1] + 1), 1.0), 0.0) / size
     # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
-    beyond = 3 * np.maximum(high - 4e-15, 0.0) * coupled + 1.5 * low
+    beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return float((beyond + high + 1e-15 * coupled).max())
 
 

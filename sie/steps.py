@@ -101,6 +101,10 @@ class Steps:
     def s(self) -> Array:
         return 0.5 * (self.left - self.right)
 
+    def rounding(self, count: int) -> Array:
+        """What the sum of a zone's parts is rounded to, at the most, on each of so many zones."""
+        return np.asarray(2.2e-16 * np.bincount(self.zone, np.abs(self.height), minlength=count))
+
     @cached_property
     def by_zone(self) -> dict[int, Index]:
         """Places of the jumps of each zone that has any."""
