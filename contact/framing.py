@@ -55,11 +55,12 @@ def framed(scene: Scene, single: bool, tilt: float = 0.0) -> Framed:
 
 
 def framed_about(scene: Scene, tilt: float, zones: Array) -> Framed:
-    """The frame of a body of unknown tilt that stands about as in another solution, with about its zones [m]."""
+    """The frame of a lone body with about these zones [m]; of one that turns, about at this tilt."""
     lo, hi = float(zones[0, 0]), float(zones[-1, 1])
     known = known_part(scene.profile) or (-np.inf, np.inf)
     window = (max(known[0], 2 * lo - hi), min(known[1], 2 * hi - lo))
-    return _turned_frame(scene, Tilted(scene.profile, tilt), scene.profile.support or window)
+    profile = Tilted(scene.profile, tilt) if scene.turned else scene.profile
+    return _frame_of(scene, profile, scene.profile.support or window)
 
 
 def _turned(scene: Scene, guess: float) -> Framed:
@@ -67,12 +68,12 @@ def _turned(scene: Scene, guess: float) -> Framed:
     if scene.moment is None:
         assert scene.tilt is not None
         profile = Tilted(scene.profile, scene.tilt)
-        return _turned_frame(scene, profile, _window(scene, profile))
+        return _frame_of(scene, profile, _window(scene, profile))
     lean = leaning(scene, guess)
-    return _turned_frame(scene, Tilted(scene.profile, lean.tilt), lean.found)
+    return _frame_of(scene, Tilted(scene.profile, lean.tilt), lean.found)
 
 
-def _turned_frame(scene: Scene, profile: Tilted, window: Window) -> Framed:
+def _frame_of(scene: Scene, profile: Profile, window: Window) -> Framed:
     """Scaled by a window that holds the contact. The approach counts, at x = 0, from where the body is not turned."""
     length = 2.0 ** round(math.log2(0.5 * (window[1] - window[0])))
     units = Units(_middle_or_tip(profile, window), length, _typical_slope(scene, profile, length, window), scene.E_star)
@@ -135,12 +136,24 @@ def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
     find = partial(find_window, start_scale=profile.resolution, datum=datum or 1.0, limits=profile.extent)
     if kind == "load":
         window = find(partial(grid_height, profile), scene.E_star, load=value)
+        deepest = _deepest_tip(profile)
+        if deepest is not None and not window[0] < deepest < window[1]:
+            # The points of wide windows missed it.
+            half = 0.5 * (window[1] - window[0])
+            window = find(profile.height, scene.E_star, load=value, start=(deepest - half, deepest + half))
     else:
         # The lowest point is in contact at any load: a window of any contact holds it.
         first = find(profile.height, scene.E_star, load=1e-3 * scene.E_star * (datum or 1.0))
         window = find(profile.height, scene.E_star, level=lowest(profile, first) + value)
     origin = 0.0 if profile.symmetric else _middle_or_tip(profile, window)
     return origin, 0.5 * (window[1] - window[0]), window
+
+
+def _deepest_tip(profile: Profile) -> float | None:
+    """The lowest of the tips that the profile declares, which any contact holds; None if there is none."""
+    summits = profile.summits
+    tips = profile.kinks[profile.kinks[:, 1] > 0, 0] if summits is None else np.asarray(summits, dtype=float)
+    return float(tips[np.argmin(profile.height(tips))]) if len(tips) else None
 
 
 def _middle_or_tip(profile: Profile, window: Window) -> float:

@@ -43,6 +43,8 @@ Array = NDArray[np.float64]
 _MOST_POINTS = 2**17
 # Contact of more than this part of the period is solved by its gaps.
 _NEARLY_FULL = 0.7
+# Zones of a lone body farther than so many times their span from the origin of places.
+_FAR_OFF = 64.0
 # The same for several asperities whose valleys have kinks: gaps over them, however narrow, are unknowns like any others.
 _WITH_KINKS = 0.25
 
@@ -99,13 +101,29 @@ class _Run:
         if isinstance(found, Gapped) and found.error > self.tol:
             found = self._by_zones(found)
         if isinstance(found, Found):
-            found = self._tightened(found)
+            found = self._tightened(self._counted_from_there(found))
         if found is None:
             return self._full(self._mean_pressure())
         return self._gapped(found) if isinstance(found, Gapped) else self._solved(found)
 
     def _set(self, frame: Framed) -> None:
         self.frame, self.problem, self.control = frame, frame.problem, frame.control
+
+    def _counted_from_there(self, found: Found) -> Found:
+        """Zones of a lone body that lie far from where they were looked for, solved again with places counted from there: else these
+        are rounded to much of the zones' widths."""
+        scene, zones = self.scene, found.free.density.zones
+        span, away = float(zones.b[-1] - zones.a[0]), float(max(-zones.a[0], zones.b[-1]))
+        if scene.interaction.needs_period or scene.turned or scene.profile.support is not None or away < _FAR_OFF * span:
+            return found
+        before, table = self.frame, self._si(zones)
+        self._set(framed_about(scene, 0.0, table))
+        try:
+            with self.plan.timed("zone ends"):
+                return self._settle(self.problem, self.control, placed(self.problem, table))
+        except (WrongTopology, OutOfRange):
+            self._set(before)
+            return found
 
     def _framed_and_found(self) -> Found | Gapped | None:
         self._set(self._framed())

@@ -30,6 +30,8 @@ Index = NDArray[np.intp]
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
+# A zone alone that has shrunk to this part of its first width has vanished.
+_VANISHED = 1e-12
 # Steps after which ends that still want to move by more than half of their zones may be given up.
 _WANDERING = 20
 # Slopes A above this many times what the coefficients of the density make of them come from a corner beside the end.
@@ -89,7 +91,7 @@ def find_ends(
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
     tolerance: largest remaining end error over its zone's width, and the decay asked of the coefficients.
-    value: first guess for the value of an open condition. collapse: a zone that has shrunk to this part of its first
+    value: first guess for the value of an open condition. collapse: one of several zones that has shrunk to this part of its first
     width, or a gap to this part of its first size, stops the search, which then reports it in `lost` or `met`.
     walls: free ends do not pass these; one that reaches a wall stays there as a singular end, until its intensity turns
     negative. signs: of the wanted density next to left and to right ends (the slope of a gap falls at its right end).
@@ -150,7 +152,9 @@ def find_ends(
             limited[1, apart] = np.where(came, near_b - zones.b[apart], limited[1, apart])
         zones = _held_at(zones.moved(limited), walls)
         gap = modes.gaps(zones, equation.kernel)[1]
-        lost = np.flatnonzero(zones.b - zones.a < collapse * first_width)
+        # The last zone keeps what total is given, however narrow it becomes; without one it may vanish.
+        least = (collapse if len(zones) > 1 else _VANISHED) * first_width
+        lost = np.flatnonzero(zones.b - zones.a < np.maximum(least, 8 * np.spacing(np.abs(zones.a))))
         met = np.flatnonzero(gap < collapse * np.minimum(first_gap, np.minimum(zones.b - zones.a, first_width)))
         if len(lost) or len(met):
             return Free(state, False, error, rounding, tuple(trace), value, abs(change), lost, met)

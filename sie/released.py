@@ -21,7 +21,18 @@ from sie.equation import Equation
 from sie.holes import TOLD, Holes
 from sie.many import Iterative
 from sie.pierced import Pierced
-from sie.solve import LOOKS, Carried, SingularSystem, Sizes, Solver, State, density_of, first_sizes, residual_error, solve_fixed
+from sie.solve import (
+    LOOKS,
+    Carried,
+    SingularSystem,
+    Sizes,
+    Solver,
+    State,
+    density_of,
+    first_sizes,
+    residual_error,
+    solve_fixed,
+)
 from sie.steps import Steps
 from sie.zones import Zones
 
