@@ -47,6 +47,8 @@ _NEARLY_FULL = 0.7
 _FAR_OFF = 64.0
 # The same for several asperities whose valleys have kinks: gaps over them, however narrow, are unknowns like any others.
 _WITH_KINKS = 0.25
+# Of a load: near enough for the zones to lead to those of the approach, and to be about them.
+_NEAR_LOAD, _NEARER_LOAD = 1e-2, 1e-5
 
 
 def solve(
@@ -145,10 +147,14 @@ class _Run:
         if not self.by_loads:
             tilt = None if self.near is None else self.near.tilt
             return framed(self.scene, self.single, tilt or 0.0)
-        # Grids are searched by load: the zones are those of the load that has the approach.
-        self.near = self._at_approach()
+        # Grids are searched by load: the zones are about those of the load that has the approach.
+        self.near = self._at_approach(_NEAR_LOAD)
+        return self._framed_at_level()
+
+    def _framed_at_level(self) -> Framed:
+        assert self.near is not None
         loaded, tilt = self._loaded(self.near.load), self.near.tilt or 0.0
-        frame = framed_about(loaded, tilt, self.near.zones) if loaded.turned else framed(loaded, self.single)
+        frame = framed_about(loaded, tilt, self.near.zones)
         return replace(frame, control=Control("approach", self.scene.control[1] / frame.problem.units.height))
 
     def _beside_near(self) -> Found | None:
@@ -163,19 +169,20 @@ class _Run:
             except (WrongTopology, OutOfRange):
                 return None
 
-    def _at_approach(self) -> Solution:
+    def _at_approach(self, nearness: float) -> Solution:
         scene, approach, moment = self.scene, self.scene.control[1], self.scene.moment or 0.0
         known = known_part(scene.profile)
         reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
         if not reach > 0.0:
             raise OutOfRange(f"moment {moment:.6g} N: the whole body lies on the other side of x = 0")
-        first = scene.E_star * (0.3 * abs(approach) or 1e-3 * getattr(scene.interaction, "datum", 1.0))
+        guess = scene.E_star * (0.3 * abs(approach) or 1e-3 * getattr(scene.interaction, "datum", 1.0))
+        first = guess if self.near is None else self.near.load
         bounded = known is not None and scene.profile.support is None
 
         def solved(load: float, near: Solution | None) -> Solution:
             return solve(self._loaded(load), max(self.tol, 1e-8), self.progress, near or self.near)
 
-        return at_approach(solved, approach, first, abs(moment) / reach, bounded, concave=moment == 0.0)
+        return at_approach(solved, approach, first, abs(moment) / reach, bounded, nearness, concave=moment == 0.0)
 
     def _loaded(self, load: float) -> Scene:
         return replace(self.scene, approach=None, load=load)
@@ -257,13 +264,22 @@ class _Run:
         """Zones that pass the certificate; None in full contact."""
         interaction, problem = self.scene.interaction, self.problem
         if self.by_loads:
-            assert self.near is not None
-            return self._settled(problem, self.control, placed(problem, self.near.zones))
+            return self._at_level()
         if interaction.follows_isolated:
             return self._first_order()
         if interaction.strip:
             return self._centred(problem, self.control, None)
         return self._search(problem, self.control, self._start())
+
+    def _at_level(self) -> Found:
+        """Under an approach, from zones of about the right load; of just about it, if these do not lead on."""
+        assert self.near is not None
+        try:
+            return self._settle(self.problem, self.control, placed(self.problem, self.near.zones))
+        except WrongTopology:
+            self.near = self._at_approach(_NEARER_LOAD)
+            self._set(self._framed_at_level())
+        return self._settled(self.problem, self.control, placed(self.problem, self.near.zones))
 
     def _start(self) -> Array | None:
         """Zones of the near solution, scaled; None if there is none or it is in full contact."""
