@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from sie.beyond import Beyond
 from sie.kernels import Kernel
-from sie.steps import Steps, of_sines, potential_series
+from sie.steps import Steps, of_sines
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -119,6 +119,14 @@ class Breaks(Steps):
         if self.logarithms is not None:
             found = {i: np.zeros(0, np.intp) for i in self.logarithms.near.by_zone} | found
         return found
+
+    @cached_property
+    def closed(self) -> NDArray[np.bool_]:
+        return np.asarray(self.order == 0)
+
+    @property
+    def sharp(self) -> list[int]:  # type: ignore[override]
+        return self.kinked
 
     @cached_property
     def kinked(self) -> list[int]:
@@ -231,21 +239,35 @@ class Breaks(Steps):
         second = -(t - 2 * s) * s - np.cos(2 * self.phi[k]) / 4
         return np.where(q == 0, 0.0, np.where(q == 1, -s, second))
 
-    def kink_potential(self, zone: int, rho: NDArray[np.complex128] | Array) -> Array:
-        out = super().kink_potential(zone, rho)
+    def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
+        """Potential of a zone's parts with q = 0 over w, less c_0 log(w); on the zone rho = e^{i theta}.
+
+        By partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)).
+        """
+        root = np.sqrt(np.maximum(left * right, 0.0))
+        turned = np.where((left >= 0) & (right >= 0), 0.5 * (left - right) + 1j * root, rho)
+        k = self.by_zone[zone]
+        out = np.zeros(turned.shape)
+        for place in k[self.order[k] == 0]:
+            up = np.exp(1j * self.phi[place])
+            own = np.real(up) * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
+            both = np.real(potential_series(up, turned) + potential_series(np.conj(up), turned))
+            out += self.height[place] / np.pi * (own - both / 2)
         beyond = self._beyond(zone)
         if beyond is not None:
             near, k = beyond
             for up, weight in zip(near.rho[k], near.weight[k], strict=True):
-                own = -up * (-np.log(2 * np.abs(rho)) + np.real(rho**2) / 2)
-                out = out + weight * (own - np.real(potential_series(up, rho)))
+                own = up * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
+                out = out + weight * (own - np.real(potential_series(up, turned)))
         return np.asarray(out)
 
     def _sine_weights(self, k: Index, j: Array) -> Array:
         return -np.cos(j * self.phi[k][:, None])
 
-    def _first(self, place: int) -> float:
-        return float(-np.cos(self.phi[place]))
 
-    def _phased(self, place: int, by_phase: tuple[NDArray[np.complex128], NDArray[np.complex128]]) -> Array:
-        return -np.real(by_phase[0] + by_phase[1]) / 2
+def potential_series(up: complex, rho: NDArray[np.complex128] | Array) -> NDArray[np.complex128]:
+    """sum_{j >= 2} (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)), and of j = 1 what has no logarithm of rho."""
+    q = up * rho
+    log = -np.log1p(-q)
+    rest = log - q
+    return np.asarray(-(up * log - rest / rho) + rho * rest - (rest - q * q / 2) / up)

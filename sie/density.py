@@ -303,7 +303,7 @@ class Density:
 
     @cached_property
     def potential_coefficients(self) -> Array:
-        """Coefficients of all but the logarithms of kinks, those over l = 1, 2, ... divided by l: for potentials."""
+        """Coefficients of all but `Steps.sharp_potential`, those over l = 1, 2, ... divided by l: for potentials."""
         c, high = self.coefficients, self.steps.high_coefficients(self.zones)
         table = np.zeros((len(c), max(c.shape[1], high.shape[1])))
         table[:, : c.shape[1]] = c
@@ -312,10 +312,10 @@ class Density:
         return table
 
     @cached_property
-    def kink_totals(self) -> Array:
-        """c_0 of the logarithms of kinks, per zone."""
-        kinks = self.steps.t_coefficients(self.zones, 1)[:, 0]
-        return np.asarray(kinks - self.steps.high_coefficients(self.zones)[:, :1].sum(axis=1))
+    def sharp_totals(self) -> Array:
+        """c_0 of the jumps of `Steps.sharp_potential`, per zone."""
+        jumps = self.steps.t_coefficients(self.zones, 1)[:, 0]
+        return np.asarray(jumps - self.steps.high_coefficients(self.zones)[:, :1].sum(axis=1))
 
 
 def _angle(left: Array, right: Array) -> Array:

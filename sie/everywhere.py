@@ -126,19 +126,15 @@ class Everywhere:
             own = self._own_potential if potential else density.own_transform
             value[on_zone] = own(zone[on_zone], left[on_zone], right[on_zone])
         steps = density.steps
-        kinked = set(steps.kinked) if potential else set(steps.by_zone)
-        for i, places in of_zones(zone) if kinked else ():
-            if i not in kinked:
+        jumping = set(steps.sharp) if potential else set(steps.by_zone)
+        for i, places in of_zones(zone) if jumping else ():
+            if i not in jumping:
                 continue
-            here = on[places]
-            z = 0.5 * (left[places] - right[places])
             if potential:
-                turn = z + 1j * np.sqrt(np.maximum(left[places] * right[places], 0.0))
-                turned = np.where(here, turn, rho[places])
-                datum = density.kernel.datum
-                kinks = steps.kink_potential(i, turned) + density.kink_totals[i] * np.log(w[places] / datum)
-                value[places] += w[places] * kinks
+                jumps = steps.sharp_potential(i, left[places], right[places], rho[places])
+                value[places] += w[places] * (jumps + density.sharp_totals[i] * np.log(w[places] / density.kernel.datum))
             else:
+                here, z = on[places], 0.5 * (left[places] - right[places])
                 value[places[here]] += steps.own_transform(i, left[places[here]])
                 value[places[~here]] += steps.transform(i, z[~here], rho[places[~here]])
         return value

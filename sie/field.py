@@ -157,13 +157,10 @@ def _potential(density: Density, x: Array, sources: Sources) -> Array:
         p, i = np.nonzero(seen.on)
         theta = 2 * np.arctan2(np.sqrt(seen.right[p, i]), np.sqrt(seen.left[p, i]))
         value[p, i] = first[i] * np.log(w[i] / (2 * datum)) - cosine_sum(rest, zone[i], theta)
-    for place in density.steps.kinked:
+    for place in density.steps.sharp:
         for column in np.flatnonzero(zone == place):
-            left, right = seen.left[:, column], seen.right[:, column]
-            turn = 0.5 * (left - right) + 1j * np.sqrt(np.maximum(left * right, 0.0))
-            q = np.where(seen.on[:, column], turn, rho[:, column])
-            kinks = density.steps.kink_potential(place, q) + density.kink_totals[place] * math.log(w[column] / datum)
-            value[:, column] += kinks
+            jumps = density.steps.sharp_potential(place, seen.left[:, column], seen.right[:, column], rho[:, column])
+            value[:, column] += jumps + density.sharp_totals[place] * math.log(w[column] / datum)
     return np.asarray(value @ w)
 
 

@@ -10,7 +10,14 @@ the kernel makes of (h/pi) (t - s)^q kappa(t), on the zone and off it,
     (h/pi) ((z - s)^q 2 Im(-ln(1 - rho e^{i phi})) - P_q(z))
     P_0 = 0,   P_1 = sin(phi),   P_2 = (t - 2 s) sin(phi) + sin(2 phi)/4,
 
-P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa. So a jump J of the q-th derivative of g,
+P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa. Their potentials are, by parts, with the angle F =
+2 Im(-ln(1 - rho e^{i phi})) off the zone, dF/dz = -sin(phi) / ((z - s) |z^2 - 1|^(1/2)) sgn(z), and F = pi - phi or -phi on it,
+
+    (h/pi) ((z - s)^{q+1} F/(q+1) + sin(phi) R_q) + c_0 ln(w),     A = arcosh|z|, B = sgn(z) (z^2 - 1)^(1/2), zero on the zone,
+    R_0 = A - ln 2 - 1,        R_1 = (B - s A)/2 - z + s (3 + 2 ln 2)/4,
+    R_2 = (A/2 + s^2 A + B z/2 - 2 s B)/3 - z^2/2 + 3 s z/2 + sin(phi)^2/9 - s^2/2 - 1/12 - ln(2) (sin(phi)^2/6 + s^2/2).
+
+So a jump J of the q-th derivative of g,
 with h = J w^q / q!, leaves a smooth right side once this is subtracted: q = 0 is a kink of the profile, q = 1 a jump of
 its curvature, q = 2 a knot of a cubic spline.
 """
@@ -31,10 +38,12 @@ Index = NDArray[np.intp]
 HIGHEST = 2
 # Of q over p; zero for p > q.
 _BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
-# Coefficients of the parts with q > 0 that potentials near an end are summed from; they fall as l^(-1-q).
+# Potentials of so many jumps as this are summed from their coefficients, which fall as l^(-1-q).
+_MANY = 64
 _SERIES = 1024
 # Seen from farther than this rho, the closed form cancels and the series is short.
 _FAR = 0.25
+_LOG2 = float(np.log(2.0))
 # Up to which rho how many terms of the series are enough.
 _SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
 # kappa is taken no nearer to a jump than this.
@@ -183,8 +192,8 @@ class Steps:
         return np.asarray(c[:, :count])
 
     def high_coefficients(self, zones: Zones) -> Array:
-        """Coefficients of the parts with q > 0, as many as potentials near an end need; (zones, 0) if none."""
-        high = np.flatnonzero(self.order > 0)
+        """Coefficients of the parts that have no closed potential, as many as potentials near an end need; (zones, 0) if none."""
+        high = np.flatnonzero(~self.closed)
         out = np.zeros((len(zones), _SERIES if len(high) else 0))
         if len(high):
             out += self._coefficients(high, self.zone[high], len(zones), _SERIES)
@@ -303,27 +312,62 @@ class Steps:
         """Integral of a zone's parts from its left end."""
         raise ValueError("the integral along a zone is for densities without jumps of the right side")
 
-    def kink_potential(self, zone: int, rho: NDArray[np.complex128] | Array) -> Array:
-        """Potential of a zone's parts with q = 0 over w, less c_0 log(w); on the zone rho = e^{i theta}.
-
-        By partial fractions of sum_j (sin(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)).
-        """
+    def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
+        """Potential of a zone's closed parts over w, less c_0 log(w), at points by their distances from its ends over w,
+        positive on the zone, and rho off it (see the head of this file)."""
         k = self.by_zone[zone]
-        out = np.zeros(rho.shape)
-        for place in k[self.order[k] == 0]:
-            up = complex(np.cos(self.phi[place]), self.sine[place])
-            both = potential_series(up, rho), potential_series(np.conj(up), rho)
-            own = self._first(place) * (-np.log(2 * np.abs(rho)) + np.real(rho**2) / 2)
-            out += self.height[place] / np.pi * (own + self._phased(place, both))
+        k = k[self.closed[k]]
+        out = np.empty(left.shape)
+        on = (left >= 0) & (right >= 0)
+        far = ~on & (np.abs(rho) < _FAR)
+        if far.any():
+            c = self._coefficients(k, np.zeros_like(k), 1, _SERIES_TO[0][1])[0]
+            r, total = rho[far], np.zeros(int(far.sum()))
+            for l in range(len(c) - 1, 0, -1):
+                total = (total + c[l] / l) * r
+            out[far] = -c[0] * np.log(2 * np.abs(r)) - total
+        near = np.flatnonzero(~far)
+        block = max(1, _PAIRS // max(1, len(k)))
+        for start in range(0, len(near), block):
+            here = near[start : start + block]
+            out[here] = self._near_potential(k, left[here], right[here], rho[here], on[here])
         return out
 
-    def _first(self, place: int) -> float:
-        """b_1 of a jump."""
-        return float(self.sine[place])
+    def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
+        z, beyond = 0.5 * (left - right), np.where(on, 0.0, np.maximum(-left, -right))
+        grown = 2 * np.arcsinh(np.sqrt(0.5 * beyond))[:, None]
+        root = (np.where(left > 0, 1.0, -1.0) * np.sqrt(beyond * (beyond + 2)))[:, None]
+        out, z = np.zeros(len(left)), z[:, None]
+        for q in range(HIGHEST + 1):
+            of = k[self.order[k] == q]
+            if len(of) == 0:
+                continue
+            away, sine, s = left[:, None] - self.left[of], self.sine[of], self.s[of]
+            turn = np.where(away > 0, self.psi[of], -self.phi[of])
+            turn[~on] = self._plain(of, rho[~on])
+            square = sine**2
+            if q == 0:
+                rest = grown - _LOG2 - 1
+            elif q == 1:
+                rest = 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * _LOG2)
+            else:
+                rest = (grown * (0.5 + s * s) + root * (0.5 * z - 2 * s)) / 3 - z * (0.5 * z - 1.5 * s)
+                rest += square / 9 - s * s / 2 - 1 / 12 - _LOG2 * (square / 6 + s * s / 2)
+            out += (away ** (q + 1) * turn / (q + 1) + sine * rest) @ (self.height[of] / np.pi)
+        return out
 
-    def _phased(self, place: int, by_phase: tuple[NDArray[np.complex128], NDArray[np.complex128]]) -> Array:
-        """The sum with weights b_j from those with e^{i j phi} and e^{-i j phi}."""
-        return np.asarray(np.real((by_phase[0] - by_phase[1]) / 2j))
+    @cached_property
+    def sharp(self) -> list[int]:
+        """Zones with jumps whose potential is `sharp_potential`."""
+        return [int(i) for i in np.unique(self.zone[self.closed])]
+
+    @cached_property
+    def closed(self) -> NDArray[np.bool_]:
+        """Jumps whose potential is a closed form: all but the knots of a spline, where a zone has so many that their series is
+        shorter, and falls fast enough."""
+        if len(self) == 0:
+            return np.zeros(0, dtype=bool)
+        return np.asarray((self.order < HIGHEST) | (np.bincount(self.zone)[self.zone] <= _MANY))
 
     @cached_property
     def kinked(self) -> list[int]:
@@ -345,14 +389,6 @@ def _times_t(c: Array) -> Array:
     out[:, 1] += 0.5 * c[:, 0]
     out[:, :-1] += 0.5 * c[:, 1:]
     return out
-
-
-def potential_series(up: complex, rho: NDArray[np.complex128] | Array) -> NDArray[np.complex128]:
-    """sum_{j >= 2} (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)), and of j = 1 what has no logarithm of rho."""
-    q = up * rho
-    log = -np.log1p(-q)
-    rest = log - q
-    return np.asarray(-(up * log - rest / rho) + rho * rest - (rest - q * q / 2) / up)
 
 
 _NONE = Steps(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp))
