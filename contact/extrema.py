@@ -10,13 +10,16 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def maximum(function: Callable[[Array], Array], x: Array, levels: int = 9, peaks: int = 4) -> tuple[float, float]:
-    """(position, value) of the maximum of `function` about the ascending samples x; its highest peaks are zoomed into.
+def maximum(
+    function: Callable[[Array], Array], x: Array, levels: int = 9, peaks: int = 4, value: Array | None = None
+) -> tuple[float, float]:
+    """(position, value) of the maximum of `function` about the ascending samples x; its highest peaks are zoomed into. value: that at
+    the samples, where it is known.
 
     Each of `levels` zooms narrows the bracket fourfold, and a parabola through the last samples rises to the top: at a smooth
     maximum the value is then exact to rounding.
     """
-    value = np.asarray(function(x))
+    value = np.asarray(function(x)) if value is None else value
     value = np.where(np.isnan(value), -np.inf, value)
     top = np.argsort(value)[-peaks:]
     if not np.isfinite(value[top[-1]]):

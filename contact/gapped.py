@@ -148,10 +148,25 @@ class GapFields:
         tips = self.conjugate.at[self.conjugate.heights > 0]
         if not np.all(self.density.locate(tips)[2]):
             return np.inf
+        x, value = self._samples
+        return maximum(self.scaled_pressure, x, value=value)[1] * self.problem.units.pressure
+
+    @cached_property
+    def _samples(self) -> tuple[Array, Array]:
+        """(places over the period, closer than the profile varies, the scaled pressure there)."""
         resolution = self.problem.profile.resolution or self.problem.units.length * self.period / 16
         n = int(np.clip(16 * self.period * self.problem.units.length / resolution, 256, 2**17))
         x = self.period * (np.arange(n + 1) / n) + self.density.zones.a[0]
-        return maximum(self.scaled_pressure, x)[1] * self.problem.units.pressure
+        return x, self.scaled_pressure(x)
+
+    @cached_property
+    def steepest(self) -> float:
+        """Largest slope of the scaled pressure between samples, but for those beside the ends of zones, where it is a root that moves
+        with the end."""
+        x, value = self._samples
+        bears = value > 0
+        inner = bears[:-3] & bears[1:-2] & bears[2:-1] & bears[3:]
+        return float(np.abs(np.diff(value) / np.diff(x))[1:-1][inner].max(initial=0.0))
 
     @cached_property
     def unit_pressure(self) -> float:
@@ -195,8 +210,8 @@ class Gapped:
         """Estimated error of the pressure over its unit and of the zones' ends over their width.
 
         An end of a gap off by delta shifts the normalised positions in the zone beside it, by delta over its width; the
-        pressure there by delta over the length in which it varies, beside a tip its distance; and the pressure beside the gap,
-        which is of the size of its slope on the length of its width, by delta over that width.
+        pressure there by delta times its slope, beside a tip J / pi over the distance; and the pressure beside the gap, which is of the
+        size of its slope on the length of its width, by delta over that width.
         """
         fields, state, gaps = self.fields, self.fields.state, self.fields.density.zones
         assert isinstance(state, sie.State)  # the total of every gap is given: no holes
@@ -209,6 +224,7 @@ class Gapped:
         ends = float((shift / np.column_stack((np.roll(zones, 1), zones))).max())
         varies = (profile.resolution or units.length * fields.period) / units.length / (2 * np.pi)
         unit = fields.unit_pressure / units.pressure
+        slope = min(fields.steepest / unit, 1 / varies)
         # Away from a gap this falls as the square of width over distance.
         seen = np.minimum((gaps.b - gaps.a) / (_BESIDE * fields.period), 1.0) ** 2
         beside = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
@@ -216,7 +232,7 @@ class Gapped:
         rounding = (3 if len(fields.conjugate.at) else 1) * ROUNDING * (1 + abs(fields.mean) / unit)
         on_zones = state.density_error * state.size / unit + rounding
         tips = float((np.maximum(shift[:, 1], np.roll(shift[:, 0], -1)) * self._steepest).max()) / unit
-        return 2 * (ends + float(shift.max()) / varies + beside + tips) + on_zones
+        return 2 * (ends + float(shift.max()) * slope + beside + tips) + on_zones
 
     @property
     def _steepest(self) -> Array:

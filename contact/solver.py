@@ -49,6 +49,8 @@ _FAR_OFF = 64.0
 _WITH_KINKS = 0.25
 # Of a load: near enough for the zones to lead to those of the approach, and to be about them.
 _NEAR_LOAD, _NEARER_LOAD = 1e-2, 1e-5
+# An end of a gap moves all of the pressure beside it: gaps are found to this part of what zones are.
+_OF_GAPS = 0.01
 
 
 def solve(
@@ -326,14 +328,14 @@ class _Run:
         with self.plan.timed("zone ends"):
             try:
                 return self._tightened_gaps(
-                    problem, control, find_gaps(problem, control, conjugate, self.tolerance, width, zones)
+                    problem, control, find_gaps(problem, control, conjugate, _OF_GAPS * self.tolerance, width, zones)
                 )
             except WrongTopology:
                 return None
 
     def _tightened_gaps(self, problem: Problem, control: Control, found: Gapped) -> Gapped:
         """Solved again from the same gaps with a smaller inner tolerance, where the error came out above the wanted one."""
-        tolerance = self.tolerance
+        tolerance = _OF_GAPS * self.tolerance
         for _ in range(3):
             if found.error <= self.tol or tolerance <= 2e-15:
                 break
@@ -543,9 +545,7 @@ class _Run:
             plan["symmetry"].reason = "the zones straddle the border of the cell"
         plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {found.rounds} rounds"
         plan["certificate"].detail = f"{found.certificate.points} points"
-        if sizes.iterations:
-            plan["fast sums"].used, plan["fast sums"].reason = True, "many unknowns: sums by trees, GMRES for the matrix"
-            plan["fast sums"].detail = f"{sizes.iterations} iterations"
+        self._tell_iterations(sizes.iterations)
         plan["kinks"].used = len(density.steps) > 0
         if plan["kinks"].used:
             plan["kinks"].reason = f"{len(density.steps)} jumps of the slope or its derivatives inside zones"
@@ -564,6 +564,12 @@ class _Run:
         )
         return self._within_tolerance(solution, found.free, "zone")
 
+    def _tell_iterations(self, iterations: int) -> None:
+        if iterations:
+            sums = self.plan["fast sums"]
+            sums.used, sums.reason = True, "many unknowns: sums by trees, GMRES for the matrix"
+            sums.detail = f"{iterations} iterations"
+
     def _gapped(self, found: Gapped) -> Solution:
         """The solution of a nearly full contact from its gaps."""
         fields, plan = found.fields, self.plan
@@ -571,6 +577,7 @@ class _Run:
         plan["zone ends"].reason = "nearly full contact: the gaps are solved for"
         plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {len(fields.zones)} gaps"
         plan["symmetry"].used, plan["symmetry"].reason = False, "the gaps are solved for"
+        self._tell_iterations(sizes.iterations)
         plan.counts.update(
             zones=len(fields.zones), own_modes=int(sizes.own.sum()),
             coupled_unknowns=int(found.free.state.solver.size), kernel_evaluations=sizes.kernel_evaluations,

@@ -169,7 +169,7 @@ class Density:
                 zero_left, zero_right = self._bounded_ends
                 no_edge |= (left == 0) & zero_left[zone] | (right == 0) & zero_right[zone]
             if zone.ndim == 2 and zone.strides[1] == 0 == left.strides[0] == right.strides[0]:
-                sums = self._same_places(u, zone[:, 0], left[0], right[0])
+                sums = self._same_places(u, zone[:, 0], _angle(left[0], right[0]), left[0] < right[0])
             else:
                 sums = self._sine_sum(u, zone, _angle(left, right), left < right)
             out = np.asarray(np.where(no_edge, 0.0, edge) + sums)
@@ -186,13 +186,12 @@ class Density:
         t = _float(t)
         return self.at(zone, 1 + t, 1 - t)
 
-    def _same_places(self, u: Array, zones: Index, left: Array, right: Array) -> Array:
+    def _same_places(self, u: Array, zones: Index, angle: Array, flip: NDArray[np.bool_]) -> Array:
         """The sums of `_sine_sum` at the same places of several zones, as a matrix product."""
         rows = u[zones]
         used = np.flatnonzero(np.any(rows != 0, axis=0))
         k = np.arange(1, used[-1] + 2 if len(used) else 1)
-        flip = (left < right)[:, None]
-        sines = np.sin(_angle(left, right)[:, None] * k) * np.where(flip, 2.0 * (k % 2) - 1.0, 1.0)
+        sines = np.sin(angle[:, None] * k) * np.where(flip[:, None], 2.0 * (k % 2) - 1.0, 1.0)
         return np.asarray(rows[:, : len(k)] @ sines.T)
 
     def _sine_sum(self, u: Array, zone: Index, angle: Array, flip: NDArray[np.bool_]) -> Array:
@@ -236,7 +235,11 @@ class Density:
         zone, theta = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), _float(theta))
         w, c = self.zones.half[zone], self.coefficients
         table = c[:, 1:] / np.arange(1, c.shape[1])
-        sums = self._sine_sum(table, zone, np.minimum(theta, np.pi - theta), theta > 0.5 * np.pi)
+        angle, flip = np.minimum(theta, np.pi - theta), theta > 0.5 * np.pi
+        if zone.ndim == 2 and zone.strides[1] == 0 == theta.strides[0]:
+            sums = self._same_places(table, zone[:, 0], angle[0], flip[0])
+        else:
+            sums = self._sine_sum(table, zone, angle, flip)
         out = np.array(c[zone, 0] * (np.pi - theta) - sums)
         if len(self.steps):
             flat_out, flat = out.reshape(-1), theta.ravel()
@@ -283,6 +286,11 @@ class Density:
     def everywhere(self) -> Everywhere | None:
         """Fast sums for many points; None where the kernel or the number of zones does not allow them."""
         return Everywhere(self) if len(self.zones) >= _MANY_ZONES and reaches(self.kernel, self.zones) else None
+
+    @property
+    def has_series(self) -> bool:
+        """Whether `everywhere` is at hand."""
+        return self.__dict__.get("everywhere") is not None
 
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:

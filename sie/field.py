@@ -35,6 +35,8 @@ Index = NDArray[np.intp]
 CHUNK = 200_000
 # From this number of (point, source) pairs on, far sources are summed fast.
 MANY_PAIRS = 500_000
+# The same once the series of the far ones are at hand.
+SOME_PAIRS = 10_000
 # Below this number of multiplications all pairs are summed to the same order; of few pairs, all powers are formed at once.
 _SMALL, _FEW = 200_000, 256
 
@@ -110,7 +112,7 @@ def potential_from(density: Density, x: Array, sources: Sources) -> Array:
 
 def _by_blocks(density: Density, x: Array, what, regular: Regular | None) -> Array:  # type: ignore[no-untyped-def]
     sources = density.sources
-    if len(x) * len(sources) > MANY_PAIRS and density.everywhere is not None:
+    if len(x) * len(sources) > (SOME_PAIRS if density.has_series else MANY_PAIRS) and density.everywhere is not None:
         here = density.everywhere
         return here.potential(x) if what is _potential else here.transform(x)
     out = np.zeros(x.shape)

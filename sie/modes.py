@@ -71,11 +71,15 @@ class Samples:
 def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: float, largest: int) -> Samples:
     """Sample the right side on each zone and double the nodes of those whose coefficients have not decayed.
 
-    A symmetric set is sampled on its right half only. Where jumps leave nothing smooth, as in a wedge, they are what the decay
-    is measured by: of them rounding remains.
+    A symmetric set is sampled on its right half only. Where jumps of g leave nothing smooth, as in a wedge, they are what the decay
+    is measured by: of them rounding remains. Where derivatives alone jump it is g itself: their parts may be much larger than their
+    sum.
     """
     own = own.copy()
     subtracted = np.abs(steps.t_coefficients(zones, _LEADING)).max(axis=1)
+    bent = np.bincount(steps.zone[steps.order > 0], minlength=len(zones)) > 0
+    bent[steps.kinked] = False
+    noise = steps.rounding(len(zones))
     found: dict[int, Array] = {}
     tail = np.zeros(len(zones))
     settled = np.zeros(len(zones), dtype=np.intp)
@@ -85,16 +89,16 @@ def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: 
         retry = []
         for n in np.unique(own[pending]):
             group = pending[own[pending] == n]
-            values = _values(forcing, zones, steps, group, int(n))
+            values, largest_value = _values(forcing, zones, steps, group, int(n))
             evaluations += values.size
             g = chebyshev.u_coefficients(values)
             if zones.central and group[0] == zones.solved[0]:
                 g[0, ::2] = 0.0
             last = np.abs(g[:, -max(4, int(n) // 8) :]).max(axis=1)
-            scale = np.maximum(np.abs(g).max(axis=1), subtracted[group])
+            scale = np.where(bent[group], largest_value, np.maximum(np.abs(g).max(axis=1), subtracted[group]))
             # Places are rounded to half a unit in their last digit: what that makes of the slope of g is seen in all coefficients.
             rounded = _places(zones, group) * np.linalg.norm(g * np.arange(1, int(n) + 1), axis=1) * (2 / np.sqrt(n))
-            grow = (last > np.maximum(tolerance * scale, rounded)) & (n < largest)
+            grow = (last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))) & (n < largest)
             for place, i in enumerate(group):
                 # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
                 slow = i in found and last[place] > tail[i] * (len(found[i]) / n) ** 0.75
@@ -126,7 +130,8 @@ def mirror(zones: Zones, table: Array) -> None:
     table[left] = table[::-1][left] * (1.0 - 2.0 * (np.arange(table.shape[1]) % 2))
 
 
-def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int) -> Array:
+def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int) -> tuple[Array, Array]:
+    """(the smooth part of g at the nodes of zones, the largest of g itself on each)."""
     _, right, left = chebyshev.lobatto(n)
     left, right = left[1:-1], right[1:-1]
     w = zones.half[group][:, None]
@@ -137,7 +142,8 @@ def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int) 
     else:
         x = end + away
         values = np.array(forcing.value(x.ravel()), dtype=float).reshape(x.shape)
+    given = np.abs(values).max(axis=1)
     for place, zone in enumerate(group):
         if steps.adds_to(int(zone)):
             values[place] += steps.smooth_part(int(zone), left)
-    return values
+    return values, given
