@@ -39,8 +39,10 @@ def stated_error(found: Found, control: Control) -> float:
 
 
 def _of_jumps(density: sie.AnyDensity) -> float:
-    """Rounding of the logarithms at kinks, which may cancel to a pressure far below the height of the kinks."""
-    return 2 * _EPS * float(np.abs(density.steps.height).max(initial=0.0))
+    """Rounding of the logarithms at kinks, which may cancel to a pressure far below the height of the kinks. Beside an end they
+    are small themselves."""
+    steps = density.steps
+    return 2 * _EPS * float((np.abs(steps.height) * steps.sine).max(initial=0.0))
 
 
 def _is_singular(density: sie.AnyDensity) -> bool:

@@ -162,11 +162,13 @@ class GapFields:
     @cached_property
     def steepest(self) -> float:
         """Largest slope of the scaled pressure between samples, but for those beside the ends of zones, where it is a root that moves
-        with the end."""
+        with the end, and those of tips, where it is infinite."""
         x, value = self._samples
         bears = value > 0
         inner = bears[:-3] & bears[1:-2] & bears[2:-1] & bears[3:]
-        return float(np.abs(np.diff(value) / np.diff(x))[1:-1][inner].max(initial=0.0))
+        with np.errstate(invalid="ignore"):
+            slopes = np.abs(np.diff(value) / np.diff(x))[1:-1]
+        return float(slopes[inner & np.isfinite(slopes)].max(initial=0.0))
 
     @cached_property
     def unit_pressure(self) -> float:

@@ -86,7 +86,8 @@ class Beyond:
         """On the zone: ln(1 - 2 rho t + rho^2) = ln((1 - |rho|)^2 + 2 |rho| d), d the distance from the nearer end."""
         rho, size = self.rho[k], np.abs(self.rho[k])
         d = np.where(rho > 0, 2 - left[:, None], left[:, None])
-        return np.asarray(np.log((1 - size) ** 2 + 2 * size * d) @ self.weight[k])
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log((1 - size) ** 2 + 2 * size * d) @ self.weight[k])
 
     def transform(self, k: Index, rho: Array) -> Array:
         """Off the zone."""
