@@ -115,6 +115,18 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
     return array
 
 
+def real(field: str, value: Any) -> NDArray[np.float64]:
+    """Real numbers of any shape as an array of floats; NaN stays NaN, and infinite ones become NaN: nothing is known there."""
+    try:
+        raw = np.asarray(value)
+    except ValueError:
+        raw = np.asarray(None)
+    if raw.dtype.kind not in "iuf" and raw.size:
+        raise SceneError.of(field, value, f"real numbers, of any shape (got type {raw.dtype})")
+    array = np.asarray(raw, dtype=np.float64)
+    return array if np.isfinite(array).all() else np.where(np.isinf(array), np.nan, array)
+
+
 def increasing(field: str, value: Any, least: int = 1) -> NDArray[np.float64]:
     """A finite one-dimensional array, strictly increasing; the first place where it is not is named."""
     array = finite_array(field, value, 1, least)

@@ -193,12 +193,17 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
 def scaled_control(scene: Scene, units: Units) -> Control:
     """The scene's control in scaled variables."""
     kind, value = scene.control
-    period, load = scene.profile.period, scene.given_load
+    load = scene.given_load
     if load is not None:
-        return Control("load", load / units.load)
-    if kind == "approach":
-        return Control("approach", value / units.height)
-    if kind == "half_width":
-        return Control("half_width", value / units.length)
-    assert period is not None
-    return Control("width", value * period / units.length)
+        kind, value, unit = "load", load, units.load
+    elif kind == "contact_fraction":
+        assert scene.profile.period is not None
+        kind, value, unit = "width", value * scene.profile.period, units.length
+    else:
+        unit = units.height if kind == "approach" else units.length
+    scaled = value / unit if unit > 0.0 else math.inf
+    if not math.isfinite(scaled) or (scaled == 0.0 and value != 0.0):
+        raise OutOfRange(
+            f"{kind} {value:.6g} and the scene's own size, {unit:.6g}, lie farther apart than numbers reach: are the units those of SI?"
+        )
+    return Control(kind, scaled)

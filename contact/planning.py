@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
+from contact.errors import SceneError
 from contact.scene import Scene
 
 
@@ -76,6 +77,8 @@ class Plan:
 
 def plan(scene: Scene) -> Plan:
     """What solving the scene would run, without running it."""
+    if not isinstance(scene, Scene):
+        raise SceneError.of("scene", scene, "a contact.Scene")
     profile, model = scene.profile, scene.interaction
     kind = scene.control[0]
     given = zone_is_given(scene)

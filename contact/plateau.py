@@ -32,7 +32,7 @@ def refuse_below_plateau(scene: Scene) -> None:
     profile = scene.profile
     if kind == "contact_fraction" and profile.period is not None:
         width = float(np.diff(lowest_stretches(profile)).sum())
-        if value * profile.period <= width + _HAIR * profile.period:
+        if width > 0.0 and value * profile.period <= width + _HAIR * profile.period:
             raise OutOfRange(
                 f"contact_fraction {value:.15g} is not above {width / profile.period:.15g}: the lowest part of the profile is flat over "
                 f"{width:.6g} m of each period, and any load has all of it in contact; ask for more, or give a load"

@@ -20,6 +20,7 @@ from contact.checks import finite, finite_or_none, positive
 from contact.errors import SceneError
 from contact.interactions.base import CONTROLS, TURNING, Interaction
 from contact.profiles.base import Profile
+from contact.profiles.declared import require_declared
 
 _NO_DATUM_NEEDED = object()
 
@@ -68,6 +69,8 @@ class Scene:
 
     def __post_init__(self) -> None:
         _require_instance("profile", self.profile, Profile, "Sinusoid(amplitude=1e-6, period=1e-4)")
+        if not type(self.profile).__module__.startswith("contact."):
+            require_declared(self.profile)
         _require_instance("interaction", self.interaction, Interaction, "Periodic()")
         object.__setattr__(self, "E_star", positive("E_star", self.E_star))
 

@@ -259,7 +259,10 @@ class _Window:
         with np.errstate(over="ignore"):  # far outside heights may overflow to inf: these points do not touch
             f = np.asarray(self.height(x), dtype=np.float64)
         if np.any(np.isnan(f)) or np.any(f == -np.inf):
-            raise OutOfRange(f"the profile is not a number or unbounded below in the window {window}")
+            raise OutOfRange(
+                f"the profile is not a number, or unbounded below, somewhere in the window {window} [m]: if it is known on a part of the "
+                "line only, give it an `extent`, and a `resolution` to begin with"
+            )
         influence = Influence.isolated(
             self.points, (window[1] - window[0]) / self.points, self.E, datum=self.datum
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact import export
 from contact.certificate import Certificate
+from contact.checks import real
+from contact.errors import SceneError
 from contact.fields import Fields, ZoneFields
 from contact.planning import Plan
 from contact.scene import Scene
@@ -37,19 +40,27 @@ class Solution:
     # fields -----------------------------------------------------------------------------------------------------------
     def pressure(self, x: ArrayLike) -> Array:
         """Contact pressure [Pa] at x [m], any shape; 0 outside the zones."""
-        return self.fields.pressure(x)
+        return self.fields.pressure(real("x", x))
 
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """Contact pressure [Pa] at normalised positions t in [-1, 1] of one zone, without loss of digits at its ends."""
+        if len(self.zones) == 0:
+            raise SceneError.of("zone", zone, "left alone: full contact has no zones, use pressure(x)")
+        count = len(self.zones)
+        if not isinstance(zone, Integral) or not -count <= zone < count:
+            raise SceneError.of("zone", zone, f"a whole number from 0 to {count - 1}, there being {count} zone{'s' * (count > 1)}")
+        t = real("t", t)
+        if np.any(np.abs(t) > 1):
+            raise SceneError.of("t", t, "from -1 to 1, the ends of the zone")
         return self.fields.pressure_at(int(self._order[zone]), t)
 
     def gap(self, x: ArrayLike) -> Array:
         """Gap [m] at x [m], any shape; 0 inside the zones, inf where there is no profile."""
-        return self.fields.gap(x)
+        return self.fields.gap(real("x", x))
 
     def displacement(self, x: ArrayLike) -> Array:
         """Displacement into the body [m]; for an isolated punch without a datum, less the approach."""
-        return self.fields.displacement(x)
+        return self.fields.displacement(real("x", x))
 
     # numbers ----------------------------------------------------------------------------------------------------------
     @cached_property

@@ -35,6 +35,7 @@ from contact.scene import Scene
 from contact.search import MOST_POINTS
 from contact.single import guess_half_width, largest_single_load, single_half_width
 from contact.solution import Solution
+from contact.testing import check_profile
 from contact.topology import Found, Progress, WrongTopology, same_end, settle
 
 Array = NDArray[np.float64]
@@ -66,6 +67,8 @@ def solve(
         raise SceneError.of("scene", scene, "a contact.Scene")
     if isinstance(tol, bool) or not isinstance(tol, Real) or not 1e-13 <= float(tol) < 1.0:
         raise SceneError.of("tol", tol, "a number from 1e-13 to below 1")
+    if near is not None and not isinstance(near, Solution):
+        raise SceneError.of("near", near, "None, or a contact.Solution")
     if near is not None and (near.scene.profile, near.scene.interaction) != (scene.profile, scene.interaction):
         raise SceneError("near must be a solution of the same profile and interaction model", "near", near.scene)
     return _Run(scene, float(tol), planning.plan(scene), progress, near).solution()
@@ -395,7 +398,15 @@ class _Run:
                 self.scene, self._si(failure.free.density.zones), fields, math.inf,
                 Certificate(math.nan, None, 0.0, math.nan, math.nan, 0, False, note=str(failure)), self.plan, trace,
             )
-        return NotConverged(f"not converged: {failure}", trace, best)
+        return NotConverged(f"not converged: {failure}{self._fault_of_profile()}", trace, best)
+
+    def _fault_of_profile(self) -> str:
+        """What is wrong with a profile of someone's own that did not lead to a solution, in words; empty if nothing is."""
+        profile = self.scene.profile
+        if type(profile).__module__.startswith("contact."):
+            return ""
+        faults = check_profile(profile, raises=False).faults
+        return f"; the profile contradicts itself, says contact.testing.check_profile: {faults[0]}" if faults else ""
 
     def _from_one_zone(self, problem: Problem, control: Control, a: float) -> Found | None:
         """One zone about the tip; None if it does not pass, for the grid to find out why."""

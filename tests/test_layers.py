@@ -51,7 +51,7 @@ CONTACT = """
     axisymmetric.__init__
     registry measured terminal profiles.spline_conjugate inverse.product
     profiles.base exact.base
-    profiles.* exact.*
+    profiles.declared profiles.* exact.*
     exact.localized search testing inverse.profile
     exact.__init__ profiles.__init__ inverse.designed
     paper.one_zone paper.principle paper.two_zones

@@ -1,0 +1,116 @@
+"""Odd things given to the public entries: each has a named error that says what to change, or the right answer."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cosh
+
+import numpy as np
+import pytest
+
+import contact
+
+pytestmark = pytest.mark.filterwarnings("error")
+WAVE = contact.Sinusoid(1e-6, 1e-4)
+SCENE = contact.Scene(WAVE, 1e9, contact.Periodic(), load=100.0)
+
+
+def squared(x):
+    return 0.5 * np.asarray(x, dtype=float) ** 2
+
+
+def own(**said):
+    """A profile whose class has these attributes and methods of x."""
+    parts = {name: (lambda self, x, f=value: f(x)) if callable(value) else value for name, value in said.items()}
+    return dataclass(frozen=True)(type("Own", (contact.Profile,), {"height": lambda self, x: squared(x), **parts}))()
+
+
+def scene(profile, model=None):
+    return contact.Scene(profile, 1e3, model or contact.Isolated(), load=1.0)
+
+
+FORMS = {
+    "a height without shape": ({"height": lambda x: 1.0}, r"height\(x\) .* must be real and of the shape of x"),
+    "a slope without shape": ({"slope": lambda x: 1.0}, r"slope\(x\) .* of the shape of x"),
+    "a flattened height": ({"height": lambda x: squared(x).ravel()}, r"height\(x\) .* of the shape of x"),
+    "an extra axis": ({"slope": lambda x: np.asarray(x)[..., None]}, r"slope\(x\) .* of the shape of x"),
+    "nothing": ({"height": lambda x: None}, r"height\(x\) .* must be real"),
+    "complex heights": ({"height": lambda x: squared(x) + 0j}, r"height\(x\) .* must be real"),
+    "a function of one number": ({"height": lambda x: cosh(x)}, r"height\(x\) raises TypeError .*numpy's functions"),
+    "an error": ({"height": lambda x: 1 / 0}, r"height\(x\) raises ZeroDivisionError"),
+    "no numbers": ({"height": lambda x: np.asarray(x) * np.nan}, r"height\(x\) is nowhere a finite number"),
+    "a list of kinks": ({"kinks": [[0.0, 2.0]]}, "kinks .* an array of finite rows of 2"),
+    "one kink": ({"kinks": np.array([0.0, 2.0])}, "kinks .* an array of finite rows of 2"),
+    "no resolution": ({"resolution": 0.0}, "resolution .* > 0"),
+    "a negative period": ({"period": -2.0}, "period .* > 0"),
+    "a period in words": ({"period": "2"}, "period .* > 0"),
+    "a reversed support": ({"support": (1.0, -1.0)}, "support .* a left and a larger right end"),
+    "a support of one end": ({"support": 1.0}, "support .* a left and a larger right end"),
+    "jumps without order": ({"jumps": np.zeros((2, 2))}, "jumps .* rows of 3"),
+    "tips in a table": ({"summits": np.zeros((2, 2))}, "summits .* one-dimensional"),
+    "a symmetry in words": ({"symmetric": "yes"}, "symmetric .* True or False"),
+}
+
+
+@pytest.mark.parametrize(("said", "message"), FORMS.values(), ids=FORMS)
+def test_a_profile_of_the_wrong_form_is_refused_by_the_name_of_what_is_wrong(said, message):
+    with pytest.raises(contact.SceneError, match=message):
+        scene(own(**said))
+
+
+def test_a_profile_of_the_right_form_is_solved():
+    assert contact.solve(scene(own(summits=[0.0]))).max_pressure == pytest.approx(1e3 * 0.5 * np.sqrt(4 / (np.pi * 1e3)))
+
+
+@pytest.mark.parametrize(
+    ("said", "fault"),
+    [
+        ({"slope": lambda x: 3 * np.asarray(x)}, "slope disagrees with the height"),
+        ({"height": np.abs, "slope": np.sign}, "kinks does not say so"),
+        ({"height": np.abs, "slope": np.sign, "kinks": np.array([[0.0, 1.0]])}, "the slope jumps by 2 there"),
+    ],
+    ids=["slope", "kink", "jump"],
+)
+def test_a_profile_that_contradicts_itself_is_told_so_where_it_leads_nowhere(said, fault):
+    with pytest.raises(contact.NotConverged, match=f"contradicts itself, says contact.testing.check_profile: .*{fault}"):
+        contact.solve(scene(own(**said)))
+
+
+@pytest.mark.parametrize("field", ["pressure", "gap", "displacement"])
+@pytest.mark.parametrize("x", ["a", None, 1j, [1, [2, 3]], [True, False]], ids=str)
+def test_fields_are_asked_for_at_real_numbers(field, x):
+    with pytest.raises(contact.SceneError, match="real numbers, of any shape"):
+        getattr(contact.solve(SCENE), field)(x)
+
+
+@pytest.mark.parametrize("field", ["pressure", "gap", "displacement"])
+def test_fields_where_there_is_no_number_are_no_numbers(field):
+    value = getattr(contact.solve(SCENE), field)([0.0, np.nan, np.inf])
+    assert np.isfinite(value[0]) and np.isnan(value[1:]).all()
+
+
+def test_zones_and_positions_in_them_are_refused_by_name():
+    solution = contact.solve(SCENE)
+    full = contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), mean_pressure=1e12))
+    for ask, message in (
+        (lambda: solution.pressure_at(0.5, 5), "zone = 5 .* there being 1 zone"),
+        (lambda: solution.pressure_at(0.5, 0.0), "zone = 0.0 .* whole number"),
+        (lambda: solution.pressure_at([0.0, 1.5]), "t = .* from -1 to 1"),
+        (lambda: full.pressure_at(0.5), r"full contact has no zones, use pressure\(x\)"),
+    ):
+        with pytest.raises(contact.SceneError, match=message):
+            ask()
+
+
+def test_what_is_no_scene_and_no_solution_is_refused_by_name():
+    for ask, message in (
+        (lambda: contact.plan(WAVE), "a contact.Scene"),
+        (lambda: contact.solve(SCENE, near="zones"), "near = 'zones' .* a contact.Solution"),
+    ):
+        with pytest.raises(contact.SceneError, match=message):
+            ask()
+
+
+def test_a_load_that_numbers_cannot_hold_beside_its_scene_is_out_of_range():
+    with pytest.raises(contact.OutOfRange, match="farther apart than numbers reach"):
+        contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), load=5e-324))
