@@ -90,6 +90,21 @@ class Bent(contact.Profile):
     def jumps(self):
         return np.column_stack((self.bends[:, 0], np.full(len(self.bends), 2.0), self.bends[:, 1]))
 
+    @property
+    def symmetric(self):
+        mirrored = (np.array_equal(of, of[::-1] * [-1.0, sign]) for of, sign in ((self.steps, 1.0), (self.bends, -1.0)))
+        cell = self.period is None or self.start == -0.5 * self.period
+        return self.middle == 0 and self.flat == 0 and cell and all(mirrored)
+
+
+def polygon(x, height, period):
+    """The profile through measured points joined by straight lines, heights upwards; it repeats."""
+    ends = np.append(x, x[0] + period)
+    slopes = -np.diff(np.append(height, height[0])) / np.diff(ends)
+    k = len(x) // 2
+    steps = np.column_stack((x[1:], np.diff(slopes)))
+    return Bent(0.5 * (ends[k] + ends[k + 1]), slopes[k], 0.0, steps, period=period, start=x[0])
+
 
 def _load_of_ramp(phi):
     """phi - sin(phi) cos(phi), without cancellation for small phi."""
