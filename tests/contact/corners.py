@@ -55,9 +55,11 @@ class Bent(contact.Profile):
     period: float | None = None
     start: float = 0.0
     walls: tuple[float, float] | None = None
+    finest: float | None = None
 
     x0 = property(lambda self: self.start)
     support = property(lambda self: self.walls)
+    resolution = property(lambda self: self.finest)
 
     def _beyond(self, x, at):
         """Signs of the sides of the jumps, and how far x lies beyond each on its side."""
@@ -103,7 +105,7 @@ def polygon(x, height, period):
     slopes = -np.diff(np.append(height, height[0])) / np.diff(ends)
     k = len(x) // 2
     steps = np.column_stack((x[1:], np.diff(slopes)))
-    return Bent(0.5 * (ends[k] + ends[k + 1]), slopes[k], 0.0, steps, period=period, start=x[0])
+    return Bent(0.5 * (ends[k] + ends[k + 1]), slopes[k], 0.0, steps, period=period, start=x[0], finest=float(np.diff(ends).min()))
 
 
 def _load_of_ramp(phi):
