@@ -202,9 +202,8 @@ def _of_places(state: AnyState) -> Array:
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
     if not isinstance(state, State):
         return rounding
-    smooth = state.natural / root
-    steep = np.abs(np.array(density.edge_slopes))
-    return rounding * np.where(steep > _STEEP * smooth, _STEEP * smooth / steep, 1.0)
+    known = _STEEP * state.natural / root + 1e-300
+    return np.asarray(rounding * known / np.maximum(np.abs(np.array(density.edge_slopes)), known))
 
 
 def _held_at(zones: Zones, walls: tuple[float, float]) -> Zones:
