@@ -33,6 +33,8 @@ Index = NDArray[np.intp]
 LEAST, MOST = 12, 512
 # Coefficients of s that are told to the other zones, at least.
 TOLD = 48
+# Modes for jumps of derivatives.
+_BENT = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,20 +140,17 @@ class Holes:
         # Distances to the far ends of the pieces on both sides, and to jumps: the nearest singularities.
         before = np.concatenate(([start[0] * w], a[1:] - b[:-1]))
         after = np.concatenate((a[1:] - b[:-1], [rest[-1] * w]))
-        near = np.minimum(before, after) / half
-        sharp = steps.by_zone.get(zone, np.zeros(0, dtype=np.intp))
-        sharp = sharp[steps.order[sharp] == 0]
-        if len(sharp):
-            away = np.abs(steps.left[sharp][:, None] - (start + half / w)) * w / half - 1
-            near = np.minimum(near, away.min(axis=0))
+        jumps = steps.by_zone.get(zone, np.zeros(0, dtype=np.intp))
+        sharp, bent = (
+            (np.abs(steps.left[some][:, None] - (start + half / w)) * w / half - 1).min(axis=0, initial=np.inf)
+            for some in (jumps[steps.order[jumps] == 0], jumps[steps.order[jumps] > 0])
+        )
+        near = np.minimum(np.minimum(before, after) / half, sharp)
         middle = 2 * np.arctan2(np.sqrt(rest + half / w), np.sqrt(start + half / w))
         waves = modes * half / w / np.sin(middle)
         need = 37 / np.arccosh(1 + np.maximum(near, 1e-4)) + 2 * waves
-        inside = np.zeros(len(a), dtype=bool)
-        if zone in steps.by_zone:
-            at = steps.left[steps.by_zone[zone]][:, None]
-            inside = np.any((at > start) & (at < start + 2 * half / w), axis=0)
-        need = np.where(inside, np.maximum(need, 64), need)
+        # Jumps of derivatives, in the hole or beside it, have weak singularities: of them the series soon leaves little.
+        need = np.maximum(need, np.minimum(37 / np.arccosh(1 + np.maximum(bent, 1e-4)), _BENT))
         size = np.clip(np.ceil(need), LEAST, MOST).astype(int)
         self.holes = [
             Hole(float(s), float(r), float(h) / w, float(h), int(n)) for s, r, h, n in zip(start, rest, half, size, strict=True)
