@@ -176,7 +176,7 @@ class _First:
             half = 0.5 * self.period
             apart = np.abs((seen.mean(axis=1)[:, None] - valleys.mean(axis=1) + half) % self.period - half)
             unseen = (apart < 2 * self.step).any(axis=1) & (seen[:, 1] - seen[:, 0] < 2 * _UNSEEN * self.step)
-            return _united(np.concatenate((seen[~unseen], valleys)), self.period)
+            return _united(np.concatenate((self._placed(seen[~unseen], mean), valleys)), self.period)
         return _united(valleys, self.period) if len(valleys) else self._last(mean)
 
     def mean_of(self, width: float) -> float:
@@ -199,12 +199,38 @@ class _First:
 
     def _last(self, mean: float) -> Array:
         """The gap about the highest H f', narrower than the samples."""
-        place, highest = maximum(self.conjugate, np.append(self.x, self.x[0] + self.period))
-        if highest <= mean:
-            return np.zeros((0, 2))
+        return self._about(*maximum(self.conjugate, np.append(self.x, self.x[0] + self.period)), mean)
+
+    def _about(self, place: float, highest: float, mean: float) -> Array:
+        """The gap about a top of H f' that is a parabola between the samples: (1, 2), or none."""
         beside = np.asarray(self.conjugate(np.array([place - self.step, place + self.step])))
-        half = 2 * self.step * np.sqrt((highest - mean) / (2 * highest - float(beside.sum())))
+        bend = 2 * highest - float(beside.sum())
+        if highest <= mean or not bend > 0:
+            return np.zeros((0, 2))
+        half = 2 * self.step * np.sqrt((highest - mean) / bend)
         return np.array([[place - half, place + half]])
+
+    def _placed(self, seen: Array, mean: float) -> Array:
+        """Gaps as narrow as the samples show, put where their top is between the samples."""
+        out = []
+        for row in seen:
+            if row[1] - row[0] < _UNSEEN * self.step:
+                middle = int(round((0.5 * float(row.sum()) - self.x[0]) / self.step)) % len(self.x)
+                found = self._about(*self._top(middle), mean)
+                row = found[0] if len(found) and found[0, 1] - found[0, 0] < 2 * _UNSEEN * self.step else row
+            out.append(row)
+        return np.array(out).reshape(-1, 2)
+
+    def _top(self, sample: int) -> tuple[float, float]:
+        """(place, value) of the highest H f' about a sample."""
+        if sample not in self._tops:
+            around = self.x[0] + self.step * (sample + np.arange(-3.0, 4.0))
+            self._tops[sample] = maximum(self.conjugate, around)
+        return self._tops[sample]
+
+    @cached_property
+    def _tops(self) -> dict[int, tuple[float, float]]:
+        return {}
 
     def _over_kinks(self, mean: float) -> Array:
         """Lone gaps over the concave kinks, where they are narrower than the samples show and wide enough to have ends."""

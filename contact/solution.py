@@ -143,3 +143,22 @@ class Solution:
     def to_dict(self) -> dict[str, Any]:
         """All of it in plain types; None for what is infinite or undefined."""
         return export.to_dict(self)
+
+
+def limit_of_approach(solution: Solution, tol: float) -> str:
+    """That the digits of a given approach keep the load from being known to `tol`, in words; empty where they do not.
+
+    Near full contact the approach is the mean of the profile less a mean gap that goes with the square of narrow gaps over kinks, with
+    the fourth power of others: the load hangs on the last digits of what is given.
+    """
+    approach, stiffness = solution.scene.approach, solution.stiffness
+    if approach is None or stiffness is None or not np.isfinite(stiffness):
+        return ""
+    condition = abs(approach * stiffness / solution.load)
+    rounding = float(np.finfo(np.float64).eps) * condition
+    if rounding <= 0.1 * tol:
+        return ""
+    return (
+        f"a unit in the last digit of the approach is {rounding:.1e} of the load (condition {condition:.0e}): give a load, a mean "
+        "pressure or a contact fraction"
+    )

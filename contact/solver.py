@@ -34,7 +34,7 @@ from contact.proposals import about, placed, proposed
 from contact.scene import Scene
 from contact.search import MOST_POINTS
 from contact.single import guess_half_width, largest_single_load, single_half_width
-from contact.solution import Solution
+from contact.solution import Solution, limit_of_approach
 from contact.testing import check_profile
 from contact.topology import Found, Progress, WrongTopology, same_end, settle
 
@@ -373,8 +373,8 @@ class _Run:
         highest, units = mean_shape(self.problem), self.problem.units
         if control.value >= highest:
             raise OutOfRange(
-                f"approach {control.value * units.height:.6g} m is not below {highest * units.height:.6g} m, the mean of "
-                "the profile: there it is in full contact, at any load above the smallest"
+                f"approach {control.value * units.height:.15g} m is not below {highest * units.height:.15g} m, the mean of "
+                "the profile: there it is in full contact, at any load above the smallest, or as near to it as digits of the approach tell"
             )
 
     def _settle(self, problem: Problem, control: Control, table: Array) -> Found:
@@ -601,7 +601,7 @@ class _Run:
 
     def _within_tolerance(self, solution: Solution, free: sie.Free, of: str) -> Solution:
         if solution.error > self.tol:
-            why = limit(free, self.tol, of)
+            why = limit_of_approach(solution, self.tol) or limit(free, self.tol, of)
             raise NotConverged(
                 f"the stated error {solution.error:.2g} is above the tolerance {self.tol:.2g}{': ' if why else ''}{why}; the best "
                 "state is attached",

@@ -6,6 +6,7 @@ import pytest
 import contact
 from contact import exact, solver
 from contact.inverse import random_problem
+from tests.contact.judge import pressure_error, true_error
 
 AMPLITUDE, PERIOD, MODULUS = 1e-6, 1e-4, 1.1e11
 WAVE = contact.Sinusoid(AMPLITUDE, PERIOD)
@@ -85,3 +86,32 @@ def test_a_rough_profile_next_to_full_contact_is_open_where_it_should_be(share):
     assert solution.pressure(x).min() > -1e-9 * solution.max_pressure
     assert solution.gap(x).min() >= 0.0
     assert solution.mean_gap > 0.0
+
+
+class TestBorders:
+    @pytest.mark.parametrize("gap", [1e-4, 1e-5, 1e-6])
+    def test_gaps_over_a_smooth_valley_under_a_contact_fraction(self, gap):
+        answer = exact.Westergaard(1e-6, 1e-4, 1e9, 0.5e-4 * (1 - gap))
+        scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), contact_fraction=1 - gap)
+        solution = contact.solve(scene)
+        assert true_error(solution, answer) <= solution.error <= 1e-8
+        assert abs(solution.load / answer.load - 1) < 1e-13
+
+    def test_an_approach_whose_last_digit_is_a_different_load_is_told_so(self):
+        answer = exact.PeriodicWedge(0.1, 1.0, 1e9, 0.5 * (1 - 1e-6))
+        scene = contact.Scene(contact.Wedge(0.1, 1.0), 1e9, contact.Periodic(), approach=answer.approach)
+        with pytest.raises(contact.NotConverged, match="last digit of the approach is .* of the load .*: give a load") as refused:
+            contact.solve(scene)
+        best = refused.value.best
+        assert pressure_error(best, answer) <= best.error
+        # One digit up or down: the load moves by as much as is said.
+        shifted = [np.nextafter(answer.approach, side) for side in (0.0, 1.0)]
+        loads = [_best(contact.Scene(contact.Wedge(0.1, 1.0), 1e9, contact.Periodic(), approach=a)).load for a in shifted]
+        assert 0.2 < abs(loads[1] - loads[0]) / best.load / (2 * np.spacing(answer.approach) * best.stiffness / best.load) < 5
+
+
+def _best(scene):
+    try:
+        return contact.solve(scene)
+    except contact.NotConverged as failure:
+        return failure.best
