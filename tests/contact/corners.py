@@ -149,10 +149,13 @@ class CorneredZone:
     def half(self):
         return 0.5 * (self.zone[1] - self.zone[0])
 
+    def _sine(self, distance):
+        """sin(pi d/L), alone d: what stands for distances in both cases."""
+        return np.asarray(distance) if self.period is None else np.sin(np.pi / self.period * np.asarray(distance))
+
     def _angle(self, left, right):
         """theta from the distances to the ends."""
-        if self.period is not None:
-            left, right = (np.sin(np.pi / self.period * np.asarray(d)) for d in (left, right))
+        left, right = self._sine(left), self._sine(right)
         return 2 * np.arctan2(np.sqrt(np.maximum(right, 0.0)), np.sqrt(np.maximum(left, 0.0)))
 
     @property
@@ -220,29 +223,31 @@ class CorneredZone:
         left, right = w * (1 + t), w * (1 - t)
         theta = self._angle(left, right)
         out = 0.5 * E * w * self.bend * np.sin(theta)
-        for (s, size), order in [*((r, 0) for r in self.steps), *((r, 1) for r in self.bends)]:
+        for s, size in self.steps:
+            out = out + E * size / (2 * np.pi) * self._kappa(left, right, s)[0]
+        for s, size in self.bends:
+            kappa, away = self._kappa(left, right, s)
             phi, side = self._from_end(s)
-            phi, share = (phi if side > 0 else np.pi - phi), side * phi
-            away = left - (s - self.zone[0])
-            with np.errstate(divide="ignore"):
-                kappa = np.log(np.sin(0.5 * (theta + phi)) ** 2 / (0.5 * np.abs(self._apart(away, left, right, s))))
-            kappa = kappa if self.zone[0] < s < self.zone[1] else np.zeros_like(theta)
-            if order == 0:
-                out = out + E * size / (2 * np.pi) * kappa
-            else:
-                bent = away * np.where(away == 0, 0.0, kappa) + w * share * np.sin(theta)
-                out = out + E * size / (2 * np.pi) * bent
+            bent = away * np.where(away == 0, 0.0, kappa) + w * side * phi * np.sin(theta)
+            out = out + E * size / (2 * np.pi) * bent
+        if self.punch == 0 and self.tilted == 0:
+            return out
         with np.errstate(divide="ignore", invalid="ignore"):
             lean = 0.5 * E * self.tilted / self.cosine
-            return out if self.punch == 0 and self.tilted == 0 else out + (self.excess - lean * np.cos(theta)) / np.sin(theta)
+            return out + (self.excess - lean * np.cos(theta)) / np.sin(theta)
 
-    def _apart(self, away, left, right, s):
-        """cos(theta) - cos(phi) from the distance, which keeps its digits."""
-        if self.period is None:
-            return away / self.half
-        turn = np.pi / self.period
-        u = turn * np.where(left < right, left - self.half, self.half - right)
-        return np.sin(turn * away) * self.cosine / (np.cos(u) * np.cos(turn * (s - self.middle)) * np.sin(self.turn))
+    def _kappa(self, left, right, s):
+        """kappa at distances from the ends for a jump at s, 0 outside the zone, and x - s; from the distances, which keep digits."""
+        a, b = self.zone
+        away = left - (s - a)
+        if not a < s < b:
+            return np.zeros_like(left), away
+        up, down = np.sqrt(self._sine(right) * self._sine(s - a)), np.sqrt(self._sine(left) * self._sine(b - s))
+        small, large = np.minimum(up, down), np.maximum(up, down)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            # up^2 - down^2 = sin(b - a) sin(s - x)
+            near = np.log((up + down) ** 2 / np.abs(self._sine(b - a) * self._sine(away)))
+            return np.where(small < 0.5 * large, 2 * np.arctanh(np.minimum(small / large, 0.5)), near), away
 
     def pressure(self, x):
         x = np.asarray(x, dtype=float)
