@@ -28,7 +28,7 @@ def stated_error(found: Found, control: Control) -> float:
     singular, peak = _is_singular(density), _reference(density)
     moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
     on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
-    error = max(float(ends.max(initial=0.0)) + ROUNDING, moved + on_zones)
+    error = max(float(ends.max(initial=0.0)) + of_positions(found) + ROUNDING, moved + on_zones)
     if control.kind != "approach":
         return error
     # A stiff contact turns the rounding of its level into load.
@@ -36,6 +36,13 @@ def stated_error(found: Found, control: Control) -> float:
     assert fields.stiffness is not None
     rounding = fields.gap_rounding / 16 + 4e-16 * density.total
     return error + abs(rounding * fields.stiffness * units.height / (units.load * density.total))
+
+
+def of_positions(found: Found) -> float:
+    """What the ends, given as positions, are rounded to over their zone's width: of narrow zones far from x = 0 more is known."""
+    units, zones = found.fields.problem.units, found.fields.density.zones
+    rounding = np.spacing(np.abs(units.x(zones.table))).max(axis=1) / units.length
+    return float((rounding / zones.half).max())
 
 
 def _of_jumps(density: sie.AnyDensity) -> float:
@@ -56,8 +63,11 @@ def _reference(density: sie.AnyDensity) -> float:
     return float(density.sensitivity[0].max())
 
 
-def limit(free: sie.Free, tol: float, of: str) -> str:
-    """What keeps the ends of zones (of: "zone" or "gap") from being known to `tol`, in words; empty where it is not rounding."""
+def limit(free: sie.Free, tol: float, of: str, positions: float = 0.0) -> str:
+    """What keeps the ends of zones (of: "zone" or "gap") from being known to `tol`, in words; empty where it is not rounding.
+    positions: see `of_positions`."""
+    if positions > 0.5 * tol:
+        return f"positions so far from x = 0 are rounded to {positions:.1e} of a zone's width"
     density, rounding = free.density, free.rounding
     width = density.zones.b - density.zones.a
     zone = int(rounding.max(axis=1).argmax())

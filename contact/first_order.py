@@ -130,7 +130,8 @@ class FirstOrder:
                 high, at_high = low, at_low
             elif self.seed is not None:
                 step *= 2
-        root = lazy.scipy_optimize().brentq(miss, low, high, xtol=4e-16 * high, rtol=1e-15, maxiter=_STEPS)
+        # Rounding may keep the bracket from closing: then its last point is as good as any.
+        root = lazy.scipy_optimize().brentq(miss, low, high, xtol=4e-16 * high, rtol=1e-15, maxiter=_STEPS, disp=False)
         return float(root)
 
     def _refuse(self, width: float, miss: float, control: Control) -> None:

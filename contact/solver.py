@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import sie
 from contact import planning
-from contact.accuracy import limit, stated_error
+from contact.accuracy import limit, of_positions, stated_error
 from contact.bounded import refuse_unbounded
 from contact.certificate import Certificate
 from contact.conjugate import ScaledConjugate
@@ -50,6 +50,8 @@ _FAR_OFF = 64.0
 _WITH_KINKS = 0.25
 # Of a load: near enough for the zones to lead to those of the approach, and to be about them.
 _NEAR_LOAD, _NEARER_LOAD = 1e-2, 1e-5
+# Tolerance of solutions on the way to an approach.
+_ON_THE_WAY = 1e-7
 # An end of a gap moves all of the pressure beside it: gaps are found to this part of what zones are.
 _OF_GAPS = 0.01
 
@@ -137,10 +139,10 @@ class _Run:
         return self._found()
 
     def _found_by_loads(self, failure: OutOfRange | NotConverged) -> Found | Gapped | None:
-        """A lone body whose approach the grid did not find, by loads; raises `failure` if that does not lead on. A grid's lowest
-        point may lie above the profile's by more than the approach."""
+        """An approach that the grid did not find, by loads; raises `failure` if that does not lead on. A grid's lowest point may lie
+        above the profile's by more than the approach of a lone body, and narrow gaps between its points."""
         scene = self.scene
-        if self.by_loads or self.near is not None or scene.turned or scene.approach is None or scene.interaction.needs_period:
+        if self.by_loads or self.near is not None or scene.turned or scene.approach is None or not scene.interaction.exact:
             raise failure
         self.by_loads = True
         try:
@@ -158,8 +160,9 @@ class _Run:
 
     def _framed_at_level(self) -> Framed:
         assert self.near is not None
-        loaded, tilt = self._loaded(self.near.load), self.near.tilt or 0.0
-        frame = framed_about(loaded, tilt, self.near.zones)
+        if self.scene.interaction.needs_period:
+            return framed(self.scene, self.single)
+        frame = framed_about(self._loaded(self.near.load), self.near.tilt or 0.0, self.near.zones)
         return replace(frame, control=Control("approach", self.scene.control[1] / frame.problem.units.height))
 
     def _beside_near(self) -> Found | None:
@@ -185,7 +188,12 @@ class _Run:
         bounded = known is not None and scene.profile.support is None
 
         def solved(load: float, near: Solution | None) -> Solution:
-            return solve(self._loaded(load), max(self.tol, 1e-8), self.progress, near or self.near)
+            try:
+                return solve(self._loaded(load), _ON_THE_WAY, self.progress, near or self.near)
+            except NotConverged as failure:
+                if failure.best is None or not failure.best.error < 1e3 * _ON_THE_WAY:
+                    raise
+                return failure.best
 
         return at_approach(solved, approach, first, abs(moment) / reach, bounded, nearness, concave=moment == 0.0)
 
@@ -268,7 +276,7 @@ class _Run:
     def _found(self) -> Found | Gapped | None:
         """Zones that pass the certificate; None in full contact."""
         interaction, problem = self.scene.interaction, self.problem
-        if self.by_loads:
+        if self.by_loads and not interaction.needs_period:
             return self._at_level()
         if interaction.follows_isolated:
             return self._first_order()
@@ -295,11 +303,16 @@ class _Run:
     def _search(self, problem: Problem, control: Control, start: Array | None = None) -> Found | Gapped | None:
         if control.kind == "approach":
             self._below_full_approach(control)
-        if start is not None and not self._worth_gaps(problem, float((start[:, 1] - start[:, 0]).sum())):
-            try:
-                return self._settle(problem, control, start)
-            except WrongTopology:
-                pass
+        if start is not None:
+            width = float((start[:, 1] - start[:, 0]).sum())
+            gapped = self._by_gaps(problem, control, width, start)
+            if gapped is not None:
+                return gapped
+            if not self._worth_gaps(problem, width):
+                try:
+                    return self._settle(problem, control, start)
+                except WrongTopology:
+                    pass
         if control.kind == "half_width":
             a = control.value
             return self._settled(problem, control, np.array([[-a, a]]))
@@ -573,7 +586,7 @@ class _Run:
             self.scene, self._si(zones), replace(found.fields, problem=found.fields.problem), error, found.certificate, plan,
             found.free.trace,
         )
-        return self._within_tolerance(solution, found.free, "zone")
+        return self._within_tolerance(solution, found.free, "zone", of_positions(found))
 
     def _tell_iterations(self, iterations: int) -> None:
         if iterations:
@@ -599,9 +612,9 @@ class _Run:
         solution = Solution(self.scene, table, fields, error, found.certificate, plan, found.free.trace)
         return self._within_tolerance(solution, found.free, "gap")
 
-    def _within_tolerance(self, solution: Solution, free: sie.Free, of: str) -> Solution:
+    def _within_tolerance(self, solution: Solution, free: sie.Free, of: str, positions: float = 0.0) -> Solution:
         if solution.error > self.tol:
-            why = limit_of_approach(solution, self.tol) or limit(free, self.tol, of)
+            why = limit_of_approach(solution, self.tol) or limit(free, self.tol, of, positions)
             raise NotConverged(
                 f"the stated error {solution.error:.2g} is above the tolerance {self.tol:.2g}{': ' if why else ''}{why}; the best "
                 "state is attached",

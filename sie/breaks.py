@@ -140,6 +140,9 @@ class Breaks(Steps):
         out = np.zeros(left.shape) if self.logarithms is None else self.logarithms.on_zone(zone, left)
         return out - self._on_zone(zone, left, 1)
 
+    def level_part(self, zone: int, left: Array) -> Array:
+        return np.zeros(left.shape)
+
     def left_out(self, x: Array) -> Array:
         return np.zeros(x.shape) if self.logarithms is None else self.logarithms.at_points(x)
 

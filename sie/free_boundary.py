@@ -34,8 +34,8 @@ INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
 _VANISHED = 1e-12
 # Steps after which ends that still want to move by more than half of their zones may be given up.
 _WANDERING = 20
-# Slopes A above this many times what the coefficients of the density make of them come from a corner beside the end.
-_STEEP = 10.0
+# Over what the mean slope of the right side's smooth part makes of A.
+_SMOOTH = 4.0
 # The remaining motion of an end is the next step but for its square.
 MARGIN = 1.5
 # Tolerances of solutions by iteration: at first, and at last over that of the ends.
@@ -195,15 +195,16 @@ def _reach(state: AnyState) -> Array:
 
 
 def _of_places(state: AnyState) -> Array:
-    """What ends (2, Z) are off by since the right side is known at places rounded to a unit in their last digit. Beside a corner,
-    from which the ends' distances are known, A is larger than those places make it, and the end the more fixed."""
-    density = state.density
-    zones, root = density.zones, np.sqrt(density.zones.half)
+    """What ends (2, Z) are off by since the right side is known at places rounded to a unit in their last digit, e: K by about
+    sqrt(w / 2) g' e, where A is sqrt(2 w) g' if it comes from the smooth part of g alone. What comes from corners does not count, since
+    the ends' distances from these are known."""
+    zones = state.density.zones
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
     if not isinstance(state, State):
         return rounding
-    known = _STEEP * state.natural / root + 1e-300
-    return np.asarray(rounding * known / np.maximum(np.abs(np.array(density.edge_slopes)), known))
+    g = state.system.g
+    smooth = _SMOOTH * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
+    return np.asarray(rounding * smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth))
 
 
 def _held_at(zones: Zones, walls: tuple[float, float]) -> Zones:

@@ -138,7 +138,9 @@ def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int) 
     end = np.where(left <= right, zones.a[group][:, None], zones.b[group][:, None])
     away = w * np.where(left <= right, left, -right)
     if n <= chebyshev.LARGEST_MATRIX and float(_places(zones, group).max()) > _FINE:
-        values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g) / w)
+        # What a jump adds to the slope is none of g's on either side.
+        levels = np.array([steps.level_part(int(zone), left) for zone in group]) if len(steps) else 0.0
+        values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)
     else:
         x = end + away
         values = np.array(forcing.value(x.ravel()), dtype=float).reshape(x.shape)

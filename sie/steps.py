@@ -134,8 +134,14 @@ class Steps:
     def smooth_part(self, zone: int, left: Array) -> Array:
         """What to add to g at points of a zone, given by their distance from its left end over w, to make it smooth."""
         k = self.by_zone.get(zone)
-        if k is None:
-            return np.zeros(left.shape)
+        return np.zeros(left.shape) if k is None else self._added(k, left)
+
+    def level_part(self, zone: int, left: Array) -> Array:
+        """The same of the jumps of g itself alone: they have no slope."""
+        k = self.by_zone.get(zone)
+        return np.zeros(left.shape) if k is None else self._added(k[self.order[k] == 0], left)
+
+    def _added(self, k: Index, left: Array) -> Array:
         away = left[..., None] - self.left[k]
         angle = np.where(away > 0, -self.psi[k], self.phi[k])
         parts = angle * away ** self.order[k] + self._polynomial(k, left[..., None] - 1)

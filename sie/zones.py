@@ -100,7 +100,7 @@ class Zones:
     @cached_property
     def half(self) -> Array:
         """Half widths w (n,)."""
-        return 0.5 * (self.b - self.a)
+        return np.asarray(0.5 * ((self.b - self.a) + (self.rest[1] - self.rest[0])))
 
     @cached_property
     def middle(self) -> Array:
