@@ -265,17 +265,29 @@ class Pierced:
 
     @cached_property
     def totals(self) -> Array:
-        """Integral over each piece: that of its wide zone, or by Gauss-Chebyshev beside holes, doubled until it stays."""
+        """Integral over each piece: that of its wide zone, or by Gauss-Chebyshev beside holes, doubled until it stays; of the
+        logarithms of kinks in closed form."""
         out = self.whole.totals[self.cut.piece_zone].copy()
+        wide, kinks = self.cut.wide, self.steps.chosen(self.steps.order == 0)
         for piece in np.flatnonzero((self.cut.hole_before >= 0) | (self.cut.hole_after >= 0)):
+            zone = int(self.cut.piece_zone[piece])
+            before, after = self.zones.a[piece] - wide.a[zone], wide.b[zone] - self.zones.b[piece]
+            half, w = self.zones.half[piece], wide.half[zone]
             last, n, here = np.inf, 64, 0.0
             while n <= 16384:
                 theta = np.arange(1, n + 1) * np.pi / (n + 1)
-                value = self.at(piece, 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
-                here = float(self.zones.half[piece]) * np.pi / (n + 1) * float(value @ np.sin(theta))
+                left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
+                value = self.at(piece, left, right)
+                if zone in kinks.by_zone:
+                    value = value - kinks.density(zone, (before + half * left) / w, (after + half * right) / w)
+                    value = np.where(np.isfinite(value), value, 0.0)
+                here = float(half) * np.pi / (n + 1) * float(value @ np.sin(theta))
                 if abs(here - last) <= 1e-13 * abs(here):
                     break
                 last, n = here, 2 * n
+            if zone in kinks.by_zone:
+                ends = np.array([before, before + 2 * half]) / w, np.array([after + 2 * half, after]) / w
+                here += float(w * np.diff(kinks.integral(zone, *ends))[0])
             out[piece] = here
         return out
 

@@ -314,9 +314,20 @@ class Steps:
         """What the right side has at points x beyond the values that the caller gives: nothing."""
         return np.zeros(x.shape)
 
+    def chosen(self, which: NDArray[np.bool_]) -> Steps:
+        """Those of the jumps alone."""
+        return Steps(*(part[which] for part in (self.zone, self.left, self.right, self.height, self.order)))
+
     def integral(self, zone: int, left: Array, right: Array) -> Array:
-        """Integral of a zone's parts from its left end."""
-        raise ValueError("the integral along a zone is for densities without jumps of the right side")
+        """Integral of a zone's parts from its left end, at distances from the ends over w, of kinks alone:
+        int kappa dt = (t - s) kappa - theta sin(phi)."""
+        k = self.by_zone[zone]
+        if np.any(self.order[k] > 0):
+            raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
+        away, kappa = self._kappa(k, left, right)
+        behind = 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        parts = np.where(away == 0, 0.0, away) * np.where(away == 0, 0.0, kappa) + np.sin(self.phi[k]) * behind[:, None]
+        return np.asarray(parts @ (self.height[k] / np.pi))
 
     def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
         """Potential of a zone's closed parts over w, less c_0 log(w), at points by their distances from its ends over w,

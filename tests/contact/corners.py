@@ -96,7 +96,7 @@ class Bent(contact.Profile):
     def symmetric(self):
         mirrored = (np.array_equal(of, of[::-1] * [-1.0, sign]) for of, sign in ((self.steps, 1.0), (self.bends, -1.0)))
         cell = self.period is None or self.start == -0.5 * self.period
-        return self.middle == 0 and self.flat == 0 and cell and all(mirrored)
+        return bool(self.middle == 0 and self.flat == 0 and cell and all(mirrored))
 
 
 def polygon(x, height, period):
@@ -186,7 +186,8 @@ class CorneredZone:
         a, b = self.zone
         (phi, side), (bent, _) = (self._from_end(of[:, 0]) for of in (self.steps, self.bends))
         psi = np.arctan2(self.cosine * np.sin(phi), np.cos(phi))
-        mean = self.steps[:, 1] @ (side * psi) + self.half * self.bends[:, 1] @ _mean_of_ramp(bent)
+        # Sums of their own, so that what is the same on both sides leaves nothing.
+        mean = (self.steps[:, 1] * side * psi).sum() + self.half * (self.bends[:, 1] * _mean_of_ramp(bent)).sum()
         flat = self.tilted - mean / np.pi
         walls = self.zone if self.punch > 0 else None
         if self.period is None:

@@ -1,0 +1,279 @@
+"""Kinks, jumps of curvature and sharp corners, in zones, at their edges and beside them, against exact contacts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+import contact
+from contact import exact, solver
+from contact.testing import check_profile
+from tests.contact import reference
+from tests.contact.corners import CorneredZone, FoldedContact, Power, Wave, polygon, rows
+from tests.contact.judge import counterparts, end_error, solve, unit_pressure
+
+# The stated error is about pressures no nearer than this to a kink or a sharp corner, over the half width.
+NEAREST = 0.01
+T = np.cos((np.arange(200) + 0.5) * np.pi / 200)
+
+PUNCH = rows([(-1.0, -0.1), (1.0, 0.1)])  # a flat with parabolic shoulders
+TIP = rows([(-0.2, 0.5), (0.2, -0.5)])  # a wedge with a parabolic tip
+PAIR = rows([(-0.4, 0.3), (0.1, 0.5)])
+
+SCENES = {
+    "rounded punch": CorneredZone((-1.5, 1.5), bends=PUNCH),
+    "rounded punch, leaning on one shoulder": CorneredZone((-0.4, 1.6), bends=PUNCH),
+    "wedge with a rounded tip": CorneredZone((-1.5, 1.5), bends=TIP, bend=0.5),
+    "wedge with a rounded tip, unsymmetric": CorneredZone((-1.1, 1.5), bends=TIP, bend=0.5),
+    "truncated wedge": CorneredZone((-1.5, 1.5), rows([(-1, 0.1), (1, 0.1)])),
+    "truncated wedge, two slopes": CorneredZone((-1.1, 1.5), rows([(-1, 0.1), (1, 0.2)])),
+    "steep trapezoid": CorneredZone((-1.1 - 1e-3, 1.0 + 2e-3), rows([(-1.1, 50.0), (1.0, 80.0)])),
+    "corners and bends": CorneredZone((-1, 1), PAIR, rows([(-0.7, -0.2), (0.3, 0.4), (1.2, 0.1)]), 0.3),
+    "trapezoid row": CorneredZone((-0.3, 0.3), rows([(-0.2, 0.1), (0.2, 0.1)]), period=1.0),
+    "sawtooth row": CorneredZone((-0.3, 0.2), rows([(0.1, 0.3)]), period=1.0),
+    "polygon row": CorneredZone((-0.3, 0.2), rows([(-0.25, 0.1), (-0.1, 0.04), (0.1, 0.3), (0.15, 0.1), (0.3, 0.01)]), period=1.0),
+    "body that ends at corners": CorneredZone((-1, 1.2), PAIR, punch=0.2, tilted=0.1),
+    "row of bodies that end at corners": CorneredZone((-0.3, 0.2), rows([(-0.1, 0.3), (0.1, 0.2)]), period=1.0, punch=0.2, tilted=0.002),
+}
+each_scene = pytest.mark.parametrize("answer", SCENES.values(), ids=SCENES)
+
+UP, DOWN = np.polynomial.chebyshev.cheb2poly([0, 0, 0, 1]) * 1.3, np.polynomial.chebyshev.cheb2poly([0, 0, 1]) * 1.3
+FOLDED = {
+    "two zones, kinks and bends": FoldedContact(Power(tuple(DOWN)), CorneredZone((-0.8, 0.7), PAIR, rows([(-0.6, -0.1), (0.3, 0.2)]), 0.2)),
+    "three zones": FoldedContact(Power(tuple(UP)), CorneredZone((-0.8, 0.7), PAIR)),
+    "three zones 1e-4 of a zone apart": FoldedContact(Power(tuple(UP / 1.3 * 1.0001)), CorneredZone((-0.99, 0.9999), PAIR)),
+    "three zones, kinks 1e-9 beside their ends": FoldedContact(
+        Power(tuple(UP)), CorneredZone((-0.8, 0.7), rows([(-0.8 + 1e-9, 0.3), (0.1, 0.2), (0.7 + 1e-9, 0.1)]))
+    ),
+    "four zones a period": FoldedContact(Wave((0.1, 1.0), (0.2, 0.3), 2.0), CorneredZone((-0.6, 0.5), PAIR)),
+    "a valley's gap of a thousandth": FoldedContact(Wave((1.0,), (0.2,), 2.0), CorneredZone((-0.99, 0.999), PAIR)),
+}
+
+
+def solved(answer, tol=1e-8, **control):
+    """The solution of an exact contact's profile, by its load unless told otherwise."""
+    model = contact.Isolated() if answer.period is None else contact.Periodic()
+    return solve(answer.profile, model, answer.E_star, tol=tol, **(control or {"load": answer.load}))
+
+
+def off(solution, answer):
+    """The true error as `Solution.error` means it: no nearer to corners than what is stated holds for."""
+    order, _ = counterparts(solution, answer)
+    worst = 0.0
+    for i, k in enumerate(order):
+        a, b = answer.zones[i]
+        away = 0.5 * (a + b) + 0.5 * (b - a) * T[:, None] - answer.profile.kinks[:, 0]
+        if answer.period is not None:
+            away = away - np.round(away / answer.period) * answer.period
+        clear = np.all(np.abs(away) > 0.5 * NEAREST * (b - a), axis=1)
+        if answer.profile.support is not None:
+            clear &= np.abs(T) < 1 - NEAREST
+        worst = max(worst, float(np.max(np.abs(solution.pressure_at(T[clear], k) - answer.pressure_at(T[clear], i)))))
+    return max(worst / unit_pressure(answer), end_error(solution, answer))
+
+
+class TestTheExactContacts:
+    @pytest.mark.parametrize("answer", [*SCENES.values(), *FOLDED.values()], ids=[*SCENES, *FOLDED])
+    def test_answer_the_equation(self, answer):
+        breaks = np.concatenate((answer.zones.ravel(), answer.profile.kinks[:, 0], answer.profile.jumps[:, 0]))
+        # A 1/sqrt at a sharp corner costs double-exponential quadrature half of its digits.
+        tolerance = 1e-7 if answer.profile.support is not None else 1e-10
+        for a, b in answer.zones:
+            for part in (0.13, 0.47, 0.81):
+                x = a + part * (b - a)
+                slope = 0.5 * answer.E_star * float(answer.slope(np.array(x)))
+                terms = 0.5 * answer.E_star * np.abs(answer.profile.kinks[:, 1]).max(initial=0.1)
+                assert abs(reference.folded_transform(answer, x, breaks) - slope) < tolerance * terms
+
+    @each_scene
+    def test_carry_their_load(self, answer):
+        (a, b), kinks = answer.zone, answer.profile.kinks[:, 0]
+        ends = np.unique(np.concatenate(([a, b], kinks[(kinks > a) & (kinks < b)])))
+        # x = m + h sin(y): smooth at ends, and integrable at kinks.
+        def inner(y, lo, hi):
+            return float(answer.pressure(np.array(0.5 * (lo + hi) + 0.5 * (hi - lo) * np.sin(y)))) * 0.5 * (hi - lo) * np.cos(y)
+
+        total = sum(quad(inner, -np.pi / 2, np.pi / 2, (lo, hi), epsabs=1e-12, limit=200)[0] for lo, hi in zip(ends, ends[1:], strict=False))
+        assert total == pytest.approx(answer.load, rel=1e-7)
+
+    def test_are_those_known_of_wedges_and_of_the_rounded_punch(self):
+        wedge = exact.PeriodicWedge(wedge_slope=0.1, period=1.0, E_star=2.0, half_width=0.3)
+        tip = CorneredZone((-0.3, 0.3), rows([(0.0, 0.2)]), E_star=2.0, period=1.0)
+        assert tip.pressure_at(T) == pytest.approx(wedge.pressure_at(T), rel=1e-13)
+        assert tip.load == pytest.approx(wedge.load, rel=1e-14)
+        # M. Ciavarella, D. A. Hills, G. Monno, Proc. IMechE C 212 (1998) 319, doi 10.1243/0954406981521259: sin(phi0) = b/a,
+        # 4 P R/(E* b^2) = (pi - 2 phi0)/sin(phi0)^2 - 2 cot(phi0).
+        phi0 = np.arcsin(1 / 1.5)
+        known = (np.pi - 2 * phi0) / np.sin(phi0) ** 2 - 2 / np.tan(phi0)
+        assert 4 * SCENES["rounded punch"].load / 0.1 == pytest.approx(known, rel=1e-14)
+
+    @pytest.mark.parametrize("answer", [*SCENES.values(), *FOLDED.values()], ids=[*SCENES, *FOLDED])
+    def test_declare_their_corners_as_they_are(self, answer):
+        if answer.profile.support is None:
+            check_profile(answer.profile)
+
+    def test_a_load_a_part_in_ten_thousand_off_is_seen(self):
+        answer = SCENES["corners and bends"]
+        assert off(solved(answer, load=answer.load * (1 + 1e-4)), answer) > 1e-6
+
+
+class TestOneZone:
+    @each_scene
+    @pytest.mark.parametrize("tol", [1e-8, 1e-11])
+    def test_is_exact_and_its_error_honest(self, answer, tol):
+        solution = solved(answer, tol)
+        assert off(solution, answer) <= solution.error <= tol
+        assert solution.load == pytest.approx(answer.load, rel=1e-12)
+        assert solution.certificate.holds
+
+    @pytest.mark.parametrize("distance", [1e-1, 1e-3, 1e-6, 1e-9, 1e-12])
+    @pytest.mark.parametrize("place", ["inside", "outside", "both sides, in a row", "two corners inside"])
+    def test_corners_may_lie_right_beside_the_ends(self, distance, place):
+        r = distance
+        answer = {
+            "inside": lambda: CorneredZone((-1, 1), rows([(0.2, 0.1), (1 - r, 0.2)])),
+            "outside": lambda: CorneredZone((-1, 1), rows([(0.2, 0.1), (1 + r, 0.2)])),
+            "both sides, in a row": lambda: CorneredZone(
+                (-0.3, 0.2), rows([(0.1, 0.1), (0.2 + r, 0.1), (0.2 - r, 0.05), (-0.3 - r, 0.1)]), period=1.0
+            ),
+            # All that carries load are two corners that the ends have just passed.
+            "two corners inside": lambda: CorneredZone((-1 - r, 1 + r), rows([(-1, 0.1), (1, 0.1)])),
+        }[place]()
+        solution = solved(answer)
+        assert off(solution, answer) <= solution.error <= 1e-8
+
+    @pytest.mark.parametrize("distance", [1e-1, 1e-2, 1e-3])
+    def test_shoulders_may_begin_right_beside_the_ends(self, distance):
+        answer = CorneredZone((-1 - distance, 1 + distance), bends=PUNCH)
+        solution = solved(answer)
+        assert off(solution, answer) <= solution.error <= 1e-8
+        assert solution.plan.counts["own_modes"] <= 64
+
+    @settings(max_examples=12)
+    @given(
+        at=st.lists(st.floats(-0.45, 0.45), min_size=1, max_size=12, unique=True),
+        sizes=st.lists(st.floats(0.01, 1.0), min_size=12, max_size=12),
+        ends=st.tuples(st.floats(-0.4, -0.05), st.floats(0.05, 0.4)),
+    )
+    def test_any_convex_polygon(self, at, sizes, ends):
+        # Corners nearer to each other than this are one; some corner is inside.
+        at = np.append(np.unique(np.round(at, 3)), 0.5 * (ends[0] + ends[1]))
+        answer = CorneredZone(ends, np.unique(np.column_stack((at, sizes[: len(at) - 1] + [0.5])), axis=0))
+        solution = solved(answer)
+        assert off(solution, answer) <= solution.error <= 1e-8
+
+    @pytest.mark.parametrize("name", ["trapezoid row", "sawtooth row", "truncated wedge"])
+    @pytest.mark.parametrize("control", ["approach", "contact_fraction", "half_width"])
+    def test_every_control_comes_to_the_same_contact(self, name, control):
+        answer = SCENES[name]
+        model = contact.Periodic() if answer.period else contact.Isolated(datum=10.0)
+        by_load = solve(answer.profile, model, tol=1e-11, load=answer.load)
+        value = answer.half if control == "half_width" else getattr(by_load, control)
+        if value is None or (control == "half_width" and not answer.profile.symmetric):
+            return
+        solution = solve(answer.profile, model, tol=1e-8, **{control: value})
+        assert off(solution, answer) < 1e-8
+
+
+class TestASharpCorner:
+    """f = 0.05 |x| with corners at +-1: the body ends there."""
+
+    def body(self):
+        return CorneredZone((-1.0, 1.0), rows([(0.0, 0.1)]), punch=1.0).profile
+
+    def test_is_no_end_of_a_light_contact(self):
+        answer = CorneredZone((-0.9, 0.9), rows([(0.0, 0.1)]))
+        solution = solve(self.body(), contact.Isolated(), load=answer.load)
+        assert end_error(solution, answer) < 1e-8 and np.isinf(solution.max_pressure)
+
+    @pytest.mark.parametrize("excess", [1e-9, 1e-4, 1.0])
+    def test_is_the_end_of_every_heavier_one(self, excess):
+        answer = CorneredZone((-1.0, 1.0), rows([(0.0, 0.1)]), punch=excess)
+        solution = solve(self.body(), contact.Isolated(), load=answer.load)
+        assert np.array_equal(solution.zones, answer.zones)
+        assert off(solution, answer) <= solution.error <= 1e-8
+
+    def test_a_flat_with_steep_sides_keeps_its_ends_at_its_corners_until_the_load_is_heavy(self):
+        beyond = []
+        for load in (1e-4, 1e-2, 1.0, 30.0):
+            solution = solve(CorneredZone((-1.1, 1.1), rows([(-1, 20.0), (1, 20.0)])).profile, contact.Isolated(), load=load)
+            beyond.append(float(solution.zones[0, 1]) - 1)
+            # P = E* s sqrt(a^2 - b^2)
+            assert (1 + beyond[-1]) ** 2 - 1 == pytest.approx((load / 20.0) ** 2, rel=1e-4)
+        assert beyond[0] < 1e-10 and beyond[-1] > 0.5
+
+
+class TestManyZones:
+    @pytest.mark.parametrize("answer", FOLDED.values(), ids=FOLDED)
+    def test_with_corners_in_all_of_them_are_exact_and_their_error_honest(self, answer):
+        solution = solved(answer)
+        assert off(solution, answer) <= solution.error <= 1e-8
+        assert solution.load == pytest.approx(answer.load, rel=1e-12)
+        assert solution.zone_loads == pytest.approx(np.full(len(answer.zones), answer.base.load), rel=1e-7)
+
+
+class TestNearlyFullContact:
+    @pytest.mark.parametrize("gap", [1e-1, 1e-3, 1e-5, 1e-6])
+    def test_the_gap_over_a_valley_between_two_corners(self, gap):
+        answer = CorneredZone((-0.5 + gap / 2, 0.5 - gap / 2), rows([(-0.2, 0.1), (0.2, 0.1)]), period=1.0)
+        solution = solved(answer)
+        assert off(solution, answer) <= solution.error <= 1e-8
+        assert solution.certificate.note == "solved by its gaps"
+
+    @pytest.mark.parametrize("gap", [1e-1, 1e-3, 1e-5])
+    def test_the_gap_over_the_valley_of_a_sawtooth(self, gap):
+        answer = CorneredZone((-0.5 + 0.8 * gap, 0.5 - 0.2 * gap), rows([(0.1, 0.3)]), period=1.0)
+        solution = solved(answer)
+        # The valley's place is rounded, which the gap's ends follow: 1e-16 over the gap.
+        assert off(solution, answer) <= solution.error + 1e-16 / gap
+        assert solution.error <= 1e-8
+
+
+def measured(points, seed):
+    """x, heights of a rough trace of rms 0.01 in a period of one."""
+    rng = np.random.default_rng(seed)
+    k = np.arange(1, points // 2)
+    spectrum = np.append(np.append(0.0, k**-1.5 * np.exp(2j * np.pi * rng.random(len(k)))), 0.0)
+    heights = np.fft.irfft(spectrum, points)
+    return np.arange(points) / points - 0.5, 0.01 * heights / np.std(heights)
+
+
+class TestMeasuredProfiles:
+    @pytest.mark.parametrize("seed", range(3))
+    def test_joined_by_straight_lines_at_three_quarters_of_contact_answer_the_equation(self, seed):
+        profile = polygon(*measured(32, seed), 1.0)
+        solution = solve(profile, contact.Periodic(), tol=1e-8, contact_fraction=0.75)
+        widest = int(np.argmax(solution.zone_widths))
+        a, b = solution.zones[widest]
+        breaks = np.concatenate((solution.zones.ravel(), profile.kinks[:, 0]))
+        breaks = breaks - np.round(breaks)
+        for part in (0.2137, 0.4642, 0.7713):
+            x = a + part * (b - a)
+            answer = Repeated(solution)
+            left = reference.folded_transform(answer, x, np.unique(breaks))
+            assert left == pytest.approx(0.5 * float(profile.slope(np.array(x))), abs=1e-5 * np.abs(profile.kinks[:, 1]).max())
+        assert solution.certificate.holds and solution.contact_fraction == pytest.approx(0.75, abs=1e-9)
+
+    @pytest.mark.parametrize("seed", range(3))
+    def test_splines_at_three_quarters_of_the_load_of_full_contact_by_gaps_and_by_zones(self, seed, monkeypatch):
+        x, heights = measured(64, seed)
+        profile = contact.Sampled(x, heights, period=1.0)
+        full = solve(profile, contact.Periodic(), contact_fraction=1.0)
+        by_gaps = solve(profile, contact.Periodic(), tol=1e-8, load=0.75 * full.load)
+        monkeypatch.setattr(solver, "_NEARLY_FULL", 2.0)
+        by_zones = solve(profile, contact.Periodic(), tol=1e-7, load=0.75 * full.load)
+        assert by_gaps.certificate.note == "solved by its gaps" and by_zones.certificate.note == ""
+        assert by_zones.zones == pytest.approx(by_gaps.zones, abs=1e-7)
+        widest = int(np.argmax(by_gaps.zone_widths))
+        difference = by_zones.pressure_at(T, widest) - by_gaps.pressure_at(T, widest)
+        assert np.abs(difference).max() <= (by_zones.error + by_gaps.error) * by_gaps.max_pressure
+
+
+class Repeated:
+    """What the independent quadrature asks of an answer."""
+
+    def __init__(self, solution):
+        self.pressure, self.period = solution.pressure, solution.scene.period
