@@ -43,12 +43,13 @@ _SMALL, _FEW = 200_000, 256
 
 @dataclass(frozen=True, eq=False)
 class Sources:
-    """Zones moved by poles: zone index and ends of each."""
+    """Zones moved by poles: zone index and ends of each, and what rounding has cut off them (`Zones.rest`)."""
 
     zone: Index
     a: Array
     b: Array
     own: NDArray[np.bool_]
+    rest: Array
 
     @classmethod
     def of(cls, zones: Zones, kernel: Kernel) -> Sources:
@@ -56,10 +57,10 @@ class Sources:
         shift = np.asarray(kernel.poles)[:, None]
         zone = np.tile(np.arange(len(zones)), len(kernel.poles))
         own = np.repeat(shift[:, 0] == 0.0, len(zones))
-        return cls(zone, (zones.a + shift).ravel(), (zones.b + shift).ravel(), own)
+        return cls(zone, (zones.a + shift).ravel(), (zones.b + shift).ravel(), own, zones.rest[:, zone])
 
     def chosen(self, which: NDArray[np.bool_]) -> Sources:
-        return Sources(self.zone[which], self.a[which], self.b[which], self.own[which])
+        return Sources(self.zone[which], self.a[which], self.b[which], self.own[which], self.rest[:, which])
 
     def __len__(self) -> int:
         return len(self.zone)
@@ -79,8 +80,8 @@ class Seen:
 
     @classmethod
     def of(cls, x: Array, sources: Sources, half: Array) -> Seen:
-        left = (x[:, None] - sources.a) / half
-        right = (sources.b - x[:, None]) / half
+        left = ((x[:, None] - sources.a) - sources.rest[0]) / half
+        right = ((sources.b - x[:, None]) + sources.rest[1]) / half
         on = (left >= 0) & (right >= 0)
         root = np.sqrt(np.abs(left * right))
         rho = np.where(left >= 0, 1.0, -1.0) / (0.5 * np.abs(left - right) + root)
