@@ -184,8 +184,10 @@ class CorneredZone:
     def profile(self):
         """The profile that has its contact here; a periodic one has a valley's corner where it closes, outside the zone."""
         a, b = self.zone
-        (phi, side), (bent, _) = (self._from_end(of[:, 0]) for of in (self.steps, self.bends))
-        psi = np.arctan2(self.cosine * np.sin(phi), np.cos(phi))
+        side, bent = self._from_end(self.steps[:, 0])[1], self._from_end(self.bends[:, 0])[0]
+        s = np.clip(self.steps[:, 0], a, b)
+        # From sin(A - u) sin(A + u) = sin^2 A - sin^2 u; from the end of its own half, as phi.
+        psi = np.arctan2(np.sqrt(self._sine(s - a) * self._sine(b - s)), self._sine(np.abs(s - self.middle)))
         # Sums of their own, so that what is the same on both sides leaves nothing.
         mean = (self.steps[:, 1] * side * psi).sum() + self.half * (self.bends[:, 1] * _mean_of_ramp(bent)).sum()
         flat = self.tilted - mean / np.pi
