@@ -126,8 +126,8 @@ def find_ends(
         best = min(best, move)
         quiet = bool(np.all(np.abs(delta) < np.clip(100 * noise, 1e-6 * width, 1e-2 * width)))
         stuck = (stalled >= 2 and move < 1e-9) or (stalled >= 5 and quiet)
-        # Where rounding keeps the ends moving, the largest of the last moves is what they are known to.
-        largest = max(step.move for step in trace[-4:]) / max(move, 1e-300) if stuck else 1.0
+        # Where rounding keeps the ends moving, the largest of the moves since the least one is what they are known to.
+        largest = max(step.move for step in trace[-min(stalled + 1, 4) :]) / max(move, 1e-300) if stuck else 1.0
         error = rounding + MARGIN * largest * (np.abs(delta) / width).T
         done = certain and not released and not loose and (rest or stuck)
         done = done and abs(change) <= max(tolerance, 1e-14) * abs(value + change)
