@@ -1,0 +1,55 @@
+"""Measured traces pressed until hundreds of their zones, wide and narrow, touch: splines with many knots in contact."""
+
+from pathlib import Path
+
+import numpy as np
+
+import contact
+from contact import solver
+from contact.full import FullLimit
+
+STYLUS = Path(__file__).parents[2] / "examples" / "data" / "stylus-profile.csv"
+T = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
+
+
+def trace(points=400, seed=7):
+    """A self-affine trace of a period, sampled at about three points to its shortest wave."""
+    k = np.arange(2, points // 3)
+    rng = np.random.default_rng(seed)
+    phase, x = rng.uniform(0, 2 * np.pi, len(k)), np.arange(points + 1) / points
+    return contact.Sampled(x, np.sin(2 * np.pi * x[:, None] * k + phase) @ (0.01 * k**-1.3), period=1.0)
+
+
+def differences(one, other):
+    """(of ends over their zone's width, of pressures at equal places over the peak)."""
+    ends = np.abs((one.zones - other.zones) / np.diff(other.zones, axis=1)).max()
+    pressures = max(np.abs(one.pressure_at(T, i) - other.pressure_at(T, i)).max() for i in range(len(one.zones)))
+    return ends, pressures / other.max_pressure
+
+
+def test_zones_and_gaps_of_a_trace_are_the_same_contact(monkeypatch):
+    """Two formulations with nothing in common but the spline: pressure on the zones, slope of the gap between them."""
+    profile = trace()
+    load = 0.25 * FullLimit(profile, 1.0, True).pressure
+    scene = contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=load)
+    found = []
+    for nearly_full in (0.999, 0.01):
+        monkeypatch.setattr(solver, "_NEARLY_FULL", nearly_full)
+        found.append(contact.solve(scene))
+    zones, gaps = found
+    assert "gaps are solved for" in gaps.plan["zone ends"].reason and "gaps" not in zones.plan["zone ends"].reason
+    assert len(zones.zones) == len(gaps.zones) and zones.certificate.holds and gaps.certificate.holds
+    assert np.diff(zones.zones, axis=1).max() > 40 * profile.resolution  # many knots in one zone
+    bound = zones.error + gaps.error
+    assert bound < 2e-8 and max(differences(zones, gaps)) <= bound
+
+
+def test_hundreds_of_zones_narrower_than_a_step_beside_one_three_hundred_steps_wide():
+    """The stylus trace at a hundredth of its full load: the narrow zone beside the wide one asks for every digit of its level."""
+    profile = contact.Sampled.from_file(STYLUS, units="um", detrend="quadratic", regrid=True, taper=0.05, period=True)
+    load = 0.01 * FullLimit(profile, 1.0, True).pressure
+    solution = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=load), tol=1e-8)
+    widths = np.diff(solution.zones, axis=1)[:, 0] / profile.resolution
+    assert len(widths) > 600 and (widths < 1).sum() > 90 and widths.max() > 300
+    assert solution.certificate.holds and solution.error <= 1e-8
+    assert len(solution.trace) <= 8  # nothing but rounding would keep the ends moving
