@@ -19,7 +19,7 @@ from sie.zones import Zones
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-_MANY_ZONES = 32
+_MANY_ZONES = 8
 # Distance from a singular end, over the half width, within which errors of the density are not asked for.
 _BESIDE = 0.01
 # Most angles of a zone at which it is looked how the density follows the ends.
