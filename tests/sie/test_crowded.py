@@ -1,0 +1,108 @@
+"""Zones with many knots: what other zones see of them has the digits of the right side itself, not of its truncated powers."""
+
+import mpmath
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+import sie
+from sie import crowded as module
+from sie import modes
+from sie.assemble import System
+from sie.crowded import Stretches, coefficients, crowded
+
+ZONES = sie.Zones.of(np.array([[-0.83, -0.1], [0.01, 0.7]]))
+M = np.array([12, 20])
+
+
+def rough(knots, seed=0):
+    """A random walk of heights with kinked third derivative at every point, and its spline."""
+    rng = np.random.default_rng(seed)
+    x = np.linspace(-1, 1, knots + 1)
+    heights = 1e-3 * np.cumsum(rng.normal(size=knots + 1))
+    heights[-1] = heights[0]
+    spline = CubicSpline(x, heights, bc_type="periodic")
+    slope = spline.derivative()
+    jumps = 6 * np.diff(spline.c[0])
+    orders = np.full(knots - 1, 2)
+    return spline, sie.Forcing(slope, spline, steps_at=x[1:-1], steps=jumps, orders=orders)
+
+
+def system(forcing, kernel):
+    steps = forcing.jumps_within(ZONES, kernel)
+    g = modes.sample(forcing, ZONES, steps, np.full(2, 16), 1e-13, 512).coefficients
+    return System(sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential())), ZONES, M, g, steps)
+
+
+def _cubic(c, x):
+    value = c[0]
+    for one in c[1:]:
+        value = value * x + one
+    return value
+
+
+def exactly(spline, zone, weight, derivative):
+    """(1/pi) int of the spline or its slope times weight(theta) over a zone, piece by piece in 30 digits."""
+    middle, half = ZONES.middle[zone], ZONES.half[zone]
+    inner = [x for x in spline.x if abs(x - middle) < half]
+    with mpmath.workdps(30):
+        ends = [mpmath.mpf(middle) - mpmath.mpf(half), *map(mpmath.mpf, inner), mpmath.mpf(middle) + mpmath.mpf(half)]
+        total = mpmath.mpf(0)
+        for lo, hi in zip(ends[:-1], ends[1:], strict=True):
+            k = int(np.searchsorted(spline.x, float(lo + hi) / 2)) - 1
+            c, start = [mpmath.mpf(v) for v in spline.c[:, k]], mpmath.mpf(spline.x[k])
+            c = [3 * c[0], 2 * c[1], c[2]] if derivative else c
+            first, last = (mpmath.acos(max(-1, min(1, (x - middle) / half))) for x in (lo, hi))
+            total += mpmath.quad(lambda a, c=c, x=start: _cubic(c, middle + half * mpmath.cos(a) - x) * weight(a), [last, first])
+        return float(total / mpmath.pi)
+
+
+def test_coefficients_and_means_are_those_of_the_right_side_to_its_own_digits():
+    spline, forcing = rough(120)
+    steps = forcing.jumps_within(ZONES, sie.cauchy())
+    chosen = crowded(forcing, ZONES, steps)
+    assert list(chosen) == [0, 1]
+    found, means = coefficients(forcing, ZONES, steps, chosen, M)
+    powers = np.abs(steps.height).sum()
+    size = np.abs(forcing.value(np.linspace(-0.8, 0.7, 400))).max()
+    assert powers > 1e3 * size  # what is not formed
+    for zone, k in ((0, 1), (1, 9)):
+        exact = exactly(spline, zone, lambda a, k=k: 2 * mpmath.sin(a) * mpmath.sin(k * a), derivative=True)
+        assert found[zone, k] == pytest.approx(exact, abs=4e-16 * size)
+    assert means[1] == pytest.approx(exactly(spline, 1, lambda a: 1, derivative=False), abs=4e-16 * np.abs(spline.c[3]).max())
+
+
+@pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(2.2)], ids=["line", "period"])
+def test_the_density_is_the_one_that_truncated_powers_give(kernel, monkeypatch):
+    """The same equation with the jumps' parts among the unknowns, and beside them."""
+    _, forcing = rough(100)
+    equation = sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential()))
+    state = sie.solve_fixed(equation, ZONES)
+    monkeypatch.setattr(module, "CROWD", 10**6)
+    plain = sie.solve_fixed(equation, ZONES)
+    assert len(state.system.crowded) == 2 and len(plain.system.crowded) == 0
+    t = np.linspace(-0.98, 0.98, 41)
+    for zone in (0, 1):
+        assert state.density.at_t(zone, t) == pytest.approx(plain.density.at_t(zone, t), abs=1e-9)
+    assert state.density.total == pytest.approx(0.3, abs=1e-13)
+    assert np.ptp(state.levels) < 1e-15
+
+
+def test_levels_lose_their_digits_to_truncated_powers(monkeypatch):
+    """The comparison above can fail: means from the powers are a hundred times as rough, and more with more knots."""
+    spline, forcing = rough(120)
+    exact = [exactly(spline, zone, lambda a: 1, derivative=False) for zone in (0, 1)]
+    between = system(forcing, sie.cauchy())._forcing_means()
+    monkeypatch.setattr(module, "CROWD", 10**6)
+    powers = system(forcing, sie.cauchy())._forcing_means()
+    assert np.abs(between - exact).max() < 1e-15 * np.abs(spline.c[3]).max()
+    assert np.abs(powers - exact).max() > 100 * np.abs(between - exact).max()
+
+
+def test_stretches_end_at_the_jumps_and_turn_no_further_than_their_rule_allows():
+    _, forcing = rough(60)
+    steps = forcing.jumps_within(ZONES, sie.cauchy())
+    stretches = Stretches(steps, np.array([0, 1]), np.array([0, 700]))
+    assert np.add.reduceat(stretches.weights, stretches.first) == pytest.approx(np.pi, rel=1e-14)
+    sines = stretches.sines(np.ones(len(stretches.theta)))
+    assert sines[1, 1] == pytest.approx(1.0, rel=1e-13) and np.abs(sines[1, 2:]).max() < 1e-14 and not sines[0].any()
