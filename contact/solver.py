@@ -218,7 +218,7 @@ class _Run:
         the start, if they do not stand up to it."""
         for _ in range(3):
             error = stated_error(found, self.control)
-            if error <= self.tol or self.tolerance <= 2e-15 or self._is_rounding(found.free):
+            if error <= self.tol or self.tolerance <= 2e-15 or self._is_rounding(found):
                 break
             self.tolerance = max(2e-15, 0.05 * self.tolerance * self.tol / error)
             try:
@@ -235,9 +235,9 @@ class _Run:
                 found = better
         return found
 
-    def _is_rounding(self, free: sie.Free) -> bool:
+    def _is_rounding(self, found: Found) -> bool:
         """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error."""
-        return not free.state.iterated and bool(limit(free, 4 * self.tol, "zone"))
+        return not found.free.state.iterated and bool(limit(found.free, 4 * self.tol, "zone", 4 * of_positions(found)))
 
     def _again(self, found: Found) -> Found | Gapped | None:
         if self.scene.interaction.follows_isolated:

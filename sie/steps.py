@@ -316,7 +316,7 @@ class Steps:
 
     def chosen(self, which: NDArray[np.bool_]) -> Steps:
         """Those of the jumps alone."""
-        return Steps(*(part[which] for part in (self.zone, self.left, self.right, self.height, self.order)))
+        return Steps(self.zone[which], self.left[which], self.right[which], self.height[which], self.order[which])
 
     def integral(self, zone: int, left: Array, right: Array) -> Array:
         """Integral of a zone's parts from its left end, at distances from the ends over w, of kinks alone:
@@ -326,7 +326,7 @@ class Steps:
             raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
         away, kappa = self._kappa(k, left, right)
         behind = 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
-        parts = np.where(away == 0, 0.0, away) * np.where(away == 0, 0.0, kappa) + np.sin(self.phi[k]) * behind[:, None]
+        parts = np.where(away == 0, 0.0, away) * np.where(away == 0, 0.0, kappa) + self.sine[k] * behind[:, None]
         return np.asarray(parts @ (self.height[k] / np.pi))
 
     def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:

@@ -385,7 +385,8 @@ class FoldedContact:
         both = np.sort(np.concatenate((low, high)))
         if self.period is not None and np.isin(both[0], low) == np.isin(both[1], low):
             both = np.append(both[1:], both[0] + self.period)
-        if self.period is not None and not 0 < self.map_.derivative(0.5 * (both[0] + both[1])) - self.base.zone[0] < np.diff(self.base.zone):
+        middle = self.map_.derivative(0.5 * (both[0] + both[1])) - self.base.zone[0]
+        if self.period is not None and not 0 < middle < np.diff(self.base.zone):
             both = np.append(both[1:], both[0] + self.period)
         return both.reshape(-1, 2)
 

@@ -96,7 +96,8 @@ class TestTheExactContacts:
         def inner(y, lo, hi):
             return float(answer.pressure(np.array(0.5 * (lo + hi) + 0.5 * (hi - lo) * np.sin(y)))) * 0.5 * (hi - lo) * np.cos(y)
 
-        total = sum(quad(inner, -np.pi / 2, np.pi / 2, (lo, hi), epsabs=1e-12, limit=200)[0] for lo, hi in zip(ends, ends[1:], strict=False))
+        pieces = zip(ends, ends[1:], strict=False)
+        total = sum(quad(inner, -np.pi / 2, np.pi / 2, (lo, hi), epsabs=1e-12, limit=200)[0] for lo, hi in pieces)
         assert total == pytest.approx(answer.load, rel=1e-7)
 
     def test_are_those_known_of_wedges_and_of_the_rounded_punch(self):
