@@ -60,7 +60,7 @@ MUTATIONS = (
     ),
     Mutation(
         "wrong index: coefficients of the right side shifted by one", "sie/assemble.py",
-        "g[:count] = self.g[i, 1 : count + 1]", "g[:count] = self.g[i, :count]",
+        "g[:count] = self.lowest[i, 1 : count + 1]", "g[:count] = self.lowest[i, :count]",
     ),
     Mutation(
         "ends moved by 1e-6 of the zone's width", "contact/solver.py",
