@@ -86,8 +86,8 @@ MUTATIONS = (
     ),
     Mutation(
         "stated error of nothing", "contact/solver.py",
-        "return self._within_tolerance(solution, found.free, \"zone\")",
-        "return self._within_tolerance(replace(solution, error=0.0), found.free, \"zone\")",
+        "return self._within_tolerance(solution, found.free, \"zone\", of_positions(found))",
+        "return self._within_tolerance(replace(solution, error=0.0), found.free, \"zone\", of_positions(found))",
     ),
     Mutation(
         "potential between zones without its logarithm", "sie/assemble.py",
