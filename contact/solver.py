@@ -492,7 +492,10 @@ class _Run:
                             break
                         failure = error
             points *= 4
-        raise self._not_converged(failure or WrongTopology("the gaps are narrower than the finest grid tells from full contact", None))
+        narrow = "the gaps are narrower than the finest grid tells from full contact"
+        if problem.interaction.strip:
+            narrow += "; the localized model is not followed so far, interaction = Periodic() is"
+        raise self._not_converged(failure or WrongTopology(narrow, None))
 
     # strips ---------------------------------------------------------------------------------------------------------
     def _centred(self, problem: Problem, control: Control, start: Array | None) -> Found | None:
