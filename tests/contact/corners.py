@@ -383,10 +383,8 @@ class FoldedContact:
     def zones(self):
         low, high = (self.map_.roots(y) for y in self.base.zone)
         both = np.sort(np.concatenate((low, high)))
-        if self.period is not None and np.isin(both[0], low) == np.isin(both[1], low):
-            both = np.append(both[1:], both[0] + self.period)
-        middle = self.map_.derivative(0.5 * (both[0] + both[1])) - self.base.zone[0]
-        if self.period is not None and not 0 < middle < np.diff(self.base.zone):
+        between = self.map_.derivative(0.5 * (both[0] + both[1]))
+        if self.period is not None and not self.base.zone[0] < between < self.base.zone[1]:
             both = np.append(both[1:], both[0] + self.period)
         return both.reshape(-1, 2)
 

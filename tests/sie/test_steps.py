@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 
 import sie
 from sie.steps import Steps
@@ -159,3 +160,31 @@ def test_a_column_of_unknown_amplitude_must_be_smooth():
 
 def density_of(density):
     return lambda t, zone: density.at_t(zone, t)
+
+
+@pytest.mark.parametrize("at", [-1.25, -0.45, 1.1])
+def test_the_integral_of_kinks_along_a_zone_is_that_of_the_density(at):
+    breaks = [at]
+    _, density = single(at, 0)
+    zone = int(density.steps.zone[0])
+    a, b = ZONES.table[zone]
+    for x in np.linspace(a, b, 6)[1:]:
+        pieces = [a, *(s for s in breaks if s < x), x]
+        expected = sum(quad(density, lo, hi, epsabs=1e-12)[0] for lo, hi in zip(pieces, pieces[1:], strict=False))
+        half = 0.5 * (b - a)
+        found = half * density.steps.integral(zone, np.array([(x - a) / half]), np.array([(b - x) / half]))
+        assert found == pytest.approx(expected, abs=1e-10)
+
+
+@pytest.mark.parametrize(("at", "order"), PLACES)
+def test_the_slope_over_the_angle_is_that_of_the_density(at, order):
+    _, density = single(at, order)
+    zone, step = int(density.steps.zone[0]), 1e-5
+
+    def value(theta):
+        return density.steps.density(zone, 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
+
+    theta = np.array([0.3, 1.0, 1.9, 2.9])
+    slope = density.steps.angular_slope(zone, 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
+    # Central differences, to the third derivative beside the jump.
+    assert slope == pytest.approx((value(theta + step) - value(theta - step)) / (2 * step), rel=1e-5, abs=1e-8)
