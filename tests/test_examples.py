@@ -56,6 +56,17 @@ def test_the_rounded_wedge_carries_the_load_of_its_closed_form(own_names) -> Non
     assert solution.scene.profile.slope(a) > 0
 
 
+def test_the_rounded_punch_carries_the_load_of_its_closed_form() -> None:
+    # M. Ciavarella, D. A. Hills, G. Monno, Proc. IMechE C 212 (1998) 319, doi 10.1243/0954406981521259, with sin(phi) = b/a:
+    # P = (E* b^2/4 R)((pi - 2 phi)/sin(phi)^2 - 2 cot(phi))
+    for solution in module("rounded_punch").main():
+        a = solution.zones[0, 1]
+        phi = np.arcsin(1e-3 / a)
+        load = 1e11 * 1e-6 / (4 * 5e-3) * ((np.pi - 2 * phi) / np.sin(phi) ** 2 - 2 / np.tan(phi))
+        # Just past the flat the load goes with (a/b - 1)^(3/2), and that with the end.
+        assert load == pytest.approx(solution.load, rel=1e-12 + 4 * solution.error / (1e3 * a - 1))
+
+
 def test_two_tips_come_into_contact_apart_and_merge() -> None:
     solutions = module("two_zones").main()
     assert [len(s.zones) for s in solutions] == [2, 2, 2, 1, 1]
