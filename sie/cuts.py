@@ -78,10 +78,9 @@ def cut(equation: Equation, pieces: Zones) -> Cut | None:
     narrow &= _free(pieces)
     if kernel.period is None or pieces.symmetric:
         narrow[-1] = False
-    # With a jump of the right side in it the wide zone's density would be singular there, and with one of a derivative the hole's
-    # own series falls slowly: that matters unless it is small beside both zones.
-    jump, bend = _bent(equation, pieces, after)
-    narrow &= ~jump & (~bend | (after < SMALL * np.minimum(width, following)))
+    # With a jump of a derivative of the right side in it the hole's own series falls slowly: that matters unless it is small beside
+    # both zones. One of the right side itself is carried in closed form.
+    narrow &= ~_bent(equation, pieces, after) | (after < SMALL * np.minimum(width, following))
     if not narrow.any():
         return None
     count = len(pieces)
@@ -123,15 +122,14 @@ def _free(pieces: Zones) -> NDArray[np.bool_]:
     return np.asarray(right & np.roll(left, -1))
 
 
-def _bent(equation: Equation, pieces: Zones, after: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """(gaps with a jump of the right side in them, gaps with one of its derivatives)."""
+def _bent(equation: Equation, pieces: Zones, after: Array) -> NDArray[np.bool_]:
+    """Gaps with a jump of one of the right side's derivatives in them."""
     forcing, period = equation.forcing, equation.kernel.period
-    at = forcing.steps_at
+    at = forcing.steps_at[forcing.orders > 0] if forcing.orders is not None else np.zeros(0)
     if period is not None:
         at = at - np.floor((at - pieces.a[0]) / period) * period
     i = np.searchsorted(pieces.a, at, side="right") - 1
     within = (i >= 0) & (at >= pieces.b[i]) & (at <= pieces.b[i] + after[i])
-    own = np.ones(len(at), dtype=bool) if forcing.orders is None else np.asarray(forcing.orders) == 0
-    itself, derivative = np.zeros((2, len(pieces)), dtype=bool)
-    itself[i[within & own]] = derivative[i[within & ~own]] = True
-    return itself, derivative
+    found = np.zeros(len(pieces), dtype=bool)
+    found[i[within]] = True
+    return found

@@ -16,7 +16,7 @@ Off its own zone P[s] acts through its coefficients s_k = (2/pi) int s sin(k phi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,15 +26,16 @@ from scipy.linalg import lu_factor, lu_solve
 from sie import chebyshev
 from sie.cuts import Cut
 from sie.steps import Steps
+from sie.valleys import Valley
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 LEAST, MOST = 12, 512
+# Modes at least of a hole with a jump of g, of g' or of g'' in it, and at most for one beside it: what is left of these falls as the third to second power.
+_BENT = (64, 256, 64)
 # Coefficients of s that are told to the other zones, at least.
 TOLD = 48
-# Modes for jumps of derivatives.
-_BENT = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,17 +141,27 @@ class Holes:
         # Distances to the far ends of the pieces on both sides, and to jumps: the nearest singularities.
         before = np.concatenate(([start[0] * w], a[1:] - b[:-1]))
         after = np.concatenate((a[1:] - b[:-1], [rest[-1] * w]))
-        jumps = steps.by_zone.get(zone, np.zeros(0, dtype=np.intp))
-        sharp, bent = (
-            (np.abs(steps.left[some][:, None] - (start + half / w)) * w / half - 1).min(axis=0, initial=np.inf)
-            for some in (jumps[steps.order[jumps] == 0], jumps[steps.order[jumps] > 0])
-        )
-        near = np.minimum(np.minimum(before, after) / half, sharp)
+        near = np.minimum(before, after) / half
+        sharp = steps.by_zone.get(zone, np.zeros(0, dtype=np.intp))
+        sharp = sharp[steps.order[sharp] == 0]
+        place = steps.left[sharp][:, None]
+        hole, kink = np.nonzero(((place > start) & (place < start + 2 * half / w)).T)
+        self._inside, sharp = sharp[kink], np.delete(sharp, kink)
+        self.valleys = [
+            (i, Valley(*(float(v) for v in (steps.height[k], start[i], rest[i], half[i] / w, steps.left[k], steps.right[k]))))
+            for i, k in zip(hole.tolist(), self._inside, strict=True)
+        ]
+        if len(sharp):
+            away = np.abs(steps.left[sharp][:, None] - (start + half / w)) * w / half - 1
+            near = np.minimum(near, away.min(axis=0))
         middle = 2 * np.arctan2(np.sqrt(rest + half / w), np.sqrt(start + half / w))
         waves = modes * half / w / np.sin(middle)
         need = 37 / np.arccosh(1 + np.maximum(near, 1e-4)) + 2 * waves
-        # Jumps of derivatives, in the hole or beside it, have weak singularities: of them the series soon leaves little.
-        need = np.maximum(need, np.minimum(37 / np.arccosh(1 + np.maximum(bent, 1e-4)), _BENT))
+        if zone in steps.by_zone:
+            # Jumps in the hole or beside it: of their weak singularities the series soon leaves little.
+            k = steps.by_zone[zone]
+            away = np.maximum(np.abs(steps.left[k][:, None] - (start + half / w)) * w / half - 1, 1e-4)
+            need = np.maximum(need, np.minimum(37 / np.arccosh(1 + away), np.array(_BENT)[steps.order[k]][:, None]).max(axis=0))
         size = np.clip(np.ceil(need), LEAST, MOST).astype(int)
         self.holes = [
             Hole(float(s), float(r), float(h) / w, float(h), int(n)) for s, r, h, n in zip(start, rest, half, size, strict=True)
@@ -174,16 +185,38 @@ class Holes:
         return self._rows(lambda hole, left, right: np.cos(hole.angle(left, right)[:, None] * np.arange(self.modes + 1)))
 
     def of_steps(self, steps: Steps) -> Array:
-        """Right sides of the holes' rows by the jumps."""
+        """Right sides of the holes' rows by the jumps; those of the right side itself in a hole with the release they ask for."""
         if self.zone not in steps.by_zone:
             return np.zeros(self.offset[-1])
+        keep = np.delete(np.arange(len(steps.zone)), self._inside)
+        rest = replace(
+            steps, zone=steps.zone[keep], left=steps.left[keep], right=steps.right[keep], height=steps.height[keep],
+            order=steps.order[keep],
+        )
+        out = self._of_valleys()
+        if self.zone not in rest.by_zone:
+            return out
 
         def values(hole: Hole, left: Array, right: Array) -> Array:
             from_left, from_right = hole.start + hole.half * left, hole.rest + hole.half * right
-            density = steps.density(self.zone, from_left, from_right)
+            density = rest.density(self.zone, from_left, from_right)
             return (hole.root(left, right) * density)[:, None]
 
-        return self._rows(values)[:, 0]
+        return out + self._rows(values)[:, 0]
+
+    def _of_valleys(self) -> Array:
+        """Right sides of the holes' rows by the kinks in them, and what their psi leaves to the integrals of s."""
+        out = np.zeros(self.offset[-1])
+        for i, valley in self.valleys:
+            out[self.offset[i]] += valley.jump * valley.zeta / np.pi
+
+            def values(hole: Hole, left: Array, right: Array, valley: Valley = valley) -> Array:
+                from_left, from_right = hole.start + hole.half * left, hole.rest + hole.half * right
+                outside = np.maximum(valley.start - from_left, valley.rest - from_right) / valley.half
+                return valley.in_hole(from_left, from_right, np.maximum(outside, 0.0))[:, None]
+
+            out += self._rows(values)[:, 0]
+        return out
 
     def _rows(self, values) -> Array:  # type: ignore[no-untyped-def]
         """Projections on each hole, below a row for its condition."""
@@ -221,6 +254,17 @@ class Holes:
     def told(self) -> Array:
         """(count + 1, all d): s_k of the zone, k = 0 ... max(modes, TOLD)."""
         return np.concatenate([hole.told(max(self.modes, TOLD)) for hole in self.holes], axis=1)
+
+    @cached_property
+    def told_by_valleys(self) -> Array:
+        """What the kinks in holes add to s_k."""
+        count = max(self.modes, TOLD)
+        return np.sum([np.zeros(count + 1), *(valley.told(count) for _, valley in self.valleys)], axis=0)
+
+    @property
+    def mean_of_valleys(self) -> float:
+        """What the kinks in holes add to the mean over the zone of the integral of s."""
+        return self.w * sum(valley.mean_opening for _, valley in self.valleys)
 
     @cached_property
     def mean_row(self) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -16,6 +16,7 @@ from sie.field import Sources, potential_from, transform_from
 from sie.holes import Hole, Holes, beyond
 from sie.kernels import Kernel, cauchy
 from sie.steps import Steps
+from sie.valleys import Valley
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -31,7 +32,8 @@ _TELLS = 0.36
 class Pierced:
     """smooth: c on the wide zones; whole: with s_k added, what other zones see; d: series of sigma, per set of holes.
 
-    closed: whether the last traces of 1/sqrt(d) at free ends are taken out, as `Density.settled` does.
+    closed: whether the last traces of 1/sqrt(d) at free ends are taken out, as `Density.settled` does. forced: whether the right side
+    stands behind it, with the kinks that it has in holes; not so for a response.
     """
 
     cut: Cut
@@ -40,6 +42,7 @@ class Pierced:
     holes: tuple[Holes, ...]
     d: tuple[Array, ...]
     closed: bool = False
+    forced: bool = True
 
     def settled(self) -> Pierced:
         return replace(self, closed=True)
@@ -68,6 +71,9 @@ class Pierced:
     @cached_property
     def sampling(self) -> Index:
         return self.smooth.sampling[self.cut.piece_zone]
+
+    def _valleys(self, here: Holes) -> list[tuple[int, Valley]]:
+        return here.valleys if self.forced else []
 
     # series of the holes --------------------------------------------------------------------------------------------
     @cached_property
@@ -116,6 +122,9 @@ class Pierced:
                 values = hole.at_gauss(d) / hole.x_root**2
                 alpha[here.zone] += hole.half * float(np.mean(values * np.cos(hole.theta)))
                 beta[here.zone] += hole.half * float(np.mean(values))
+            for _, valley in self._valleys(here):
+                alpha[here.zone] += valley.edge[0]
+                beta[here.zone] += valley.edge[1]
         other = replace(self.smooth)
         other.__dict__["bounded"] = (alpha, beta, u)
         return other.settled() if self.closed else other
@@ -161,6 +170,10 @@ class Pierced:
                 for side in (past, ~past):
                     added[side] += beyond(away[side] / hole.width, 1.0 if side is past else -1.0, d)
             out[on] += np.sqrt(from_left[on] * from_right[on]) * added
+            for k, valley in self._valleys(here):
+                past = begin[p] >= here.b[k]
+                away = np.where(past, begin[p] - here.b[k] + lf[on] * half[on], here.a[k] - end[p] + rt[on] * half[on])
+                out[on] += valley.beside(from_left[on], from_right[on], away / here.holes[k].width, past)
         if self.closed:
             zero_left = np.array([e.intensity == 0.0 for e in self.zones.left])[piece] & (lf == 0)
             zero_right = np.array([e.intensity == 0.0 for e in self.zones.right])[piece] & (rt == 0)
@@ -206,7 +219,10 @@ class Pierced:
                 before, after = a - wide.a[here.zone], wide.b[here.zone] - b
                 left[here.zone] += scale * beyond(np.array([before / hole.width]), -1.0, d)[0]
                 right[here.zone] += scale * beyond(np.array([after / hole.width]), 1.0, d)[0]
-        slopes_left, slopes_right = self._edges((left, right), self.sigma.edge_slopes, (1.0, -1.0))
+            for _, valley in self._valleys(here):
+                left[here.zone] += scale * valley.edge_slopes[0]
+                right[here.zone] += scale * valley.edge_slopes[1]
+        slopes_left, slopes_right = self._edges((left, right), self._sigma_slopes, (1.0, -1.0))
         # 1 / X changes along the piece: K / (X sqrt(d)) has a share in A.
         k_left, k_right = self.intensities
         before, after = self.cut.hole_before, self.cut.hole_after
@@ -214,6 +230,18 @@ class Pierced:
         slopes_left = slopes_left - np.where(before < 0, 0.0, (k_left * by_right[before]))
         slopes_right = slopes_right + np.where(after < 0, 0.0, (k_right * by_left[after]))
         return slopes_left, slopes_right
+
+    @cached_property
+    def _sigma_slopes(self) -> tuple[Array, Array]:
+        """A of sigma at the left and right end of each hole, psi with it."""
+        left, right = (part.copy() for part in self.sigma.edge_slopes)
+        root_left, root_right = self.hole_roots
+        for here in self.holes:
+            for k, valley in self._valleys(here):
+                i, slope = here.which[k], valley.jump / np.pi * np.sqrt(2 / here.holes[k].width)
+                left[i] -= root_left[i] * slope
+                right[i] += root_right[i] * slope
+        return left, right
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
@@ -305,15 +333,33 @@ class Pierced:
         place = self._into_wide(np.asarray(x, dtype=float))
         released = self.released
         inside = released.locate(place)[2]
-        return inside, released.integral(place)
+        opened = released.integral(place)
+        for valley, width, some, left, right in self._in_valleys(place):
+            opened[some] += width * valley.opening(left, right)
+        return inside, opened
+
+    def slope_of_gap(self, place: Array) -> Array:
+        """s at places on the wide zones, zero off the holes."""
+        out = self.released(place)
+        for valley, _, some, left, right in self._in_valleys(place):
+            out[some] += valley.slope(left, right)
+        return out
+
+    def _in_valleys(self, place: Array) -> Iterator[tuple[Valley, float, NDArray[np.bool_], Array, Array]]:
+        """For each kink in a hole: itself, the hole's half width, which places lie in it, and how far from its ends over that."""
+        for here in self.holes:
+            for k, valley in self._valleys(here):
+                a, b, width = here.a[k], here.b[k], here.holes[k].width
+                some = (place >= a) & (place <= b)
+                yield valley, width, some, (place[some] - a) / width, (b - place[some]) / width
 
     def transform(self, x: ArrayLike) -> Array:
         """(1/pi) PV int phi K dxi at x (any shape)."""
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.transform(flat))
-        self._near_holes(flat, out, transform_from, lambda z, root, rho, here, row: _transform(z, root, here, row))
-        out -= self.released(self._into_wide(flat))
+        self._near_holes(flat, out, transform_from, lambda z, root, rho, here, row: self._transform(z, root, here, row))
+        out -= self.slope_of_gap(self._into_wide(flat))
         return np.asarray(out.reshape(x.shape))
 
     def potential(self, x: ArrayLike) -> Array:
@@ -321,7 +367,7 @@ class Pierced:
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.potential(flat))
-        self._near_holes(flat, out, potential_from, lambda z, root, rho, here, row: _potential(rho, here, row))
+        self._near_holes(flat, out, potential_from, lambda z, root, rho, here, row: self._potential(rho, here, row))
         place = self._into_wide(flat)
         # On a wide zone P[s] raises the potential by its mean opening, and takes the opening away.
         i = np.maximum(np.searchsorted(self.cut.wide.a, place, side="right") - 1, 0)
@@ -338,7 +384,7 @@ class Pierced:
         """Mean over each wide zone of the integral of s."""
         out = np.zeros(len(self.cut.wide))
         for here, row in zip(self.holes, self.series, strict=True):
-            out[here.zone] = here.mean_row @ np.concatenate(row)
+            out[here.zone] = here.mean_row @ np.concatenate(row) + (here.mean_of_valleys if self.forced else 0.0)
         return out
 
     @cached_property
@@ -376,6 +422,37 @@ class Pierced:
                     root = np.sqrt(excess * (excess + 2))
                     out[some[off]] += what((sign, excess), root, sign / (1 + excess + root), here, row)
 
+    def _transform(self, z: tuple[Array, Array], root: Array, here: Holes, row: list[Array]) -> Array:
+        """Transform of P[s] off its wide zone: (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau."""
+        sign, excess = z
+        total = np.zeros(root.shape)
+        for side in (1.0, -1.0):
+            on = sign == side
+            for hole, d in zip(here.holes, row, strict=True):
+                away = excess[on] + (hole.rest if side > 0 else hole.start)
+                total[on] += beyond(away / hole.half, side, d)
+            for _, valley in self._valleys(here):
+                left, right, _, weight = valley.seen
+                away = excess[on][:, None] + (right if side > 0 else left)
+                total[on] += side / np.pi * ((np.sqrt(left * right) / away) @ weight)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(sign * total / root)
+
+    def _potential(self, rho: Array, here: Holes, row: list[Array]) -> Array:
+        """Potential of P[s] off its wide zone: -w sum s_k rho^k / k, summed in closed form over each hole."""
+        total = np.zeros(rho.shape)
+
+        def angles(theta: Array) -> Array:
+            return np.asarray(np.arctan2(rho[:, None] * np.sin(theta), 1 - rho[:, None] * np.cos(theta)))
+
+        for hole, d in zip(here.holes, row, strict=True):
+            values = hole.at_gauss(d) / hole.x_root / hole.nodes
+            total -= 2 * hole.width * (angles(hole.theta) @ values)
+        for _, valley in self._valleys(here):
+            _, _, theta, weight = valley.seen
+            total -= 2 / np.pi * here.w * (angles(theta) @ weight)
+        return total
+
 
 def _closed(d: Array) -> Array:
     """The series without (alpha + beta z) / sqrt(1 - z^2): from (1 - z^2) U_k = (T_k - T_(k+2)) / 2."""
@@ -384,30 +461,6 @@ def _closed(d: Array) -> Array:
     out[: len(u)] += 0.5 * u
     out[2:] -= 0.5 * u
     return out
-
-
-def _transform(z: tuple[Array, Array], root: Array, here: Holes, row: list[Array]) -> Array:
-    """Transform of P[s] off its wide zone: (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau."""
-    sign, excess = z
-    total = np.zeros(root.shape)
-    for hole, d in zip(here.holes, row, strict=True):
-        for side in (1.0, -1.0):
-            on = sign == side
-            away = excess[on] + (hole.rest if side > 0 else hole.start)
-            total[on] += beyond(away / hole.half, side, d)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(sign * total / root)
-
-
-def _potential(rho: Array, here: Holes, row: list[Array]) -> Array:
-    """Potential of P[s] off its wide zone: -w sum s_k rho^k / k, summed in closed form over each hole."""
-    total = np.zeros(rho.shape)
-    for hole, d in zip(here.holes, row, strict=True):
-        values = hole.at_gauss(d) / hole.x_root / hole.nodes
-        sine, cosine = np.sin(hole.theta), np.cos(hole.theta)
-        angle = np.arctan2(rho[:, None] * sine, 1 - rho[:, None] * cosine)
-        total -= 2 * hole.width * (angle @ values)
-    return total
 
 
 __all__ = ["Hole", "Pierced"]

@@ -45,6 +45,8 @@ _START = 0.1
 _ROUNDING = 2.2e-16
 # What alternating may leave over the largest coefficient, to be stated as an error; more is no solution.
 _SETTLED = 1e-10
+# Times the tolerance: with such an error the zones are looked at by themselves too, where a kink lies between them.
+_CARELESS = 1e3
 # On a hole the rounding of the right side and of all terms are seen at one place, where at the end of a zone they average.
 _SAFETY = 3.0
 
@@ -118,7 +120,9 @@ class Release:
             count = min(self.system.g.shape[1], len(c))
             c[: m + 1] = -self.system.taken[here.zone, : m + 1]
             c[m + 1 : count] = -self.system.g[here.zone, m + 1 : count]
-            out.append(here.by_coefficients @ c + here.of_steps(self.system.steps))
+            # Their coefficients are what the rows find less what s adds to them, and so what the kinks in holes do.
+            seen = np.where(np.arange(here.modes + 1) <= m, here.told_by_valleys[: here.modes + 1], 0.0)
+            out.append(here.by_coefficients @ (c - seen) + here.of_steps(self.system.steps))
         return out
 
     @cached_property
@@ -154,14 +158,14 @@ class Release:
             given = nothing if homogeneous else tuple(one for _, one in self._answers)
             near = None if homogeneous else self.base.folded_unknowns
             folded = solver(
-                right_side + self._right(given), near, self.linear, lambda y: self._right(self._series(y, True))
+                right_side + self._right(given, homogeneous), near, self.linear, lambda y: self._right(self._series(y, True), True)
             )
             return folded, self._series(folded, homogeneous), 0.0
         first = folded = solver(right_side) if homogeneous else self.base.folded_unknowns
         d = self._series(folded, homogeneous)
         change, before = np.inf, np.inf
         for _ in range(_ALTERNATIONS):
-            folded = first + solver(self._right(d))
+            folded = first + solver(self._right(d, homogeneous))
             new = self._series(folded, homogeneous)
             size = max(float(np.abs(folded).max()), 1e-300)
             change = max(float(np.abs(one - old).max()) for one, old in zip(new, d, strict=True)) / size
@@ -187,27 +191,27 @@ class Release:
     def _unfold(self, folded: Array) -> Array:
         return self.base.folding.unfold(folded)
 
-    def s_table(self, d: tuple[Array, ...]) -> Array:
+    def s_table(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """s_k of every wide zone."""
         count = max(int(self.system.layout.m.max()), max(here.modes for here in self.holes), TOLD) + 1
         out = np.zeros((len(self.cut.wide), count))
         for here, one in zip(self.holes, d, strict=True):
-            told = here.told @ one
+            told = here.told @ one + (0.0 if homogeneous else here.told_by_valleys)
             out[here.zone, : len(told)] = told
         return out
 
-    def mean_openings(self, d: tuple[Array, ...]) -> Array:
+    def mean_openings(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         out = np.zeros(len(self.cut.wide))
         for here, one in zip(self.holes, d, strict=True):
-            out[here.zone] = here.mean_row @ one
+            out[here.zone] = here.mean_row @ one + (0.0 if homogeneous else here.mean_of_valleys)
         return out
 
-    def _right(self, d: tuple[Array, ...]) -> Array:
+    def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """What s adds to the right side of the wide zones' rows."""
         system, zones, base = self.system, self.cut.wide, self.base
-        s = self.s_table(d)
+        s = self.s_table(d, homogeneous)
         rows = -system.layout.flat(s)[system.diagonal]
-        view = Opened(zones, s, self.mean_openings(d), system.moments, system.layout.m, system.multiplicity())
+        view = Opened(zones, s, self.mean_openings(d, homogeneous), system.moments, system.layout.m, system.multiplicity())
         constants = [condition.rows(view)[1] for condition in system.equation.conditions]
         constants = [np.atleast_1d(c) for c in constants]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
@@ -222,7 +226,7 @@ class Release:
             whole = Density(self.cut.wide, base.density.kernel, layout.padded(y), Steps.none(), y[layout.coefficients :])
         else:
             whole = density_of(system, y)
-        s = self.s_table(d)
+        s = self.s_table(d, homogeneous)
         count = max(s.shape[1], whole.coefficients.shape[1])
         table = np.pad(whole.coefficients, ((0, 0), (0, count - whole.coefficients.shape[1])))
         s = np.pad(s, ((0, 0), (0, count - s.shape[1])))
@@ -231,7 +235,7 @@ class Release:
         whole = replace(whole, coefficients=np.where(within, table, table + s))
         left_over = base.solver.error if isinstance(base.solver, Iterative) else base.linear_error
         state = replace(base, folded_unknowns=folded, unknowns=y, density=whole, linear_error=left_over)
-        return state, Pierced(self.cut, smooth, whole, self.holes, d)
+        return state, Pierced(self.cut, smooth, whole, self.holes, d, forced=not homogeneous)
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,12 +309,12 @@ class PiercedState:
     @property
     def levels(self) -> Array:
         """Level of each solved wide zone."""
-        opened = self.release.mean_openings(self.series)
+        opened = self.release.mean_openings(self.series, False)
         return self.wide.levels + opened[self.cut.wide.solved]
 
     def level_rates(self, values: Array) -> Array:
         folded, series = self._answer(values)
-        opened = self.release.mean_openings(series)
+        opened = self.release.mean_openings(series, True)
         return self.wide.system.level_changes(self.wide.folding.unfold(folded)) + opened[self.cut.wide.solved]
 
     # errors ---------------------------------------------------------------------------------------------------------
@@ -456,4 +460,9 @@ def solve_zones(
     sizes.profile_evaluations += inner.profile_evaluations - profile
     sizes.kernel_evaluations += inner.kernel_evaluations - kernel
     sizes.iterations += inner.iterations - iterations
-    return PiercedState(release, wide, density, series, rest, sizes)
+    found_state = PiercedState(release, wide, density, series, rest, sizes)
+    if any(here.valleys for here in release.holes) and found_state.density_error > max(_CARELESS * tolerance, _SETTLED):
+        # A jump of a derivative that is not declared lies between zones by themselves, but within a wide one.
+        apart = solve_fixed(equation, zones, tolerance, sizes)
+        return apart if apart.density_error < found_state.density_error else found_state
+    return found_state

@@ -28,7 +28,7 @@ SIE = """
     field many
     everywhere
     density
-    cuts local rounding
+    cuts local rounding valleys
     solve
     holes
     pierced

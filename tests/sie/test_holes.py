@@ -30,14 +30,19 @@ TABLES = (
 )
 
 
+# Kinks in the gaps of these: one of them, of either sign, or in all, and one in a zone.
+KINKS = ((), ((-0.0297, -0.7),), ((-0.0291, 0.4), (-0.0253, -2.0), (0.0501, -1.0), (0.1, 0.3)))
+
+
 @pytest.mark.parametrize("kernel", KERNELS, ids=["line", "period", "images"])
 @pytest.mark.parametrize("table", TABLES, ids=["two", "four", "island"])
+@pytest.mark.parametrize("kinks", KINKS, ids=["smooth", "kink", "kinks"])
 class TestAgainstZoneByZone:
     """On zones that are not a solution: every end is singular."""
 
     @pytest.fixture
-    def both(self, kernel, table):
-        problem, zones = equation(kernel), sie.Zones.of(table)
+    def both(self, kernel, table, kinks):
+        problem, zones = equation(kernel, *kinks), sie.Zones.of(table)
         plain, pierced = sie.solve_fixed(problem, zones), solve_zones(problem, zones)
         assert isinstance(pierced, PiercedState)
         return plain, pierced
@@ -91,8 +96,36 @@ def test_a_kink_beside_a_hole_is_carried():
         assert plain.density.at_t(piece, T) == pytest.approx(pierced.density.at_t(piece, T), abs=1e-12)
 
 
-def test_a_kink_in_the_gap_is_no_case_for_a_hole():
-    assert cut(equation(sie.cauchy(), (-0.0295, 0.7)), sie.Zones.of(TABLES[0])) is None
+@pytest.mark.parametrize("gap", [1e-3, 1e-5])
+def test_the_gap_over_a_kink_opens_by_no_more_than_its_own_slopes(gap):
+    """Between the two pieces the gap starts and ends at zero, its slope jumps by the kink and is s + g there."""
+    kink = -0.03 + 0.3 * gap
+    problem = equation(sie.cauchy(), (kink, -0.7))
+    pierced = solve_zones(problem, sie.Zones.of([[-0.2, -0.03], [-0.03 + gap, 0.15]]))
+    assert isinstance(pierced, PiercedState)
+    a, b = pierced.cut.holes.a[0], pierced.cut.holes.b[0]
+    assert np.abs(pierced.density.opening(np.array([a, b]))[1]).max() < 1e-10 * gap
+    places = np.array([kink - 1e-3 * gap, kink + 1e-3 * gap])
+    before, after = pierced.density.slope_of_gap(places)
+    assert after - before == pytest.approx(-0.7, abs=0.02)
+    x = np.linspace(a + 0.05 * gap, b - 0.05 * gap, 9)
+    opening = pierced.density.opening(x)[1]
+    rule = np.array([_integral(pierced.density.slope_of_gap, a, x_i, kink) for x_i in x])
+    assert opening == pytest.approx(rule, abs=1e-6 * gap)
+    # Below the hole the equation is that of the body: the transform is g - s.
+    assert pierced.density.transform(x) == pytest.approx(problem.forcing.value(x) - pierced.density.slope_of_gap(x), abs=1e-9)
+
+
+def _integral(function, a, b, kink):
+    """By Gauss's rule in the angle, to both sides of the kink."""
+    nodes, weights = np.polynomial.legendre.leggauss(400)
+    cuts = [a, *([kink] if kink < b else []), b]
+    total = 0.0
+    for lo, hi in zip(cuts[:-1], cuts[1:], strict=True):
+        angle = 0.5 * np.pi * (1 + nodes)
+        x, weight = 0.5 * (lo + hi) - 0.5 * (hi - lo) * np.cos(angle), 0.5 * (hi - lo) * np.sin(angle) * 0.5 * np.pi
+        total += float((weights * weight) @ function(x))
+    return total
 
 
 def test_wide_gaps_and_cracks_are_no_holes():
