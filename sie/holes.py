@@ -32,7 +32,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 LEAST, MOST = 12, 512
-# Modes at least of a hole with a jump of g, of g' or of g'' in it, and at most for one beside it: what is left of these falls as the third to second power.
+# Modes at least of a hole with a jump of g, of g' or of g'' in it, at most for one beside it: what is left of these falls as the
+# third to second power.
 _BENT = (64, 256, 64)
 # Coefficients of s that are told to the other zones, at least.
 TOLD = 48
