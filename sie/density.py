@@ -187,12 +187,20 @@ class Density:
         return self.at(zone, 1 + t, 1 - t)
 
     def _same_places(self, u: Array, zones: Index, angle: Array, flip: NDArray[np.bool_]) -> Array:
-        """The sums of `_sine_sum` at the same places of several zones, as a matrix product."""
+        """The sums of `_sine_sum` at the same places of several zones, as matrix products of bounded size."""
         rows = u[zones]
         used = np.flatnonzero(np.any(rows != 0, axis=0))
         k = np.arange(1, used[-1] + 2 if len(used) else 1)
-        sines = np.sin(angle[:, None] * k) * np.where(flip[:, None], 2.0 * (k % 2) - 1.0, 1.0)
-        return np.asarray(rows[:, : len(k)] @ sines.T)
+        rows = rows[:, : len(k)]
+        # Seen from the left end, t changes sign: even modes do too.
+        turned = rows * (2.0 * (k % 2) - 1.0)
+        out = np.empty((len(zones), len(angle)))
+        block = max(1, CHUNK * 4 // max(1, len(k)))
+        for s in range(0, len(angle), block):
+            here = slice(s, s + block)
+            sines = np.sin(angle[here, None] * k).T
+            out[:, here] = np.where(flip[here], turned @ sines, rows @ sines) if flip[here].any() else rows @ sines
+        return out
 
     def _sine_sum(self, u: Array, zone: Index, angle: Array, flip: NDArray[np.bool_]) -> Array:
         """sum_k u_k sin((k+1) theta), by the angle from the nearer end, theta = pi - angle where `flip`: no digit is
