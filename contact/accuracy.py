@@ -67,7 +67,7 @@ def limit(free: sie.Free, tol: float, of: str, positions: float = 0.0) -> str:
     """What keeps the ends of zones (of: "zone" or "gap") from being known to `tol`, in words; empty where it is not rounding.
     positions: see `of_positions`."""
     if positions > 0.5 * tol:
-        return f"positions so far from x = 0 are rounded to {positions:.1e} of a zone's width"
+        return f"positions so far from x = 0 are rounded to {positions:.1e} of a zone's width; put the origin nearer, or allow a larger tol"
     density, rounding = free.density, free.rounding
     width = density.zones.b - density.zones.a
     zone = int(rounding.max(axis=1).argmax())

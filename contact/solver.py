@@ -144,6 +144,8 @@ class _Run:
         scene = self.scene
         if self.by_loads or self.near is not None or scene.turned or scene.approach is None or not scene.interaction.exact:
             raise failure
+        if scene.interaction.needs_period and isinstance(failure, OutOfRange):
+            raise failure
         self.by_loads = True
         try:
             return self._framed_and_found()
