@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from sie.conditions import Condition, EqualPotential, Level
 from sie.equation import Equation
 from sie.modes import gaps
+from sie.valleys import HIGHEST
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -78,8 +79,8 @@ def cut(equation: Equation, pieces: Zones) -> Cut | None:
     narrow &= _free(pieces)
     if kernel.period is None or pieces.symmetric:
         narrow[-1] = False
-    # With a jump of a derivative of the right side in it the hole's own series falls slowly: that matters unless it is small beside
-    # both zones. One of the right side itself is carried in closed form.
+    # With a jump of a higher derivative of the right side in it the hole's own series falls slowly: that matters unless it is small
+    # beside both zones.
     narrow &= ~_bent(equation, pieces, after) | (after < SMALL * np.minimum(width, following))
     if not narrow.any():
         return None
@@ -123,9 +124,9 @@ def _free(pieces: Zones) -> NDArray[np.bool_]:
 
 
 def _bent(equation: Equation, pieces: Zones, after: Array) -> NDArray[np.bool_]:
-    """Gaps with a jump of one of the right side's derivatives in them."""
+    """Gaps with a jump of a derivative of the right side in them that is not carried in closed form."""
     forcing, period = equation.forcing, equation.kernel.period
-    at = forcing.steps_at[forcing.orders > 0] if forcing.orders is not None else np.zeros(0)
+    at = forcing.steps_at[forcing.orders > HIGHEST] if forcing.orders is not None else np.zeros(0)
     if period is not None:
         at = at - np.floor((at - pieces.a[0]) / period) * period
     i = np.searchsorted(pieces.a, at, side="right") - 1

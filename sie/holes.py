@@ -26,14 +26,13 @@ from scipy.linalg import lu_factor, lu_solve
 from sie import chebyshev
 from sie.cuts import Cut
 from sie.steps import Steps
-from sie.valleys import Valley
+from sie.valleys import HIGHEST, Valley
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 LEAST, MOST = 12, 512
-# Modes at least of a hole with a jump of g, of g' or of g'' in it, at most for one beside it: what is left of these falls as the
-# third to second power.
+# Modes at most for a jump of g, of g' or of g'' beside a hole, or of g'' in it: of the others in it nothing is left.
 _BENT = (64, 256, 64)
 # Coefficients of s that are told to the other zones, at least.
 TOLD = 48
@@ -129,6 +128,12 @@ def beyond_rows(excess: Array, sign: float, count: int) -> Array:
     return np.asarray(sign * rho[:, None] ** np.arange(count) / root[:, None])
 
 
+def _valley(steps: Steps, k: int, start: float, rest: float, half: float) -> Valley:
+    """The jump of number k in a hole with these distances and this half width."""
+    height, left, right = (float(part[k]) for part in (steps.height, steps.left, steps.right))
+    return Valley(height, start, rest, half, left, right, int(steps.order[k]))
+
+
 class Holes:
     """The holes of one wide zone, and the density there made zero by them."""
 
@@ -143,15 +148,16 @@ class Holes:
         before = np.concatenate(([start[0] * w], a[1:] - b[:-1]))
         after = np.concatenate((a[1:] - b[:-1], [rest[-1] * w]))
         near = np.minimum(before, after) / half
-        sharp = steps.by_zone.get(zone, np.zeros(0, dtype=np.intp))
-        sharp = sharp[steps.order[sharp] == 0]
-        place = steps.left[sharp][:, None]
-        hole, kink = np.nonzero(((place > start) & (place < start + 2 * half / w)).T)
-        self._inside, sharp = sharp[kink], np.delete(sharp, kink)
+        here = steps.by_zone.get(zone, np.zeros(0, dtype=np.intp))
+        here = here[steps.order[here] <= HIGHEST]
+        place = steps.left[here][:, None]
+        hole, jump = np.nonzero(((place > start) & (place < start + 2 * half / w)).T)
+        self._inside = here[jump]
         self.valleys = [
-            (i, Valley(*(float(v) for v in (steps.height[k], start[i], rest[i], half[i] / w, steps.left[k], steps.right[k]))))
-            for i, k in zip(hole.tolist(), self._inside, strict=True)
+            (i, _valley(steps, k, float(start[i]), float(rest[i]), float(half[i]) / w))
+            for i, k in zip(hole.tolist(), self._inside.tolist(), strict=True)
         ]
+        sharp = np.setdiff1d(here[steps.order[here] == 0], self._inside)
         if len(sharp):
             away = np.abs(steps.left[sharp][:, None] - (start + half / w)) * w / half - 1
             near = np.minimum(near, away.min(axis=0))
@@ -159,10 +165,11 @@ class Holes:
         waves = modes * half / w / np.sin(middle)
         need = 37 / np.arccosh(1 + np.maximum(near, 1e-4)) + 2 * waves
         if zone in steps.by_zone:
-            # Jumps in the hole or beside it: of their weak singularities the series soon leaves little.
-            k = steps.by_zone[zone]
+            # Jumps in the hole that are not carried, or beside it: of their weak singularities the series soon leaves little.
+            k = np.setdiff1d(steps.by_zone[zone], self._inside)
             away = np.maximum(np.abs(steps.left[k][:, None] - (start + half / w)) * w / half - 1, 1e-4)
-            need = np.maximum(need, np.minimum(37 / np.arccosh(1 + away), np.array(_BENT)[steps.order[k]][:, None]).max(axis=0))
+            most = np.array(_BENT)[steps.order[k]][:, None]
+            need = np.maximum(need, np.minimum(37 / np.arccosh(1 + away), most).max(axis=0, initial=0.0))
         size = np.clip(np.ceil(need), LEAST, MOST).astype(int)
         self.holes = [
             Hole(float(s), float(r), float(h) / w, float(h), int(n)) for s, r, h, n in zip(start, rest, half, size, strict=True)
@@ -206,15 +213,16 @@ class Holes:
         return out + self._rows(values)[:, 0]
 
     def _of_valleys(self) -> Array:
-        """Right sides of the holes' rows by the kinks in them, and what their psi leaves to the integrals of s."""
+        """Right sides of the holes' rows by the jumps in them, and what their psi leaves to the integrals of s."""
         out = np.zeros(self.offset[-1])
         for i, valley in self.valleys:
-            out[self.offset[i]] += valley.jump * valley.zeta / np.pi
+            out[self.offset[i]] -= valley.total
 
             def values(hole: Hole, left: Array, right: Array, valley: Valley = valley) -> Array:
                 from_left, from_right = hole.start + hole.half * left, hole.rest + hole.half * right
-                outside = np.maximum(valley.start - from_left, valley.rest - from_right) / valley.half
-                return valley.in_hole(from_left, from_right, np.maximum(outside, 0.0))[:, None]
+                own = hole.start == valley.start
+                z = 0.5 * (left - right) if own else (from_left - valley.start) / valley.half - 1
+                return valley.in_hole(from_left, from_right, z)[:, None]
 
             out += self._rows(values)[:, 0]
         return out
@@ -258,13 +266,13 @@ class Holes:
 
     @cached_property
     def told_by_valleys(self) -> Array:
-        """What the kinks in holes add to s_k."""
+        """What the jumps in holes add to s_k."""
         count = max(self.modes, TOLD)
         return np.sum([np.zeros(count + 1), *(valley.told(count) for _, valley in self.valleys)], axis=0)
 
     @property
     def mean_of_valleys(self) -> float:
-        """What the kinks in holes add to the mean over the zone of the integral of s."""
+        """What the jumps in holes add to the mean over the zone of the integral of s."""
         return self.w * sum(valley.mean_opening for _, valley in self.valleys)
 
     @cached_property

@@ -238,7 +238,7 @@ class Pierced:
         root_left, root_right = self.hole_roots
         for here in self.holes:
             for k, valley in self._valleys(here):
-                i, slope = here.which[k], valley.jump / np.pi * np.sqrt(2 / here.holes[k].width)
+                i, slope = here.which[k], valley.at_ends / np.pi * np.sqrt(2 / here.holes[k].width)
                 left[i] -= root_left[i] * slope
                 right[i] += root_right[i] * slope
         return left, right
@@ -346,7 +346,7 @@ class Pierced:
         return out
 
     def _in_valleys(self, place: Array) -> Iterator[tuple[Valley, float, NDArray[np.bool_], Array, Array]]:
-        """For each kink in a hole: itself, the hole's half width, which places lie in it, and how far from its ends over that."""
+        """For each jump in a hole: itself, the hole's half width, which places lie in it, and how far from its ends over that."""
         for here in self.holes:
             for k, valley in self._valleys(here):
                 a, b, width = here.a[k], here.b[k], here.holes[k].width

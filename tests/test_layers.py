@@ -20,7 +20,7 @@ SIE = """
     conditions steps
     beyond
     breaks
-    equation
+    equation valleys
     gap_steps lazy modes near_jumps neighbours tree
     crowded
     assemble
@@ -28,7 +28,7 @@ SIE = """
     field many
     everywhere
     density
-    cuts local rounding valleys
+    cuts local rounding
     solve
     holes
     pierced

@@ -96,6 +96,39 @@ def test_a_kink_beside_a_hole_is_carried():
         assert plain.density.at_t(piece, T) == pytest.approx(pierced.density.at_t(piece, T), abs=1e-12)
 
 
+@pytest.mark.parametrize("kernel", KERNELS, ids=["line", "period", "images"])
+def test_jumps_of_the_right_side_and_of_its_slope_in_one_gap_are_carried(kernel):
+    at, first, second = -0.0293, -0.7, 30.0
+
+    def value(x):
+        return np.sin(7 * x) + (first + second * (x - at)) * (x > at)
+
+    def primitive(x):
+        return -np.cos(7 * x) / 7 + np.where(x > at, first * (x - at) + 0.5 * second * (x - at) ** 2, 0.0)
+
+    forcing = sie.Forcing(value, primitive, np.array([at, at]), np.array([first, second]), np.array([0, 1]))
+    problem, zones = sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential())), sie.Zones.of(TABLES[0])
+    plain, pierced = sie.solve_fixed(problem, zones), solve_zones(problem, zones)
+    assert isinstance(pierced, PiercedState)
+    size = np.abs(plain.density.coefficients).max()
+    for piece in range(2):
+        assert plain.density.at_t(piece, T) == pytest.approx(pierced.density.at_t(piece, T), abs=3e-12 * size)
+    for name, error in (("intensities", 1e-12), ("edge_slopes", 1e-10)):
+        one, other = (np.array(getattr(state.density, name)) for state in (plain, pierced))
+        assert np.abs(one - other).max() < error * np.abs(one).max()
+    x = np.array([-0.5, -0.21, -0.0297, -0.0292, -0.1, 0.05, 0.2, 0.4])
+    assert np.abs(plain.density.transform(x) - pierced.density.transform(x)).max() < 1e-11
+    # On the wide zone the potential of a jump of the slope is a series.
+    off = x[[0, 1, 6, 7]]
+    assert np.abs(plain.density.potential(off) - pierced.density.potential(off)).max() < 1e-15
+    # One that is not declared would be within the wide zone, as it is not in the zones by themselves.
+    for some in ([0], [1]):
+        less = sie.Forcing(value, primitive, forcing.steps_at[some], forcing.steps[some], forcing.orders[some])
+        other = solve_zones(sie.Equation(kernel, less, problem.conditions), zones)
+        assert not isinstance(other, PiercedState)
+        assert np.abs(other.density.at_t(0, T) - pierced.density.at_t(0, T)).max() < 1e-12 * size
+
+
 @pytest.mark.parametrize("gap", [1e-3, 1e-5])
 def test_the_gap_over_a_kink_opens_by_no_more_than_its_own_slopes(gap):
     """Between the two pieces the gap starts and ends at zero, its slope jumps by the kink and is s + g there."""
