@@ -287,7 +287,8 @@ class TestPages:
     def test_every_place_in_the_pages_is_that_of_a_table_that_is_made_and_is_filled(self, monkeypatch):
         pages = script("pages", monkeypatch)
         made = {
-            "precision", "hierarchy", "peers", "scaling", "exponents", "single", "required", "machine", "stability", "mutations"
+            "precision", "hierarchy", "peers", "scaling", "exponents", "single", "required", "machine", "stability", "mutations",
+            "self-affine", "measured-trace",
         }
         named = set()
         for name in pages.PAGES:
