@@ -112,7 +112,7 @@ class Everywhere:
         """What a zone moved by `shift` does at x, pair by pair."""
         density = self.density
         w = density.zones.half[zone]
-        left, right = (x - (density.zones.a[zone] + shift)) / w, ((density.zones.b[zone] + shift) - x) / w
+        left, right = density.zones.beyond_a(x - shift, zone) / w, density.zones.before_b(x - shift, zone) / w
         on = (left >= 0) & (right >= 0)
         root = np.sqrt(np.abs(left * right))
         rho = np.where(left >= 0, 1.0, -1.0) / (0.5 * np.abs(left - right) + root)

@@ -247,6 +247,11 @@ class TestMeasuredProfiles:
         assert solution.certificate.holds and solution.error <= 1e-8
         assert solution.contact_fraction == pytest.approx(0.75, abs=1e-12)
 
+    def test_joined_by_straight_lines_have_gaps_of_a_thousandth_of_a_billionth(self):
+        # 41 gaps, one of 2e-12: known to less than the digits of its place, and nothing false is stated of it.
+        solution = solve(polygon(*measured(128, 1), 1.0), contact.Periodic(), tol=1e-8, load=0.06)
+        assert solution.certificate.note.startswith("solved by its gaps") and solution.error <= 1e-8
+
     def test_joined_by_straight_lines_answer_the_equation(self):
         profile = polygon(*measured(16, 0), 1.0)
         solution = solve(profile, contact.Periodic(), tol=1e-10, contact_fraction=0.75)
