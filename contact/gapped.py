@@ -37,6 +37,9 @@ _NODES, _REACH = 161, 3.3
 # what is stated is not about them.
 _BESIDE = 1e-7
 
+# Of a gap's width: where its ends are as uncertain, it is looked at whether they tell its place at all.
+_UNCERTAIN = 1e-4
+
 # The same for tips: over the half width, as for zones (`sie.Density.sensitivity`).
 _BESIDE_TIPS = 0.01
 
@@ -220,7 +223,7 @@ class Gapped:
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]
         moved = self.free.end_error + state.end_truncation + self.off * self.widening / width
-        shift = moved * width
+        shift = np.maximum(moved * width, self._adrift[:, None])
         # The zone before the first gap is the last.
         zones = fields.zones[:, 1] - fields.zones[:, 0]
         ends = float((shift / np.column_stack((np.roll(zones, 1), zones))).max())
@@ -235,6 +238,26 @@ class Gapped:
         on_zones = state.density_error * state.size / unit + rounding
         tips = float((np.maximum(shift[:, 1], np.roll(shift[:, 0], -1)) * self._steepest).max()) / unit
         return 2 * (ends + float(shift.max()) * slope + beside + tips) + on_zones
+
+    @property
+    def _adrift(self) -> Array:
+        """How far each gap may be from its place where its ends do not tell: on a smooth top of H f' of curvature k it may be anywhere
+        where H f' is within rounding r of the top, by sqrt(2 r / k). 0 for gaps wider than that, and for those over kinks."""
+        fields, profile = self.fields, self.fields.problem.profile
+        gaps, conjugate = fields.density.zones, fields.conjugate
+        out = np.zeros(len(gaps))
+        _, gap, inside = fields.density.locate(conjugate.at)
+        narrow = np.flatnonzero(self.free.end_error.max(axis=1) > _UNCERTAIN)
+        some = np.setdiff1d(narrow, gap[inside & (conjugate.heights < 0)])
+        if len(some):
+            step = (profile.resolution or fields.problem.units.length * fields.period) / fields.problem.units.length / 64
+            middle = gaps.middle[some]
+            top, beside = conjugate(middle), 0.5 * (conjugate(middle - step) + conjugate(middle + step))
+            curvature = 2 * np.maximum(top - beside, 0.0) / step**2
+            rounding = 8 * float(np.finfo(np.float64).eps) * (abs(fields.mean) + np.abs(top))
+            reach = np.sqrt(2 * rounding / np.maximum(curvature, 2 * rounding / step**2))
+            out[some] = np.where(reach > 0.5 * gaps.half[some], reach, 0.0)
+        return out
 
     @property
     def _steepest(self) -> Array:

@@ -97,6 +97,20 @@ class TestBorders:
         assert true_error(solution, answer) <= solution.error <= 1e-8
         assert abs(solution.load / answer.load - 1) < 1e-13
 
+    @pytest.mark.parametrize("gap", [1e-8, 1e-9, 1e-12])
+    def test_a_gap_that_rounding_may_have_anywhere_on_the_top_of_the_valley_is_not_stated_to_be_in_its_place(self, gap):
+        cosine, sine = np.array([1e-6, 2e-7, 1e-7]), np.array([3e-7, 0.0, 2e-8])
+        wave = contact.Fourier(PERIOD, cosine, sine)
+        # The top of H f', by Newton on its derivative.
+        k = 2 * np.pi / PERIOD * np.arange(1, 4)
+        x = PERIOD * np.argmax(wave.slope_conjugate(PERIOD * np.arange(4096) / 4096)) / 4096
+        for _ in range(6):
+            up = np.sum(k**2 * (-cosine * np.sin(k * x) + sine * np.cos(k * x)))
+            x += up / np.sum(k**3 * (cosine * np.cos(k * x) + sine * np.sin(k * x)))
+        best = _best(contact.Scene(wave, 1e9, contact.Periodic(), contact_fraction=1 - gap))
+        off = (0.5 * float(best.zones.sum()) + 0.5 * PERIOD - x) / PERIOD + 0.5
+        assert abs(off - np.floor(off) - 0.5) <= best.error
+
     def test_an_approach_whose_last_digit_is_a_different_load_is_told_so(self):
         answer = exact.PeriodicWedge(0.1, 1.0, 1e9, 0.5 * (1 - 1e-6))
         scene = contact.Scene(contact.Wedge(0.1, 1.0), 1e9, contact.Periodic(), approach=answer.approach)
