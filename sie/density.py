@@ -22,6 +22,8 @@ Index = NDArray[np.intp]
 _MANY_ZONES = 8
 # Distance from a singular end, over the half width, within which errors of the density are not asked for.
 _BESIDE = 0.01
+# Most even angles of one zone that `sampling` asks for.
+_MOST_PLACES = 2**14
 # Most angles of a zone at which it is looked how the density follows the ends.
 LOOKS = 128
 
@@ -70,7 +72,7 @@ class Density:
         """Even angles per zone (Z,) that show all of the density: twice its modes and a few for every jump."""
         modes = np.count_nonzero(self.coefficients, axis=1)
         jumps = np.bincount(self.steps.zone, minlength=len(self.zones))
-        return np.clip(2 * modes + 4 * jumps, 24, 4096)
+        return np.clip(2 * modes + 4 * jumps, 24, _MOST_PLACES)
 
     @cached_property
     def totals(self) -> Array:
