@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 
 # Below this size a product with a stored matrix is faster than the call of a fast transform.
 LARGEST_MATRIX = 96
+# Numbers in a matrix that is kept for the next time.
+_KEPT = 1 << 18
 
 
 @lru_cache(maxsize=64)
@@ -83,9 +85,17 @@ def gauss(n: int) -> Array:
     return np.asarray(np.cos((np.arange(n) + 0.5) * (np.pi / n)))
 
 
-@lru_cache(maxsize=64)
 def t_matrix(n: int, count: int) -> Array:
     """T_l(tau_q), shape (n, count), at the n Gauss nodes."""
+    return _kept_t_matrix(n, count) if n * count <= _KEPT else _t_matrix(n, count)
+
+
+@lru_cache(maxsize=64)
+def _kept_t_matrix(n: int, count: int) -> Array:
+    return _t_matrix(n, count)
+
+
+def _t_matrix(n: int, count: int) -> Array:
     return np.asarray(np.cos(np.outer((np.arange(n) + 0.5) * (np.pi / n), np.arange(count))))
 
 
