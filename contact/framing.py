@@ -29,6 +29,10 @@ from contact.single import guess_half_width
 Array = NDArray[np.float64]
 
 
+# How far from a window it is looked for deeper places, over its half width, at how many, and how often.
+_FARTHEST, _LOOKS, _DESCENTS = 1e8, 1024, 12
+
+
 @dataclass(frozen=True)
 class Framed:
     """The scaled problem, the scaled control, and the cell or window [m] that holds all contact."""
@@ -136,11 +140,13 @@ def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
     find = partial(find_window, start_scale=profile.resolution, datum=datum or 1.0, limits=profile.extent)
     if kind == "load":
         window = find(partial(grid_height, profile), scene.E_star, load=value)
-        deepest = _deepest_tip(profile)
-        if deepest is not None and not window[0] < deepest < window[1]:
-            # The points of wide windows missed it.
+        for _ in range(_DESCENTS):
+            deeper = _deeper(profile, window)
+            if deeper is None:
+                break
+            # Any contact holds the lowest point: the points of wide windows missed it, or there was a tip before it.
             half = 0.5 * (window[1] - window[0])
-            window = find(profile.height, scene.E_star, load=value, start=(deepest - half, deepest + half))
+            window = find(profile.height, scene.E_star, load=value, start=(deeper - half, deeper + half))
     else:
         # The lowest point is in contact at any load: a window of any contact holds it.
         first = find(profile.height, scene.E_star, load=1e-3 * scene.E_star * (datum or 1.0))
@@ -149,11 +155,20 @@ def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
     return origin, 0.5 * (window[1] - window[0]), window
 
 
-def _deepest_tip(profile: Profile) -> float | None:
-    """The lowest of the tips that the profile declares, which any contact holds; None if there is none."""
-    summits = profile.summits
-    tips = profile.kinks[profile.kinks[:, 1] > 0, 0] if summits is None else np.asarray(summits, dtype=float)
-    return float(tips[np.argmin(profile.height(tips))]) if len(tips) else None
+def _deeper(profile: Profile, window: Window) -> float | None:
+    """A place outside a window where the profile lies lower than in it, of declared tips and of places ever farther away; None if
+    none was seen."""
+    centre, half = 0.5 * (window[0] + window[1]), 0.5 * (window[1] - window[0])
+    away = half * np.geomspace(1.0, _FARTHEST, _LOOKS)
+    tips = profile.kinks[profile.kinks[:, 1] > 0, 0] if profile.summits is None else np.asarray(profile.summits, dtype=float)
+    known = known_part(profile) or (-np.inf, np.inf)
+    outside = np.concatenate((tips, np.clip(np.concatenate((centre - away, centre + away)), *known)))
+    inside = np.concatenate((tips, np.linspace(*window, 257)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        inside = inside[(window[0] <= inside) & (inside <= window[1])]
+        heights, floor = np.asarray(profile.height(outside)), np.min(profile.height(inside))
+    heights = np.where(np.isnan(heights) | ((window[0] <= outside) & (outside <= window[1])), np.inf, heights)
+    return float(outside[np.argmin(heights)]) if heights.min() < floor else None
 
 
 def _middle_or_tip(profile: Profile, window: Window) -> float:

@@ -157,6 +157,14 @@ class TestLightApproach:
         again = solve(profile, datum, tol=1e-8, load=solution.load)
         assert abs(again.approach / approach - 1) < 1e-7
 
+    @pytest.mark.parametrize("load", [1e-8, 1e-11])
+    def test_a_deeper_place_far_away_takes_a_light_load(self, load):
+        """f = x^2 (x - 50)^2 / 5000 - x / 1e5, of curvature 1 at both minima: Hertz's a = 2 sqrt(P / pi E*) at the farther one."""
+        profile = contact.Polynomial((0.0, -1e-5, 0.5, -0.02, 2e-4))
+        solution = solve(profile, ISOLATED, tol=1e-6, load=load)
+        assert len(solution.zones) == 1 and abs(solution.zones.mean() - 50.0) < 1e-4
+        assert abs(np.diff(solution.zones)[0, 0] / (4 * np.sqrt(load / np.pi)) - 1) < 1e-5
+
     def test_one_that_no_load_has_is_refused(self):
         with pytest.raises(contact.OutOfRange, match="no load"):
             solve(contact.Biquadratic(radius=20.0, spacing=1.3), contact.Isolated(datum=1.0), tol=1e-8, approach=1e3)
