@@ -179,8 +179,9 @@ class Steps:
     def _coefficients(self, k: Index, row: Index, rows: int, count: int) -> Array:
         """Coefficients of jumps k, added up in rows (rows, count): (t - s)^q is expanded in powers of t, so that what is done with
         series is done once a row."""
-        j = np.arange(1.0, count + HIGHEST + 2)
-        powers = np.zeros((HIGHEST + 1, rows, len(j)))
+        highest = int(self.order[k].max(initial=0))
+        j = np.arange(1.0, count + highest + 2)
+        powers = np.zeros((highest + 1, rows, len(j)))
         order = np.argsort(row, kind="stable")
         block = max(1, _PAIRS // len(j))
         for begin in range(0, len(k), block):
@@ -192,8 +193,8 @@ class Steps:
             for power in range(int(q.max()) + 1):
                 weight = self.height[some] * _BINOMIAL[q, power] * (-s) ** np.maximum(q - power, 0)
                 powers[power, into[first]] += np.add.reduceat(weight[:, None] * sines, first, axis=0)
-        c = of_sines(powers[HIGHEST])
-        for series in powers[HIGHEST - 1 :: -1]:
+        c = of_sines(powers[highest])
+        for series in powers[:highest][::-1]:
             c = _times_t(c) + of_sines(series)
         return np.asarray(c[:, :count])
 
