@@ -28,7 +28,7 @@ def stated_error(found: Found, control: Control) -> float:
     singular, peak = _is_singular(density), _reference(density)
     moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
     on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
-    error = max(float(ends.max(initial=0.0)) + of_positions(found) + ROUNDING, moved + on_zones)
+    error = max(float(ends.max(initial=0.0)) + ROUNDING, of_positions(found) + ROUNDING, moved + on_zones)
     if control.kind != "approach":
         return error
     # A stiff contact turns the rounding of its level into load.
@@ -42,7 +42,7 @@ def of_positions(found: Found) -> float:
     """What the ends, given as positions, are rounded to over their zone's width: of narrow zones far from x = 0 more is known."""
     units, zones = found.fields.problem.units, found.fields.density.zones
     rounding = np.spacing(np.abs(units.x(zones.table))).max(axis=1) / units.length
-    return float((rounding / zones.half).max())
+    return float((0.5 * rounding / zones.half).max())
 
 
 def _of_jumps(density: sie.AnyDensity) -> float:

@@ -109,8 +109,9 @@ def excess(zones: Zones, targets: Targets, sources: Index, shift: float) -> tupl
     a, b = zones.a[sources] + shift, zones.b[sources] + shift
     z = targets.zone
     right = zones.middle[z][:, None] > zones.middle[sources] + shift
-    past_b = zones.a[z][:, None] - b + targets.left[:, None]
-    past_a = a - zones.b[z][:, None] + targets.right[:, None]
+    (rest_a, rest_b), seen_a, seen_b = zones.rest[:, sources], zones.rest[0, z][:, None], zones.rest[1, z][:, None]
+    past_b = (zones.a[z][:, None] - b) + (seen_a - rest_b) + targets.left[:, None]
+    past_a = (a - zones.b[z][:, None]) + (rest_a - seen_b) + targets.right[:, None]
     e = np.where(right, past_b, past_a) / zones.half[sources]
     return e, np.where(right, 1.0, -1.0)
 

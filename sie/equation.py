@@ -69,6 +69,14 @@ class Forcing:
         if len(self.steps_at) and len(self.breaks_at):
             raise ValueError("either the right side jumps or the density does: give steps or breaks, not both")
 
+    @property
+    def cornered(self) -> bool:
+        """Whether g or the wanted density jumps anywhere: then the distances of ends from there count."""
+        return any(
+            len(at) > 0 and (orders is None or bool(np.any(np.asarray(orders) == 0)))
+            for at, orders in ((self.steps_at, self.orders), (self.breaks_at, self.break_orders))
+        )
+
     def jumps_within(self, zones: Zones, kernel: Kernel) -> Steps:
         """The jumps that lie inside zones."""
         if len(self.breaks_at):

@@ -150,7 +150,7 @@ def find_ends(
             near_a, near_b, came = moved_apart(state, apart, lambda d, size: _alone(d, size, signs))
             limited[0, apart] = np.where(came, zones.a[apart] - near_a, limited[0, apart])
             limited[1, apart] = np.where(came, near_b - zones.b[apart], limited[1, apart])
-        zones = _held_at(zones.moved(limited), walls)
+        zones = _held_at(zones.moved(limited, equation.forcing.cornered), walls)
         gap = modes.gaps(zones, equation.kernel)[1]
         # The last zone keeps what total is given, however narrow it becomes; without one it may vanish.
         least = (collapse if len(zones) > 1 else _VANISHED) * first_width
@@ -196,15 +196,18 @@ def _reach(state: AnyState) -> Array:
 
 def _of_places(state: AnyState) -> Array:
     """What ends (2, Z) are off by since the right side is known at places rounded to a unit in their last digit, e: K by about
-    sqrt(w / 2) g' e, where A is sqrt(2 w) g' if it comes from the smooth part of g alone. What comes from corners does not count, since
-    the ends' distances from these are known."""
+    sqrt(w / 2) g' e, where A is sqrt(2 w) g' if it comes from the smooth part of g alone. What comes from corners within a zone does
+    not count, since the ends' distances from these are known."""
     zones = state.density.zones
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
-    if not isinstance(state, State):
+    cornered = state.density.steps.kinked
+    if not isinstance(state, State) or len(cornered) == 0:
         return rounding
     g = state.system.g
     smooth = _SMOOTH * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
-    return np.asarray(rounding * smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth))
+    known = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
+    rounding[:, cornered] *= known[:, cornered]
+    return np.asarray(rounding)
 
 
 def _held_at(zones: Zones, walls: tuple[float, float]) -> Zones:

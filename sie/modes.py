@@ -136,7 +136,9 @@ def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int) 
     left, right = left[1:-1], right[1:-1]
     w = zones.half[group][:, None]
     end = np.where(left <= right, zones.a[group][:, None], zones.b[group][:, None])
-    away = w * np.where(left <= right, left, -right)
+    # From the ends as positions, of which rounding has cut off the rest.
+    rest = zones.rest[:, group][:, :, None]
+    away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
     if n <= chebyshev.LARGEST_MATRIX and float(_places(zones, group).max()) > _FINE:
         # What a jump adds to the slope is none of g's on either side.
         levels = np.array([steps.level_part(int(zone), left) for zone in group]) if len(steps) else 0.0

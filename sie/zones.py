@@ -70,8 +70,8 @@ class Zones:
             table = 0.5 * (table + mirrored)
         return cls(table[:, 0], table[:, 1], lefts, rights, symmetric)
 
-    def moved(self, outward: Array) -> Zones:
-        """The same zones with ends moved outward (2, n); what rounding cuts off them is kept."""
+    def moved(self, outward: Array, exactly: bool = True) -> Zones:
+        """The same zones with ends moved outward (2, n); exactly: what rounding cuts off them is kept."""
         if self.symmetric:
             outward = 0.5 * (outward + outward[::-1, ::-1])
         ends, by = np.array([self.a, self.b]), np.array([-outward[0], outward[1]]) + self.rest
@@ -79,7 +79,7 @@ class Zones:
         # What the sum has lost, exactly (D. E. Knuth, The Art of Computer Programming 2, 4.2.2).
         back = there - ends
         rest = (ends - (there - back)) + (by - back)
-        return replace(self, a=there[0], b=there[1], rest=rest)
+        return replace(self, a=there[0], b=there[1], rest=rest if exactly else np.zeros_like(rest))
 
     def beyond_a(self, x: Array, zone: NDArray[np.intp]) -> Array:
         """How far x lies to the right of the left ends of zones."""
