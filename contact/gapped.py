@@ -229,6 +229,8 @@ class Gapped:
         ends = float((shift / np.column_stack((np.roll(zones, 1), zones))).max())
         varies = (profile.resolution or units.length * fields.period) / units.length / (2 * np.pi)
         unit = fields.unit_pressure / units.pressure
+        if not unit > 0.0:
+            return np.inf  # zones so narrow that no sample lies in them
         slope = min(fields.steepest / unit, 1 / varies)
         # Away from a gap this falls as the square of width over distance.
         seen = np.minimum((gaps.b - gaps.a) / (_BESIDE * fields.period), 1.0) ** 2

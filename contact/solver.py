@@ -349,11 +349,12 @@ class _Run:
         conjugate = ScaledConjugate.of(self.full.conjugate, problem)
         with self.plan.timed("zone ends"):
             try:
-                return self._tightened_gaps(
+                found = self._tightened_gaps(
                     problem, control, find_gaps(problem, control, conjugate, _OF_GAPS * self.tolerance, width, zones)
                 )
             except WrongTopology:
                 return None
+        return found if math.isfinite(found.error) else None
 
     def _tightened_gaps(self, problem: Problem, control: Control, found: Gapped) -> Gapped:
         """Solved again from the same gaps with a smaller inner tolerance, where the error came out above the wanted one."""
