@@ -20,7 +20,7 @@ from sie.apart import far_off, moved_apart
 from sie.ends import FREE, SINGULAR, End
 from sie.equation import Equation
 from sie.gap_steps import gap_steps
-from sie.near_jumps import bent_steps, tips_between
+from sie.near_jumps import bent_steps, corner_distances, tips_between
 from sie.released import AnyDensity, AnyState, solve_zones
 from sie.solve import SingularSystem, Sizes, State, assembled, density_of, first_sizes
 from sie.zones import Zones
@@ -184,14 +184,11 @@ def _safe_slopes(density: AnyDensity, natural: Array, signs: tuple[float, float]
 
 def _reach(state: AnyState) -> Array:
     """Length over which the density changes beside each end (2, Z): the zone's width, or the distance of a corner."""
-    zones, steps = state.density.zones, state.density.steps
+    zones, equation = state.density.zones, state.equation
     reach = np.tile(zones.b - zones.a, (2, 1))
-    if isinstance(state, State) and len(steps):
-        corner = steps.order == 0
-        zone, w = steps.zone[corner], zones.half[steps.zone[corner]]
-        np.minimum.at(reach[0], zone, w * steps.left[corner])
-        np.minimum.at(reach[1], zone, w * steps.right[corner])
-    return reach
+    if not isinstance(state, State) or len(equation.forcing.steps_at) == 0:
+        return reach
+    return np.minimum(reach, corner_distances(equation.forcing, zones, equation.kernel.period))
 
 
 def _of_places(state: AnyState) -> Array:
@@ -200,9 +197,11 @@ def _of_places(state: AnyState) -> Array:
     not count, since the ends' distances from these are known."""
     zones = state.density.zones
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
-    cornered = state.density.steps.kinked
-    if not isinstance(state, State) or len(cornered) == 0:
+    equation, cornered = state.equation, state.density.steps.kinked
+    if not isinstance(state, State) or len(equation.forcing.steps_at) == 0:
         return rounding
+    # An end at a corner, as far as positions tell, is known by its distance from there.
+    rounding = np.where(corner_distances(equation.forcing, zones, equation.kernel.period) < 4 * rounding, 0.0, rounding)
     g = state.system.g
     smooth = _SMOOTH * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
     known = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
@@ -283,7 +282,10 @@ def _newton(
     if len(equation.forcing.steps_at) or jumps:
         toward, slopes = side * residual, np.where(weak, 0.0, side * a)
         bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, toward, slopes, delta, INWARD, OUTWARD)
-        delta = np.where(moves & ~(holds & jumps), bent, delta)
+        bent = np.where(moves & ~(holds & jumps), bent, delta)
+        # A corner that shortens the step shortens what rounding of K does.
+        noise = noise * np.minimum(np.abs(bent) / np.maximum(np.abs(delta), 1e-300), 1.0)
+        delta = bent
     return delta, noise, change, not np.any(weak & moves)
 
 

@@ -54,9 +54,9 @@ def gap_steps(
     rho = k / np.where(holds, c * straight, 1.0)
     rho_other = other / np.where(holds, c * beyond, 1.0)
     shift = rho - rho_other
-    square = 1 - 2 * (rho + rho_other) + (2 * shift**2 if alike else 0.0)
-    # 1 - sqrt(square) without cancellation; a gap that wants to close altogether moves by all of its half.
-    closing = np.where(square > 0, (1 - square) / (1 + np.sqrt(np.maximum(square, 0.0))), 1.0)
+    less = 2 * (rho + rho_other) - (2 * shift**2 if alike else 0.0)
+    # 1 - sqrt(1 - less) without cancellation; a gap that wants to close altogether moves by all of its half.
+    closing = np.where(less < 1, less / (1 + np.sqrt(np.maximum(1 - less, 0.0))), 1.0)
     # Shares of S that are a wedge's, and of what closes: load (1 - e)^2 (1 - share) / 2 + (1 - e) share of the new half gap.
     share = np.clip(np.asarray(tips) / np.pi * np.sqrt(2 / c) / np.where(holds, 0.5 * (straight + beyond), 1.0), 0.0, 1.0)
     left = np.maximum(0.5 * (1 + share) - (rho + rho_other), 0.0)

@@ -110,6 +110,12 @@ def tips_between(forcing: Forcing, zones: Zones, period: float | None) -> Array:
     return np.array([np.roll(after, 1), after])
 
 
+def corner_distances(forcing: Forcing, zones: Zones, period: float | None) -> Array:
+    """Distance of each end (2, Z) from the nearest jump of g itself, within its zone or beyond; infinite where there is none."""
+    inside, outside = _nearest(zones, *_kinks(forcing.steps_at, forcing.steps, forcing.orders), period)
+    return np.minimum(inside[0], outside[0])
+
+
 def _kinks(at: Array, heights: Array, orders: NDArray[np.intp] | None) -> tuple[Array, Array]:
     """Positions and heights of the jumps of order 0."""
     which = np.ones(len(at), dtype=bool) if orders is None else np.asarray(orders) == 0

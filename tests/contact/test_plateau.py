@@ -141,3 +141,16 @@ def test_the_deepest_of_sharp_tips_is_found_by_a_load_that_touches_nothing_else(
     assert abs(np.diff(solution.zones)[0, 0] / exact - 1) < solution.error <= tol
     with pytest.raises(contact.NotConverged, match="positions so far from x = 0"):
         contact.solve(contact.Scene(profile, 1.0, contact.Isolated(), load=load), tol=1e-10)
+
+
+def test_a_row_of_flat_tops_is_solved_at_any_load_from_nothing_and_from_the_last_load():
+    """What the ends pass the corners by goes with the square of the load."""
+    profile = Plateaus((-0.5, -0.35, -0.25, 0.25, 0.35), (0.2, 0.2, 0.0, 0.0, 0.2), symmetric=True)
+    passed, near = [], None
+    for load in (1e-9, 3e-8, 1e-6, 1e-4):
+        scene = contact.Scene(profile, 1.0, contact.Periodic(), load=load)
+        alone, near = contact.solve(scene), contact.solve(scene, near=near)
+        assert max(alone.error, near.error) <= 1e-8 and alone.certificate.holds
+        assert np.abs(near.pressure_at(0.7) / alone.pressure_at(0.7) - 1) < 1e-8
+        passed.append(alone.fields.density.steps.right.min() / load**2)
+    assert np.abs(np.array(passed) / passed[0] - 1).max() < 1e-6
