@@ -152,8 +152,8 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
     With J < 0 the jump of f', the pressure goes to minus infinity as (E* |J| / 2 pi) ln(distance): there is a gap, however narrow.
     """
     density, forcing = fields.density, fields.problem.forcing
-    orders = np.zeros(len(forcing.steps)) if forcing.orders is None else forcing.orders
-    at, zone, inside = density.locate(forcing.steps_at[(orders == 0) & (forcing.steps < 0)])
+    kinks, heights = forcing.kinks
+    at, zone, inside = density.locate(kinks[heights < 0])
     found: list[tuple[float, float]] = []
     left_out = 0
     for x, i in zip(at[inside], zone[inside], strict=True):

@@ -70,9 +70,7 @@ class ScaledConjugate:
 
     @classmethod
     def of(cls, conjugate: Conjugate, problem: Problem) -> ScaledConjugate:
-        forcing = problem.forcing
-        kinks = np.zeros(0, dtype=np.intp) if forcing.orders is None else np.flatnonzero(forcing.orders == 0)
-        return cls(conjugate, problem.units, np.asarray(forcing.steps_at)[kinks], np.asarray(forcing.steps)[kinks])
+        return cls(conjugate, problem.units, *problem.forcing.kinks)
 
     @property
     def period(self) -> float:

@@ -132,8 +132,7 @@ class ZoneFields:
             yield last, hi, True, False
 
     def _cuts(self, lo: float, hi: float) -> Array:
-        forcing = self.problem.forcing
-        kinks = forcing.steps_at[forcing.orders == 0]
+        kinks = self.problem.forcing.kinks[0]
         inner = kinks[(kinks > lo) & (kinks < hi)]
         count = int(np.clip((hi - lo) / self.spacing * 2, 1, 4000))
         return np.unique(np.concatenate((np.linspace(lo, hi, count + 1), inner)))
@@ -198,9 +197,8 @@ class ZoneFields:
     def tips(self) -> Array:
         """Scaled places of sharp tips, ascending: there a gap is least without a level tangent. Of a period those beside the
         zones, too."""
-        forcing = self.problem.forcing
-        orders = np.zeros(len(forcing.steps)) if forcing.orders is None else forcing.orders
-        at = forcing.steps_at[(orders == 0) & (forcing.steps > 0)]
+        kinks, heights = self.problem.forcing.kinks
+        at = kinks[heights > 0]
         period = self.problem.period
         if period is not None and len(at):
             at = at - np.floor((at - self.density.zones.a[0]) / period) * period

@@ -150,9 +150,8 @@ def same_end(one: WrongTopology, other: WrongTopology) -> bool:
 def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | None:
     """Width of a gap over the kink of a valley that the search has closed or taken off its kink: too narrow for it. Such gaps
     do not close, but narrow as exp(-pressure); None if there is none."""
-    forcing = problem.forcing
-    orders = np.zeros(len(forcing.steps)) if forcing.orders is None else forcing.orders
-    at = forcing.steps_at[(orders == 0) & (forcing.steps < 0)]
+    kinks, heights = problem.forcing.kinks
+    at = kinks[heights < 0]
     if len(at) == 0 or len(table) < 2:
         return None
     if problem.period is not None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,13 +70,20 @@ class Forcing:
         if len(self.steps_at) and len(self.breaks_at):
             raise ValueError("either the right side jumps or the density does: give steps or breaks, not both")
 
+    @cached_property
+    def kinks(self) -> tuple[Array, Array]:
+        """Positions and heights of the jumps of g itself."""
+        return _of_order_zero(self.steps_at, self.steps, self.orders)
+
+    @cached_property
+    def broken(self) -> tuple[Array, Array]:
+        """Positions and heights of the jumps of the wanted density itself."""
+        return _of_order_zero(self.breaks_at, self.breaks, self.break_orders)
+
     @property
     def cornered(self) -> bool:
         """Whether g or the wanted density jumps anywhere: then the distances of ends from there count."""
-        return any(
-            len(at) > 0 and (orders is None or bool(np.any(np.asarray(orders) == 0)))
-            for at, orders in ((self.steps_at, self.orders), (self.breaks_at, self.break_orders))
-        )
+        return len(self.kinks[0]) + len(self.broken[0]) > 0
 
     def jumps_within(self, zones: Zones, kernel: Kernel) -> Steps:
         """The jumps that lie inside zones."""
@@ -84,6 +92,11 @@ class Forcing:
             return Breaks.inside(zones, self.breaks_at, self.breaks, orders, kernel)
         orders = np.zeros(len(self.steps_at), dtype=np.intp) if self.orders is None else self.orders
         return Steps.within(zones, self.steps_at, self.steps, orders, kernel.period)
+
+
+def _of_order_zero(at: Array, heights: Array, orders: NDArray[np.intp] | None) -> tuple[Array, Array]:
+    which = np.ones(len(at), dtype=bool) if orders is None else np.asarray(orders) == 0
+    return np.asarray(at)[which], np.asarray(heights)[which]
 
 
 @dataclass(frozen=True, eq=False)

@@ -117,11 +117,12 @@ def find_ends(
         if not np.all(np.isfinite(delta)):
             raise SingularSystem("no motion of the ends meets the condition on them")
         width = zones.b - zones.a
-        noise = noise + np.where(moves, _of_places(state), 0.0)
+        corners = _corners(state)
+        noise = noise + np.where(moves, _of_places(state, corners), 0.0)
         move = float(np.abs(delta / width).max(initial=0.0))
         trace.append(Step(zones.table, move, value if equation.open_condition is not None else None))
         rounding = (noise / width).T
-        rest = bool(np.all(np.abs(delta) <= np.maximum(tolerance * _reach(state), noise)))
+        rest = bool(np.all(np.abs(delta) <= np.maximum(tolerance * np.minimum(width, corners), noise)))
         stalled = stalled + 1 if move > 0.5 * best else 0
         best = min(best, move)
         quiet = bool(np.all(np.abs(delta) < np.clip(100 * noise, 1e-6 * width, 1e-2 * width)))
@@ -182,27 +183,25 @@ def _safe_slopes(density: AnyDensity, natural: Array, signs: tuple[float, float]
     return np.where(weak, side * (natural / root + 1e-300), a), weak
 
 
-def _reach(state: AnyState) -> Array:
-    """Length over which the density changes beside each end (2, Z): the zone's width, or the distance of a corner."""
-    zones, equation = state.density.zones, state.equation
-    reach = np.tile(zones.b - zones.a, (2, 1))
-    if not isinstance(state, State) or len(equation.forcing.steps_at) == 0:
-        return reach
-    return np.minimum(reach, corner_distances(equation.forcing, zones, equation.kernel.period))
+def _corners(state: AnyState) -> Array:
+    """Distance of a corner from each end (2, Z), within the zone or beyond: over it the density changes; infinite without one."""
+    equation, zones = state.equation, state.density.zones
+    if not isinstance(state, State) or len(equation.forcing.kinks[0]) == 0:
+        return np.full((2, len(zones)), np.inf)
+    return corner_distances(equation.forcing, zones, equation.kernel.period)
 
 
-def _of_places(state: AnyState) -> Array:
+def _of_places(state: AnyState, corners: Array) -> Array:
     """What ends (2, Z) are off by since the right side is known at places rounded to a unit in their last digit, e: K by about
     sqrt(w / 2) g' e, where A is sqrt(2 w) g' if it comes from the smooth part of g alone. What comes from corners within a zone does
     not count, since the ends' distances from these are known."""
     zones = state.density.zones
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
-    equation, cornered = state.equation, state.density.steps.kinked
-    if not isinstance(state, State) or len(equation.forcing.steps_at) == 0:
+    if not isinstance(state, State) or not np.isfinite(corners).any():
         return rounding
     # An end at a corner, as far as positions tell, is known by its distance from there.
-    rounding = np.where(corner_distances(equation.forcing, zones, equation.kernel.period) < 4 * rounding, 0.0, rounding)
-    g = state.system.g
+    rounding = np.where(corners < 4 * rounding, 0.0, rounding)
+    cornered, g = state.density.steps.kinked, state.system.g
     smooth = _SMOOTH * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
     known = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
     rounding[:, cornered] *= known[:, cornered]

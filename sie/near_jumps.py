@@ -41,7 +41,7 @@ def bent_steps(
     is not to be relied on."""
     if len(forcing.breaks_at):
         return _beside_logarithms(forcing, zones, period, k, slopes, plain, inward, outward)
-    kinks = _kinks(forcing.steps_at, forcing.steps, forcing.orders)
+    kinks = forcing.kinks
     rising = kinks[1] > 0
     if not np.any(rising):
         return plain
@@ -75,7 +75,7 @@ def _beside_logarithms(
     forcing: Forcing, zones: Zones, period: float | None, k: Array, slopes: Array, plain: Array, inward: float,
     outward: float,
 ) -> Array:
-    at, heights = _kinks(forcing.breaks_at, forcing.breaks, forcing.break_orders)
+    at, heights = forcing.broken
     width, steps = zones.b - zones.a, plain.copy()
     inside, outside = _nearest(zones, at[heights > 0], heights[heights > 0], period)
     bent = (np.minimum(inside[0], outside[0]) < np.minimum(width, _FAR * np.abs(plain))) & (slopes > 0)
@@ -100,7 +100,7 @@ def _beside_logarithms(
 
 def tips_between(forcing: Forcing, zones: Zones, period: float | None) -> Array:
     """Heights J > 0 of the logarithms of the right side that lie between zones, added up, on both sides (2, Z) of each."""
-    at, heights = _kinks(forcing.breaks_at, forcing.breaks, forcing.break_orders)
+    at, heights = forcing.broken
     at, heights = at[heights > 0], heights[heights > 0]
     if period is not None:
         at = at - np.floor((at - zones.a[0]) / period) * period
@@ -112,14 +112,8 @@ def tips_between(forcing: Forcing, zones: Zones, period: float | None) -> Array:
 
 def corner_distances(forcing: Forcing, zones: Zones, period: float | None) -> Array:
     """Distance of each end (2, Z) from the nearest jump of g itself, within its zone or beyond; infinite where there is none."""
-    inside, outside = _nearest(zones, *_kinks(forcing.steps_at, forcing.steps, forcing.orders), period)
+    inside, outside = _nearest(zones, *forcing.kinks, period)
     return np.minimum(inside[0], outside[0])
-
-
-def _kinks(at: Array, heights: Array, orders: NDArray[np.intp] | None) -> tuple[Array, Array]:
-    """Positions and heights of the jumps of order 0."""
-    which = np.ones(len(at), dtype=bool) if orders is None else np.asarray(orders) == 0
-    return np.asarray(at)[which], np.asarray(heights)[which]
 
 
 def _root(falls: Callable[[Array], Array], low: Array, high: Array, kink: Array) -> Array:

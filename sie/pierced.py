@@ -375,10 +375,6 @@ class Pierced:
         out += np.where(on, self.mean_openings[i] - self.opening(place)[1], 0.0)
         return np.asarray(out.reshape(x.shape))
 
-    def potential_between(self, lo: float, hi: float) -> Callable[[Array], Array]:
-        """The potential as a function on an interval without zones."""
-        return self.potential
-
     @cached_property
     def mean_openings(self) -> Array:
         """Mean over each wide zone of the integral of s."""
