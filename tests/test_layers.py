@@ -65,7 +65,7 @@ CONTACT = """
     problem interactions.__init__ scene
     bounded fields planning single scene_file answer leaning
     certificate conjugate sampling
-    full
+    full zone_loads
     export framing plateau plotting topology
     accuracy first_order gapped proposals solution
     gap_certificate
