@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import sie
 from contact.conjugate import Conjugate, conjugate_of
 from contact.extrema import maximum
 from contact.problem import Problem
@@ -32,7 +33,7 @@ def largest_conjugate(profile: Profile, conjugate: Callable[[Array], Array]) -> 
     return maximum(conjugate, period_samples(profile))[1]
 
 
-class FullLimit:
+class FullLimit(sie.Kept):
     """Where full contact begins: the smallest mean pressure [Pa], inf if there is none, found when first asked for.
 
     approached: whether growing loads come near to full contact, as they do to valleys with kinks but not past sharp corners.
@@ -64,7 +65,7 @@ def period_samples(profile: Profile) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class FullFields:
+class FullFields(sie.Kept):
     """Full contact of a periodic profile: p = pbar - (E*/2) H f', with H the periodic Hilbert transform; no gap."""
 
     problem: Problem

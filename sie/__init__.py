@@ -16,6 +16,7 @@ from sie.density import Density
 from sie.ends import BOUNDED, FREE, SINGULAR, End, free_with_intensity
 from sie.equation import CountError, Equation, Forcing
 from sie.free_boundary import Free, find_ends
+from sie.kept import Kept
 from sie.kernels import Kernel, Smooth, cauchy, hilbert, images
 from sie.local import LocalPotential
 from sie.pierced import Pierced
@@ -25,7 +26,7 @@ from sie.zones import Zones
 
 __all__ = [
     "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EqualPotential",
-    "Equation", "Forcing", "Free", "Kernel", "Level", "LocalPotential", "Pierced", "SingularSystem", "Smooth", "State", "Total",
+    "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "Pierced", "SingularSystem", "Smooth", "State", "Total",
     "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "cauchy", "find_ends", "free_with_intensity", "hilbert",
     "images", "moment", "solve_fixed", "solve_zones",
 ]

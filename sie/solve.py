@@ -18,6 +18,7 @@ from sie.density import Density
 from sie.ends import End
 from sie.equation import Equation
 from sie.folding import Folding
+from sie.kept import Kept
 from sie.many import Iterative, ManySystem, Punches, fits
 from sie.rounding import intensity_rounding
 from sie.steps import Steps
@@ -119,7 +120,7 @@ class Factored:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class State(Kept):
     """The solution on given zones, with what its error is made of.
 
     density; the solver for further right sides; `truncation`: what the neglected coefficients may amount to, over
