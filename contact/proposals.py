@@ -50,7 +50,7 @@ def proposed(frame: Framed, problem: Problem, control: Control, points: int | No
     by_load = control.kind == "load"
     found = propose(
         partial(grid_height, profile) if by_load else profile.height, frame.cell, E=units.E_star,
-        periodic=interaction.needs_period, datum=getattr(interaction, "datum", None) or 1.0,
+        periodic=interaction.needs_period, datum=interaction.datum or 1.0, rest=problem.operator.rest,
         resolution=profile.resolution, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height,
     )
@@ -75,7 +75,7 @@ def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | 
             profile = problem.turned_to(tilt).profile
             found = propose(
                 partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.resolution,
-                points=points, load=load,
+                points=points, load=load, rest=problem.operator.rest,
             )
             if found.touches_border and not last:
                 raise _TooNarrow

@@ -23,7 +23,6 @@ from contact.framing import Framed, framed, framed_about, lowest
 from contact.full import FullFields, FullLimit, period_samples
 from contact.gap_search import find_gaps, settle_gaps
 from contact.gapped import Gapped
-from contact.interactions.isolated import Isolated
 from contact.interactions.periodic import Periodic
 from contact.leaning import known_part
 from contact.levelling import at_approach
@@ -86,7 +85,8 @@ class _Run:
         self.near = near
         # Where both load and tilt are unknown, and where the grid does not find the approach.
         self.by_loads = scene.turned and scene.moment is not None and scene.approach is not None
-        self.full = FullLimit(scene.profile, scene.E_star, scene.interaction.images is None)
+        self.operator = scene.operator
+        self.full = FullLimit(scene.profile, scene.E_star, self.operator)
 
     def solution(self) -> Solution:
         start = time.perf_counter()
@@ -99,7 +99,8 @@ class _Run:
         kind, value = self.scene.control
         if kind == "contact_fraction" and value == 1.0:
             return self._full(self._full_pressure_or_refuse())
-        refuse_below_plateau(self.scene)
+        if self.operator.rest is None:
+            refuse_below_plateau(self.scene)
         refuse_unbounded(self.scene)
         found: Found | Gapped | None = self._beside_near()
         if found is None:
@@ -185,7 +186,7 @@ class _Run:
         reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
         if not reach > 0.0:
             raise OutOfRange(f"moment {moment:.6g} N: the whole body lies on the other side of x = 0")
-        guess = scene.E_star * (0.3 * abs(approach) or 1e-3 * getattr(scene.interaction, "datum", 1.0))
+        guess = scene.E_star * (0.3 * abs(approach) or 1e-3 * (scene.interaction.datum or 1.0))
         first = guess if self.near is None else self.near.load
         bounded = known is not None and scene.profile.support is None
 
@@ -197,7 +198,8 @@ class _Run:
                     raise
                 return failure.best
 
-        return at_approach(solved, approach, first, abs(moment) / reach, bounded, nearness, concave=moment == 0.0)
+        concave = moment == 0.0 and self.operator.rest is None
+        return at_approach(solved, approach, first, abs(moment) / reach, bounded, nearness, concave)
 
     def _loaded(self, load: float) -> Scene:
         return replace(self.scene, approach=None, load=load)
@@ -259,15 +261,24 @@ class _Run:
     def _full_pressure_or_refuse(self) -> float:
         pressure = self.full.pressure
         if not math.isfinite(pressure):
+            if self.full.approached and not self.operator.has_inverse:
+                raise OutOfRange(self._no_inverse("full contact is not known"))
             raise OutOfRange("no load brings this scene into full contact: its valleys have kinks, or the model has none")
         return pressure
+
+    def _no_inverse(self, what: str) -> str:
+        name = self.scene.interaction.name
+        return (
+            f"{what}: the interaction {name!r} gives a kernel and no symbol, so the pressure that flattens the surface cannot be told. "
+            "Give it a `symbol`, or ask for less contact"
+        )
 
     def _full(self, mean_pressure: float) -> Solution:
         scene, profile = self.scene, self.scene.profile
         self._full_pressure_or_refuse()
         units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
         problem = Problem(profile, scene.interaction, units, lowest(profile))
-        fields = FullFields(problem, mean_pressure, self.full.conjugate, mean_shape(problem) * units.height)
+        fields = FullFields(problem, mean_pressure, self.full.relief, mean_shape(problem) * units.height)
         least = mean_pressure - self.full.pressure
         certificate = Certificate(
             smallest_pressure=least, smallest_gap=None, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
@@ -275,8 +286,14 @@ class _Run:
         )
         for name in ("zone ends", "coarse search"):
             self.plan[name].used, self.plan[name].reason = False, "full contact"
-        # Rounding of the closed form, in terms of the peak pressure.
-        return Solution(scene, np.zeros((0, 2)), fields, 1e-13, certificate, self.plan)
+        # Rounding of the closed form, in terms of the peak pressure, or of the mean where the peak is infinite.
+        peak = fields.max_pressure if math.isfinite(fields.max_pressure) else mean_pressure
+        error = 1e-13 + self.full.rounding / peak
+        solution = Solution(scene, np.zeros((0, 2)), fields, error, certificate, self.plan)
+        if error > self.tol:
+            why = f"rounding of the heights leaves an error of {error:.1e} in full contact, above the tolerance {self.tol:.1e}"
+            raise NotConverged(why, (), solution)
+        return solution
 
     # zones ----------------------------------------------------------------------------------------------------------
     def _found(self) -> Found | Gapped | None:
@@ -338,7 +355,7 @@ class _Run:
 
     def _worth_gaps(self, problem: Problem, width: float) -> bool:
         """Whether contact of about this scaled width is better solved by its gaps."""
-        if not self.full.approached or problem.period is None:
+        if not self.full.approached or not self.operator.is_half_plane or problem.period is None:
             return False
         return width > (_NEARLY_FULL if self.full.possible or self.single else _WITH_KINKS) * problem.period
 
@@ -388,8 +405,9 @@ class _Run:
                 f"approach {control.value * self.problem.units.height:.6g} m: a flat punch of width "
                 f"{support[1] - support[0]:.6g} m has none above zero with a datum of {datum:.6g} m"
             )
-        if not self.full.possible:
+        if not self.full.approached or (self.operator.has_inverse and not self.full.possible):
             return
+        # u has no mean under any operator of a period: the mean gap is that of the profile less the approach.
         highest, units = mean_shape(self.problem), self.problem.units
         if control.value >= highest:
             raise OutOfRange(
@@ -439,7 +457,7 @@ class _Run:
                 # Along the branch from zero load the controlled quantity grows with the width up to its maximum.
                 exact = single_half_width(problem, control)
                 if exact is None:
-                    if not self.scene.interaction.exact or isinstance(self.scene.interaction, Isolated):
+                    if not self.scene.interaction.exact or not (self.operator.is_periodic or self.operator.rest):
                         top = largest_single_load(problem, control)
                         units = problem.units
                         unit = units.load if control.kind == "load" else units.height
@@ -461,7 +479,7 @@ class _Run:
         search.used, search.reason = True, search.reason if search.used else "one zone did not pass the certificate"
         points: int | None = None
         failure: WrongTopology | None = None
-        most, touched = _MOST_POINTS, False
+        most, touched, full = _MOST_POINTS, False, False
         while points is None or points <= most:
             if self.progress is not None:
                 self.progress("coarse grid", 0, None)
@@ -469,7 +487,7 @@ class _Run:
                 proposal = proposed(self.frame, problem, control, points)
             if points is None:
                 most = max(most, min(4 * proposal.points, MOST_POINTS))
-            points = proposal.points
+            points, full = proposal.points, proposal.full
             if proposal.tilt is not None:
                 problem = problem.turned_to(proposal.tilt)
             search.detail = f"{points} points, {len(proposal.zones)} zones proposed"
@@ -495,7 +513,11 @@ class _Run:
                             break
                         failure = error
             points *= 4
+        if full and self.operator.is_periodic and not self.operator.has_inverse:
+            raise OutOfRange(self._no_inverse(f"in full contact, or nearer to it than a grid of {points} points tells"))
         narrow = "the gaps are narrower than the finest grid tells from full contact"
+        if self.operator.is_periodic and not self.operator.is_half_plane:
+            narrow += "; they are solved for on their own on a half-plane only"
         if problem.interaction.strip:
             narrow += "; the localized model is not followed so far, interaction = Periodic() is"
         raise self._not_converged(failure or WrongTopology(narrow, None))

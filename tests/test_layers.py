@@ -49,7 +49,7 @@ CONTACT = """
     axisymmetric.spot
     axisymmetric.levels
     axisymmetric.__init__
-    registry measured terminal profiles.spline_conjugate inverse.product
+    registry measured terminal profiles.spline_conjugate inverse.product spectrum
     profiles.base exact.base
     profiles.declared profiles.* exact.*
     exact.localized search testing inverse.profile
@@ -61,7 +61,8 @@ CONTACT = """
     inverse.__init__
     interactions.base
     interactions.*
-    turning
+    turning operator
+    interactions.declared
     problem interactions.__init__ scene
     bounded fields planning single scene_file answer leaning
     certificate conjugate sampling
