@@ -26,7 +26,7 @@ SIE = """
     assemble
     fast folding hierarchical krylov
     field many
-    everywhere
+    everywhere piecewise
     density
     cuts local rounding
     solve
@@ -49,7 +49,7 @@ CONTACT = """
     axisymmetric.spot
     axisymmetric.levels
     axisymmetric.__init__
-    registry measured terminal profiles.spline_conjugate inverse.product
+    registry measured terminal inverse.product
     profiles.base exact.base
     profiles.declared profiles.* exact.*
     exact.localized search testing inverse.profile
