@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.assemble import System
-from sie.density import Density
 from sie.conditions import of_levels, speaks_of_levels
+from sie.density import Density
 from sie.equation import Forcing
 from sie.folding import Folding
 from sie.modes import gaps
