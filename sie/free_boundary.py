@@ -36,7 +36,7 @@ _VANISHED = 1e-12
 _WANDERING = 20
 # Of zones said to be near: the first move over the width, and what is left of a move in the next one. Moves below the last are about
 # rounding, which need not fall.
-_NEAR, _FALLING, _AT_REST = 0.5, 0.5, 1e-6
+_NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
 # Over what the mean slope of the right side's smooth part makes of A.
 _SMOOTH = 4.0
 # The remaining motion of an end is the next step but for its square.
