@@ -314,7 +314,7 @@ class _Run:
             return self._first_order()
         if interaction.strip:
             return self._centred(problem, self.control, None)
-        return self._search(problem, self.control, self._start())
+        return self._search(problem, self.control, self._start(), near=True)
 
     def _at_level(self) -> Found:
         """Under an approach, from zones of about the right load; of just about it, if these do not lead on."""
@@ -327,22 +327,27 @@ class _Run:
         return self._settled(self.problem, self.control, placed(self.problem, self.near.zones))
 
     def _start(self) -> Array | None:
-        """Zones of the near solution, scaled; None if there is none or it is in full contact."""
-        if self.near is None or len(self.near.zones) == 0 or self.control.kind == "half_width":
+        """Zones of the near solution, scaled; None if there is none or it is in full contact, or where one zone is to be found, which
+        is known better in closed form."""
+        if self.near is None or len(self.near.zones) == 0 or self.single:
             return None
         return placed(self.problem, self.near.zones)
 
-    def _search(self, problem: Problem, control: Control, start: Array | None = None) -> Found | Gapped | None:
+    def _search(
+        self, problem: Problem, control: Control, start: Array | None = None, near: bool = False
+    ) -> Found | Gapped | None:
+        """Zones from a start, if there is one; else, and where it does not lead on, from scratch. near: the start is a solution's, which
+        is given up as soon as it turns out to be far off: from there the way may be longer than from scratch."""
         if control.kind == "approach":
             self._below_full_approach(control)
         if start is not None:
             width = float((start[:, 1] - start[:, 0]).sum())
-            gapped = self._by_gaps(problem, control, width, start)
+            gapped = self._by_gaps(problem, control, width, start, near)
             if gapped is not None:
                 return gapped
             if not self._worth_gaps(problem, width):
                 try:
-                    return self._settle(problem, control, start)
+                    return self._settle(problem, control, start, near)
                 except WrongTopology:
                     pass
         if control.kind == "half_width":
@@ -368,7 +373,9 @@ class _Run:
             return False
         return width > (_NEARLY_FULL if self.full.possible or self.single else _WITH_KINKS) * problem.period
 
-    def _by_gaps(self, problem: Problem, control: Control, width: float, zones: Array | None = None) -> Gapped | None:
+    def _by_gaps(
+        self, problem: Problem, control: Control, width: float, zones: Array | None = None, near: bool = False
+    ) -> Gapped | None:
         """The contact solved by its gaps, where it is about as wide as that; None if it is not or that fails."""
         if control.kind == "half_width" or not self._worth_gaps(problem, width):
             return None
@@ -376,7 +383,7 @@ class _Run:
         with self.plan.timed("zone ends"):
             try:
                 found = self._tightened_gaps(
-                    problem, control, find_gaps(problem, control, conjugate, _OF_GAPS * self.tolerance, width, zones)
+                    problem, control, find_gaps(problem, control, conjugate, _OF_GAPS * self.tolerance, width, zones, near)
                 )
             except WrongTopology:
                 return None
@@ -424,8 +431,8 @@ class _Run:
                 "the profile: there it is in full contact, at any load above the smallest, or as near to it as digits of the approach tell"
             )
 
-    def _settle(self, problem: Problem, control: Control, table: Array) -> Found:
-        return settle(problem, control, table, self.tolerance, self.progress, timed=self.plan.timed)
+    def _settle(self, problem: Problem, control: Control, table: Array, near: bool = False) -> Found:
+        return settle(problem, control, table, self.tolerance, self.progress, timed=self.plan.timed, near=near)
 
     def _settled(self, problem: Problem, control: Control, table: Array) -> Found:
         try:
