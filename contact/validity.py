@@ -61,7 +61,7 @@ def _of_slopes(solution: Answer) -> tuple[str, ...]:
     steepest, rms = float(np.abs(inside).max(initial=0.0)), float(np.sqrt(np.mean(whole**2))) if whole.size else 0.0
     if max(steepest, rms) <= STEEPEST:
         return ()
-    told = f"slopes of {steepest:.2g} in contact" if steepest > STEEPEST else f"slopes of {rms:.2g} (root mean square)"
+    told = f"slopes up to {steepest:.2g} in contact" if rms <= STEEPEST else f"slopes up to {np.abs(whole).max():.2g}, {rms:.2g} on average"
     return (f"{told}: a surface steeper than about {STEEPEST} is not the nearly plane one of the model",)
 
 
