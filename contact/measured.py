@@ -28,8 +28,8 @@ _TRENDS = {"none": -1, "line": 1, "quadratic": 2}
 _ROUNDING_SEEN_FROM = 32  # points: with fewer, coarse positions may well be meant as they stand
 # Heights that agree this far, relative to the highest before anything was subtracted, are one height.
 _ROUNDING = 1e-12
-# Points that regrid may make of fewer: straight lines between what was measured add corners and no knowledge.
-_MOST_REGRID = 100_000
+# Points that regrid may make of fewer: straight lines between what was measured add corners and time, and no knowledge.
+_MOST_REGRID = 20_000
 # [m]: from a few atoms to the longest guides and roads that a trace of one scan is taken of; and an atom.
 _LENGTHS, _PITCHES, _SHALLOWEST = (1e-9, 1.0), (1e-12, 1e-3), 1e-11
 
@@ -215,7 +215,7 @@ def _count(regrid: Any) -> int | bool | None:
 def _bounded(count: int, points: int) -> int:
     most = max(_MOST_REGRID, points)
     if count > most:
-        allowed = f"at most {most} points: between the {points} of the file there are straight lines, and nothing more to be known"
+        allowed = f"at most {most}: between the {points} points of the file there are but straight lines, and nothing more to be known"
         raise SceneError.of("regrid", count, allowed)
     return count
 
