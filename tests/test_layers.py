@@ -26,7 +26,7 @@ SIE = """
     assemble
     fast folding hierarchical krylov
     field many
-    everywhere
+    everywhere piecewise
     density
     cuts local rounding
     solve
@@ -49,7 +49,7 @@ CONTACT = """
     axisymmetric.spot
     axisymmetric.levels
     axisymmetric.__init__
-    registry terminal trace_text trace_units profiles.spline_conjugate inverse.product
+    registry terminal trace_text trace_units inverse.product
     trace_header
     trace_readings
     trace_file

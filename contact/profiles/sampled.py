@@ -17,18 +17,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+import sie
 from contact.checks import finite_array, increasing, positive_or_none, text
 from contact.errors import SceneError, warn
 from contact.lazy import scipy_interpolate
 from contact.measured import load_trace
 from contact.profiles.base import Array, Profile
-from contact.profiles.spline_conjugate import SplineConjugate
 from contact.registry import register_profile
 
 _FEWEST = 4  # a not-a-knot cubic has four coefficients
 _SAME = 1e-9  # relative: positions and heights of a repeated end point that agree this far are one point
 _ROUNDING = 4 * float(np.finfo(np.float64).eps)  # relative: heights this near one another are one height
-_EVEN = 1e-10  # of the pitch: a grid this even is uniform
 
 
 @register_profile("sampled")
@@ -120,7 +119,7 @@ class Sampled(Profile):
         return np.asarray(-self._spline(self._inside(x), 1))
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
-        """Exact for points a constant pitch apart; None for others."""
+        """Exact; None without a period."""
         if self._conjugate is None:
             return None
         return self._conjugate(np.asarray(self.wrap(np.asarray(x, dtype=np.float64))))
@@ -169,14 +168,13 @@ class Sampled(Profile):
         )
 
     @cached_property
-    def _conjugate(self) -> SplineConjugate | None:
+    def _conjugate(self) -> sie.PiecewiseTransform | None:
         if self.period is None:
             return None
-        pitch = self.period / self.x.size
-        even = self.x[0] + pitch * np.arange(self.x.size)
-        if np.max(np.abs(self.x - even)) > _EVEN * pitch:
-            return None
-        return SplineConjugate(self._top - self.heights, self.x0, self.period)
+        third, second, first, _ = self._spline.c
+        jumps = self.jumps
+        slope = -np.column_stack((first, 2 * second, 3 * third))
+        return sie.PiecewiseTransform(sie.hilbert(self.period), self._knots, slope, jumps[:, 0], jumps[:, 2])
 
     def _inside(self, x: ArrayLike) -> Array:
         w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
