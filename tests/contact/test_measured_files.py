@@ -161,7 +161,9 @@ def test_options_of_the_layout_are_refused_by_name(tmp_path: Path, field: str, b
     refused(tmp_path, table(","), f"{field} = ", **{field: bad})
 
 
-@pytest.mark.parametrize("heights", [lambda x: 3.1 + 0 * x, lambda x: 0.1 + 0.3 * x, lambda x: 1e3 - 0.7 * x], ids="constant line slope".split())
+@pytest.mark.parametrize(
+    "heights", [lambda x: 3.1 + 0 * x, lambda x: 0.1 + 0.3 * x, lambda x: 1e3 - 0.7 * x], ids="constant line slope".split()
+)
 @pytest.mark.parametrize("detrend", ["none", "line", "quadratic"])
 @pytest.mark.parametrize("taper", [None, 0.1])
 def test_heights_constant_to_rounding_are_refused(tmp_path: Path, heights, detrend: str, taper: float | None) -> None:

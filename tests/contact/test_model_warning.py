@@ -141,6 +141,11 @@ class TestTraces:
     def test_one_of_a_surface_is_not(self, trace, units):
         assert told(lambda: contact.Sampled.from_file(trace, units=units)) == []
 
+    def test_a_period_in_the_units_of_the_file_is_warned_of(self, trace):
+        (message,) = told(lambda: contact.Sampled.from_file(trace, units="um", period=4001.0))
+        assert "4 mm long" in message and "period of 4.001 km" in message and "in metres" in message
+        assert told(lambda: contact.Sampled.from_file(trace, units="um", period=4001e-6)) == []
+
     def test_heights_within_an_atom_are_warned_of(self, trace):
         (message,) = told(lambda: contact.Sampled.from_file(trace, units=["um", "pm"]))
         assert "less than an atom" in message
