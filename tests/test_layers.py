@@ -38,7 +38,7 @@ SIE = """
     __init__
 """
 CONTACT = """
-    errors units dips extrema profiles.derive profiles.trigonometric
+    errors interrupts units dips extrema profiles.derive profiles.trigonometric
     axisymmetric.derived axisymmetric.quadrature checks grid lazy
     axisymmetric.lattices axisymmetric.profiles
     axisymmetric.direct axisymmetric.lattice_sums

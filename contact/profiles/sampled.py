@@ -93,6 +93,8 @@ class Sampled(Profile):
     @classmethod
     def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
         """A scene's table: points as `x` and `height`, or a `file` with the arguments of `from_file`."""
+        if not isinstance(table, Mapping):
+            raise SceneError.of("table", table, "a mapping of parameters")
         if "file" not in table:
             return super().from_table(table, directory)
         rest = {key: value for key, value in table.items() if key != "file"}
