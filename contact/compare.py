@@ -14,12 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.answer import Answer
-from contact.errors import ContactError
+from contact.errors import ContactError, unwarned, warn
 from contact.interactions.base import Interaction
 from contact.registry import interaction
 from contact.scene import Scene
 from contact.solver import solve
 from contact.units import quantity
+from contact.validity import of_solution
 
 Report = Callable[[str, int, int | None], None]
 
@@ -49,7 +50,11 @@ def compare(scene: Scene, tol: float = 1e-8, progress: Report | None = None) -> 
     for done, (name, model) in enumerate(models.items()):
         if progress is not None:
             progress(name, done, len(models))
-        attempts.append(_attempt(name, scene, model, tol))
+        with unwarned():
+            attempts.append(_attempt(name, scene, model, tol))
+    solved = [attempt.solution for attempt in attempts if attempt.solution is not None]
+    if solved:
+        warn(of_solution(solved[-1]))
     return attempts
 
 

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact import lazy
 from contact.checks import finite_array
-from contact.errors import NotConverged, SceneError
+from contact.errors import NotConverged, SceneError, unwarned, warn
 from contact.extrema import maximum
 from contact.gap_search import with_gaps
 from contact.gapped import GapFields
@@ -32,6 +32,7 @@ from contact.scene import Scene
 from contact.solution import Solution
 from contact.solver import solve
 from contact.topology import Progress, WrongTopology, settle
+from contact.validity import of_solution
 
 Array = NDArray[np.float64]
 
@@ -82,13 +83,16 @@ def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress |
     run = _Path(scene, tol, progress)
     solutions: list[Solution] = []
     events: list[Event] = []
-    for k, load in enumerate(values):
-        if progress is not None:
-            progress("load", k, len(values))
-        here = run.at(float(load), solutions[-1] if solutions else None)
-        if solutions:
-            events += run.between(solutions[-1], here)
-        solutions.append(here)
+    with unwarned():
+        for k, load in enumerate(values):
+            if progress is not None:
+                progress("load", k, len(values))
+            here = run.at(float(load), solutions[-1] if solutions else None)
+            if solutions:
+                events += run.between(solutions[-1], here)
+            solutions.append(here)
+    # Of the highest load, where slopes and pressures are.
+    warn(of_solution(max(solutions, key=lambda solution: solution.load)))
     return Path(tuple(solutions), tuple(events))
 
 

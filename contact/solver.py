@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact import planning
+from contact import planning, validity
 from contact.accuracy import limit, of_positions, stated_error
 from contact.bounded import refuse_unbounded
 from contact.certificate import Certificate
 from contact.conjugate import ScaledConjugate
-from contact.errors import NotConverged, OutOfRange, SceneError
+from contact.errors import NotConverged, OutOfRange, SceneError, warn
 from contact.fields import ZoneFields, mean_shape
 from contact.first_order import FirstOrder
 from contact.framing import Framed, framed, framed_about, lowest
@@ -63,7 +63,8 @@ def solve(
 
     tol: relative, 1e-13 <= tol < 1. progress: called with (stage, done, total or None). near: a solution of the same
     profile and model whose zones are a good start; it saves the search, and never changes the answer.
-    Raises SceneError (bad input), OutOfRange (no contact answers the control), NotConverged (with the best state).
+    Raises SceneError (bad input), OutOfRange (no contact answers the control), NotConverged (with the best state). What the
+    model hardly covers is a ModelWarning, and in the `warnings` of the solution.
     """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
@@ -73,7 +74,15 @@ def solve(
         raise SceneError.of("near", near, "None, or a contact.Solution")
     if near is not None and (near.scene.profile, near.scene.interaction) != (scene.profile, scene.interaction):
         raise SceneError("near must be a solution of the same profile and interaction model", "near", near.scene)
-    return _Run(scene, float(tol), planning.plan(scene), progress, near).solution()
+    of_scene = validity.of_scene(scene)
+    warn(of_scene)
+    solution = _solved(scene, float(tol), progress, near)
+    warn(validity.of_solution(solution)[len(of_scene) :])
+    return solution
+
+
+def _solved(scene: Scene, tol: float, progress: Progress | None, near: Solution | None) -> Solution:
+    return _Run(scene, tol, planning.plan(scene), progress, near).solution()
 
 
 class _Run:
@@ -191,7 +200,7 @@ class _Run:
 
         def solved(load: float, near: Solution | None) -> Solution:
             try:
-                return solve(self._loaded(load), _ON_THE_WAY, self.progress, near or self.near)
+                return _solved(self._loaded(load), _ON_THE_WAY, self.progress, near or self.near)
             except NotConverged as failure:
                 if failure.best is None or not failure.best.error < 1e3 * _ON_THE_WAY:
                     raise

@@ -26,7 +26,7 @@ SIE = """
     assemble
     fast folding hierarchical krylov
     field many
-    everywhere
+    everywhere piecewise
     density
     cuts local rounding
     solve
@@ -49,7 +49,11 @@ CONTACT = """
     axisymmetric.spot
     axisymmetric.levels
     axisymmetric.__init__
-    registry measured terminal profiles.spline_conjugate inverse.product
+    registry terminal trace_text trace_units inverse.product
+    trace_header
+    trace_readings
+    trace_file
+    measured
     profiles.base exact.base
     profiles.declared profiles.* exact.*
     exact.localized search testing inverse.profile
@@ -64,7 +68,7 @@ CONTACT = """
     turning
     problem interactions.__init__ scene
     bounded fields planning single scene_file answer leaning
-    certificate conjugate sampling
+    certificate conjugate sampling validity
     full
     export framing plateau plotting topology
     accuracy first_order gapped proposals solution

@@ -93,7 +93,7 @@ class Profile:
     @property
     def breakpoints(self) -> Array:
         """Positions in the cell where f or one of its derivatives jumps."""
-        return np.array(self.kinks[:, 0])
+        return np.unique(np.concatenate((self.kinks[:, 0], self.jumps[:, 0])))
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
         """H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi over a period; None if not known."""
