@@ -425,7 +425,9 @@ class _Run:
             return
         # u has no mean under any operator of a period: the mean gap is that of the profile less the approach.
         highest, units = mean_shape(self.problem), self.problem.units
-        if control.value >= highest:
+        # Both are differences from the lowest point, rounded as heights are.
+        rounding = 8.0 * float(np.finfo(np.float64).eps) * (highest + abs(self.problem.lowest) / units.height)
+        if control.value >= highest - rounding:
             raise OutOfRange(
                 f"approach {control.value * units.height:.15g} m is not below {highest * units.height:.15g} m, the mean of "
                 "the profile: there it is in full contact, at any load above the smallest, or as near to it as digits of the approach tell"
