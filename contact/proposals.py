@@ -51,7 +51,7 @@ def proposed(frame: Framed, problem: Problem, control: Control, points: int | No
     found = propose(
         partial(grid_height, profile) if by_load else profile.height, frame.cell, E=units.E_star,
         periodic=interaction.needs_period, datum=interaction.datum or 1.0, rest=problem.operator.rest,
-        resolution=profile.resolution, points=points, load=control.value * units.load if by_load else None,
+        resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height,
     )
     return Proposed(found.zones, found.points, found.full, found.touches_border)
@@ -74,7 +74,7 @@ def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | 
         def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> Lean[Proposal]:
             profile = problem.turned_to(tilt).profile
             found = propose(
-                partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.resolution,
+                partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.feature,
                 points=points, load=load, rest=problem.operator.rest,
             )
             if found.touches_border and not last:
