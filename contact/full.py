@@ -120,3 +120,7 @@ class FullFields:
     @property
     def mean_gap(self) -> float:
         return 0.0
+
+    @property
+    def widening_rate(self) -> float:
+        return 0.0
