@@ -75,7 +75,7 @@ CONTACT = """
     accuracy first_order gapped proposals solution
     gap_certificate
     gap_search
-    levelling
+    by_load
     solver
     compare paths
     compare_plot figures.base
