@@ -70,7 +70,7 @@ CONTACT = """
     problem interactions.__init__ scene
     bounded fields planning single scene_file answer leaning
     certificate conjugate sampling validity
-    full
+    full zone_loads
     export framing plateau plotting topology
     accuracy first_order gapped proposals solution
     gap_certificate
