@@ -27,7 +27,7 @@ from contact import zone_loads
 from contact.certificate import ROUNDING, Certificate
 from contact.conjugate import ScaledConjugate
 from contact.extrema import maximum
-from contact.fields import mean_shape
+from contact.fields import mean_shape, moved_ends
 from contact.problem import Problem
 
 Array = NDArray[np.float64]
@@ -123,6 +123,11 @@ class GapFields(sie.Kept):
     def contact_fraction(self) -> float:
         gaps = self.density.zones
         return 1.0 - float((gaps.b - gaps.a).sum()) / self.period
+
+    @cached_property
+    def widening_rate(self) -> float:
+        """d contact fraction / d load [m/N]: what the gaps lose."""
+        return -float(moved_ends(self.state).sum()) / self.period**2 / self.problem.units.load
 
     @property
     def load(self) -> float:
@@ -264,9 +269,5 @@ class Gapped:
 
     @property
     def widening(self) -> Array:
-        """How far each end of the gaps (n, 2) moves by a unit of mean pressure: 2 K / A, as a step of Newton's."""
-        state = self.fields.state
-        values = np.zeros(len(state.condition_scale))
-        values[state.condition_index[0]] = 1.0
-        k, a = np.array(state.response(values).intensities), np.array(self.fields.density.edge_slopes)
-        return np.asarray(np.abs(2 * k / a).T)
+        """How far each end of the gaps (n, 2) moves by a unit of mean pressure."""
+        return np.asarray(np.abs(moved_ends(self.fields.state)).T)

@@ -18,6 +18,7 @@ from contact.errors import SceneError
 from contact.fields import Fields, ZoneFields
 from contact.planning import Plan
 from contact.scene import Scene
+from contact.validity import everything
 
 Array = NDArray[np.float64]
 
@@ -141,6 +142,11 @@ class Solution(sie.Kept):
     def mean_gap(self) -> float | None:
         """Mean of the gap over a period [m], off by at most about 3 error p L / E* (L: the period); None without one."""
         return None if self.scene.period is None else self.fields.mean_gap
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What the model hardly covers: slopes, pressures, a modulus, a trace; given out as ModelWarnings too."""
+        return everything(self)
 
     def to_dict(self) -> dict[str, Any]:
         """All of it in plain types; None for what is infinite or undefined."""
