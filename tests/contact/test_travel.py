@@ -12,7 +12,7 @@ import pytest
 
 import contact
 import sie
-from contact import exact
+from contact import axisymmetric, exact
 
 WAVE = contact.Sinusoid(1e-3, 1.0)
 PERIODIC = contact.Periodic()
@@ -149,3 +149,10 @@ def test_kernels_and_densities_of_the_engine_travel(kernel):
             assert np.array_equal(again(x), density(x)) and np.array_equal(again.transform(x), density.transform(x))
             assert np.array_equal(again.intensities, density.intensities)
     assert pickle.loads(pickle.dumps(kernel)) == kernel
+
+
+def test_round_spots_travel():
+    for lattice, rings in ((None, 0), (axisymmetric.Square(1.0), 2)):
+        spot = axisymmetric.solve_spot(axisymmetric.PowerLaw(1.0, 3.0), 1.0, lattice, load=1e-3, rings=rings)
+        r, again = np.linspace(0, 0.3, 9), pickle.loads(pickle.dumps(spot))
+        assert again.pressure(r).tobytes() == spot.pressure(r).tobytes() and again.gap(r).tobytes() == spot.gap(r).tobytes()
