@@ -49,7 +49,7 @@ CONTACT = """
     axisymmetric.spot
     axisymmetric.levels
     axisymmetric.__init__
-    registry terminal trace_text trace_units inverse.product
+    registry spectrum terminal trace_text trace_units inverse.product
     trace_header
     trace_readings
     trace_file
@@ -65,16 +65,17 @@ CONTACT = """
     inverse.__init__
     interactions.base
     interactions.*
-    turning
+    turning operator
+    interactions.declared
     problem interactions.__init__ scene
     bounded fields planning single scene_file answer leaning
     certificate conjugate sampling validity
-    full
+    full zone_loads
     export framing plateau plotting topology
     accuracy first_order gapped proposals solution
     gap_certificate
     gap_search
-    levelling
+    by_load
     solver
     compare paths
     compare_plot figures.base

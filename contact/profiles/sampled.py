@@ -26,6 +26,7 @@ from contact.profiles.base import Array, Profile
 from contact.registry import register_profile
 
 _FEWEST = 4  # a not-a-knot cubic has four coefficients
+_MOSTLY = 0.25  # this part of the points lie closer than what a first guess must see
 _SAME = 1e-9  # relative: positions and heights of a repeated end point that agree this far are one point
 _ROUNDING = 4 * float(np.finfo(np.float64).eps)  # relative: heights this near one another are one height
 
@@ -148,6 +149,10 @@ class Sampled(Profile):
     @property
     def resolution(self) -> float:
         return float(np.min(np.diff(self._knots)))
+
+    @property
+    def feature(self) -> float:
+        return float(np.quantile(np.diff(self._knots), _MOSTLY))
 
     @property
     def _top(self) -> float:
