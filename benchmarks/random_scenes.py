@@ -155,7 +155,8 @@ def _reason(error: contact.ContactError) -> str:
     """The part of a message that is the same for all of its kind."""
     text = str(error)
     known = (
-        "no symbol", "rounding of heights", "beside a corner", "kink of a valley", "the stated error", "did not settle", "border", "full contact",
+        "no symbol",
+        "rounding of heights", "beside a corner", "kink of a valley", "the stated error", "did not settle", "border", "full contact",
         "beyond the largest", "half width",
         "branch", "too narrow", "positive everywhere", "datum", "isolated reference", "ever more often", "fill the period",
         "vanished", "has no solution", "is not below", "finest grid",
