@@ -157,7 +157,8 @@ def _reason(error: contact.ContactError) -> str:
     text = str(error)
     known = (
         "no symbol",
-        "rounding of heights", "beside a corner", "kink of a valley", "the stated error", "did not settle", "border", "full contact",
+        "no symbol", "rounding of heights", "beside a corner",
+        "kink of a valley", "the stated error", "did not settle", "border", "full contact",
         "beyond the largest", "half width",
         "branch", "too narrow", "positive everywhere", "datum", "isolated reference", "ever more often", "fill the period",
         "vanished", "has no solution", "is not below", "finest grid",

@@ -1,5 +1,7 @@
 """Plane elastic contact solved exactly: zones, pressure and gap of rough and textured profiles, with a stated error."""
 
+# First: a command may be interrupted while the rest is imported.
+from contact import interrupts  # noqa: F401  isort: skip
 from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
 from contact.interactions import Interaction, Isolated, Localized, Periodic
 from contact.paths import Event, Path, path

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.answer import Answer
-from contact.errors import ContactError, unwarned, warn
+from contact.errors import ContactError, SceneError, unwarned, warn
 from contact.interactions.base import Interaction
 from contact.registry import interaction
 from contact.scene import Scene
@@ -45,6 +45,8 @@ class Attempt:
 
 def compare(scene: Scene, tol: float = 1e-8, progress: Report | None = None) -> list[Attempt]:
     """Solve the scene under every model; the exact one comes last."""
+    if not isinstance(scene, Scene):
+        raise SceneError.of("scene", scene, "a contact.Scene")
     models = _models(scene.interaction)
     attempts = []
     for done, (name, model) in enumerate(models.items()):

@@ -88,6 +88,9 @@ def unwarned() -> Iterator[None]:
 
 
 def shown(value: Any) -> str:
-    """A value as it stands in a message: its repr on one line, cut to a readable length."""
+    """A value as it stands in a message: its repr on one line, its middle left out where it is long (a path's end names the file)."""
     text = " ".join(repr(value).split())
-    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."
+    if len(text) <= _LONGEST_VALUE:
+        return text
+    kept = _LONGEST_VALUE - 3
+    return text[: kept // 2] + "..." + text[kept // 2 - kept :]

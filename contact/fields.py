@@ -46,6 +46,20 @@ class Fields(Protocol):
     def stiffness(self) -> float | None: ...
     @property
     def mean_gap(self) -> float: ...
+    @property
+    def widening_rate(self) -> float: ...
+
+
+def moved_ends(state: sie.AnyState) -> Array:
+    """How far each end (2, Z) moves outward by a unit of the first condition's value: 2 K / A, as in a step of Newton's; 0 for ends
+    that are held."""
+    values = np.zeros(len(state.condition_scale))
+    values[state.condition_index[0]] = 1.0
+    zones = state.density.zones
+    moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+    k, a = np.array(state.response(values).intensities), np.array(state.density.edge_slopes)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(moves, 2 * k / a, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -315,6 +329,12 @@ class ZoneFields:
         assert self.problem.period is not None
         zones = self.density.zones
         return float((zones.b - zones.a).sum()) / self.problem.period
+
+    @cached_property
+    def widening_rate(self) -> float:
+        """d contact fraction / d load [m/N]."""
+        assert self.problem.period is not None
+        return float(moved_ends(self.state).sum()) / self.problem.period / self.problem.units.load
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         return self.density.at_t(zone, t) * self.problem.units.pressure

@@ -175,3 +175,7 @@ class FullFields:
     @property
     def mean_gap(self) -> float:
         return 0.0
+
+    @property
+    def widening_rate(self) -> float:
+        return 0.0

@@ -44,6 +44,11 @@ Rest = Callable[[Array], Array]
 # Lags at which what a kernel has beyond the half-plane's is sampled at least, and the smallest compliance over the half-plane's.
 _LAGS, _SOFTEST = 4096, 1e-9
 
+_AS_GOOD_AS_FULL = (
+    "the approach is the mean of the profile, as nearly as a grid can tell: contact is full or as good as full; give a load, a mean "
+    "pressure or a contact fraction"
+)
+
 
 @dataclass(frozen=True)
 class Influence:
@@ -344,9 +349,7 @@ class _Run:
             gap = np.where(self.allowed, self.f - level, np.inf)
             return GridState(np.zeros(inf.n), gap, level, 0.0, 0, True, self.f, inf)
         if inf.is_periodic and np.all(self.allowed) and depth >= float(np.mean(self.shape)):
-            raise OutOfRange(
-                f"level {level} is not below the mean of f, {np.mean(self.f)}: contact is full, at any load"
-            )
+            raise OutOfRange(_AS_GOOD_AS_FULL)
         load = 0.5 * E * depth if guess is None else float(guess.sum()) * h
         low, high = 0.0, np.inf
         while True:
@@ -362,7 +365,7 @@ class _Run:
                 high = load
             if high < np.inf and high - low <= 1e-9 * high:
                 if inf.is_periodic:
-                    raise OutOfRange(f"level {level} is the mean of f but for roundoff: it decides no load")
+                    raise OutOfRange(_AS_GOOD_AS_FULL)
                 raise OutOfRange(f"level {level} is above the largest approach, {state.level}")
             guess = state.pressure
             load += step

@@ -28,10 +28,13 @@ _TRENDS = {"none": -1, "line": 1, "quadratic": 2}
 _ROUNDING_SEEN_FROM = 32  # points: with fewer, coarse positions may well be meant as they stand
 # Heights that agree this far, relative to the highest before anything was subtracted, are one height.
 _ROUNDING = 1e-12
-# Points that regrid may make of fewer: straight lines between what was measured add corners and no knowledge.
-_MOST_REGRID = 100_000
+# Points that regrid may make of fewer: straight lines between what was measured add corners and time, and no knowledge.
+_MOST_REGRID = 20_000
 # [m]: from a few atoms to the longest guides and roads that a trace of one scan is taken of; and an atom.
 _LENGTHS, _PITCHES, _SHALLOWEST = (1e-9, 1.0), (1e-12, 1e-3), 1e-11
+
+# A period so many times longer than the trace leaves most of it to a spline through nothing.
+_MOST_BEYOND = 1.5
 
 
 @dataclass(frozen=True)
@@ -108,7 +111,7 @@ def load_trace(
                 f"a number, or true with end heights that agree (they differ by {difference:.3g} m: give taper)",
             )
         history.append(f"period {length:.9g} m, the measured length")
-    return Trace(x, height, length, tuple(history), _doubts(Path(path).name, x, height, said))
+    return Trace(x, height, length, tuple(history), _doubts(Path(path).name, x, height, length, said))
 
 
 def read_columns(
@@ -121,8 +124,8 @@ def read_columns(
     return values[:, 0], values[:, 1], table.lines
 
 
-def _doubts(name: str, x: Array, height: Array, said: str) -> tuple[str, ...]:
-    """What the lengths of a file say against its units."""
+def _doubts(name: str, x: Array, height: Array, period: float | None, said: str) -> tuple[str, ...]:
+    """What the lengths of a file say against its units, and against a period."""
     length, depth = float(x[-1] - x[0]), float(np.ptp(height))
     pitch = length / (x.size - 1)
     told = f"{name}, read in {said}, is a trace {quantity(length, 'm')} long with a pitch of {quantity(pitch, 'm')}"
@@ -130,6 +133,8 @@ def _doubts(name: str, x: Array, height: Array, said: str) -> tuple[str, ...]:
         return (f"{told}, which is not that of a surface: units says what the numbers of the file are in",)
     if depth < _SHALLOWEST:
         return (f"{told} and heights within {quantity(depth, 'm')}, less than an atom: units may be two, of positions and of heights",)
+    if period is not None and period > _MOST_BEYOND * length:
+        return (f"{told}, a small part of the period of {quantity(period, 'm')}: period is in metres, as all lengths but the file's",)
     return ()
 
 
@@ -215,7 +220,7 @@ def _count(regrid: Any) -> int | bool | None:
 def _bounded(count: int, points: int) -> int:
     most = max(_MOST_REGRID, points)
     if count > most:
-        allowed = f"at most {most} points: between the {points} of the file there are straight lines, and nothing more to be known"
+        allowed = f"at most {most}: between the {points} points of the file there are but straight lines, and nothing more to be known"
         raise SceneError.of("regrid", count, allowed)
     return count
 

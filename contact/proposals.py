@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 _CELLS = 0.1
 _MOST_TILTS = 12
 _WIDENINGS = 4
+# Of a width: near enough for a load to begin with.
+_ABOUT = 0.03
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +44,6 @@ class Proposed:
 
 def proposed(frame: Framed, problem: Problem, control: Control, points: int | None) -> Proposed:
     """Zones from a grid of so many points, or of as many as the profile's resolution asks for."""
-    if control.kind == "width":
-        return _by_width(frame, problem, control, points)
     if problem.moment is not None:
         return _by_moment(frame, problem, control, points)
     units, profile, interaction = problem.units, problem.profile, problem.interaction
@@ -51,7 +51,7 @@ def proposed(frame: Framed, problem: Problem, control: Control, points: int | No
     found = propose(
         partial(grid_height, profile) if by_load else profile.height, frame.cell, E=units.E_star,
         periodic=interaction.needs_period, datum=interaction.datum or 1.0, rest=problem.operator.rest,
-        resolution=profile.resolution, points=points, load=control.value * units.load if by_load else None,
+        resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height,
     )
     return Proposed(found.zones, found.points, found.full, found.touches_border)
@@ -74,7 +74,7 @@ def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | 
         def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> Lean[Proposal]:
             profile = problem.turned_to(tilt).profile
             found = propose(
-                partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.resolution,
+                partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.feature,
                 points=points, load=load, rest=problem.operator.rest,
             )
             if found.touches_border and not last:
@@ -90,25 +90,21 @@ def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | 
     return Proposed(best.found.zones, best.found.points, False, best.found.touches_border, best.tilt)
 
 
-def _by_width(frame: Framed, problem: Problem, control: Control, points: int | None) -> Proposed:
-    """At the load at which the grid's zones have the given total width, by bisection on its logarithm."""
-    width = control.value * problem.units.length
+def load_of_width(frame: Framed, problem: Problem, width: float) -> float:
+    """A scaled load at which a grid's zones have about the given scaled total width, by bisection on its logarithm."""
+    wanted = width * problem.units.length
     low, high, load = 0.0, math.inf, 0.1
-    best: Proposed | None = None
     for _ in range(60):
-        found = proposed(frame, problem, Control("load", load), points)
-        if best is None or not found.full:
-            best = found
-        if abs(found.width / width - 1) < 0.03:
+        found = proposed(frame, problem, Control("load", load), None)
+        if abs(found.width / wanted - 1) < _ABOUT:
             break
-        low, high = (load, high) if found.width < width else (low, load)
+        low, high = (load, high) if found.width < wanted else (low, load)
         # Coarse grids do for large loads; only where the zones are narrow must the grid be fine.
         if low == 0.0:
-            load = high * min(max((width / found.width) ** 2, 1e-3), 0.3) if found.width < math.inf else 0.3 * high
+            load = high * min(max((wanted / found.width) ** 2, 1e-3), 0.3) if found.width < math.inf else 0.3 * high
         else:
             load = 10 * low if high == math.inf else math.sqrt(low * high)
-    assert best is not None
-    return best
+    return load
 
 
 def placed(problem: Problem, zones: Array) -> Array:

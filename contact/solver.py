@@ -14,6 +14,7 @@ import sie
 from contact import planning, validity
 from contact.accuracy import limit, of_positions, stated_error
 from contact.bounded import refuse_unbounded
+from contact.by_load import approach, contact_fraction, nearer
 from contact.certificate import Certificate
 from contact.conjugate import ScaledConjugate
 from contact.errors import NotConverged, OutOfRange, SceneError, warn
@@ -22,14 +23,13 @@ from contact.first_order import FirstOrder
 from contact.framing import Framed, framed, framed_about, lowest
 from contact.full import FullFields, FullLimit, period_samples
 from contact.gap_search import find_gaps, settle_gaps
-from contact.gapped import Gapped
+from contact.gapped import GapFields, Gapped
 from contact.interactions.periodic import Periodic
 from contact.leaning import known_part
-from contact.levelling import at_approach
 from contact.planning import Plan
 from contact.plateau import refuse_below_plateau
 from contact.problem import Control, Problem, Units
-from contact.proposals import about, placed, proposed
+from contact.proposals import about, load_of_width, placed, proposed
 from contact.scene import Scene
 from contact.search import MOST_POINTS
 from contact.single import guess_half_width, largest_single_load, single_half_width
@@ -51,7 +51,11 @@ _FAR_OFF = 64.0
 _WITH_KINKS = 0.25
 # Of a load: near enough for the zones to lead to those of the approach, and to be about them.
 _NEAR_LOAD, _NEARER_LOAD = 1e-2, 1e-5
-# Tolerance of solutions on the way to an approach.
+# Of a load: near enough for the zones to lead to those of a width; where they did not, how much nearer before it is tried again.
+_NEAR_WIDTH, _MUCH_NEARER = 0.03, 0.1
+# Newton steps from zones so near; and where a bracket on the load is closed.
+_FEW, _CLOSED = 12, 1e-14
+# Tolerance of solutions on the way to an approach or a contact fraction.
 _ON_THE_WAY = 1e-7
 # An end of a gap moves all of the pressure beside it: gaps are found to this part of what zones are.
 _OF_GAPS = 0.01
@@ -192,28 +196,61 @@ class _Run:
                 return None
 
     def _at_approach(self, nearness: float) -> Solution:
-        scene, approach, moment = self.scene, self.scene.control[1], self.scene.moment or 0.0
+        scene, wanted, moment = self.scene, self.scene.control[1], self.scene.moment or 0.0
         known = known_part(scene.profile)
         reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
         if not reach > 0.0:
             raise OutOfRange(f"moment {moment:.6g} N: the whole body lies on the other side of x = 0")
-        guess = scene.E_star * (0.3 * abs(approach) or 1e-3 * (scene.interaction.datum or 1.0))
+        guess = scene.E_star * (0.3 * abs(wanted) or 1e-3 * (scene.interaction.datum or 1.0))
         first = guess if self.near is None else self.near.load
-        bounded = known is not None and scene.profile.support is None
-
-        def solved(load: float, near: Solution | None) -> Solution:
-            try:
-                return _solved(self._loaded(load), _ON_THE_WAY, self.progress, near or self.near)
-            except NotConverged as failure:
-                if failure.best is None or not failure.best.error < 1e3 * _ON_THE_WAY:
-                    raise
-                return failure.best
-
+        bounded, largest = known is not None and scene.profile.support is None, -math.inf
         concave = moment == 0.0 and self.operator.rest is None
-        return at_approach(solved, approach, first, abs(moment) / reach, bounded, nearness, concave)
+        for here, off in nearer(self._on_the_way, approach, wanted, first, abs(moment) / reach, bounded, concave):
+            if off <= nearness:
+                return here
+            largest = max(largest, here.approach or 0.0)
+        raise OutOfRange(f"no load has the approach {wanted:.6g} m; the largest of those tried was {largest:.6g} m")
+
+    def _on_the_way(self, load: float, near: Solution | None) -> Solution:
+        """The solution under a load, beside a solution or that at hand."""
+        try:
+            return _solved(self._loaded(load), _ON_THE_WAY, self.progress, near or self.near)
+        except NotConverged as failure:
+            if failure.best is None or not failure.best.error < 1e3 * _ON_THE_WAY:
+                raise
+            return failure.best
 
     def _loaded(self, load: float) -> Scene:
-        return replace(self.scene, approach=None, load=load)
+        return replace(self.scene, approach=None, contact_fraction=None, load=load)
+
+    def _by_fraction(self, problem: Problem, control: Control) -> Found | Gapped:
+        """A width from a solution under about the load that has it, ever nearer ones until its zones lead on."""
+        if self.near is None:
+            with self.plan.timed("coarse search"):
+                first = load_of_width(self.frame, problem, control.value) * problem.units.load
+        else:
+            first = self.near.load
+        near_enough, last = _NEAR_WIDTH, None
+        for here, off in nearer(self._on_the_way, contact_fraction, self.scene.control[1], first, closed=_CLOSED):
+            last = here
+            if off > near_enough:
+                continue
+            near_enough = _MUCH_NEARER * off
+            try:
+                with self.plan.timed("zone ends"):
+                    return self._at_width(problem, control, here)
+            except WrongTopology:
+                pass
+        raise NotConverged("contact fraction", (), last)
+
+    def _at_width(self, problem: Problem, control: Control, near: Solution) -> Found | Gapped:
+        fields = near.fields
+        if isinstance(fields, GapFields):
+            found = settle_gaps(
+                problem, control, fields.conjugate, fields.density.zones.table, fields.mean, _OF_GAPS * self.tolerance
+            )
+            return self._tightened_gaps(problem, control, found)
+        return self._settle(problem, control, placed(problem, near.zones), value=near.load / problem.units.load, steps=_FEW)
 
     def _by_zones(self, found: Gapped) -> Found | Gapped:
         """The same contact with the pressure as the unknown, if that comes out better. Not under an approach: near full
@@ -316,7 +353,7 @@ class _Run:
             return self._first_order()
         if interaction.strip:
             return self._centred(problem, self.control, None)
-        return self._search(problem, self.control, self._start())
+        return self._search(problem, self.control, self._start(), near=True)
 
     def _at_level(self) -> Found:
         """Under an approach, from zones of about the right load; of just about it, if these do not lead on."""
@@ -329,22 +366,29 @@ class _Run:
         return self._settled(self.problem, self.control, placed(self.problem, self.near.zones))
 
     def _start(self) -> Array | None:
-        """Zones of the near solution, scaled; None if there is none or it is in full contact."""
-        if self.near is None or len(self.near.zones) == 0 or self.control.kind == "half_width":
+        """Zones of the near solution, scaled; None if there is none or it is in full contact, or where one zone is to be found, which
+        is known better in closed form."""
+        if self.near is None or len(self.near.zones) == 0 or self.single:
             return None
         return placed(self.problem, self.near.zones)
 
-    def _search(self, problem: Problem, control: Control, start: Array | None = None) -> Found | Gapped | None:
+    def _search(
+        self, problem: Problem, control: Control, start: Array | None = None, near: bool = False
+    ) -> Found | Gapped | None:
+        """Zones from a start, if there is one; else, and where it does not lead on, from scratch. near: the start is a solution's, which
+        is given up as soon as it turns out to be far off: from there the way may be longer than from scratch."""
         if control.kind == "approach":
             self._below_full_approach(control)
+        if control.kind == "width" and not self.single:
+            return self._by_fraction(problem, control)
         if start is not None:
             width = float((start[:, 1] - start[:, 0]).sum())
-            gapped = self._by_gaps(problem, control, width, start)
+            gapped = self._by_gaps(problem, control, width, start, near)
             if gapped is not None:
                 return gapped
             if not self._worth_gaps(problem, width):
                 try:
-                    return self._settle(problem, control, start)
+                    return self._settle(problem, control, start, near)
                 except WrongTopology:
                     pass
         if control.kind == "half_width":
@@ -362,7 +406,7 @@ class _Run:
             found = self._from_one_zone(problem, control, guess)
             if found is not None:
                 return found
-        return self._from_grid(problem, control)
+        return self._by_fraction(problem, control) if control.kind == "width" else self._from_grid(problem, control)
 
     def _worth_gaps(self, problem: Problem, width: float) -> bool:
         """Whether contact of about this scaled width is better solved by its gaps."""
@@ -370,7 +414,9 @@ class _Run:
             return False
         return width > (_NEARLY_FULL if self.full.possible or self.single else _WITH_KINKS) * problem.period
 
-    def _by_gaps(self, problem: Problem, control: Control, width: float, zones: Array | None = None) -> Gapped | None:
+    def _by_gaps(
+        self, problem: Problem, control: Control, width: float, zones: Array | None = None, near: bool = False
+    ) -> Gapped | None:
         """The contact solved by its gaps, where it is about as wide as that; None if it is not or that fails."""
         if control.kind == "half_width" or not self._worth_gaps(problem, width):
             return None
@@ -378,7 +424,7 @@ class _Run:
         with self.plan.timed("zone ends"):
             try:
                 found = self._tightened_gaps(
-                    problem, control, find_gaps(problem, control, conjugate, _OF_GAPS * self.tolerance, width, zones)
+                    problem, control, find_gaps(problem, control, conjugate, _OF_GAPS * self.tolerance, width, zones, near)
                 )
             except WrongTopology:
                 return None
@@ -420,14 +466,19 @@ class _Run:
             return
         # u has no mean under any operator of a period: the mean gap is that of the profile less the approach.
         highest, units = mean_shape(self.problem), self.problem.units
-        if control.value >= highest:
+        # Both are differences from the lowest point, rounded as heights are.
+        rounding = 8.0 * float(np.finfo(np.float64).eps) * (highest + abs(self.problem.lowest) / units.height)
+        if control.value >= highest - rounding:
             raise OutOfRange(
                 f"approach {control.value * units.height:.15g} m is not below {highest * units.height:.15g} m, the mean of "
                 "the profile: there it is in full contact, at any load above the smallest, or as near to it as digits of the approach tell"
             )
 
-    def _settle(self, problem: Problem, control: Control, table: Array) -> Found:
-        return settle(problem, control, table, self.tolerance, self.progress, timed=self.plan.timed)
+    def _settle(
+        self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 40
+    ) -> Found:
+        timed = self.plan.timed
+        return settle(problem, control, table, self.tolerance, self.progress, timed=timed, near=near, value=value, steps=steps)
 
     def _settled(self, problem: Problem, control: Control, table: Array) -> Found:
         try:

@@ -52,22 +52,24 @@ def everything(solution: Answer) -> list[str]:
 
 
 def _of_slopes(solution: Answer) -> tuple[str, ...]:
-    scene, places = solution.scene, _inside(solution)
-    known = scene.profile.extent or ((scene.profile.x0, scene.profile.x0 + scene.profile.period) if scene.profile.period else None)
-    everywhere = np.zeros(0) if known is None else known[0] + (known[1] - known[0]) * (np.arange(_PLACES) + 0.5) / _PLACES
-    turned = solution.tilt or 0.0
-    slopes = _slopes(scene, np.concatenate((places, everywhere))) - turned
-    inside, whole = (part[np.isfinite(part)] for part in np.split(slopes, [places.size]))
+    places, everywhere = _inside(solution), _everywhere(solution.scene)
+    with np.errstate(all="ignore"):
+        slopes = np.asarray(solution.scene.profile.slope(np.concatenate((places, everywhere))), dtype=float)
+    inside, whole = (part[np.isfinite(part)] for part in np.split(slopes - (solution.tilt or 0.0), [places.size]))
     steepest, rms = float(np.abs(inside).max(initial=0.0)), float(np.sqrt(np.mean(whole**2))) if whole.size else 0.0
     if max(steepest, rms) <= STEEPEST:
         return ()
-    told = f"slopes of {steepest:.2g} in contact" if steepest > STEEPEST else f"slopes of {rms:.2g} (root mean square)"
+    told = f"slopes up to {steepest:.2g} in contact" if rms <= STEEPEST else f"slopes up to {np.abs(whole).max():.2g}, {rms:.2g} on average"
     return (f"{told}: a surface steeper than about {STEEPEST} is not the nearly plane one of the model",)
 
 
-def _slopes(scene: Scene, x: Array) -> Array:
-    with np.errstate(all="ignore"):
-        return np.asarray(scene.profile.slope(x), dtype=float)
+def _everywhere(scene: Scene) -> Array:
+    """Places over the period, or where the profile is known; none of a body without either."""
+    extent, period = scene.profile.extent, scene.profile.period
+    if extent is None and period is None:
+        return np.zeros(0)
+    lo, hi = extent or (scene.profile.x0, scene.profile.x0 + (period or 0.0))
+    return np.asarray(lo + (hi - lo) * (np.arange(_PLACES) + 0.5) / _PLACES)
 
 
 def _of_pressure(solution: Answer) -> tuple[str, ...]:
@@ -77,8 +79,8 @@ def _of_pressure(solution: Answer) -> tuple[str, ...]:
     if width is None or not width > 0.0:
         return ()
     highest, what = solution.load / width, "mean contact pressure"
-    kinks = scene.profile.kinks
-    sharp = scene.profile.support is not None or bool(np.any(kinks[:, 1] > 0)) if len(kinks) else scene.profile.support is not None
+    kinks = np.reshape(scene.profile.kinks, (-1, 2))
+    sharp = scene.profile.support is not None or bool(np.any(kinks[:, 1] > 0))
     if not sharp and (widths.size > _FEW or _PEAK * highest > HIGHEST * scene.E_star):
         highest, what = float(np.max(solution.pressure(_inside(solution)))), "pressure"
     if highest <= HIGHEST * scene.E_star:

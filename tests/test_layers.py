@@ -38,7 +38,7 @@ SIE = """
     __init__
 """
 CONTACT = """
-    errors units dips extrema profiles.derive profiles.trigonometric
+    errors interrupts units dips extrema profiles.derive profiles.trigonometric
     axisymmetric.derived axisymmetric.quadrature checks grid lazy
     axisymmetric.lattices axisymmetric.profiles
     axisymmetric.direct axisymmetric.lattice_sums
@@ -70,12 +70,12 @@ CONTACT = """
     problem interactions.__init__ scene
     bounded fields planning single scene_file answer leaning
     certificate conjugate sampling validity
-    full
+    full zone_loads
     export framing plateau plotting topology
     accuracy first_order gapped proposals solution
     gap_certificate
     gap_search
-    levelling
+    by_load
     solver
     compare paths
     compare_plot figures.base

@@ -91,6 +91,11 @@ class Profile:
         return None
 
     @property
+    def feature(self) -> float | None:
+        """Length over which most of the shape varies: as closely as this asks for a first guess looks at it."""
+        return self.resolution
+
+    @property
     def breakpoints(self) -> Array:
         """Positions in the cell where f or one of its derivatives jumps."""
         return np.unique(np.concatenate((self.kinks[:, 0], self.jumps[:, 0])))

@@ -26,6 +26,7 @@ from contact.profiles.base import Array, Profile
 from contact.registry import register_profile
 
 _FEWEST = 4  # a not-a-knot cubic has four coefficients
+_MOSTLY = 0.25  # this part of the points lie closer than what a first guess must see
 _SAME = 1e-9  # relative: positions and heights of a repeated end point that agree this far are one point
 _ROUNDING = 4 * float(np.finfo(np.float64).eps)  # relative: heights this near one another are one height
 
@@ -93,6 +94,8 @@ class Sampled(Profile):
     @classmethod
     def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
         """A scene's table: points as `x` and `height`, or a `file` with the arguments of `from_file`."""
+        if not isinstance(table, Mapping):
+            raise SceneError.of("table", table, "a mapping of parameters")
         if "file" not in table:
             return super().from_table(table, directory)
         rest = {key: value for key, value in table.items() if key != "file"}
@@ -146,6 +149,10 @@ class Sampled(Profile):
     @property
     def resolution(self) -> float:
         return float(np.min(np.diff(self._knots)))
+
+    @property
+    def feature(self) -> float:
+        return float(np.quantile(np.diff(self._knots), _MOSTLY))
 
     @property
     def _top(self) -> float:
