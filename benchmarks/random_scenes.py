@@ -156,7 +156,6 @@ def _reason(error: contact.ContactError) -> str:
     """The part of a message that is the same for all of its kind."""
     text = str(error)
     known = (
-        "no symbol",
         "no symbol", "rounding of heights", "beside a corner",
         "kink of a valley", "the stated error", "did not settle", "border", "full contact",
         "beyond the largest", "half width",
