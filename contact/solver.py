@@ -43,6 +43,8 @@ Array = NDArray[np.float64]
 _MOST_POINTS = 2**17
 # Contact of more than this part of the period is solved by its gaps.
 _NEARLY_FULL = 0.7
+# The same of a body that is no half-plane, where that is why its zones are not found.
+_ALMOST_FULL = 0.99
 # Zones of a lone body farther than so many times their span from the origin of places.
 _FAR_OFF = 64.0
 # The same for several asperities whose valleys have kinks: gaps over them, however narrow, are unknowns like any others.
@@ -539,7 +541,7 @@ class _Run:
         search.used, search.reason = True, search.reason if search.used else "one zone did not pass the certificate"
         points: int | None = None
         failure: WrongTopology | None = None
-        most, touched, full = _MOST_POINTS, False, False
+        most, touched, full, width = _MOST_POINTS, False, False, 0.0
         while points is None or points <= most:
             if self.progress is not None:
                 self.progress("coarse grid", 0, None)
@@ -577,7 +579,9 @@ class _Run:
             raise OutOfRange(self._no_inverse(f"in full contact, or nearer to it than a grid of {points} points tells"))
         narrow = "the gaps are narrower than the finest grid tells from full contact"
         if self.operator.is_periodic and not self.operator.is_half_plane:
-            narrow += "; they are solved for on their own on a half-plane only"
+            narrow += "; the gaps themselves are solved for on a half-plane only"
+            if failure is not None and width > _ALMOST_FULL * (problem.period or math.inf):
+                failure = WrongTopology(f"{failure}, and {narrow}", failure.free)
         if problem.interaction.strip:
             narrow += "; the localized model is not followed so far, interaction = Periodic() is"
         raise self._not_converged(failure or WrongTopology(narrow, None))
