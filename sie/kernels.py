@@ -78,8 +78,38 @@ class Smooth:
 def _summed(first: Regular | None, second: Regular | None) -> Regular | None:
     if first is None or second is None:
         return first or second
-    one, two = first, second
-    return lambda x, xi: one(x, xi) + two(x, xi)
+    return _Both(first, second)
+
+
+@dataclass(frozen=True)
+class _Both:
+    first: Regular
+    second: Regular
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        return self.first(x, xi) + self.second(x, xi)
+
+
+@dataclass(frozen=True)
+class _HilbertRest:
+    """(pi/L) cot(pi d/L) less its poles at 0 and +-L."""
+
+    period: float
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        d = (x - xi) / self.period
+        return np.asarray((psi(2 - d) - psi(2 + d)) / self.period)
+
+
+@dataclass(frozen=True)
+class _HilbertPotentialRest:
+    """log|2 sin(pi d/L)| less those of its poles."""
+
+    period: float
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        d = (x - xi) / self.period
+        return np.asarray(math.log(2 * math.pi) - gammaln(2 - d) - gammaln(2 + d))
 
 
 def cauchy(datum: float = 1.0) -> Kernel:
@@ -96,16 +126,7 @@ def hilbert(period: float) -> Kernel:
     length = float(period)
     if not (math.isfinite(length) and length > 0):
         raise ValueError(f"period must be a finite positive number, got {period!r}")
-
-    def regular(x: Array, xi: Array) -> Array:
-        d = (x - xi) / length
-        return np.asarray((psi(2 - d) - psi(2 + d)) / length)
-
-    def regular_potential(x: Array, xi: Array) -> Array:
-        d = (x - xi) / length
-        return np.asarray(math.log(2 * math.pi) - gammaln(2 - d) - gammaln(2 + d))
-
-    return Kernel((0.0, -length, length), length, regular, regular_potential, length, datum=length, sure=True)
+    return Kernel((0.0, -length, length), length, _HilbertRest(length), _HilbertPotentialRest(length), length, datum=length, sure=True)
 
 
 def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:

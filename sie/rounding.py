@@ -126,7 +126,8 @@ def density_rounding(state: Solved) -> float:
     for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):
         count = condition.count(zones)
         if count and speaks_of_levels(condition, zones):
-            levels = np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None] * chance.standard_normal((len(zones.solved), _SHAKEN))
+            noise = np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None]
+            levels = noise * chance.standard_normal((len(zones.solved), _SHAKEN))
             scale = state.condition_scale[first : first + count, None]
             shaken[state.conditions_from + first : state.conditions_from + first + count] = of_levels(condition, zones) @ levels / scale
     folding = Folding.of(zones, system.layout)

@@ -19,6 +19,7 @@ from sie.conditions import asked
 from sie.density import Density
 from sie.equation import Equation
 from sie.folding import Folding
+from sie.kept import Kept
 from sie.many import Iterative, ManySystem, Punches, unfit
 from sie.rounding import density_rounding, intensity_rounding
 from sie.steps import Steps
@@ -127,7 +128,7 @@ class Factored:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class State(Kept):
     """The solution on given zones, with what its error is made of.
 
     density; the solver for further right sides; `truncation`: what the neglected coefficients may amount to, over

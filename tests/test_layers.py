@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 
 # From the ground up: a file imports from lines above its own only. A new profile or interaction has its line already.
 SIE = """
-    ends chebyshev kernels exact
+    ends chebyshev kernels exact kept
     zones
     conditions steps
     beyond
