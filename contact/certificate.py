@@ -329,13 +329,17 @@ def _zoom(scaled_gap: Callable[[Array], Array], x: Array, gap: Array) -> tuple[A
         bend = gap[inner - 1] - 2 * gap[inner] + gap[inner + 1]
     touching = bool(np.any(gap[inner] < bend))
     lo, hi = x[inner - 1], x[inner + 1]
+    # The samples of every zoom tell how wide an overlap is.
+    points, values = [x], [gap]
     for _ in range(_ZOOMS if touching else 3):
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
         value = scaled_gap(fine.ravel()).reshape(fine.shape)
         value = np.where(np.isfinite(value), value, np.inf)
+        points.append(fine.ravel())
+        values.append(value.ravel())
         best = np.clip(np.argmin(value, axis=1), 1, 7)
         rows = np.arange(len(best))
         lo, hi = fine[rows, best - 1], fine[rows, best + 1]
-    everything, values = np.concatenate((x, fine.ravel())), np.concatenate((gap, value.ravel()))
+    everything, all_values = np.concatenate(points), np.concatenate(values)
     order = np.argsort(everything)
-    return values[order], everything[order]
+    return all_values[order], everything[order]

@@ -52,6 +52,8 @@ _WITH_KINKS = 0.25
 _NEAR_LOAD, _NEARER_LOAD = 1e-2, 1e-5
 # Of a load: near enough for the zones to lead to those of a width; where they did not, how much nearer before it is tried again.
 _NEAR_WIDTH, _MUCH_NEARER = 0.03, 0.1
+# A contact fraction is not told by the load where it is missed by more than this when the bracket is closed.
+_JUMP = 1e-9
 # Newton steps from zones so near; and where a bracket on the load is closed.
 _FEW, _CLOSED = 12, 1e-14
 # Tolerance of solutions on the way to an approach or a contact fraction.
@@ -228,7 +230,29 @@ class _Run:
                     return self._at_width(problem, control, here)
             except WrongTopology:
                 pass
-        raise NotConverged("contact fraction", (), last)
+        assert last is not None
+        return self._under_load_of(problem, control, last)
+
+    def _under_load_of(self, problem: Problem, control: Control, near: Solution) -> Found | Gapped:
+        """The contact under the load that has the width, where the zones of the width itself do not settle: right at a birth or a
+        merger."""
+        assert near.contact_fraction is not None and problem.period is not None
+        missed = abs(near.contact_fraction - control.value / problem.period)
+        if missed > _JUMP:
+            raise NotConverged(
+                f"no load that double precision tells from its neighbours has the contact fraction {control.value / problem.period:.15g}: at "
+                f"a mean pressure of {near.mean_pressure:.15g} Pa it is {near.contact_fraction:.15g}, beside it beyond", (), near,
+            )
+        load = Control("load", near.load / problem.units.load)
+        try:
+            with self.plan.timed("zone ends"):
+                found = self._at_width(problem, load, near)
+        except WrongTopology as failure:
+            raise self._not_converged(failure) from failure
+        if isinstance(found, Gapped):
+            return replace(found, off=found.off + _CLOSED * load.value / problem.period)
+        narrowest = float(np.diff(found.free.density.zones.table, axis=1).min())
+        return replace(found, off=missed * problem.period / narrowest)
 
     def _at_width(self, problem: Problem, control: Control, near: Solution) -> Found | Gapped:
         fields = near.fields
