@@ -54,6 +54,8 @@ _NEAR_LOAD, _NEARER_LOAD = 1e-2, 1e-5
 _NEAR_WIDTH, _MUCH_NEARER = 0.03, 0.1
 # A contact fraction is not told by the load where it is missed by more than this when the bracket is closed.
 _JUMP = 1e-9
+# Of what is in contact, or of what is not: a change by more is searched for by a grid.
+_BESIDE = 0.3
 # Newton steps from zones so near; and where a bracket on the load is closed.
 _FEW, _CLOSED = 12, 1e-14
 # Tolerance of solutions on the way to an approach or a contact fraction.
@@ -209,6 +211,15 @@ class _Run:
                 raise
             return failure.best
 
+    def _on_the_way_to_width(self, load: float, near: Solution | None) -> Solution:
+        """The same, from a grid where contact is far from that of the solution."""
+        if near is not None:
+            fraction, rate = contact_fraction(near)
+            near = near if abs(rate * (load - near.load)) < _BESIDE * min(fraction, 1 - fraction) else None
+        elif self.near is not None and load == self.near.load:
+            return self.near
+        return self._on_the_way(load, near)
+
     def _loaded(self, load: float) -> Scene:
         return replace(self.scene, approach=None, contact_fraction=None, load=load)
 
@@ -220,7 +231,7 @@ class _Run:
         else:
             first = self.near.load
         near_enough, last = _NEAR_WIDTH, None
-        for here, off in nearer(self._on_the_way, contact_fraction, self.scene.control[1], first, closed=_CLOSED):
+        for here, off in nearer(self._on_the_way_to_width, contact_fraction, self.scene.control[1], first, closed=_CLOSED):
             last = here
             if off > near_enough:
                 continue
