@@ -230,9 +230,11 @@ class _Run:
                 first = load_of_width(self.frame, problem, control.value) * problem.units.load
         else:
             first = self.near.load
-        near_enough, last = _NEAR_WIDTH, None
-        for here, off in nearer(self._on_the_way_to_width, contact_fraction, self.scene.control[1], first, closed=_CLOSED):
-            last = here
+        goal, near_enough, last = self.scene.control[1], _NEAR_WIDTH, None
+        for here, off in nearer(self._on_the_way_to_width, contact_fraction, goal, first, closed=_CLOSED):
+            last, fraction = here, contact_fraction(here)[0]
+            # Where a little more load brings much more into contact, the width is what tells how near it is.
+            off = max(off, abs(goal - fraction) / min(goal, 1 - goal))
             if off > near_enough:
                 continue
             near_enough = _MUCH_NEARER * off
