@@ -47,11 +47,12 @@ _BESIDE = 1e-5
 class Conjugate:
     """H f' of x [m], for a period [m], with the kinks (k, 2) of the profile as it declares them.
 
-    smooth: all of H f' but the logarithms (J / pi) ln|2 sin(pi (x - s) / L)| of the kinks.
+    smooth: all of H f' but the logarithms (J / pi) ln|2 sin(pi (x - s) / L)| of the kinks. breakpoints: of the profile, but for its kinks.
     """
 
     smooth: Callable[[Array], Array]
     kinks: Array
+    breakpoints: Array
     period: float
 
     def __call__(self, x: ArrayLike) -> Array:
@@ -75,6 +76,11 @@ class ScaledConjugate:
     @property
     def period(self) -> float:
         return self.conjugate.period / self.units.length
+
+    @property
+    def breakpoints(self) -> Array:
+        """Scaled places beside which H f' is not smooth, of kinks those of the problem."""
+        return np.concatenate((self.at, self.units.scaled(self.conjugate.breakpoints)))
 
     def without_own(self, kinks: NDArray[np.intp]) -> Array:
         """H f' at some of the kinks themselves, less the logarithm of each."""
@@ -100,13 +106,14 @@ def conjugate_of(profile: Profile) -> Conjugate:
     length = profile.period
     assert length is not None
     kinks = np.asarray(profile.kinks, dtype=float)
+    breakpoints = np.setdiff1d(np.asarray(profile.breakpoints, dtype=float), kinks[:, 0])
     given = profile.slope_conjugate(np.array([profile.x0 + 0.4142 * length])) is not None
     if given and len(kinks) == 0:
-        return Conjugate(lambda x: np.asarray(profile.slope_conjugate(x)), kinks, length)
+        return Conjugate(lambda x: np.asarray(profile.slope_conjugate(x)), kinks, breakpoints, length)
     series, settled = _series(profile, length)
     if given and not settled:
-        return Conjugate(_less_logarithms(profile, kinks, length), kinks, length)
-    return Conjugate(series, kinks, length)
+        return Conjugate(_less_logarithms(profile, kinks, length), kinks, breakpoints, length)
+    return Conjugate(series, kinks, breakpoints, length)
 
 
 def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], bool]:

@@ -90,7 +90,7 @@ class ZoneFields:
     @property
     def approach(self) -> float | None:
         """Approach [m], None for an isolated punch without a datum."""
-        if getattr(self.problem.interaction, "datum", self) is None:
+        if not self.problem.interaction.has_approach:
             return None
         return -self.level * self.problem.units.height
 

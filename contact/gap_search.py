@@ -29,12 +29,13 @@ _UNSEEN = 4
 
 
 def find_gaps(
-    problem: Problem, control: Control, conjugate: ScaledConjugate, tolerance: float, width: float, zones: Array | None = None
+    problem: Problem, control: Control, conjugate: ScaledConjugate, tolerance: float, width: float, zones: Array | None = None,
+    near: bool = False,
 ) -> Gapped:
     """The gaps under a control (load, approach, or width): first guesses, Newton, then the signs on the whole period.
 
-    width: about that of all contact, zones: about where it is, both scaled. Raises WrongTopology where that does not come to
-    an end that passes.
+    width: about that of all contact, zones: about where it is, both scaled; near: these are those of a solution, and given up as soon
+    as they turn out to be far. Raises WrongTopology where that does not come to an end that passes.
     """
     assert problem.period is not None
     first = _First.of(problem, conjugate)
@@ -45,23 +46,26 @@ def find_gaps(
         # Where zones are known about, so are the gaps; but not those that a grid does not see.
         between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + problem.period)))
         try:
-            return settle_gaps(problem, control, conjugate, _united(between, problem.period), mean, tolerance)
+            return settle_gaps(problem, control, conjugate, _united(between, problem.period), mean, tolerance, near)
         except WrongTopology:
-            pass
+            if near:
+                raise
     return settle_gaps(problem, control, conjugate, first.gaps(mean), mean, tolerance)
 
 
 def settle_gaps(
-    problem: Problem, control: Control, conjugate: ScaledConjugate, table: Array, mean: float, tolerance: float
+    problem: Problem, control: Control, conjugate: ScaledConjugate, table: Array, mean: float, tolerance: float, near: bool = False
 ) -> Gapped:
-    """From proposed gaps (n, 2) to gaps that pass; mean: the scaled mean pressure, or a guess of it."""
+    """From proposed gaps (n, 2) to gaps that pass; mean: the scaled mean pressure, or a guess of it; near: see `find_gaps`."""
     equation = gap_equation(problem, control, conjugate)
     free: sie.Free | None = None
     for _ in range(_ROUNDS):
         if len(table) == 0:
             raise WrongTopology("no gap is left: they are narrower than rounding can tell from full contact", free)
-        free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, value=mean, signs=(1.0, -1.0))
+        free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, value=mean, signs=(1.0, -1.0), near=near)
         mean = mean if free.value is None else free.value
+        if near and not free.converged:
+            raise WrongTopology("the gaps are not near those of the solution", free)
         if len(free.lost):
             table = np.delete(free.density.zones.table, free.lost, axis=0)
             continue
@@ -79,6 +83,8 @@ def settle_gaps(
                 return found
             # Whether so slight a dip is a gap, a solution to the tolerance does not tell.
             return _decided(found, problem, control, conjugate, mean)
+        if near:
+            raise WrongTopology("there are other gaps than these", free)
         table = _united(np.concatenate((_cut(free.density.zones.table, signs.overlaps), signs.negative)), fields.period)
     raise WrongTopology("the number of gaps did not settle", free)
 
@@ -112,10 +118,11 @@ def _rounding_of_mean(control: Control, fields: GapFields) -> float:
     return 6e-16 * (abs(fields.mean) + abs(rate) * max(control.value, mean_shape(fields.problem)))
 
 
-def with_gaps(fields: GapFields, mean: float, table: Array, tolerance: float) -> GapFields:
-    """The same profile at another mean pressure with this many gaps, whatever the signs."""
+def with_gaps(fields: GapFields, mean: float, table: Array, tolerance: float, decay: float) -> GapFields:
+    """The same profile at another mean pressure with this many gaps, whatever the signs. tolerance: of their ends, decay: of the
+    coefficients."""
     equation = gap_equation(fields.problem, Control("load", mean * fields.period), fields.conjugate)
-    free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, signs=(1.0, -1.0))
+    free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, signs=(1.0, -1.0), decay=decay, settled=False)
     if not free.converged:
         raise WrongTopology("the ends of the gaps did not settle", free)
     return GapFields(fields.problem, free.state, mean, fields.conjugate)

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import sie
+from contact import zone_loads
 from contact.certificate import ROUNDING, Certificate
 from contact.conjugate import ScaledConjugate
 from contact.extrema import maximum
@@ -29,9 +30,6 @@ from contact.fields import mean_shape, moved_ends
 from contact.problem import Problem
 
 Array = NDArray[np.float64]
-
-# Nodes of double-exponential quadrature, evenly up to this: there the weights are rounding.
-_NODES, _REACH = 161, 3.3
 
 # Pressures closer to a gap than this part of the period are as uncertain as the rounding of their own position makes them:
 # what is stated is not about them.
@@ -131,25 +129,9 @@ class GapFields:
 
     @cached_property
     def loads(self) -> Array:
-        """Load of each contact zone [N/m], between its ends and tips by double-exponential quadrature: the pressure is a root at
-        the ends and a logarithm at tips (H. Takahasi and M. Mori, Publ. RIMS 9 (1974) 721-741)."""
-        s = np.linspace(-_REACH, _REACH, _NODES)
-        # Distances from both ends of a panel over its length, and the weights.
-        left, right = (1 / (1 + np.exp(np.pi * sign * np.sinh(s))) for sign in (-1.0, 1.0))
-        weights = (s[1] - s[0]) * np.pi * np.cosh(s) * left * right
-        tips = self.conjugate.at[self.conjugate.heights > 0]
-        out = []
-        for zone, (a, b) in enumerate(self.zones):
-            at = tips + np.ceil((a - tips) / self.period) * self.period
-            cuts = np.unique(np.concatenate(([a, b], at[(at > a) & (at < b)])))
-            total = 0.0
-            for lo, hi in zip(cuts[:-1], cuts[1:], strict=True):
-                length = hi - lo
-                from_left, from_right = (lo - a) + length * left, (b - hi) + length * right
-                value = self.pressure_in(zone, 2 * from_left / (b - a), 2 * from_right / (b - a))
-                total += length * float(weights @ np.where(np.isfinite(value), value, 0.0))
-            out.append(total * self.problem.units.load)
-        return np.array(out)
+        """Load of each contact zone [N/m]."""
+        rise = np.diff(self.density.potential(self.zones), axis=1)[:, 0]
+        return zone_loads.loads(self.mean, self.conjugate, self.zones, rise) * self.problem.units.load
 
     @cached_property
     def max_pressure(self) -> float:

@@ -9,7 +9,8 @@ condition, with the topology held fixed and the signs free:
     full            the least pressure of full contact is zero (contact.full).
 
 Names are given for a growing load; for a falling one the same event is a death or a split. At a given moment the body turns as the
-load grows, and may lift off again on one side: there deaths and splits are looked for as well.
+load grows, and may lift off again on one side: there deaths and splits are looked for as well, and so they are where the body is
+not a half-plane, on which alone contact is known to grow with the load.
 """
 
 from __future__ import annotations
@@ -21,23 +22,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import sie
 from contact import lazy
 from contact.checks import finite_array
-from contact.errors import NotConverged, SceneError
+from contact.errors import NotConverged, SceneError, unwarned, warn
 from contact.extrema import maximum
+from contact.fields import ZoneFields
 from contact.gap_search import with_gaps
 from contact.gapped import GapFields
 from contact.problem import Control
 from contact.scene import Scene
 from contact.solution import Solution
 from contact.solver import solve
-from contact.topology import Progress, WrongTopology, settle
+from contact.topology import Progress, WrongTopology, kinds
+from contact.validity import of_solution
 
 Array = NDArray[np.float64]
 
 # Loads closer than this part of themselves are one: events within it are reported at their own loads but not separated.
 _CLOSE = 1e-7
-_TOLERANCE = 1e-13
+# Of ends and of coefficients on the way to an event: pressure and gap away from an end that is off change by the square of that.
+_ENDS, _DECAY = 1e-7, 1e-14
+# Zooms to a least gap or pressure, the place of which is about known.
+_ZOOMS = 5
 _USEFUL = 1e-3
 # Where the last gap but one has closed, as a rule: this far below the load of full contact.
 _BEFORE_FULL = 1e-7
@@ -82,13 +89,16 @@ def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress |
     run = _Path(scene, tol, progress)
     solutions: list[Solution] = []
     events: list[Event] = []
-    for k, load in enumerate(values):
-        if progress is not None:
-            progress("load", k, len(values))
-        here = run.at(float(load), solutions[-1] if solutions else None)
-        if solutions:
-            events += run.between(solutions[-1], here)
-        solutions.append(here)
+    with unwarned():
+        for k, load in enumerate(values):
+            if progress is not None:
+                progress("load", k, len(values))
+            here = run.at(float(load), solutions[-1] if solutions else None)
+            if solutions:
+                events += run.between(solutions[-1], here)
+            solutions.append(here)
+    # Of the highest load, where slopes and pressures are.
+    warn(of_solution(max(solutions, key=lambda solution: solution.load)))
     return Path(tuple(solutions), tuple(events))
 
 
@@ -188,9 +198,9 @@ def _changes(low: Solution, high: Solution) -> list[_Change]:
     """Births and merges that lead from the zones of the lower load to those of the higher one."""
     if len(high.zones) == 0:
         return [] if len(low.zones) == 0 else [_Change("full", tuple(range(len(low.zones))), 0)]
-    if low.scene.turned and low.scene.moment is not None:
-        return [*_between(low, high), *(replace(change, back=True) for change in _between(high, low))]
     period = low.scene.period
+    if (low.scene.turned and low.scene.moment is not None) or low.scene.operator.rest is not None:
+        return [*_between(low, high, period), *(replace(change, back=True) for change in _between(high, low, period))]
     middles = low.zones.mean(axis=1)
     changes = []
     for k, (a, b) in enumerate(high.zones):
@@ -203,11 +213,16 @@ def _changes(low: Solution, high: Solution) -> list[_Change]:
     return changes
 
 
-def _between(low: Solution, high: Solution) -> list[_Change]:
+def _between(low: Solution, high: Solution, period: float | None) -> list[_Change]:
     """Births and merges by the zones that overlap, where none need lie within another."""
     changes = []
     for k, (a, b) in enumerate(high.zones):
-        held = np.flatnonzero((low.zones[:, 0] < b) & (low.zones[:, 1] > a))
+        # The copy of each zone whose middle is nearest.
+        zones = low.zones
+        if period is not None:
+            zones = zones - np.round((zones.mean(axis=1) - 0.5 * (a + b)) / period)[:, None] * period
+        held = np.flatnonzero((zones[:, 0] < b) & (zones[:, 1] > a))
+        held = held[np.argsort(zones[held, 0])]
         if len(held) == 0:
             changes.append(_Change("birth", (), k))
         changes += [_Change("merge", (int(i), int(j)), k) for i, j in zip(held[:-1], held[1:], strict=True)]
@@ -223,7 +238,9 @@ class _Condition:
         raise NotImplementedError
 
     def __init__(self, fields: Any, low: Solution, high: Solution, change: _Change) -> None:
-        self.problem, self.fields, self.table = fields.problem, fields, fields.density.zones.table
+        self.problem, self.fields = fields.problem, fields
+        # Of the loads at which it was evaluated: the zones (or gaps) found there.
+        self.tables: dict[float, Array] = {fields.load / fields.problem.units.load: fields.density.zones.table}
         if change.kind == "birth":
             self.where = _scaled(fields, high.zones[change.higher])
         else:
@@ -235,14 +252,32 @@ class _Condition:
             # The pressure is least between where the two zones ended, or a little beside.
             self.where = left[1] - 0.25 * gap, left[1] + 1.25 * gap
 
+    def start(self, load: float) -> Array:
+        """Zones to begin with: on the straight line through those of the two nearest loads, where that keeps them apart."""
+        nearest = sorted(self.tables, key=lambda known: abs(known - load))
+        first = self.tables[nearest[0]]
+        if len(nearest) == 1:
+            return first
+        share = (load - nearest[0]) / (nearest[1] - nearest[0])
+        table = first + share * (self.tables[nearest[1]] - first)
+        kept = np.diff(table.ravel()) > 0.5 * np.diff(first.ravel())
+        return np.asarray(table) if kept.all() else first
+
     def formal(self, load: float) -> Any:
-        """Fields with this number of zones at a load, whatever the signs; the next call starts from these zones."""
-        found = settle(self.problem, Control("load", load), self.table, _TOLERANCE, formal=True)
-        self.table = found.free.density.zones.table
-        return found.fields
+        """Fields with this number of zones at a load, whatever the signs; later calls start from these zones."""
+        control = Control("load", load)
+        zones, equation = kinds(self.problem, control, self.start(load)), self.problem.equation(control)
+        try:
+            free = sie.find_ends(equation, zones, _ENDS, walls=self.problem.walls, decay=_DECAY, settled=False)
+        except sie.SingularSystem as failure:
+            raise WrongTopology(f"the equation has no solution on such zones ({failure})", None) from failure
+        if not free.converged:
+            raise WrongTopology("the zones do not go on to this load", free)
+        self.tables[load] = free.density.zones.table
+        return ZoneFields(self.problem, free.state)
 
     def least(self, function: Callable[[Array], Array]) -> float:
-        place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), peaks=1)
+        place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), levels=_ZOOMS, peaks=1)
         self.position = float(self.problem.units.x(np.array(place)))
         return -value
 
@@ -264,10 +299,10 @@ class _Merge(_Condition):
 class _ByGaps(_Condition):
     """The same for fields that come from their gaps."""
 
-    def formal(self, load: float) -> GapFields:
+    def formal(self, load: float) -> Any:
         assert self.problem.period is not None
-        fields = with_gaps(self.fields, load / self.problem.period, self.table, _TOLERANCE)
-        self.table = fields.density.zones.table
+        fields = with_gaps(self.fields, load / self.problem.period, self.start(load), _ENDS, _DECAY)
+        self.tables[load] = fields.density.zones.table
         return fields
 
 

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 import sie
 from contact.interactions.base import Interaction
+from contact.operator import Operator
 from contact.profiles.base import Profile
 from contact.profiles.tilted import Tilted
 
@@ -106,8 +107,12 @@ class Problem:
         return None if self.profile.period is None else self.profile.period / self.units.length
 
     @cached_property
+    def operator(self) -> Operator:
+        return Operator(self.interaction, self.profile.period if self.interaction.needs_period else None)
+
+    @cached_property
     def kernel(self) -> sie.Kernel:
-        return self.interaction.kernel(self.period, self.units.length)
+        return self.operator.kernel(self.units.length)
 
     @cached_property
     def walls(self) -> tuple[float, float]:

@@ -53,8 +53,8 @@ def proposed(frame: Framed, problem: Problem, control: Control, points: int | No
     by_load = control.kind == "load"
     found = propose(
         partial(grid_height, profile) if by_load else profile.height, frame.cell, E=units.E_star,
-        periodic=interaction.needs_period, datum=getattr(interaction, "datum", None) or 1.0,
-        resolution=profile.resolution, points=points, load=control.value * units.load if by_load else None,
+        periodic=interaction.needs_period, datum=interaction.datum or 1.0, rest=problem.operator.rest,
+        resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height, tol=tol,
     )
     return Proposed(found.zones, found.points, found.full, found.touches_border)
@@ -77,8 +77,8 @@ def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | 
         def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> Lean[Proposal]:
             profile = problem.turned_to(tilt).profile
             found = propose(
-                partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.resolution,
-                points=points, load=load,
+                partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.feature,
+                points=points, load=load, rest=problem.operator.rest,
             )
             if found.touches_border and not last:
                 raise _TooNarrow
@@ -98,7 +98,7 @@ def load_of_width(frame: Framed, problem: Problem, width: float) -> float:
     assert problem.period is not None
     units, profile, period = problem.units, problem.profile, problem.period
     near_enough, least = _ABOUT * min(width, period - width), _SEEN * period / min(width, period - width)
-    features = 16.0 if profile.resolution is None else units.length * period / profile.resolution
+    features = 16.0 if profile.feature is None else units.length * period / profile.feature
     points = 2 ** int(np.clip(np.ceil(np.log2(max(_PER_FEATURE * features, least))), 8, 17))
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
     for _ in range(60):

@@ -11,20 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact import planning
+from contact import planning, validity
 from contact.accuracy import limit, of_positions, stated_error
 from contact.bounded import refuse_unbounded
 from contact.by_load import approach, contact_fraction, nearer
 from contact.certificate import Certificate
 from contact.conjugate import ScaledConjugate
-from contact.errors import NotConverged, OutOfRange, SceneError
+from contact.errors import NotConverged, OutOfRange, SceneError, warn
 from contact.fields import ZoneFields, mean_shape
 from contact.first_order import FirstOrder
 from contact.framing import Framed, framed, framed_about, lowest
 from contact.full import FullFields, FullLimit, period_samples
 from contact.gap_search import find_gaps, settle_gaps
 from contact.gapped import GapFields, Gapped
-from contact.interactions.isolated import Isolated
 from contact.interactions.periodic import Periodic
 from contact.leaning import known_part
 from contact.planning import Plan
@@ -71,7 +70,8 @@ def solve(
 
     tol: relative, 1e-13 <= tol < 1. progress: called with (stage, done, total or None). near: a solution of the same
     profile and model whose zones are a good start; it saves the search, and never changes the answer.
-    Raises SceneError (bad input), OutOfRange (no contact answers the control), NotConverged (with the best state).
+    Raises SceneError (bad input), OutOfRange (no contact answers the control), NotConverged (with the best state). What the
+    model hardly covers is a ModelWarning, and in the `warnings` of the solution.
     """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
@@ -81,7 +81,15 @@ def solve(
         raise SceneError.of("near", near, "None, or a contact.Solution")
     if near is not None and (near.scene.profile, near.scene.interaction) != (scene.profile, scene.interaction):
         raise SceneError("near must be a solution of the same profile and interaction model", "near", near.scene)
-    return _Run(scene, float(tol), planning.plan(scene), progress, near).solution()
+    of_scene = validity.of_scene(scene)
+    warn(of_scene)
+    solution = _solved(scene, float(tol), progress, near)
+    warn(validity.of_solution(solution)[len(of_scene) :])
+    return solution
+
+
+def _solved(scene: Scene, tol: float, progress: Progress | None, near: Solution | None) -> Solution:
+    return _Run(scene, tol, planning.plan(scene), progress, near).solution()
 
 
 class _Run:
@@ -94,7 +102,8 @@ class _Run:
         self.near = near
         # Where both load and tilt are unknown, and where the grid does not find the approach.
         self.by_loads = scene.turned and scene.moment is not None and scene.approach is not None
-        self.full = FullLimit(scene.profile, scene.E_star, scene.interaction.images is None)
+        self.operator = scene.operator
+        self.full = FullLimit(scene.profile, scene.E_star, self.operator)
 
     def solution(self) -> Solution:
         start = time.perf_counter()
@@ -107,7 +116,8 @@ class _Run:
         kind, value = self.scene.control
         if kind == "contact_fraction" and value == 1.0:
             return self._full(self._full_pressure_or_refuse())
-        refuse_below_plateau(self.scene)
+        if self.operator.rest is None:
+            refuse_below_plateau(self.scene)
         refuse_unbounded(self.scene)
         found: Found | Gapped | None = self._beside_near()
         if found is None:
@@ -193,10 +203,11 @@ class _Run:
         reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
         if not reach > 0.0:
             raise OutOfRange(f"moment {moment:.6g} N: the whole body lies on the other side of x = 0")
-        guess = scene.E_star * (0.3 * abs(wanted) or 1e-3 * getattr(scene.interaction, "datum", 1.0))
+        guess = scene.E_star * (0.3 * abs(wanted) or 1e-3 * (scene.interaction.datum or 1.0))
         first = guess if self.near is None else self.near.load
         bounded, largest = known is not None and scene.profile.support is None, -math.inf
-        for here, off in nearer(self._on_the_way, approach, wanted, first, abs(moment) / reach, bounded, moment == 0.0):
+        concave = moment == 0.0 and self.operator.rest is None
+        for here, off in nearer(self._on_the_way, approach, wanted, first, abs(moment) / reach, bounded, concave):
             if off <= nearness:
                 return here
             largest = max(largest, here.approach or 0.0)
@@ -205,7 +216,7 @@ class _Run:
     def _on_the_way(self, load: float, near: Solution | None) -> Solution:
         """The solution under a load, beside a solution or that at hand."""
         try:
-            return solve(self._loaded(load), _ON_THE_WAY, self.progress, near or self.near)
+            return _solved(self._loaded(load), _ON_THE_WAY, self.progress, near or self.near)
         except NotConverged as failure:
             if failure.best is None or not failure.best.error < 1e3 * _ON_THE_WAY:
                 raise
@@ -274,7 +285,7 @@ class _Run:
                 problem, control, fields.conjugate, fields.density.zones.table, fields.mean, _OF_GAPS * self.tolerance
             )
             return self._tightened_gaps(problem, control, found)
-        return self._settle(problem, control, placed(problem, near.zones), near.load / problem.units.load, _FEW)
+        return self._settle(problem, control, placed(problem, near.zones), value=near.load / problem.units.load, steps=_FEW)
 
     def _by_zones(self, found: Gapped) -> Found | Gapped:
         """The same contact with the pressure as the unknown, if that comes out better. Not under an approach: near full
@@ -333,15 +344,24 @@ class _Run:
     def _full_pressure_or_refuse(self) -> float:
         pressure = self.full.pressure
         if not math.isfinite(pressure):
+            if self.full.approached and not self.operator.has_inverse:
+                raise OutOfRange(self._no_inverse("full contact is not known"))
             raise OutOfRange("no load brings this scene into full contact: its valleys have kinks, or the model has none")
         return pressure
+
+    def _no_inverse(self, what: str) -> str:
+        name = self.scene.interaction.name
+        return (
+            f"{what}: the interaction {name!r} gives a kernel and no symbol, so the pressure that flattens the surface cannot be told. "
+            "Give it a `symbol`, or ask for less contact"
+        )
 
     def _full(self, mean_pressure: float) -> Solution:
         scene, profile = self.scene, self.scene.profile
         self._full_pressure_or_refuse()
         units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
         problem = Problem(profile, scene.interaction, units, lowest(profile))
-        fields = FullFields(problem, mean_pressure, self.full.conjugate, mean_shape(problem) * units.height)
+        fields = FullFields(problem, mean_pressure, self.full.relief, mean_shape(problem) * units.height)
         least = mean_pressure - self.full.pressure
         certificate = Certificate(
             smallest_pressure=least, smallest_gap=None, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
@@ -349,8 +369,14 @@ class _Run:
         )
         for name in ("zone ends", "coarse search"):
             self.plan[name].used, self.plan[name].reason = False, "full contact"
-        # Rounding of the closed form, in terms of the peak pressure.
-        return Solution(scene, np.zeros((0, 2)), fields, 1e-13, certificate, self.plan)
+        # Rounding of the closed form, in terms of the peak pressure, or of the mean where the peak is infinite.
+        peak = fields.max_pressure if math.isfinite(fields.max_pressure) else mean_pressure
+        error = 1e-13 + self.full.rounding / peak
+        solution = Solution(scene, np.zeros((0, 2)), fields, error, certificate, self.plan)
+        if error > self.tol:
+            why = f"rounding of the heights leaves an error of {error:.1e} in full contact, above the tolerance {self.tol:.1e}"
+            raise NotConverged(why, (), solution)
+        return solution
 
     # zones ----------------------------------------------------------------------------------------------------------
     def _found(self) -> Found | Gapped | None:
@@ -362,7 +388,7 @@ class _Run:
             return self._first_order()
         if interaction.strip:
             return self._centred(problem, self.control, None)
-        return self._search(problem, self.control, self._start())
+        return self._search(problem, self.control, self._start(), near=True)
 
     def _at_level(self) -> Found:
         """Under an approach, from zones of about the right load; of just about it, if these do not lead on."""
@@ -375,24 +401,29 @@ class _Run:
         return self._settled(self.problem, self.control, placed(self.problem, self.near.zones))
 
     def _start(self) -> Array | None:
-        """Zones of the near solution, scaled; None if there is none or it is in full contact."""
-        if self.near is None or len(self.near.zones) == 0 or self.control.kind == "half_width":
+        """Zones of the near solution, scaled; None if there is none or it is in full contact, or where one zone is to be found, which
+        is known better in closed form."""
+        if self.near is None or len(self.near.zones) == 0 or self.single:
             return None
         return placed(self.problem, self.near.zones)
 
-    def _search(self, problem: Problem, control: Control, start: Array | None = None) -> Found | Gapped | None:
+    def _search(
+        self, problem: Problem, control: Control, start: Array | None = None, near: bool = False
+    ) -> Found | Gapped | None:
+        """Zones from a start, if there is one; else, and where it does not lead on, from scratch. near: the start is a solution's, which
+        is given up as soon as it turns out to be far off: from there the way may be longer than from scratch."""
         if control.kind == "approach":
             self._below_full_approach(control)
         if control.kind == "width" and not self.single:
             return self._by_fraction(problem, control)
         if start is not None:
             width = float((start[:, 1] - start[:, 0]).sum())
-            gapped = self._by_gaps(problem, control, width, start)
+            gapped = self._by_gaps(problem, control, width, start, near)
             if gapped is not None:
                 return gapped
             if not self._worth_gaps(problem, width):
                 try:
-                    return self._settle(problem, control, start)
+                    return self._settle(problem, control, start, near)
                 except WrongTopology:
                     pass
         if control.kind == "half_width":
@@ -414,11 +445,13 @@ class _Run:
 
     def _worth_gaps(self, problem: Problem, width: float) -> bool:
         """Whether contact of about this scaled width is better solved by its gaps."""
-        if not self.full.approached or problem.period is None:
+        if not self.full.approached or not self.operator.is_half_plane or problem.period is None:
             return False
         return width > (_NEARLY_FULL if self.full.possible or self.single else _WITH_KINKS) * problem.period
 
-    def _by_gaps(self, problem: Problem, control: Control, width: float, zones: Array | None = None) -> Gapped | None:
+    def _by_gaps(
+        self, problem: Problem, control: Control, width: float, zones: Array | None = None, near: bool = False
+    ) -> Gapped | None:
         """The contact solved by its gaps, where it is about as wide as that; None if it is not or that fails."""
         if control.kind == "half_width" or not self._worth_gaps(problem, width):
             return None
@@ -426,7 +459,7 @@ class _Run:
         with self.plan.timed("zone ends"):
             try:
                 found = self._tightened_gaps(
-                    problem, control, find_gaps(problem, control, conjugate, _OF_GAPS * self.tolerance, width, zones)
+                    problem, control, find_gaps(problem, control, conjugate, _OF_GAPS * self.tolerance, width, zones, near)
                 )
             except WrongTopology:
                 return None
@@ -464,17 +497,23 @@ class _Run:
                 f"approach {control.value * self.problem.units.height:.6g} m: a flat punch of width "
                 f"{support[1] - support[0]:.6g} m has none above zero with a datum of {datum:.6g} m"
             )
-        if not self.full.possible:
+        if not self.full.approached or (self.operator.has_inverse and not self.full.possible):
             return
+        # u has no mean under any operator of a period: the mean gap is that of the profile less the approach.
         highest, units = mean_shape(self.problem), self.problem.units
-        if control.value >= highest:
+        # Both are differences from the lowest point, rounded as heights are.
+        rounding = 8.0 * float(np.finfo(np.float64).eps) * (highest + abs(self.problem.lowest) / units.height)
+        if control.value >= highest - rounding:
             raise OutOfRange(
                 f"approach {control.value * units.height:.15g} m is not below {highest * units.height:.15g} m, the mean of "
                 "the profile: there it is in full contact, at any load above the smallest, or as near to it as digits of the approach tell"
             )
 
-    def _settle(self, problem: Problem, control: Control, table: Array, value: float = 0.0, steps: int = 40) -> Found:
-        return settle(problem, control, table, self.tolerance, self.progress, timed=self.plan.timed, value=value, steps=steps)
+    def _settle(
+        self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 40
+    ) -> Found:
+        timed = self.plan.timed
+        return settle(problem, control, table, self.tolerance, self.progress, timed=timed, near=near, value=value, steps=steps)
 
     def _settled(self, problem: Problem, control: Control, table: Array) -> Found:
         try:
@@ -515,7 +554,7 @@ class _Run:
                 # Along the branch from zero load the controlled quantity grows with the width up to its maximum.
                 exact = single_half_width(problem, control)
                 if exact is None:
-                    if not self.scene.interaction.exact or isinstance(self.scene.interaction, Isolated):
+                    if not self.scene.interaction.exact or not (self.operator.is_periodic or self.operator.rest):
                         top = largest_single_load(problem, control)
                         units = problem.units
                         unit = units.load if control.kind == "load" else units.height
@@ -537,7 +576,7 @@ class _Run:
         search.used, search.reason = True, search.reason if search.used else "one zone did not pass the certificate"
         points: int | None = None
         failure: WrongTopology | None = None
-        most, touched = _MOST_POINTS, False
+        most, touched, full = _MOST_POINTS, False, False
         while points is None or points <= most:
             if self.progress is not None:
                 self.progress("coarse grid", 0, None)
@@ -545,7 +584,7 @@ class _Run:
                 proposal = proposed(self.frame, problem, control, points)
             if points is None:
                 most = max(most, min(4 * proposal.points, MOST_POINTS))
-            points = proposal.points
+            points, full = proposal.points, proposal.full
             if proposal.tilt is not None:
                 problem = problem.turned_to(proposal.tilt)
             search.detail = f"{points} points, {len(proposal.zones)} zones proposed"
@@ -571,7 +610,11 @@ class _Run:
                             break
                         failure = error
             points *= 4
+        if full and self.operator.is_periodic and not self.operator.has_inverse:
+            raise OutOfRange(self._no_inverse(f"in full contact, or nearer to it than a grid of {points} points tells"))
         narrow = "the gaps are narrower than the finest grid tells from full contact"
+        if self.operator.is_periodic and not self.operator.is_half_plane:
+            narrow += "; they are solved for on their own on a half-plane only"
         if problem.interaction.strip:
             narrow += "; the localized model is not followed so far, interaction = Periodic() is"
         raise self._not_converged(failure or WrongTopology(narrow, None))

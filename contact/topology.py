@@ -59,16 +59,17 @@ class WrongTopology(Exception):
 
 def settle(
     problem: Problem, control: Control, table: Array, tolerance: float, progress: Progress | None = None,
-    formal: bool = False, timed: Timed = nullcontext, value: float = 0.0, steps: int = 40,
+    formal: bool = False, timed: Timed = nullcontext, near: bool = False, value: float = 0.0, steps: int = 40,
 ) -> Found:
     """From proposed zones (n, 2) to zones that pass the certificate; WrongTopology if that fails.
 
     formal: the zones are taken as they are, whatever the signs (a reference solution, not a contact). timed: of a part's name, what
-    its time is taken with. value: a first guess of the load that a width is given instead of. steps: of Newton's, in a round.
+    its time is taken with. near: the zones are given up as soon as they turn out to be far from the solution, or not as many. value: a
+    first guess of the load that a width is given instead of. steps: of Newton's, in a round.
     """
     slight: Found | None = None
     try:
-        for found in _rounds(problem, control, table, tolerance, progress, formal, timed, value, steps):
+        for found in _rounds(problem, control, table, tolerance, progress, formal, timed, near, value, steps):
             if formal or found.tolerance <= TIGHT or not _is_slight(found):
                 return found
             # Whether so slight a dip is a gap, or so narrow a gap open, a solution to the tolerance does not tell: on to a
@@ -84,7 +85,7 @@ def settle(
 
 def _rounds(
     problem: Problem, control: Control, table: Array, tolerance: float, progress: Progress | None, formal: bool,
-    timed: Timed, value: float, steps: int,
+    timed: Timed, near: bool, value: float, steps: int,
 ) -> Iterator[Found]:
     """Zones that pass, to the tolerance and, where more of them are asked for, to one as tight as there is."""
     free: sie.Free | None = None
@@ -98,7 +99,7 @@ def _rounds(
             progress("zones", done, None)
         zones = kinds(problem, control, table)
         try:
-            free = sie.find_ends(problem.equation(control), zones, tolerance, steps, value=value, walls=problem.walls)
+            free = sie.find_ends(problem.equation(control), zones, tolerance, steps, value=value, walls=problem.walls, near=near)
         except sie.SingularSystem as failure:
             raise WrongTopology(f"the equation has no solution on such zones ({failure})", free) from failure
         if free.value is not None:
@@ -107,6 +108,8 @@ def _rounds(
         if valley is not None:
             length = valley * problem.units.length
             raise WrongTopology(f"a gap of about {length:.1e} m over the kink of a valley is too narrow to be found", free)
+        if near and not free.converged:
+            raise WrongTopology("the zones are not near those of the solution", free)
         if len(free.lost) or len(free.met):
             table = _dropped_or_merged(free, problem)
             continue
@@ -121,13 +124,15 @@ def _rounds(
             certificate = certify(fields, control.value if control.kind == "load" else None)
         if certificate.holds:
             yield Found(free, fields, certificate, done, control, tolerance)
-            table, tolerance = free.density.zones.table, TIGHT
+            table, tolerance, near = free.density.zones.table, TIGHT, False
             continue
         if control.kind == "half_width":
             raise WrongTopology("pressure or gap change sign", free)
         if tolerance > TIGHT and _is_error(free, certificate):
             table, tolerance = free.density.zones.table, max(TIGHT, CLOSER * tolerance)
             continue
+        if near:
+            raise WrongTopology("there are other zones than these", free)
         ended = free.density.zones.table
         table = _corrected(free.density.zones, certificate, problem)
         if any(same(ended, before) for at, before in tried if at == tolerance):

@@ -36,6 +36,9 @@ _VANISHED = 1e-12
 _CLOSING, _INSISTS = 0.05, 3
 # Steps after which ends that still want to move by more than half of their zones may be given up.
 _WANDERING = 20
+# Of zones said to be near: the first move over the width, and what is left of a move in the next one. Moves below the last are about
+# rounding, which need not fall.
+_NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
 # Over what the mean slope of the right side's smooth part makes of A.
 _SMOOTH = 4.0
 # The remaining motion of an end is the next step but for its square.
@@ -89,16 +92,23 @@ def find_ends(
     collapse: float = 1e-3,
     walls: tuple[float, float] = (-np.inf, np.inf),
     signs: tuple[float, float] = (1.0, 1.0),
+    near: bool = False,
+    decay: float | None = None,
+    settled: bool = True,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
-    tolerance: largest remaining end error over its zone's width, and the decay asked of the coefficients.
+    tolerance: largest remaining end error over its zone's width. decay: asked of the coefficients, a tenth of that by default.
+    settled: whether 1/sqrt(d) is taken out of the last density: the rest is right at equal normalised position to first order in what the
+    ends are off, and the whole of it, farther from them, at equal places to second order.
     value: first guess for the value of an open condition. collapse: one of several zones that has shrunk to this part of its first
     width, or a gap to this part of its first size, stops the search, which then reports it in `lost` or `met`.
     walls: free ends do not pass these; one that reaches a wall stays there as a singular end, until its intensity turns
     negative. signs: of the wanted density next to left and to right ends (the slope of a gap falls at its right end).
+    near: the zones are a guess worth no more than the few steps in which Newton's method ends beside a solution: as soon as a step shows
+    that they are not so near, the search is given up, unconverged.
     """
-    decay = max(0.1 * tolerance, 3e-16)
+    decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
     first_width, first_gap = zones.b - zones.a, modes.gaps(zones, equation.kernel)[1]
     sizes = first_sizes(equation, zones)
     trace: list[Step] = []
@@ -137,13 +147,13 @@ def find_ends(
         # At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones.
         hopeless = stalled >= 5 and not certain and (move < 1e-6 or (stalled >= 15 and _stays(trace)))
         hopeless = hopeless or (len(trace) > _WANDERING and min(step.move for step in trace[-10:]) > 0.5 and _stays(trace))
-        hopeless = hopeless or (equation.grows and state.unresolved)
+        hopeless = hopeless or (equation.grows and state.unresolved) or (near and not _is_near(trace))
         if done or hopeless or len(trace) > max_steps:
             if done:
                 if equation.open_condition is not None:
                     # The ends are at rest, and so is the value after its own last step.
                     state, value = state.with_value(equation.open_condition, change), value + change
-                state = state.settled()
+                state = state.settled() if settled else state
             found = value if equation.open_condition is not None else None
             return Free(state, done, error, rounding, tuple(trace), found, value_error=abs(change))
         value += change
@@ -164,6 +174,12 @@ def find_ends(
         met = np.flatnonzero((gap < collapse * np.minimum(first_gap, narrowest)) | closed)
         if len(lost) or len(met):
             return Free(state, False, error, rounding, tuple(trace), value, abs(change), lost, met)
+
+
+def _is_near(trace: list[Step]) -> bool:
+    """Whether the last step is one of Newton's method beside a solution."""
+    largest = _NEAR if len(trace) == 1 else max(_FALLING * trace[-2].move, _AT_REST)
+    return trace[-1].move <= largest
 
 
 def _closes(zones: Zones, equation: Equation, delta: Array) -> NDArray[np.bool_]:

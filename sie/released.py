@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.conditions import Linear
+from sie.conditions import Linear, asked
 from sie.cuts import Cut, cut
 from sie.density import Density
 from sie.equation import Equation
@@ -89,7 +89,7 @@ class Opened:
         return self._constants(out)
 
     def intensities(self) -> tuple[Linear, Linear]:
-        raise NotImplementedError("zones with holes have no condition on intensities")
+        raise AssertionError("a condition on intensities is of a user's own, and is solved zone by zone (`cuts`)")
 
     def amplitude(self, k: int) -> Linear:
         return self._constants(np.zeros(1))
@@ -236,8 +236,7 @@ class Release:
         s = self.s_table(d, homogeneous)
         rows = -system.layout.flat(s)[system.diagonal]
         view = Opened(zones, s, self.mean_openings(d, homogeneous), system.moments, system.layout.m, system.multiplicity())
-        constants = [condition.rows(view)[1] for condition in system.equation.conditions]
-        constants = [np.atleast_1d(c) for c in constants]
+        constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
         return np.concatenate((rows, conditions))
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.assemble import System
+from sie.conditions import of_levels, speaks_of_levels
 from sie.density import Density
 from sie.equation import Forcing
 from sie.folding import Folding
@@ -73,7 +74,7 @@ def intensity_rounding(state: Solved) -> Array:
 def _of_levels(state: Solved) -> Array | float:
     """What rounding of the potentials that the zones' totals are matched by does to K, per zone."""
     equation, zones = state.system.equation, state.density.zones
-    if len(zones) == 1 or not any(c.levels for c in equation.conditions):
+    if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
     w = zones.half
     # A level off by e is met by c_0 = e / (w log(w / 2R)), K by that over sqrt(2 w); neighbours no wider hold less than a plane.
@@ -94,14 +95,11 @@ def _through_rows(state: Solved) -> Array:
     taken = np.ones(len(rounding), dtype=bool)
     for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):
         count = condition.count(zones)
-        if not condition.levels or count == 0:
+        if count == 0 or not speaks_of_levels(condition, zones):
             continue
         here = slice(state.conditions_from + first, state.conditions_from + first + count)
         taken[here] = False
-        by_level = effect[here] / state.condition_scale[first : first + count, None]
-        if count < len(zones.solved):  # differences of neighbours
-            nothing = np.zeros((1, by_level.shape[1]))
-            by_level = np.concatenate((nothing, by_level)) - np.concatenate((by_level, nothing))
+        by_level = of_levels(condition, zones).T @ (effect[here] / state.condition_scale[first : first + count, None])
         levels = np.broadcast_to(_level_noise(state), (len(zones.solved),))
         squares += levels**2 @ by_level**2
     squares += rounding[taken] ** 2 @ effect[taken] ** 2

@@ -14,11 +14,11 @@ from scipy.linalg import lapack, lu_factor, lu_solve
 
 from sie import modes
 from sie.assemble import Layout, System
+from sie.conditions import asked
 from sie.density import Density
-from sie.ends import End
 from sie.equation import Equation
 from sie.folding import Folding
-from sie.many import Iterative, ManySystem, Punches, fits
+from sie.many import Iterative, ManySystem, Punches, unfit
 from sie.rounding import intensity_rounding
 from sie.steps import Steps
 from sie.zones import Zones
@@ -39,10 +39,16 @@ _FIRST = np.sin(_THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
 _FIRST_OF = np.linalg.pinv(_FIRST)
 # From this number of unknowns on, a matrix costs more than fast sums.
 MANY_UNKNOWNS = 1500
+# Beyond this number a matrix and its factors take more than six gigabytes.
+MOST_UNKNOWNS = 20_000
 
 
 class SingularSystem(ArithmeticError):
     """The assembled system has no unique solution: the side conditions depend on each other."""
+
+
+class TooLarge(SingularSystem):
+    """More unknowns than a matrix holds, of an equation that has no fast sums."""
 
 
 @dataclass(eq=False)
@@ -326,7 +332,7 @@ class State:
         """First row of each side condition among the conditions' rows."""
         zones = self.density.zones
         counts = [c.count(zones) for c in self.system.equation.conditions]
-        return np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.intp)
+        return np.cumsum([0, *counts], dtype=np.intp)[:-1]
 
 
 def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, apart: NDArray[np.bool_] | bool = True) -> float:
@@ -365,8 +371,13 @@ def solve_fixed(
     sizes.profile_evaluations += samples.evaluations
     while True:
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
-        if int(np.sum(m + 1)) > MANY_UNKNOWNS and fits(equation, zones):
-            return _solve_many(equation, zones, m, samples, steps, sizes)
+        unknowns = int(np.sum(m + 1))
+        if unknowns > MANY_UNKNOWNS:
+            lacking = unfit(equation, zones)
+            if lacking is None:
+                return _solve_many(equation, zones, m, samples, steps, sizes)
+            if unknowns > MOST_UNKNOWNS:
+                raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
         state = _solve_once(equation, zones, m, samples, steps, sizes)
         if not equation.grows or state.field_tail <= tolerance * 10 or int(m.max()) >= modes.COUPLED_SIZES[-1]:
             return state
@@ -396,7 +407,7 @@ def _solve_many(
     system = ManySystem(equation, zones, m, samples.coefficients, steps)
     carried = sizes.carried if sizes.carried is not None and len(sizes.carried.m) == len(zones) else None
     punches = carried.punches if carried is not None else None
-    if system.wants_levels and (punches is None or not punches.near(zones)):
+    if system.levelled and (punches is None or not punches.near(zones)):
         punches = Punches(zones, system)
     solver = Iterative(system, punches, sizes.linear)
     right = solver.right()
@@ -464,23 +475,14 @@ def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[A
     """All side conditions, and intensity zero at fixed bounded ends, as rows and values."""
     rows, values = [], []
     for condition in equation.conditions:
-        matrix, constants, wanted = condition.rows(system)
+        matrix, constants, wanted = asked(condition, system, system.layout.size)
         rows.append(matrix)
         values.append(wanted - constants)
-    bounded_left = [p for p, i in enumerate(zones.solved) if _held(zones.left[i])]
-    bounded_right = [p for p, i in enumerate(zones.solved) if _held(zones.right[i])]
-    if zones.central and 0 in bounded_left:
-        bounded_left.remove(0)  # the mirror image of the right end
-    if bounded_left or bounded_right:
-        left, right = system.intensities()
-        for chosen, (matrix, constants) in ((bounded_left, left), (bounded_right, right)):
+    if any(zones.held):
+        for chosen, (matrix, constants) in zip(zones.held, system.intensities(), strict=True):
             rows.append(matrix[chosen])
             values.append(-constants[chosen])
     return np.concatenate(rows) if rows else np.zeros((0, system.layout.size)), np.concatenate(values or [np.zeros(0)])
-
-
-def _held(end: End) -> bool:
-    return not end.moves and end.intensity is not None
 
 
 def _field_tail(system: System, y: Array, density: Density) -> float:

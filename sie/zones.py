@@ -112,6 +112,16 @@ class Zones:
         """Indices of the zones whose equations are solved: all, or the right half of a symmetric set."""
         return np.arange(len(self) // 2, len(self)) if self.symmetric else np.arange(len(self))
 
+    @cached_property
+    def held(self) -> tuple[list[int], list[int]]:
+        """Places among the solved zones whose left, whose right end is bounded and does not move: K = 0 is asked there."""
+        left, right = (
+            [p for p, i in enumerate(self.solved) if not ends[i].moves and ends[i].intensity is not None]
+            for ends in (self.left, self.right)
+        )
+        # Of a zone about the centre the left end is the mirror image of the right one.
+        return [p for p in left if not (self.central and p == 0)], right
+
     @property
     def central(self) -> bool:
         """True if a symmetric set has a zone that straddles the centre."""

@@ -52,10 +52,6 @@ class Localized(Interaction):
             raise SceneError.of("neighbours", self.neighbours, "0 with closure 'first-order'; more are self-consistent")
 
     @property
-    def images(self) -> int:
-        return self.neighbours
-
-    @property
     def follows_isolated(self) -> bool:
         return self.closure == "first-order"
 

@@ -91,9 +91,14 @@ class Profile:
         return None
 
     @property
+    def feature(self) -> float | None:
+        """Length over which most of the shape varies: as closely as this asks for a first guess looks at it."""
+        return self.resolution
+
+    @property
     def breakpoints(self) -> Array:
         """Positions in the cell where f or one of its derivatives jumps."""
-        return np.array(self.kinks[:, 0])
+        return np.unique(np.concatenate((self.kinks[:, 0], self.jumps[:, 0])))
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
         """H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi over a period; None if not known."""
