@@ -94,7 +94,8 @@ def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | 
 
 
 def load_of_width(frame: Framed, problem: Problem, width: float) -> float:
-    """A scaled load at which a grid's zones have about the given scaled total width, by false position. The grid is no finer the width asks for: it is the load of a first guess."""
+    """A scaled load at which a grid's zones have about the given scaled total width, by false position. It is that of a first guess:
+    the grid is no finer than the width asks for."""
     assert problem.period is not None
     units, profile, period = problem.units, problem.profile, problem.period
     near_enough, least = _ABOUT * min(width, period - width), _SEEN * period / min(width, period - width)
@@ -106,7 +107,8 @@ def load_of_width(frame: Framed, problem: Problem, width: float) -> float:
         if abs(found - width) < near_enough or high < _CLOSE_BY * low:
             break
         # Of what is in contact to what is not, the logarithm goes about straight with that of the load.
-        miss = math.log(found / width * (period - width) / (period - found)) if 0.0 < found < period else math.copysign(math.inf, found - width)
+        beyond = math.copysign(math.inf, found - width)
+        miss = math.log(found / width * (period - width) / (period - found)) if 0.0 < found < period else beyond
         # The end that stays a second time loses half of its weight, for the other to come nearer.
         weight = 0.5 if miss * last > 0 else 1.0
         if miss < 0:

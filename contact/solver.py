@@ -264,8 +264,8 @@ class _Run:
         missed = abs(near.contact_fraction - control.value / problem.period)
         if missed > _JUMP:
             raise NotConverged(
-                f"no load that double precision tells from its neighbours has the contact fraction {control.value / problem.period:.15g}: at "
-                f"a mean pressure of {near.mean_pressure:.15g} Pa it is {near.contact_fraction:.15g}, beside it beyond", (), near,
+                f"no load that double precision tells from its neighbours has the contact fraction {self.scene.control[1]:.15g}: at a "
+                f"mean pressure of {near.mean_pressure:.15g} Pa it is {near.contact_fraction:.15g}, beside that beyond", (), near,
             )
         load = Control("load", near.load / problem.units.load)
         try:

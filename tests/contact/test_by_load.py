@@ -40,7 +40,7 @@ def loads(monkeypatch):
 @pytest.mark.parametrize("fraction", [0.02, 0.3, 0.6, 0.9, 0.98])
 def test_a_contact_fraction_of_a_rough_trace_takes_few_loads(loads, fraction):
     solution = contact.solve(scene(honed(120), contact_fraction=fraction))
-    assert solution.contact_fraction == pytest.approx(fraction, rel=1e-12)
+    assert solution.contact_fraction == pytest.approx(fraction, rel=1e-9)
     assert solution.certificate.holds and len(loads) <= 5
     again = contact.solve(scene(honed(120), load=solution.load))
     assert again.contact_fraction == pytest.approx(fraction, rel=1e-6)
@@ -51,7 +51,7 @@ def test_a_contact_fraction_beside_a_solution_needs_no_grid(loads, monkeypatch):
     loads.clear()
     monkeypatch.setattr(solver, "proposed", lambda *_: pytest.fail("a grid"))
     beside = contact.solve(scene(honed(120), contact_fraction=0.305), near=first)
-    assert beside.contact_fraction == pytest.approx(0.305, rel=1e-12) and len(loads) <= 2
+    assert beside.contact_fraction == pytest.approx(0.305, rel=1e-9) and len(loads) <= 2
 
 
 def birth():
@@ -106,17 +106,17 @@ def test_a_root_in_the_growth_is_bracketed_in_few_solutions(goal, grown):
         value = 0.5 + np.sign(load - 0.25) * root
         return Made(load, value, 0.5 / root if root else np.inf)
 
-    count = 0
+    found = []
     for here, off in nearer(solved, grown, goal, 0.1, closed=1e-14):
-        count += 1
+        found.append(here)
         if off < 1e-12:
             break
-    assert here.contact_fraction == pytest.approx(goal, abs=1e-6) and count <= 60
+    assert here.contact_fraction == pytest.approx(goal, abs=1e-6) and len(found) <= 60
 
 
 def test_a_load_without_a_solution_is_passed_by():
     def solved(load, near):
-        if 0.19 < load < 0.2 and near is not None:
+        if 0.191 < load < 0.1925 and near is not None:
             raise contact.NotConverged("not here", (), None)
         return Made(load, load**0.5, 0.5 * load**-0.5)
 
