@@ -119,7 +119,7 @@ class Equation:
     @property
     def grows(self) -> bool:
         """Whether the coupled modes must be grown until they show all of the columns and of a user's regular kernel."""
-        return any(column.modes is None for column in self.columns) or self.kernel.reach == 0.0
+        return any(column.modes is None for column in self.columns) or self.kernel.grows
 
     @property
     def open_condition(self) -> int | None:

@@ -433,7 +433,7 @@ class PiercedState(Kept):
         coupled = wide.system.layout.m
         zone = self.cut.piece_zone
         seen = residual_error(self._residuals, peak, coupled[zone], wide.jumps_rounding[zone], np.bincount(zone)[zone] == 1)
-        holes = float(self._tails.max()) / peak + self.rest
+        holes = (float(self._tails.max()) + wide.density_rounding) / peak + self.rest
         neglected = float((self._neglected * np.maximum(wide.sizes.own[: len(coupled)], 1)).max()) / peak
         return neglected + seen + holes
 

@@ -23,7 +23,7 @@ SIE = """
     equation valleys
     gap_steps lazy modes near_jumps neighbours tree
     crowded
-    assemble
+    assemble checks
     fast folding hierarchical krylov
     field many
     everywhere piecewise

@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 from collections.abc import Mapping
+from functools import cached_property
 from math import inf
 from pathlib import Path
 from typing import Any, ClassVar
@@ -128,6 +129,11 @@ class Profile(sie.Kept):
         if not dataclasses.is_dataclass(self):
             return {}
         return {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.init}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What copies and pickles hold: not what was worked out on the way, which is large and worked out again."""
+        cls = type(self)
+        return {name: value for name, value in vars(self).items() if not isinstance(getattr(cls, name, None), cached_property)}
 
     def _length(self) -> float | None:
         """A length typical of the shape, for the steps of numerical differences."""

@@ -222,7 +222,7 @@ class TestWhatIsRefused:
     def test_a_message_has_the_key_that_was_written(self, tmp_path, table, body, said):
         assert said in refused(write(tmp_path, **{table: body}))
 
-    @pytest.mark.parametrize("path", [None, 3, b"scene.toml", [], {}, object()], ids=str)
+    @pytest.mark.parametrize("path", [None, 3, b"scene.toml", [], {}, object], ids=str)
     def test_what_is_no_file_name(self, path):
         with pytest.raises(contact.SceneError, match="^path = .* the name of a scene file"):
             contact.load_scene(path)
