@@ -154,7 +154,7 @@ def fault(scene: contact.Scene, solution: contact.Solution) -> str:
     if scene.period is not None and solution.approach is not None:
         heights = np.asarray(scene.profile.height(found.x))
         level, range_ = found.level - float(heights.min()), float(np.ptp(heights[np.isfinite(heights)]))
-        if abs(level - solution.approach) > 0.02 * range_:
+        if abs(level - solution.approach) > 0.02 * max(range_, solution.approach):
             return f"approach {solution.approach:.6g}, on an independent grid {level:.6g}"
     return ""
 

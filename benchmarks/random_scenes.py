@@ -130,6 +130,7 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
     began = time.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.simplefilter("ignore", contact.ModelWarning)
         try:
             with _limited(limit) if limit < np.inf else nullcontext():
                 solution = contact.solve(drawn.scene, tol=tol)

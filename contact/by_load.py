@@ -76,7 +76,10 @@ def nearer(
             # The rate is negative beyond a maximum.
             rises = rate > 0.0 and miss > 0.0
             found = [*(other for other in found[-2:] if (other.load > here.load) == rises), here]
-            yield here, abs(miss / rate / load) if rate > 0.0 else math.inf
+            off = abs(miss / rate / load) if rate > 0.0 else math.inf
+            yield here, off
+            if off <= closed:
+                break
             low, high = (load, high) if rises else (low, load)
             tangent = load + miss / rate if rate != 0.0 else math.nan
             reach = (tangent, reach[1]) if rises else (reach[0], tangent) if rate < 0.0 else reach

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,14 +63,22 @@ def moved_ends(state: sie.AnyState) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class ZoneFields:
-    """Fields of a load-controlled state on its zones; scaled inside, SI in `pressure`, `displacement`, `gap`."""
+class ZoneFields(sie.Kept):
+    """Fields of a load-controlled state on its zones; scaled inside, SI in `pressure`, `displacement`, `gap`.
+
+    In pickles and copies the state with its matrices is left out, and what it tells beyond the density is worked out before.
+    """
 
     problem: Problem
-    state: sie.AnyState
+    state: sie.AnyState = field(repr=False)
     amplitude_rate: float = 0.0
 
-    @property
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {"problem": self.problem, "amplitude_rate": self.amplitude_rate, "density": self.density}
+        kept |= {"levels": self.levels, "stiffness": self.stiffness}
+        return kept if self.problem.moment is None else kept | {"rotational_stiffness": self.rotational_stiffness}
+
+    @cached_property
     def density(self) -> sie.AnyDensity:
         return self.state.density
 
@@ -315,11 +323,12 @@ class ZoneFields:
     def rotational_stiffness(self) -> float:
         """d moment / d tilt at the given load [N]: 1 over the tilt that a unit of moment adds, the ends held as for `stiffness`."""
         problem, density = self.problem, self.density
-        state = self.state
         if problem.moment is None:
             whole = replace(density.zones, symmetric=False)
             equation = replace(problem, moment=self.scaled_moment).equation(Control("load", density.total))
             state = sie.solve_zones(equation, whole, 1e-14)
+        else:
+            state = self.state
         values = np.zeros(len(state.condition_scale))
         values[-1] = 1.0
         return problem.units.moment / (problem.units.slope * float(state.response(values).amplitudes[-1]))

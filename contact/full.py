@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import sie
 from contact.conjugate import Conjugate, conjugate_of
 from contact.extrema import maximum
 from contact.operator import Operator
@@ -31,7 +32,7 @@ def has_kinked_valley(profile: Profile) -> bool:
     return bool(len(kinks) and np.any(kinks[:, 1] < 0))
 
 
-class FullLimit:
+class FullLimit(sie.Kept):
     """Where full contact begins: the smallest mean pressure [Pa], inf if there is none, found when first asked for.
 
     approached: whether growing loads come near to full contact, as they do to valleys with kinks but not past sharp corners.
@@ -119,7 +120,7 @@ def period_samples(profile: Profile) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class FullFields:
+class FullFields(sie.Kept):
     """Full contact of a periodic profile: p = pbar - (E*/2) R; no gap."""
 
     problem: Problem

@@ -15,8 +15,9 @@ w = (L/pi) exp(-pi (2 pbar/E* - R)/|J|): it never closes, and is narrower than a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -43,18 +44,23 @@ _BESIDE_TIPS = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class GapFields:
+class GapFields(sie.Kept):
     """Fields of a periodic contact from the slope of its gaps; scaled inside, SI in the public methods.
 
-    mean: scaled mean pressure. conjugate: H f' over the unit slope, of scaled x.
+    mean: scaled mean pressure. conjugate: H f' over the unit slope, of scaled x. In pickles and copies the state with its matrices is
+    left out, and what it tells beyond the density is worked out before.
     """
 
     problem: Problem
-    state: sie.AnyState
+    state: sie.AnyState = field(repr=False)
     mean: float
     conjugate: ScaledConjugate
 
-    @property
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {"problem": self.problem, "mean": self.mean, "conjugate": self.conjugate}
+        return kept | {"density": self.density, "stiffness": self.stiffness}
+
+    @cached_property
     def density(self) -> sie.Density:
         """Slope of the gap on the gaps."""
         assert isinstance(self.state.density, sie.Density)

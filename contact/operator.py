@@ -31,7 +31,7 @@ _PLACES, _NOTHING = 4096, 1e-13
 
 
 @dataclass(frozen=True, eq=False)
-class Operator:
+class Operator(sie.Kept):
     """The operator of an interaction under a period [m] of the solution, None where nothing repeats."""
 
     interaction: Interaction

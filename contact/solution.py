@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import sie
 from contact import export
 from contact.certificate import Certificate
 from contact.checks import real
@@ -23,7 +24,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(sie.Kept):
     """Zones (n, 2) [m], pressure and gap anywhere, loads per unit thickness [N/m]; see the properties.
 
     error: stated bound of (i) the pressure's error at equal normalised position in corresponding zones over the peak pressure

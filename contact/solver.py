@@ -43,6 +43,8 @@ Array = NDArray[np.float64]
 _MOST_POINTS = 2**17
 # Contact of more than this part of the period is solved by its gaps.
 _NEARLY_FULL = 0.7
+# The same of a body that is no half-plane, where that is why its zones are not found.
+_ALMOST_FULL = 0.99
 # Zones of a lone body farther than so many times their span from the origin of places.
 _FAR_OFF = 64.0
 # The same for several asperities whose valleys have kinks: gaps over them, however narrow, are unknowns like any others.
@@ -51,6 +53,10 @@ _WITH_KINKS = 0.25
 _NEAR_LOAD, _NEARER_LOAD = 1e-2, 1e-5
 # Of a load: near enough for the zones to lead to those of a width; where they did not, how much nearer before it is tried again.
 _NEAR_WIDTH, _MUCH_NEARER = 0.03, 0.1
+# A contact fraction is not told by the load where it is missed by more than this when the bracket is closed.
+_JUMP = 1e-9
+# Of what is in contact, or of what is not: a change by more is searched for by a grid.
+_BESIDE = 0.3
 # Newton steps from zones so near; and where a bracket on the load is closed.
 _FEW, _CLOSED = 12, 1e-14
 # Tolerance of solutions on the way to an approach or a contact fraction.
@@ -218,6 +224,15 @@ class _Run:
                 raise
             return failure.best
 
+    def _on_the_way_to_width(self, load: float, near: Solution | None) -> Solution:
+        """The same, from a grid where contact is far from that of the solution."""
+        if near is not None:
+            fraction, rate = contact_fraction(near)
+            near = near if abs(rate * (load - near.load)) < _BESIDE * min(fraction, 1 - fraction) else None
+        elif self.near is not None and load == self.near.load:
+            return self.near
+        return self._on_the_way(load, near)
+
     def _loaded(self, load: float) -> Scene:
         return replace(self.scene, approach=None, contact_fraction=None, load=load)
 
@@ -228,9 +243,11 @@ class _Run:
                 first = load_of_width(self.frame, problem, control.value) * problem.units.load
         else:
             first = self.near.load
-        near_enough, last = _NEAR_WIDTH, None
-        for here, off in nearer(self._on_the_way, contact_fraction, self.scene.control[1], first, closed=_CLOSED):
-            last = here
+        goal, near_enough, last = self.scene.control[1], _NEAR_WIDTH, None
+        for here, off in nearer(self._on_the_way_to_width, contact_fraction, goal, first, closed=_CLOSED):
+            last, fraction = here, contact_fraction(here)[0]
+            # Where a little more load brings much more into contact, the width is what tells how near it is.
+            off = max(off, abs(goal - fraction) / min(goal, 1 - goal))
             if off > near_enough:
                 continue
             near_enough = _MUCH_NEARER * off
@@ -239,7 +256,29 @@ class _Run:
                     return self._at_width(problem, control, here)
             except WrongTopology:
                 pass
-        raise NotConverged("contact fraction", (), last)
+        assert last is not None
+        return self._under_load_of(problem, control, last)
+
+    def _under_load_of(self, problem: Problem, control: Control, near: Solution) -> Found | Gapped:
+        """The contact under the load that has the width, where the zones of the width itself do not settle: right at a birth or a
+        merger."""
+        assert near.contact_fraction is not None and problem.period is not None
+        missed = abs(near.contact_fraction - control.value / problem.period)
+        if missed > _JUMP:
+            raise NotConverged(
+                f"no load that double precision tells from its neighbours has the contact fraction {self.scene.control[1]:.15g}: at a "
+                f"mean pressure of {near.mean_pressure:.15g} Pa it is {near.contact_fraction:.15g}, beside that beyond", (), near,
+            )
+        load = Control("load", near.load / problem.units.load)
+        try:
+            with self.plan.timed("zone ends"):
+                found = self._at_width(problem, load, near)
+        except WrongTopology as failure:
+            raise self._not_converged(failure) from failure
+        if isinstance(found, Gapped):
+            return replace(found, off=found.off + _CLOSED * load.value / problem.period)
+        narrowest = float(np.diff(found.free.density.zones.table, axis=1).min())
+        return replace(found, off=missed * problem.period / narrowest)
 
     def _at_width(self, problem: Problem, control: Control, near: Solution) -> Found | Gapped:
         fields = near.fields
@@ -539,7 +578,7 @@ class _Run:
         search.used, search.reason = True, search.reason if search.used else "one zone did not pass the certificate"
         points: int | None = None
         failure: WrongTopology | None = None
-        most, touched, full = _MOST_POINTS, False, False
+        most, touched, full, width = _MOST_POINTS, False, False, 0.0
         while points is None or points <= most:
             if self.progress is not None:
                 self.progress("coarse grid", 0, None)
@@ -577,7 +616,9 @@ class _Run:
             raise OutOfRange(self._no_inverse(f"in full contact, or nearer to it than a grid of {points} points tells"))
         narrow = "the gaps are narrower than the finest grid tells from full contact"
         if self.operator.is_periodic and not self.operator.is_half_plane:
-            narrow += "; they are solved for on their own on a half-plane only"
+            narrow += "; the gaps themselves are solved for on a half-plane only"
+            if failure is not None and width > _ALMOST_FULL * (problem.period or math.inf):
+                failure = WrongTopology(f"{failure}, and {narrow}", failure.free)
         if problem.interaction.strip:
             narrow += "; the localized model is not followed so far, interaction = Periodic() is"
         raise self._not_converged(failure or WrongTopology(narrow, None))

@@ -37,7 +37,8 @@ MARGIN = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """Zones that passed: the Newton result, the load-controlled fields, the certificate, the rounds it took, the tolerance."""
+    """Zones that passed: the Newton result, the load-controlled fields, the certificate, the rounds it took, the tolerance.
+    off: how far its control may have been missed, in ends over the width of their zones."""
 
     free: sie.Free
     fields: ZoneFields
@@ -45,6 +46,7 @@ class Found:
     rounds: int
     control: Control
     tolerance: float = 0.0
+    off: float = 0.0
 
 
 class WrongTopology(Exception):
@@ -134,7 +136,10 @@ def _rounds(
         ended = free.density.zones.table
         table = _corrected(free.density.zones, certificate, problem)
         if any(same(ended, before) for at, before in tried if at == tolerance):
-            raise WrongTopology("the number of zones did not settle", free)
+            # To and fro between two numbers of zones: the error of one of them, or rounding, makes its signs fail.
+            if tolerance <= TIGHT:
+                raise WrongTopology("the number of zones did not settle", free)
+            table, tolerance = ended, max(TIGHT, CLOSER * tolerance)
         tried.append((tolerance, ended))
     raise WrongTopology("the number of zones did not settle", free)
 

@@ -30,7 +30,7 @@ def bare_name(field: str) -> str:
 def header_fields(line: str, delimiter: str | None) -> Iterator[list[str]]:
     """The fields of a header, split as the data are, and as it may be split itself; units in brackets stay with their names."""
     line = line.strip().lstrip("#%!").strip()
-    joined = re.sub(r"\s+(?=[\[(<{][^\])>}]*[\])>}])", "\0", line)
+    joined = re.sub(r"(?<=[^\s\])>}])\s+(?=[\[(<{][^\])>}]*[\])>}])", "\0", line)
     for between in dict.fromkeys((delimiter, ",", ";", "\t", None)):
         parts = unquoted(line, between) if '"' in line else [part.replace("\0", " ") for part in joined.split(between)]
         fields = [part.strip().strip('"').strip() for part in parts]

@@ -10,6 +10,8 @@ from contact.trace_header import header_fields
 from contact.trace_text import Layout, Row, at
 
 _WHOLE = re.compile(r"[+-]?\d+([eE][+-]?\d+)?")
+# Names of columns that count the points.
+_COUNTS = ("", "#", "i", "n", "no", "nr", "idx", "index", "point", "points", "sample", "samples", "row")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}(,\d{3})+")
 
 
@@ -42,7 +44,15 @@ def refuse_unclear_commas(data: Data) -> None:
         if wanted == 1 and data.width == 1 and all(_are_columns(text.split(",")) for _, text in data.rows):
             _refuse_commas(data, [text.split(",") for _, text in data.rows])
         return
-    if layout.delimiter != "," or data.width <= wanted or any('"' in text for _, text in data.rows):
+    if layout.delimiter != "," or any('"' in text for _, text in data.rows):
+        return
+    for (line, text), cells in zip(data.rows, data.cells, strict=True):
+        # 1,000.5 and 0,05: nobody writes 000.5 or 05, but where all numbers are padded.
+        part = next((cell for cell in cells[1:] if re.match(r"0\d", cell)), None)
+        if part is not None and not re.match(r"0\d", cells[0]) and (data.width <= wanted or not _are_columns(cells)):
+            readings = f"{part!r} in {text.strip()!r} can be read as a column, or as the end of a number with a comma in it"
+            raise at(data.path, line, f'{readings}: write decimal = "." for the first, take the commas out of numbers for the second')
+    if data.width <= wanted:
         return
     for (_, text), cells in zip(data.rows, data.cells, strict=True):
         # A space behind a comma, a point, or a sign in every place but the first: commas stand between columns.
@@ -80,10 +90,15 @@ def refuse_unclear_columns(data: Data) -> None:
     """More columns of numbers than are wanted, and none of them chosen."""
     layout, wanted = data.layout, len(data.places)
     numeric = [k for k in range(data.width) if any(len(row) > k and layout.number(row[k]) is not None for row in data.cells)]
-    if len(numeric) <= wanted:
-        return
     headers = (fields for fields in header_fields(data.heading, layout.delimiter) if len(fields) == data.width)
     names = next(headers, [f"column {k}" for k in range(data.width)])
+    if len(numeric) <= wanted:
+        first = names[data.places[0]]
+        if wanted == 2 and first.strip(".").lower() in _COUNTS:
+            told = f"the first column is called {first!r}, a count, and no positions"
+            choice = "columns = [1] and pitch, their distance [m]; if it is positions, columns = [0, 1]"
+            raise at(data.path, data.rows[0][0], f"{told}; of heights alone write {choice}")
+        return
     i = next(i for i, row in enumerate(data.cells) if len(row) > numeric[-1])
     choices = [tuple(numeric[:wanted]), tuple(numeric[1 : 1 + wanted])]
     readings = ", or ".join(

@@ -171,7 +171,7 @@ def fields(
 
 def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
     """Quadrature nodes a zone needs for the regular part: until the kernel's own coefficients have decayed."""
-    if kernel.reach == 0.0:
+    if not kernel.sure:
         return m + 2
     z = max(kernel.reach / half_width, 1.05)
     rho = 1 / (z + math.sqrt(z * z - 1))
@@ -214,7 +214,9 @@ class System:
             self._take(m)
         self.targets = Targets.lobatto(zones, zones.solved, m)
         self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
-        self.source_tail = 0.0
+        self.source_tails = np.zeros(len(zones))
+        # Largest value on each solved zone of what each unknown does there, found where modes grow.
+        self.field_sizes: Array | None = None
 
     def _take(self, m: Index) -> None:
         zones, chosen = self.zones, self.crowded
@@ -233,12 +235,14 @@ class System:
         """(matrix, right side), the rows k = 1 ... m of each solved zone (even k only for a central symmetric one)."""
         layout, zones = self.layout, self.zones
         raw = fields(zones, self.equation.kernel, self.targets, layout, "transform")
-        if self.equation.kernel.reach == 0.0:
-            # A regular kernel of unknown reach: its last coefficients in xi tell whether they are enough.
-            last = (layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)).ravel()
-            self.source_tail = float(np.abs(raw[:, last]).max() / max(1.0, np.abs(raw).max()))
+        if self.equation.kernel.grows:
+            # A regular kernel of a user's own: its last coefficients in xi tell whether they are enough.
+            last = layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)
+            self.source_tails = np.abs(raw[:, last]).max(axis=(0, 1)) / max(1.0, np.abs(raw).max())
         for number, column in enumerate(self.equation.columns):
             raw[:, layout.coefficients + number] = -column.value(self.targets.x)
+        if self.equation.grows:
+            self.field_sizes = np.maximum.reduceat(np.abs(raw), self.starts[:-1], axis=0)
         blocks, rights = [], []
         for place, i in enumerate(zones.solved):
             m = int(layout.m[i])

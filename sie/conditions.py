@@ -186,7 +186,17 @@ class Weighted(Condition):
 
 def moment(value: float, about: float = 0.0) -> Weighted:
     """Integral of (x - about) phi."""
-    return Weighted(lambda x: x - about, float(value), degree=1)
+    return Weighted(_Lever(float(about)), float(value), degree=1)
+
+
+@dataclass(frozen=True)
+class _Lever:
+    """x - about."""
+
+    about: float
+
+    def __call__(self, x: Array) -> Array:
+        return x - self.about
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from sie.conditions import BUILT_IN, Condition, ZoneTotals, for_every_zone
 from sie.equation import Equation
+from sie.kept import Kept
 from sie.modes import gaps
 from sie.valleys import HIGHEST
 from sie.zones import Zones
@@ -29,7 +30,7 @@ SMALL = 0.003
 
 
 @dataclass(frozen=True, eq=False)
-class Cut:
+class Cut(Kept):
     """pieces: the zones as given. wide: zones that span narrow gaps; holes: those gaps, hole_zone the wide zone of each.
     piece_zone: wide zone of each piece; shift: what to add to a piece to find it in its wide zone (periods).
     """

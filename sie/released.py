@@ -19,6 +19,7 @@ from sie.cuts import Cut, cut
 from sie.density import Density
 from sie.equation import Equation
 from sie.holes import TOLD, Holes
+from sie.kept import Kept
 from sie.krylov import gmres
 from sie.many import Iterative
 from sie.pierced import Pierced
@@ -102,7 +103,7 @@ class HolesUnsettled(SingularSystem):
     """System and holes, solved in turn, do not come to rest: a hole bends its surroundings too much."""
 
 
-class Release:
+class Release(Kept):
     """The holes of all wide zones, solved together with the system of these."""
 
     def __init__(self, cut: Cut, base: State, linear: float) -> None:
@@ -262,7 +263,7 @@ class Release:
 
 
 @dataclass(frozen=True, eq=False)
-class PiercedState:
+class PiercedState(Kept):
     """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the holes.
 
     wide: state of the wide zones, holes included; rest: what alternating left, over the largest coefficient.
@@ -432,7 +433,7 @@ class PiercedState:
         coupled = wide.system.layout.m
         zone = self.cut.piece_zone
         seen = residual_error(self._residuals, peak, coupled[zone], wide.jumps_rounding[zone], np.bincount(zone)[zone] == 1)
-        holes = float(self._tails.max()) / peak + self.rest
+        holes = (float(self._tails.max()) + wide.density_rounding) / peak + self.rest
         neglected = float((self._neglected * np.maximum(wide.sizes.own[: len(coupled)], 1)).max()) / peak
         return neglected + seen + holes
 

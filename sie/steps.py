@@ -30,6 +30,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.kept import Kept
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -55,7 +56,7 @@ _PAIRS = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
-class Steps:
+class Steps(Kept):
     """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!, and q."""
 
     zone: Index

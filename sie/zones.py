@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.ends import FREE, End
+from sie.kept import Kept
 
 Array = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class Zones:
+class Zones(Kept):
     """`n` zones with ends a (n,) and b (n,), a < b < next a. `left`, `right`: one End for all, or one per zone.
 
     symmetric: the zones are mirror images of each other about x = 0 and so are the data; only half is solved.

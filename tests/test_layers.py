@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 
 # From the ground up: a file imports from lines above its own only. A new profile or interaction has its line already.
 SIE = """
-    ends chebyshev kernels exact
+    ends chebyshev kernels exact kept
     zones
     conditions steps
     beyond
@@ -23,7 +23,7 @@ SIE = """
     equation valleys
     gap_steps lazy modes near_jumps neighbours tree
     crowded
-    assemble
+    assemble checks
     fast folding hierarchical krylov
     field many
     everywhere piecewise

@@ -17,13 +17,14 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import sie
 from contact.profiles.derive import slope_of
 from contact.registry import construct
 
 Array = NDArray[np.float64]
 
 
-class Profile:
+class Profile(sie.Kept):
     """Base of all profiles; subclasses are frozen dataclasses that check their fields when made."""
 
     name: ClassVar[str] = ""

@@ -56,6 +56,7 @@ UM, BOTH = {"units": "um"}, {"units": ["um", "nm"]}
         ("# x [um]   z [nm]\n" + table("   "), {}, 1e-9),
         ("Lateral um,Raw nm,\n" + table(",").replace("\n", ",\n"), {}, 1e-9),
         ("x,z\num,nm\n" + table(","), {}, 1e-9),
+        ("     Profile 1     \n    x     y   \n  [um]   [nm]\n" + table("  "), {}, 1e-9),
         ("Tip radius, 2 mm\nx_um,z_nm\n" + table(","), {}, 1e-9),
         ("Tip radius, 2 mm\nx,z\n" + table(","), UM, 1e-6),
         ("x [um],z [nm]\n" + table(","), BOTH, 1e-9),
@@ -104,11 +105,29 @@ def test_separated_thousands_are_refused(tmp_path: Path, form: str, decimal: str
     refused(tmp_path, rows, "thousands")
 
 
+@pytest.mark.parametrize("regrid", [None, True])
+def test_thousands_between_which_and_columns_is_the_same_comma_are_refused(tmp_path: Path, regrid: bool | None) -> None:
+    """Read as columns the positions are 1, 1, 1, ... 2, 2, which rounding might explain."""
+    rows = "".join(f"{1000 + 20.5 * i:,.1f},{i % 7}\n" for i in range(80))
+    refused(tmp_path, rows, "'000.0' in '1,000.0,0'", units="um", columns=[0, 1], regrid=regrid)
+    refused(tmp_path, "".join(f"{i},{i % 7:02}\n" for i in range(8)), "'00' in '0,00'", units="um")
+    padded = "".join(f"{i / 2:07.2f},{i % 7:07.2f}\n" for i in range(8))
+    assert Sampled.from_file(write(tmp_path, padded), units="um").x[1] == pytest.approx(0.5e-6)
+
+
 def test_more_columns_than_two_are_refused_with_the_readings_unless_chosen(tmp_path: Path) -> None:
     message = refused(tmp_path, table(",", index=True), "3 columns of numbers", "0 | 0.000", "columns = [0, 1]", "columns = [1, 2]")
     assert "line 1" in message
     refused(tmp_path, "i;x;z\n" + table(";", index=True), "columns = [1, 2] for 'x' and 'z'", **UM)
     refused(tmp_path, table(","), "2 columns of numbers", "columns = [1]", pitch=1e-6)
+
+
+@pytest.mark.parametrize("name", ["index", "No.", "#", "", "Point"])
+def test_a_column_that_counts_the_points_holds_no_positions(tmp_path: Path, name: str) -> None:
+    rows = f"{name},height [um]\n" + "".join(f"{i},{z}\n" for i, z in enumerate(Z))
+    refused(tmp_path, rows, "a count", "columns = [1] and pitch", "columns = [0, 1]", units="um")
+    assert Sampled.from_file(write(tmp_path, rows), columns=[1], pitch=5e-7).x[1] == pytest.approx(5e-7)
+    assert Sampled.from_file(write(tmp_path, rows), columns=[0, 1], units="um").x[1] == pytest.approx(1e-6)
 
 
 def test_one_column_needs_a_pitch(tmp_path: Path) -> None:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import contact
-from contact import solver
+from contact import exact, solver
+from contact.inverse import random_problem
 from tests.contact import numbers
 
 PERIODIC = contact.Periodic()
@@ -82,7 +83,10 @@ def test_loads_and_mean_gap_and_approach_are_those_of_the_fields(profile, share)
     assert solution.contact_fraction == pytest.approx(solution.zone_widths.sum() / profile.period, rel=1e-12)
 
 
-@pytest.mark.parametrize(("profile", "share"), SCENES[1::2], ids=names)
+@pytest.mark.parametrize(
+    ("profile", "share"),
+    [pytest.param(*scene, marks=[pytest.mark.slow] * (scene == (ROUGH, 0.3))) for scene in SCENES[1::2]], ids=names,
+)
 def test_the_stiffness_is_what_the_load_gains_with_the_approach(profile, share):
     # Richardson's: differences over twice the step tell how far those over one are off.
     near, far = (_gain(profile, share, h) for h in (1e-3, 2e-3))
@@ -129,6 +133,36 @@ def test_zones_and_gaps_hand_out_the_same_numbers(profile, share, monkeypatch):
     for name in ("approach", "mean_gap"):
         assert abs(getattr(by_gaps, name) - getattr(by_zones, name)) <= 3 * error * unit * profile.period
     assert by_gaps.stiffness == pytest.approx(by_zones.stiffness, rel=1e-6)
+
+
+@pytest.mark.parametrize("tol", [1e-3, 1e-8])
+@pytest.mark.parametrize("seed", range(6))
+def test_numbers_are_off_by_no_more_than_is_stated(seed, tol):
+    rng = np.random.default_rng(seed)
+    truth = random_problem(rng, zones=int(rng.integers(1, 5)), period=1.0, fraction=rng.uniform(0.2, 0.9))
+    assert_within_what_is_stated(contact.solve(contact.Scene(truth.profile, 1.0, PERIODIC, load=truth.load), tol=tol), truth)
+
+
+@pytest.mark.parametrize("fraction", [0.1, 0.6, 0.99])
+@pytest.mark.parametrize("closed", [exact.Westergaard, exact.PeriodicWedge])
+def test_numbers_of_closed_forms_are_off_by_no_more_than_is_stated(closed, fraction):
+    profile = contact.Sinusoid(1e-2, 1.0) if closed is exact.Westergaard else contact.Wedge(0.1, 1.0)
+    truth = closed(*((1e-2, 1.0) if closed is exact.Westergaard else (0.1, 1.0)), 1.0, 0.5 * fraction)
+    for control in ({"load": truth.load}, {"approach": truth.approach}, {"contact_fraction": fraction}):
+        assert_within_what_is_stated(contact.solve(contact.Scene(profile, 1.0, PERIODIC, **control), tol=1e-6), truth)
+
+
+def assert_within_what_is_stated(solution, truth):
+    """As docs/errors.md has it, E* = L = 1."""
+    error, unit, widths = solution.error + 1e-14, unit_of(solution), solution.zone_widths
+    assert np.all(np.abs(widths - truth.zone_widths) <= 2 * error * widths)
+    assert np.all(np.abs(solution.zone_loads - getattr(truth, "zone_loads", truth.load)) <= 3 * error * unit * widths)
+    assert abs(solution.load - truth.load) <= 3 * error * unit * widths.sum()
+    assert abs(solution.approach - truth.approach) <= 3 * error * unit
+    assert solution.max_pressure == truth.max_pressure or abs(solution.max_pressure - truth.max_pressure) <= error * unit
+    if hasattr(truth, "stiffness"):
+        narrowest = min(hi - lo for lo, hi in numbers.open_intervals(solution))
+        assert abs(1 / solution.stiffness - 1 / truth.stiffness) <= 4 * error * max(1.0, widths.max() / narrowest)
 
 
 def test_full_contact_has_no_zone_and_the_load_that_was_given():
