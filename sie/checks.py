@@ -33,19 +33,20 @@ def look_at(equation: Equation, zones: Zones) -> None:
     levels = any(condition.count(zones) > 0 and speaks_of_levels(condition, zones) for condition in equation.conditions)
     x, half = _places(zones)
     parts = [("the right side", equation.forcing), *((f"column {k}", column) for k, column in enumerate(equation.columns))]
+    how = (levels, zones.symmetric)
     for name, forcing in parts:
-        if _first(forcing, (levels, zones.symmetric)):
-            _look_at_forcing(name, forcing, x, half, levels, zones.symmetric)
-    if equation.kernel.regular is not None and _first(equation.kernel, (levels, zones.symmetric)):
-        _look_at_kernel(equation.kernel, x, half, levels, zones.symmetric)
+        if how not in _seen(forcing):
+            _look_at_forcing(name, forcing, x, half, *how)
+            _seen(forcing).add(how)
+    if equation.kernel.regular is not None and how not in _seen(equation.kernel):
+        _look_at_kernel(equation.kernel, x, half, *how)
+        _seen(equation.kernel).add(how)
 
 
-def _first(part: Forcing | Kernel, what: tuple[bool, bool]) -> bool:
-    """Whether this has not been looked at in this way; it is remembered."""
-    seen = part.__dict__.setdefault("_looked_at", set())
-    new = what not in seen
-    seen.add(what)
-    return new
+def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool]]:
+    """In which ways this has been looked at, and found in order."""
+    found: set[tuple[bool, bool]] = part.__dict__.setdefault("_looked_at", set())
+    return found
 
 
 def _places(zones: Zones) -> tuple[Array, Array]:
