@@ -127,22 +127,25 @@ def density_rounding(state: Solved) -> float:
     for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):
         count = condition.count(zones)
         if count and speaks_of_levels(condition, zones):
-            levels = np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None] * chance.standard_normal((len(zones.solved), _SHAKEN))
+            levels = chance.standard_normal((_SHAKEN, len(zones.solved))).T
+            levels *= np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None]
             scale = state.condition_scale[first : first + count, None]
             shaken[state.conditions_from + first : state.conditions_from + first + count] = of_levels(condition, zones) @ levels / scale
     folding = Folding.of(zones, system.layout)
-    largest = [_largest(system.layout.padded(folding.unfold(change))) for change in solver(shaken).T]
-    return SAFETY * float(np.sqrt(np.mean(np.square(largest))))
+    changes = [system.layout.padded(folding.unfold(change)) for change in solver(shaken).T]
+    largest = _largest(np.concatenate(changes)).reshape(_SHAKEN, -1).max(axis=1)
+    return SAFETY * float(np.sqrt(np.mean(largest**2)))
 
 
-def _largest(coefficients: Array) -> float:
-    """Largest of sum c_k T_k / sqrt(1 - t^2), no nearer to the ends than _BESIDE, and of its bounded part, at a few angles of all zones."""
+def _largest(coefficients: Array) -> Array:
+    """Largest of each sum c_k T_k / sqrt(1 - t^2), no nearer to the ends than _BESIDE, and of its bounded part, at a few angles."""
     k = np.arange(max(coefficients.shape[1], 2))
     # Closer beside the ends, where high modes add up.
     theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, _ANGLES)[:, None]) ** 2
     u = bounded_part(coefficients)[2]
     whole = coefficients @ np.cos(theta * k[: coefficients.shape[1]]).T / np.maximum(np.sin(theta), np.sqrt(2 * _BESIDE)).T
-    return float(max(np.abs(whole).max(), np.abs(u @ np.sin(theta * k[1 : u.shape[1] + 1]).T).max(initial=0.0)))
+    bounded = u @ np.sin(theta * k[1 : u.shape[1] + 1]).T
+    return np.asarray(np.maximum(np.abs(whole).max(axis=1), np.abs(bounded).max(axis=1)))
 
 
 def _level_noise(state: Solved) -> Array:
