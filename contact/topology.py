@@ -267,7 +267,7 @@ def _dropped_or_merged(free: sie.Free, problem: Problem) -> Array:
 def _corrected(zones: sie.Zones, certificate: Certificate, problem: Problem) -> Array:
     """New zones: those with pulling parts cut out, and one in every overlap."""
     if len(certificate.negative) == 0 and len(certificate.overlaps) == 0:
-        raise WrongTopology("the balance of load fails", None)
+        raise WrongTopology(certificate.note or "the balance of load fails", None)
     rows = []
     for a, b in zones.table:
         cuts = [(lo, hi) for lo, hi in certificate.negative if lo < b and hi > a]
