@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 from sie.beyond import Beyond
 from sie.kernels import Kernel
 from sie.local_spline import MANY, LocalSpline
-from sie.steps import HIGHEST, Steps, of_sines, pair_blocks
+from sie.steps import HIGHEST, Steps, of_sines, pair_blocks, power
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -199,7 +199,7 @@ class Breaks(Steps):
             away = left[here, None] - self.left[k]
             eta = np.where(away > 0, from_right[here, None], -from_left[here, None])
             eta = np.where(away == 0, 0.5 * (from_right - from_left)[here, None], eta)
-            out[here] = (away ** self.order[k] * eta) @ (self.height[k] / np.pi)
+            out[here] = (power(away, self.order[k]) * eta) @ (self.height[k] / np.pi)
         if zone in self.splines:
             out += self.splines[zone](left)
         beyond = self._beyond(zone)
@@ -278,7 +278,7 @@ class Breaks(Steps):
             away = left[here, None] - self.left[k]
             with np.errstate(divide="ignore", invalid="ignore"):
                 logs = np.log(2 * np.abs(away))
-                value = np.where((q > 0) & (away == 0), 0.0, away**q * logs) - self._polynomial(k, left[here, None] - 1)
+                value = np.where((q > 0) & (away == 0), 0.0, power(away, q) * logs) - self._polynomial(k, left[here, None] - 1)
             out[here] = value @ (self.height[k] / np.pi)
         if zone in self.splines:
             out += self.splines[zone].transform(left)
