@@ -2,6 +2,9 @@
 
 Then one surface sampled ever more finely, at one load: what the knots in contact cost. FILE, for instance OUT/measured-trace.md, takes
 both tables as Markdown, and `python benchmarks/pages.py OUT` sets them in docs/many-zones.md. One thread: set OMP_NUM_THREADS=1.
+
+python -m benchmarks.measured_trace --kinds POINTS [--out FILE]: instead, traces of every kind of benchmarks/trace_kinds.py, so many points
+at uneven positions, at parts of the full load; of each kind the slowest.
 """
 
 from __future__ import annotations
@@ -13,6 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import contact
+from benchmarks.trace_kinds import KINDS, drawn
 from contact.bench.report import Table, markdown
 from contact.terminal import show_table
 
@@ -81,8 +85,42 @@ def tables() -> tuple[Table, Table, str]:
     )
 
 
+KIND_PARTS = (0.02, 0.1, 0.3, 0.8)
+KIND_COLUMNS = ("kind", "part of the full load", "zones", "contact fraction", "longest time", "largest stated error", "outcome")
+
+
+def of_kinds(points: int, positions: str = "uneven", seed: int = 0) -> Table:
+    """One trace of every kind, to 1e-6: the slowest of its loads, and the largest error of all."""
+    rows = []
+    for number, kind in enumerate(KINDS):
+        profile = drawn(np.random.default_rng([seed, number, points]), kind, points, positions)
+        full = smallest_full(profile)
+        longest, slowest, largest, failed = -1.0, ("", "", ""), 0.0, []
+        for part in KIND_PARTS:
+            scene = contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=part * full)
+            start = time.process_time()
+            try:
+                solution = contact.solve(scene, tol=1e-6)
+            except contact.ContactError as failure:
+                failed.append(f"{part:g}: {type(failure).__name__}")
+                seen = (f"{part:g}", "", "")
+            else:
+                seen = (f"{part:g}", f"{len(solution.zones):,}", f"{solution.contact_fraction:.4f}")
+                largest = max(largest, solution.error)
+            if (seconds := time.process_time() - start) > longest:
+                longest, slowest = seconds, seen
+        rows.append((kind.replace("_", " "), *slowest, f"{longest:.1f} s", f"{largest:.1e}", "; ".join(failed) or "solved"))
+    return Table("kinds", f"traces of {len(KINDS)} kinds, {points:,} points each", KIND_COLUMNS, rows)
+
+
 if __name__ == "__main__":
     given = sys.argv[1:]
+    if given[:1] == ["--kinds"]:
+        kinds = of_kinds(int(given[1]))
+        show_table(kinds.title, kinds.columns, kinds.rows, numeric=range(1, 6))
+        if given[2:3] == ["--out"]:
+            Path(given[3]).write_text(markdown(kinds), encoding="utf-8")
+        sys.exit()
     trace_table, sampled_table, growth_told = tables()
     for table in (trace_table, sampled_table):
         show_table(table.title, table.columns, table.rows, numeric=range(1, 8))

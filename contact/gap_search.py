@@ -134,7 +134,8 @@ def gap_equation(problem: Problem, control: Control, conjugate: ScaledConjugate)
     assert problem.period is not None
     jumps = problem.forcing
     right = sie.Forcing(
-        conjugate.smooth, breaks_at=np.asarray(jumps.steps_at), breaks=np.asarray(jumps.steps), break_orders=jumps.orders
+        conjugate.smooth, breaks_at=np.asarray(jumps.steps_at), breaks=np.asarray(jumps.steps), break_orders=jumps.orders,
+        spline=jumps.value,
     )
     ends: tuple[sie.TotalWidth, ...] = ()
     if control.kind == "load":

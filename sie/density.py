@@ -76,7 +76,8 @@ class Density(Kept):
     def sampling(self) -> NDArray[np.intp]:
         """Even angles per zone (Z,) that show all of the density: twice its modes and a few for every jump."""
         modes = np.count_nonzero(self.coefficients, axis=1)
-        jumps = np.bincount(self.steps.zone, minlength=len(self.zones))
+        jumps = np.zeros(len(self.zones), dtype=np.intp)
+        jumps[: len(self.steps.count)] = self.steps.count
         return np.clip(2 * modes + 4 * jumps, 24, _MOST_PLACES)
 
     @cached_property

@@ -41,6 +41,7 @@ class Forcing(Kept):
     breaks_at, breaks, break_orders: the same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!;
         for q = 0 this is (J/pi) Lambda(x, s), Lambda the kernel's potential, and is left out of `value`. Either steps or
         breaks.
+    spline: a quadratic spline with the breaks of order 2, where it is known: of very many it keeps the digits.
     resolution: smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones
         are many: they keep digits that the primitive has lost.
     placed: where x comes to stand when `value` rounds it; x itself if left out. Narrow zones far from the origin see it.
@@ -55,6 +56,7 @@ class Forcing(Kept):
     breaks_at: Array = field(default_factory=lambda: np.zeros(0))
     breaks: Array = field(default_factory=lambda: np.zeros(0))
     break_orders: NDArray[np.intp] | None = None
+    spline: Function | None = None
     modes: int | None = None
     resolution: float | None = None
     placed: Function | None = None
@@ -90,7 +92,7 @@ class Forcing(Kept):
         """The jumps that lie inside zones."""
         if len(self.breaks_at):
             orders = np.zeros(len(self.breaks_at), dtype=np.intp) if self.break_orders is None else self.break_orders
-            return Breaks.inside(zones, self.breaks_at, self.breaks, orders, kernel)
+            return Breaks.inside(zones, self.breaks_at, self.breaks, orders, kernel, self.spline)
         orders = np.zeros(len(self.steps_at), dtype=np.intp) if self.orders is None else self.orders
         return Steps.within(zones, self.steps_at, self.steps, orders, kernel.period)
 

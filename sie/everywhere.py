@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.fast import FarSum, Nested
+from sie.far import FarSum, Nested
 from sie.field import cosine_sum, of_zones, sum_of_powers
 from sie.tree import SEPARATION, TERMS, Tree
 from sie.zones import Zones

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie import chebyshev
-from sie.fast import FarSum, Nested
+from sie.far import FarSum, Nested
 from sie.kernels import Kernel
 from sie.tree import SEPARATION, TERMS, Tree
 

@@ -24,6 +24,7 @@ its curvature, q = 2 a knot of a cubic spline.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -52,7 +53,7 @@ _TINY = 1e-16
 # Kinks of a zone beside which it is looked how the density follows the ends.
 _KINKS = 32
 # (point, jump) pairs handled at once.
-_PAIRS = 1 << 20
+_PAIRS = 1 << 19
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +112,11 @@ class Steps(Kept):
     def s(self) -> Array:
         return 0.5 * (self.left - self.right)
 
+    @property
+    def count(self) -> Index:
+        """Jumps in each zone, as far as there are zones with any."""
+        return np.bincount(self.zone)
+
     def rounding(self, count: int) -> Array:
         """What the sum of a zone's parts is rounded to, at the most, on each of so many zones."""
         return np.asarray(2.2e-16 * np.bincount(self.zone, np.abs(self.height), minlength=count))
@@ -143,10 +149,12 @@ class Steps(Kept):
         return np.zeros(left.shape) if k is None else self._added(k[self.order[k] == 0], left)
 
     def _added(self, k: Index, left: Array) -> Array:
-        away = left[..., None] - self.left[k]
-        angle = np.where(away > 0, -self.psi[k], self.phi[k])
-        parts = angle * away ** self.order[k] + self._polynomial(k, left[..., None] - 1)
-        return np.asarray(parts @ (self.height[k] / np.pi))
+        out = np.empty(left.shape)
+        for here in pair_blocks(len(left), len(k)):
+            away = left[here, None] - self.left[k]
+            angle = np.where(away > 0, -self.psi[k], self.phi[k])
+            out[here] = (angle * power(away, self.order[k]) + self._polynomial(k, left[here, None] - 1)) @ (self.height[k] / np.pi)
+        return out
 
     def mean_offsets(self, zones: Zones) -> Array:
         """Mean over each zone of the primitive of g (zero where its values at the ends are), less what the smooth
@@ -219,19 +227,25 @@ class Steps(Kept):
     def density(self, zone: int, left: Array, right: Array) -> Array:
         """Sum of the parts of a zone at points (n,) given by their distances from its ends over w."""
         k = self.by_zone[zone]
-        away, kappa = self._kappa(k, left, right)
-        with np.errstate(invalid="ignore"):
-            value = np.where(self.order[k] == 0, kappa, np.where(away == 0, 0.0, away ** self.order[k] * kappa))
-        return np.asarray(value @ (self.height[k] / np.pi))
+        out = np.empty(len(left))
+        for here in pair_blocks(len(left), len(k)):
+            away, kappa = self._kappa(k, left[here], right[here])
+            with np.errstate(invalid="ignore"):
+                value = np.where(self.order[k] == 0, kappa, np.where(away == 0, 0.0, power(away, self.order[k]) * kappa))
+            out[here] = value @ (self.height[k] / np.pi)
+        return out
 
     def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
         """d/dtheta of `density` at points that are no jumps: d kappa/dtheta = sin(phi) / (t - s)."""
         k = self.by_zone[zone]
-        away, kappa = self._kappa(k, left, right)
-        q, sine = self.order[k], np.sqrt(left * right)[:, None]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            value = away ** (q - 1.0) * (self.sine[k] - q * sine * np.minimum(kappa, -np.log(_TINY)))
-        return np.asarray(value @ (self.height[k] / np.pi))
+        out = np.empty(len(left))
+        for here in pair_blocks(len(left), len(k)):
+            away, kappa = self._kappa(k, left[here], right[here])
+            q, sine = self.order[k], np.sqrt(left[here] * right[here])[:, None]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                value = away ** (q - 1.0) * (self.sine[k] - q * sine * np.minimum(kappa, -np.log(_TINY)))
+            out[here] = value @ (self.height[k] / np.pi)
+        return out
 
     def _kappa(self, k: Index, left: Array, right: Array) -> tuple[Array, Array]:
         """t - s and kappa of jumps k at points (n,), (n, jumps) each."""
@@ -284,8 +298,8 @@ class Steps(Kept):
         q, weight = self.order[k], self.height[k] / np.pi
         for s in range(0, len(z), block):
             here = slice(s, s + block)
-            power = (z[here, None] - self.s[k]) ** q
-            out[here] = (power * self._plain(k, rho[here]) - self._polynomial(k, z[here, None])) @ weight
+            powers = power(z[here, None] - self.s[k], q)
+            out[here] = (powers * self._plain(k, rho[here]) - self._polynomial(k, z[here, None])) @ weight
         return out
 
     def _summed(self, zone: int) -> Array:
@@ -395,6 +409,18 @@ class Steps(Kept):
     def kinked(self) -> list[int]:
         """Zones with a jump of g itself."""
         return [int(i) for i in np.unique(self.zone[self.order == 0])]
+
+
+def power(away: Array, order: Index) -> Array:
+    """away^order; general powers take ten times as long as squares, which knots of splines ask for alone."""
+    return away * away if np.all(order == HIGHEST) else away**order
+
+
+def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
+    """Stretches of points whose pairs with so many jumps are held at once."""
+    block = max(1, _PAIRS // max(1, jumps))
+    for begin in range(0, points, block):
+        yield slice(begin, begin + block)
 
 
 def of_sines(beta: Array) -> Array:

@@ -15,18 +15,20 @@ ROOT = Path(__file__).parents[1]
 
 # From the ground up: a file imports from lines above its own only. A new profile or interaction has its line already.
 SIE = """
-    ends chebyshev kernels exact kept
-    zones
+    ends chebyshev kernels exact tree kept
+    far zones
+    piecewise
+    local_spline
     conditions steps
     beyond
     breaks
     equation valleys
-    gap_steps lazy modes near_jumps neighbours tree
+    gap_steps lazy modes near_jumps neighbours
     crowded
     assemble checks
     fast folding hierarchical krylov
     field many
-    everywhere piecewise
+    everywhere
     density
     cuts local rounding
     solve

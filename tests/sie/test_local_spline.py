@@ -1,0 +1,44 @@
+"""Very many jumps of a density: a spline in their place is the same density, of few large numbers and few jumps."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+
+import sie
+from sie.breaks import Breaks
+from sie.local_spline import MANY
+
+KERNEL = sie.cauchy()
+
+
+def both(seed: int = 5) -> tuple[Breaks, Breaks, sie.Zones]:
+    """(all jumps of a quadratic spline one by one, the same with a spline in their place, the zone)."""
+    rng, n = np.random.default_rng(seed), MANY + 40
+    at = np.arange(n) + rng.uniform(-0.4, 0.4, n)
+    spline = BSpline(at, rng.normal(size=n - 3), 2)
+    bends = spline.derivative(2)(0.5 * (at[1:] + at[:-1]))
+    at, jumps, orders = at[3:-3], np.diff(bends)[2:-2], np.full(n - 6, 2)
+    zones = sie.Zones.of([[at[10] - 0.3, at[-10] + 0.2]])
+    return Breaks.inside(zones, at, jumps, orders, KERNEL), Breaks.inside(zones, at, jumps, orders, KERNEL, spline), zones
+
+
+def test_a_spline_in_place_of_many_jumps_leaves_six_and_is_the_same_density() -> None:
+    one, other, zones = both()
+    assert len(one.zone) > MANY and len(other.zone) <= 6
+    assert one.count.tolist() == other.count.tolist()
+    left = np.sort(np.random.default_rng(1).uniform(0, 2, 60))
+    right, outside = 2 - left, np.array([1.0001, 1.02, 1.5, 4.0, 40.0, -1.003, -2.0, -9.0])
+    rho = outside - np.sign(outside) * np.sqrt(outside**2 - 1)
+    pairs = [
+        (one.density(0, left, right), other.density(0, left, right)),
+        (one.own_transform(0, left), other.own_transform(0, left)),
+        (one.transform(0, outside, rho), other.transform(0, outside, rho)),
+        (one.integral(0, left, right), other.integral(0, left, right)),
+        (one.t_coefficients(zones, 40), other.t_coefficients(zones, 40)),
+        (np.array(one.edge_slopes(zones)), np.array(other.edge_slopes(zones))),
+    ]
+    for first, second in pairs:
+        assert first == pytest.approx(second, rel=1e-9, abs=1e-9 * float(np.abs(first).max()))
+    assert other.rounding(1)[0] < 0.1 * one.rounding(1)[0]
