@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from numbers import Real
 
 import numpy as np
@@ -54,6 +54,8 @@ _NEAR_LOAD, _NEARER_LOAD = 1e-2, 1e-5
 _ON_THE_WAY = 1e-7
 # An end of a gap moves all of the pressure beside it: gaps are found to this part of what zones are.
 _OF_GAPS = 0.01
+# Steps of the centre of a strip, and how much longer than its miss a secant's step may be.
+_CENTRINGS, _LONGER = 30, 8.0
 
 
 def solve(
@@ -74,6 +76,19 @@ def solve(
     if near is not None and (near.scene.profile, near.scene.interaction) != (scene.profile, scene.interaction):
         raise SceneError("near must be a solution of the same profile and interaction model", "near", near.scene)
     return _Run(scene, float(tol), planning.plan(scene), progress, near).solution()
+
+
+_AT_BORDER = "a contact zone reaches the border of the part of the profile that is known"
+_AT_STRIP = "a contact zone reaches the border of the strip that the localized model solves; interaction = Periodic() has none"
+
+
+@dataclass(frozen=True, eq=False)
+class _Centring:
+    """Centre of a strip, how far off it the zones' middle is, and the zones."""
+
+    centre: float
+    miss: float
+    table: Array
 
 
 class _Run:
@@ -287,7 +302,7 @@ class _Run:
         if interaction.follows_isolated:
             return self._first_order()
         if interaction.strip:
-            return self._centred(problem, self.control, None)
+            return self._centred(problem, self.control, self._start())
         return self._search(problem, self.control, self._start(), near=True)
 
     def _at_level(self) -> Found:
@@ -327,7 +342,7 @@ class _Run:
         if control.kind == "half_width":
             a = control.value
             return self._settled(problem, control, np.array([[-a, a]]))
-        if self.single:
+        if self.single and problem.amplitude is None:
             # Only wide zones can be near full contact, and only then is it worth finding out where it begins.
             with self.plan.timed("zone ends"):
                 guess = guess_half_width(problem, control)
@@ -482,7 +497,7 @@ class _Run:
             search.detail = f"{points} points, {len(proposal.zones)} zones proposed"
             if proposal.touches_border and self.scene.profile.support is None:
                 if touched or 4 * points > most:
-                    raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
+                    raise OutOfRange(_AT_STRIP if problem.interaction.strip else _AT_BORDER)
                 # A coarse grid may touch it by its own error.
                 touched, points = True, 4 * points
                 continue
@@ -502,57 +517,69 @@ class _Run:
                             break
                         failure = error
             points *= 4
-        narrow = "the gaps are narrower than the finest grid tells from full contact"
-        if problem.interaction.strip:
-            narrow += "; the localized model is not followed so far, interaction = Periodic() is"
-        raise self._not_converged(failure or WrongTopology(narrow, None))
+        raise self._not_converged(failure or WrongTopology("the gaps are narrower than the finest grid tells from full contact", None))
 
     # strips ---------------------------------------------------------------------------------------------------------
-    def _centred(self, problem: Problem, control: Control, start: Array | None) -> Found | None:
-        """Zones of a strip that is centred on them: the centre follows the zones until it stays."""
-        found, before = None, math.inf
-        for _ in range(30):
-            found = self._search(problem, control, start)
-            if found is None:
-                return None
-            assert isinstance(found, Found)  # a strip has no full contact to be near to
-            zones = found.free.density.zones
-            centre = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1])
+    def _centred(self, problem: Problem, control: Control, start: Array | None) -> Found:
+        """Zones of a strip that is centred on them: secants on the centre, under which zones are taken as they are, and a look at the
+        signs where it stays."""
+        found = self._in_strip(problem if start is None else about(problem, start), control, start)
+        certified, before, moved = True, None, math.inf
+        for _ in range(_CENTRINGS):
+            zones, centre = found.free.density.zones, found.fields.problem.centre
             width = float((zones.b - zones.a).min())
-            start = zones.table
-            moved = abs(centre - found.fields.problem.centre)
+            miss = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1]) - centre
             # Near the digits of the zones the centre no longer comes nearer.
-            if moved <= 0.1 * self.tolerance * width + np.spacing(abs(centre)) or before / 4 < moved < 1e-7 * width:
-                return found
-            before = moved
-            problem = problem.about(centre)
-        assert isinstance(found, Found)
+            if abs(miss) <= 0.1 * self.tolerance * width + np.spacing(abs(centre)) or moved / 4 < abs(miss) < 1e-7 * width:
+                if certified:
+                    return found
+                found, certified, before, moved = self._in_strip(found.fields.problem, control, zones.table), True, None, math.inf
+                continue
+            step, table = miss, zones.table
+            if before is not None and before.table.shape == table.shape and before.miss != miss:
+                step = miss * (centre - before.centre) / (before.miss - miss)
+                step = float(np.clip(step, -_LONGER * abs(miss), _LONGER * abs(miss)))
+                table = table + (table - before.table) * (step / (centre - before.centre))
+            before, moved = _Centring(centre, miss, zones.table), abs(miss)
+            there = problem.about(centre + step)
+            try:
+                found = settle(there, control, table, self.tolerance, formal=True, near=True)
+                certified = False
+            except (WrongTopology, OutOfRange):
+                found, certified = self._in_strip(there, control, zones.table), True
         raise self._not_converged(WrongTopology("the centre of the strip did not settle", found.free))
 
-    def _first_order(self) -> Found:
-        """Closure by the isolated load of the same total width, by a secant on the width along the branch from zero load."""
-
-        def search(problem: Problem, control: Control, start: Array | None) -> Found:
-            if not problem.interaction.strip:
-                return self._reference(problem, control, start)
-            found = self._centred(problem, control, start)
-            assert found is not None
-            return found
-
-        closure = FirstOrder(self.problem, search, self.tolerance, self.single)
-        guess = 2 * guess_half_width(self.problem, self.control) if self.single else 0.1 * (self.problem.period or 1.0)
-        with self.plan.timed("isolated reference"):
-            found, _ = closure.found(self.control, guess)
+    def _in_strip(self, problem: Problem, control: Control, start: Array | None) -> Found:
+        """Zones of a strip where it is."""
+        found = self._search(problem, control, start, near=True)
+        assert isinstance(found, Found)  # a strip has no full contact to be near to
         return found
+
+    def _first_order(self) -> Found:
+        """Closure by the isolated load of the same total width."""
+        closure = FirstOrder(self.problem, self._centred, self._reference, self.tolerance, self.single)
+        with self.plan.timed("isolated reference"):
+            found, _ = closure.found(self.control, self._first_guess())
+        return found
+
+    def _first_guess(self) -> float:
+        """Total width of one zone about the origin; else the nominal pressure of the exact contact of the period, scaled."""
+        problem, control = self.problem, self.control
+        assert problem.period is not None
+        if self.single:
+            return 2 * guess_half_width(problem, control)
+        if control.kind == "load":
+            return control.value / problem.period
+        if control.kind == "half_width":
+            return 0.0
+        exact = proposed(self.frame, replace(problem, interaction=Periodic()), control, None)
+        return exact.load / problem.units.load / problem.period
 
     def _reference(self, problem: Problem, control: Control, start: Array | None) -> Found:
         """The isolated problem of the same total width, as a formal solution: it is not asked to be a contact."""
         if control.kind == "half_width":
             start = np.array([[-control.value, control.value]])
-        elif start is None:
-            found = self._from_grid(replace(self.problem, interaction=Periodic()), control)
-            assert found is not None
-            start = found.free.density.zones.table
+        assert start is not None
         middle = 0.5 * float(start[0, 0] + start[-1, 1])
         if len(start) > 1 or abs(middle) > 0.25 * float(start[0, 1] - start[0, 0]):
             problem = problem.about(middle)
