@@ -31,8 +31,8 @@ Array = NDArray[np.float64]
 Search = Callable[[Problem, Control, Array | None], Found]
 
 _STEPS = 30
-# Of the first nominal pressure: steps towards one at which a zone reaches the border are halved down to this.
-_SHORTEST = 1e-4
+# How often a step towards a nominal pressure at which a zone reaches the border is halved.
+_HALVED = 3
 
 
 class FirstOrder:
@@ -132,10 +132,10 @@ class FirstOrder:
     def _amplitude_for(self, control: Control, guess: float) -> float:
         """The first root of the miss below the load over L, by secants: the first step goes to P0 / L, which is the root to first order
         in what the neighbours do."""
-        first = at = guess
+        at = guess
         here = step = self._miss(control, at)
-        close = max(1e-15, 0.01 * self.tolerance) * abs(first)
-        shortest = _SHORTEST * abs(first)
+        close = max(1e-15, 0.01 * self.tolerance) * abs(guess)
+        halved = 0
         passed = [(at, here)]
         for _ in range(_STEPS):
             if abs(here) <= close:
@@ -144,10 +144,9 @@ class FirstOrder:
             try:
                 there = self._miss(control, at + step)
             except (OutOfRange, NotConverged):
-                self.together, step = best, 0.5 * step
-                if abs(step) < shortest:
+                self.together, step, halved = best, 0.5 * step, halved + 1
+                if halved > _HALVED:
                     break
-                shortest = max(shortest, 0.25 * abs(step))
                 continue
             before, missed, at, here = at, here, at + step, there
             passed.append((at, here))

@@ -44,8 +44,8 @@ class Proposed:
         return math.inf if self.full else float(np.sum(self.zones[:, 1] - self.zones[:, 0]))
 
 
-def proposed(frame: Framed, problem: Problem, control: Control, points: int | None) -> Proposed:
-    """Zones from a grid of so many points, or of as many as the profile's resolution asks for."""
+def proposed(frame: Framed, problem: Problem, control: Control, points: int | None, held: bool = False) -> Proposed:
+    """Zones from a grid of so many points, or of as many as the profile's resolution asks for; held: of a strip that stays where it is."""
     if control.kind == "width":
         return _by_width(frame, problem, control, points)
     if problem.moment is not None:
@@ -59,11 +59,11 @@ def proposed(frame: Framed, problem: Problem, control: Control, points: int | No
         level=None if by_load else problem.lowest + control.value * units.height,
     )
     if interaction.strip:
-        return _in_strip(problem, control, points, found)
+        return _in_strip(problem, control, points, found, held)
     return Proposed(found.zones, found.points, found.full, found.touches_border, load=found.state.load)
 
 
-def _in_strip(problem: Problem, control: Control, points: int | None, whole: Proposal) -> Proposed:
+def _in_strip(problem: Problem, control: Control, points: int | None, whole: Proposal, held: bool) -> Proposed:
     """From a grid of the strip, under the nominal pressure beyond it, from the contact of the whole period, where that leaves a gap: the
     strip is cut there, or where it would leave the last one, and then follows its zones."""
     units, profile, interaction = problem.units, problem.profile, problem.interaction
@@ -71,6 +71,8 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     load = control.value * units.load if control.kind == "load" else whole.state.load
     nominal = load / units.load / problem.period if problem.amplitude is None else problem.amplitude
     middle = _cut(whole, profile.x0, profile.period) + 0.5 * profile.period
+    if held:
+        middle = float(units.x(np.array(problem.centre)))
     for _ in range(_CENTRINGS):
         column = problem.about(float(units.scaled(np.array(middle)))).columns[0].primitive
         assert column is not None
@@ -80,7 +82,7 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
             extra=partial(_beyond, units, nominal, column),
         )
         before, middle = middle, 0.5 * float(found.zones[0, 0] + found.zones[-1, 1])
-        if abs(middle - before) <= _CELLS * profile.period / found.points:
+        if held or abs(middle - before) <= _CELLS * profile.period / found.points:
             break
     return Proposed(found.zones, found.points, False, found.touches_border)
 

@@ -54,8 +54,10 @@ _NEAR_LOAD, _NEARER_LOAD = 1e-2, 1e-5
 _ON_THE_WAY = 1e-7
 # An end of a gap moves all of the pressure beside it: gaps are found to this part of what zones are.
 _OF_GAPS = 0.01
-# Steps of the centre of a strip, and how much longer than its miss a secant's step may be.
-_CENTRINGS, _LONGER = 30, 8.0
+# Steps of the centre of a strip, how much longer than its miss a secant's step may be, and how often one is shortened.
+_CENTRINGS, _LONGER, _SHORTENED = 30, 16.0, 3
+# In how many steps of it the miss must halve.
+_STALLED = 4
 
 
 def solve(
@@ -79,7 +81,8 @@ def solve(
 
 
 _AT_BORDER = "a contact zone reaches the border of the part of the profile that is known"
-_AT_STRIP = "a contact zone reaches the border of the strip that the localized model solves; interaction = Periodic() has none"
+_EXACT = "interaction = Periodic() needs no strip"
+_AT_STRIP = f"a contact zone reaches the border of the strip that the localized model solves; {_EXACT}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -477,8 +480,8 @@ class _Run:
                     pass
         return None
 
-    def _from_grid(self, problem: Problem, control: Control) -> Found | Gapped | None:
-        """Zones from a coarse grid, refined until Newton and the certificate agree with it."""
+    def _from_grid(self, problem: Problem, control: Control, held: bool = False) -> Found | Gapped | None:
+        """Zones from a coarse grid, refined until Newton and the certificate agree with it. held: a strip stays where it is."""
         search = self.plan["coarse search"]
         search.used, search.reason = True, search.reason if search.used else "one zone did not pass the certificate"
         points: int | None = None
@@ -488,7 +491,7 @@ class _Run:
             if self.progress is not None:
                 self.progress("coarse grid", 0, None)
             with self.plan.timed("coarse search"):
-                proposal = proposed(self.frame, problem, control, points)
+                proposal = proposed(self.frame, problem, control, points, held)
             if points is None:
                 most = max(most, min(4 * proposal.points, MOST_POINTS))
             points = proposal.points
@@ -511,7 +514,7 @@ class _Run:
                 with self.plan.timed("zone ends"):
                     table = placed(problem, proposal.zones)
                     try:
-                        return self._settle(about(problem, table), control, table)
+                        return self._settle(problem if held else about(problem, table), control, table)
                     except WrongTopology as error:
                         if failure is not None and same_end(error, failure):
                             break
@@ -525,6 +528,7 @@ class _Run:
         signs where it stays."""
         found = self._in_strip(problem if start is None else about(problem, start), control, start)
         certified, before, moved = True, None, math.inf
+        passed: list[float] = []
         for _ in range(_CENTRINGS):
             zones, centre = found.free.density.zones, found.fields.problem.centre
             width = float((zones.b - zones.a).min())
@@ -535,19 +539,34 @@ class _Run:
                     return found
                 found, certified, before, moved = self._in_strip(found.fields.problem, control, zones.table), True, None, math.inf
                 continue
-            step, table = miss, zones.table
-            if before is not None and before.table.shape == table.shape and before.miss != miss:
-                step = miss * (centre - before.centre) / (before.miss - miss)
-                step = float(np.clip(step, -_LONGER * abs(miss), _LONGER * abs(miss)))
-                table = table + (table - before.table) * (step / (centre - before.centre))
+            passed.append(abs(miss))
+            if len(passed) > _STALLED and min(passed[-_STALLED:]) > 0.5 * min(passed[:-_STALLED]):
+                break
+            step, rate = miss, None
+            if before is not None and before.table.shape == zones.table.shape and before.miss != miss:
+                step = float(np.clip(miss * (centre - before.centre) / (before.miss - miss), -_LONGER * abs(miss), _LONGER * abs(miss)))
+                rate = (zones.table - before.table) / (centre - before.centre)
             before, moved = _Centring(centre, miss, zones.table), abs(miss)
-            there = problem.about(centre + step)
+            found, certified = self._moved_strip(found, control, step, rate)
+        raise self._not_converged(WrongTopology(f"the centre of the strip did not settle; {_EXACT}", found.free))
+
+    def _moved_strip(self, found: Found, control: Control, step: float, rate: Array | None) -> tuple[Found, bool]:
+        """(zones after a step of the centre, or after a shorter one that they follow, whether their signs were looked at). rate: of the
+        zones with the centre, where it is known."""
+        problem, table = found.fields.problem, found.free.density.zones.table
+        for _ in range(_SHORTENED):
+            there, expected = problem.about(problem.centre + step), table if rate is None else table + step * rate
             try:
-                found = settle(there, control, table, self.tolerance, formal=True, near=True)
-                certified = False
+                return settle(there, control, expected, self.tolerance, formal=True, near=True), False
             except (WrongTopology, OutOfRange):
-                found, certified = self._in_strip(there, control, zones.table), True
-        raise self._not_converged(WrongTopology("the centre of the strip did not settle", found.free))
+                pass
+            try:
+                again = self._from_grid(there, control, held=True)
+                assert isinstance(again, Found)
+                return again, True
+            except (NotConverged, OutOfRange):
+                step *= 0.25
+        raise self._not_converged(WrongTopology(f"the zones do not follow the centre of the strip; {_EXACT}", found.free))
 
     def _in_strip(self, problem: Problem, control: Control, start: Array | None) -> Found:
         """Zones of a strip where it is."""
@@ -586,7 +605,7 @@ class _Run:
         try:
             return settle(problem, control, start, self.tolerance, formal=True)
         except WrongTopology as failure:
-            raise OutOfRange(f"the isolated reference of the first-order closure has no solution: {failure}") from failure
+            raise OutOfRange(f"the isolated reference of the first-order closure has no solution: {failure}; {_EXACT}") from failure
 
     # solution -------------------------------------------------------------------------------------------------------
     def _si(self, zones: sie.Zones) -> Array:
