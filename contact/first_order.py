@@ -134,7 +134,7 @@ class FirstOrder:
         in what the neighbours do."""
         at = guess
         here = step = self._miss(control, at)
-        close = max(1e-15, 0.01 * self.tolerance) * abs(guess)
+        close = max(1e-15, 0.01 * self.tolerance) * max(abs(guess), abs(here))
         halved = 0
         passed = [(at, here)]
         for _ in range(_STEPS):

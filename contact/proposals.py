@@ -58,7 +58,7 @@ def proposed(frame: Framed, problem: Problem, control: Control, points: int | No
         resolution=profile.resolution, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height,
     )
-    if interaction.strip:
+    if interaction.strip and found.state.load > 0.0:
         return _in_strip(problem, control, points, found, held)
     return Proposed(found.zones, found.points, found.full, found.touches_border, load=found.state.load)
 
