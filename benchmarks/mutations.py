@@ -177,7 +177,7 @@ def first_failure(folder: Path, files: Sequence[str], patience: float) -> tuple[
     """The first test of the files that fails in `folder`, None if none does, and the seconds it took to know."""
     environment = {**os.environ, "PYTHONPATH": str(folder)}
     # test_bench looks whether the sources of the mutations are there, which here they are not.
-    options = ["-x", "-q", "--no-header", "--tb=no", "-p", "no:cacheprovider", "--ignore=tests/contact/test_bench.py"]
+    options = ["-x", "-q", "--no-header", "--tb=no", "-p", "no:cacheprovider", "-m", "", "--ignore=tests/contact/test_bench.py"]
     command = [sys.executable, "-m", "pytest", *options, *files]
     start = time.perf_counter()
     try:

@@ -27,6 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import contact
+from benchmarks import own_models
 from benchmarks.scene_families import FAMILIES
 from contact.search import grid_height, propose
 
@@ -59,11 +60,11 @@ def draw(seed: int) -> Drawn | contact.ContactError:
     family = str(rng.choice(list(FAMILIES)))
     try:
         profile = FAMILIES[family](rng, length)
-        interaction = _interaction(rng, profile, length)
+        interaction = own_models.instead(seed, _interaction(rng, profile, length), length)
         kind = str(rng.choice([k for k in interaction.allows if k != "half_width" or profile.symmetric]))
         if kind in ("mean_pressure", "contact_fraction") and profile.period is None:
             kind = "load"
-        if kind == "approach" and getattr(interaction, "datum", 1.0) is None:
+        if kind == "approach" and not interaction.has_approach:
             interaction = contact.Isolated(datum=length * 10 ** rng.uniform(-1, 2))
         return Drawn(seed, family, contact.Scene(profile, modulus, interaction, **{kind: _value(rng, profile, modulus, length, kind)}))
     except contact.ContactError as error:
@@ -129,6 +130,7 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
     began = time.perf_counter()
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.simplefilter("ignore", contact.ModelWarning)
         try:
             with _limited(limit) if limit < np.inf else nullcontext():
                 solution = contact.solve(drawn.scene, tol=tol)
@@ -142,6 +144,8 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
         except contact.ContactError as error:
             row["outcome"], row["reason"], row["detail"] = type(error).__name__, _reason(error), str(error)
             row["error"] = getattr(getattr(error, "best", None), "error", "")
+            if wrong := own_models.wrongly_refused(drawn.scene, error):
+                row["outcome"], row["detail"] = "FAULT", wrong
         except Exception as error:  # noqa: BLE001  (whatever it is, it is a fault to be listed)
             row["outcome"], row["reason"], row["detail"] = "FAULT", type(error).__name__, repr(error)
     row["seconds"] = round(time.perf_counter() - began, 3)
@@ -152,7 +156,8 @@ def _reason(error: contact.ContactError) -> str:
     """The part of a message that is the same for all of its kind."""
     text = str(error)
     known = (
-        "rounding of heights", "beside a corner", "kink of a valley", "the stated error", "did not settle", "border", "full contact",
+        "no symbol", "rounding of heights", "beside a corner",
+        "kink of a valley", "the stated error", "did not settle", "border", "full contact",
         "beyond the largest", "half width",
         "branch", "too narrow", "positive everywhere", "datum", "isolated reference", "ever more often", "fill the period",
         "vanished", "has no solution", "is not below", "finest grid",
@@ -195,6 +200,8 @@ def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: floa
 def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
     """Whether a grid of other origin and method has the same contacts and gaps, as far as its cells tell."""
     period = scene.period
+    if isinstance(scene.interaction, own_models.OWN):
+        return own_models.fault(scene, solution)
     exact_model = isinstance(scene.interaction, contact.Periodic)
     if not exact_model or period is None or len(solution.zones) == 0 or not np.isfinite(solution.max_pressure):
         return ""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import contact
+from benchmarks.trace_kinds import KINDS, POSITIONS, drawn
 from contact.inverse import random_problem
 
 Array = NDArray[np.float64]
@@ -128,6 +129,18 @@ def sampled(rng: np.random.Generator, length: float) -> contact.Profile:
     return contact.Sampled(x, heights, period=length if rng.random() < 0.6 else None)
 
 
+def trace(rng: np.random.Generator, length: float) -> contact.Profile:
+    """A trace of any kind, 100 ... 5,000 points, even or uneven; one in five of a lone body, tilted, between shoulders that rise."""
+    points, kind, positions = int(10 ** rng.uniform(2, 3.7)), str(rng.choice(list(KINDS))), str(rng.choice(POSITIONS))
+    made = drawn(rng, kind, points, positions)
+    assert made.period is not None
+    x, heights = made.x * (length / made.period), made.heights * (length / made.period)
+    if rng.random() < 0.8:
+        return contact.Sampled(x, heights, period=length)
+    u = (x - x[0]) / (x[-1] - x[0]) - 0.5
+    return contact.Sampled(x, heights + np.ptp(heights) * (rng.uniform(-1, 1) * u - 8 * u**4))
+
+
 def biquadratic(rng: np.random.Generator, length: float) -> contact.Profile:
     period = length if rng.random() < 0.6 else None
     return contact.Biquadratic(length * 10 ** rng.uniform(0, 2), length * rng.uniform(0.1, 0.9), period)
@@ -190,6 +203,6 @@ def designed(rng: np.random.Generator, length: float) -> contact.Profile:
 FAMILIES: dict[str, Family] = {
     f.__name__: f
     for f in (
-        sinusoid, fourier, polynomial, sampled, biquadratic, wedge, parabola, flat, piecewise, mixed, designed,
+        sinusoid, fourier, polynomial, sampled, trace, biquadratic, wedge, parabola, flat, piecewise, mixed, designed,
     )
 }

@@ -1,6 +1,8 @@
 """Plane elastic contact solved exactly: zones, pressure and gap of rough and textured profiles, with a stated error."""
 
-from contact.errors import ContactError, MissingExtra, NotConverged, OutOfRange, SceneError
+# First: a command may be interrupted while the rest is imported.
+from contact import interrupts  # noqa: F401  isort: skip
+from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
 from contact.interactions import Interaction, Isolated, Localized, Periodic
 from contact.paths import Event, Path, path
 from contact.planning import Plan, plan
@@ -23,7 +25,7 @@ from contact.solver import solve
 
 __all__ = [
     "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Interaction", "Isolated", "Localized", "MissingExtra",
-    "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
+    "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",
     "Sinusoid", "Solution", "Wedge", "interaction", "interactions", "load_scene", "path", "plan", "profile", "profiles",
     "register_interaction", "register_profile", "solve",

@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import sys
 
-from contact import lazy
+from contact import interrupts, lazy
 from contact.errors import MissingExtra
 
 
 def main() -> None:
     """Run the command line; its packages are an extra, and without them this is the only place that can say so."""
+    interrupts.install()
     try:
-        command_line = lazy.command_line()
-    except MissingExtra as error:
-        print(f"contact: {error}", file=sys.stderr)
-        raise SystemExit(2) from None
-    command_line.main(prog_name="contact")
+        try:
+            command_line = lazy.command_line()
+        except MissingExtra as error:
+            print(f"contact: {error}", file=sys.stderr)
+            raise SystemExit(2) from None
+        interrupts.started()
+        command_line.main(prog_name="contact")
+    except KeyboardInterrupt:
+        interrupts.stop()
+    finally:
+        interrupts.started(False)
 
 
 if __name__ == "__main__":

@@ -23,7 +23,7 @@ def stated_error(found: Found, control: Control) -> float:
     """Bound of the errors of pressure and ends."""
     free, state = found.free, found.fields.state
     density = state.density
-    ends = free.end_error + state.end_truncation
+    ends = free.end_error + state.end_truncation + found.off
     _, by_left, by_right = density.sensitivity
     singular, peak = _is_singular(density), _reference(density)
     moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak

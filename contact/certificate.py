@@ -28,7 +28,7 @@ _AWAY = np.geomspace(NARROWEST, 0.1, 37)
 # From this number of zones on, all gaps are looked at together.
 _MANY = 32
 
-# Normalised positions at which many zones are looked at for what the gap comes to on them.
+# Normalised positions at which zones are looked at for what the gap comes to on them.
 _ON_ZONES = np.cos(np.pi * np.array([0.125, 0.375, 0.625, 0.875]))
 # Points in one gap at the most: where the profile's resolution asks for them, and where it is a guess.
 _MOST_KNOWN, _MOST = 2**17, 4000
@@ -203,7 +203,8 @@ def _gaps(fields: ZoneFields) -> tuple[float | None, Array, float, int]:
         return _gaps_together(fields)
     bad: list[tuple[float, float]] = []
     smallest: float | None = None
-    rounding, points = fields.gap_rounding, 0
+    rounding = fields.gap_rounding + 2 * float(np.abs(fields.formal_gap(_on_zones(fields))).max())
+    points = 0
     for lo, hi, left_zone, right_zone in fields.open_intervals():
         x = _between(lo, hi, fields, left_zone, right_zone)
         scaled_gap = fields.gap_between(lo, hi)
@@ -236,16 +237,14 @@ def _far_away(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
 def _gaps_together(fields: ZoneFields) -> tuple[float | None, Array, float, int]:
     """The same for many zones: the points of all gaps at once, and only minima followed that may touch zero.
 
-    Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones. On the zones the gap is zero:
-    what it comes to there is known of it no better.
+    Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones.
     """
     intervals = list(fields.open_intervals())
     parts = [_between(lo, hi, fields, left, right) for lo, hi, left, right in intervals]
     points = np.concatenate(parts)
     place = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
-    count, zones = len(points), fields.density.zones
-    inside = zones.middle[:, None] + zones.half[:, None] * _ON_ZONES
-    gap = fields.formal_gap(np.concatenate((points, inside.ravel())))
+    count = len(points)
+    gap = fields.formal_gap(np.concatenate((points, _on_zones(fields))))
     rounding = fields.gap_rounding + 2 * float(np.abs(gap[count:]).max())
     gap = _finite(gap[:count])
     bend = gap[:-2] - 2 * gap[1:-1] + gap[2:]
@@ -274,6 +273,12 @@ def _gaps_together(fields: ZoneFields) -> tuple[float | None, Array, float, int]
     smallest = float(seen.min()) if np.isfinite(seen).any() else None
     far = _far_away(fields)
     return smallest, np.array(bad + far[0]).reshape(-1, 2), rounding, count + far[1]
+
+
+def _on_zones(fields: ZoneFields) -> Array:
+    """A few places on every zone. There the gap is zero: what it comes to is known of it no better anywhere."""
+    zones = fields.density.zones
+    return np.asarray((zones.middle[:, None] + zones.half[:, None] * _ON_ZONES).ravel())
 
 
 def _closing(gap: Array, place: NDArray[np.intp], rounding: float) -> NDArray[np.bool_]:
@@ -329,13 +334,17 @@ def _zoom(scaled_gap: Callable[[Array], Array], x: Array, gap: Array) -> tuple[A
         bend = gap[inner - 1] - 2 * gap[inner] + gap[inner + 1]
     touching = bool(np.any(gap[inner] < bend))
     lo, hi = x[inner - 1], x[inner + 1]
+    # The samples of every zoom tell how wide an overlap is.
+    points, values = [x], [gap]
     for _ in range(_ZOOMS if touching else 3):
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
         value = scaled_gap(fine.ravel()).reshape(fine.shape)
         value = np.where(np.isfinite(value), value, np.inf)
+        points.append(fine.ravel())
+        values.append(value.ravel())
         best = np.clip(np.argmin(value, axis=1), 1, 7)
         rows = np.arange(len(best))
         lo, hi = fine[rows, best - 1], fine[rows, best + 1]
-    everything, values = np.concatenate((x, fine.ravel())), np.concatenate((gap, value.ravel()))
+    everything, all_values = np.concatenate(points), np.concatenate(values)
     order = np.argsort(everything)
-    return values[order], everything[order]
+    return all_values[order], everything[order]

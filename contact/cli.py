@@ -1,6 +1,7 @@
 """The command line: `contact solve | plan | compare | figures | bench | stability | profiles | interactions`.
 
-Exit status 0: solved; 2: bad input or out of range; 3: not converged. For 2 and 3 stderr has one line.
+Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but 0 stderr has one line, after a
+line for each warning.
 """
 
 from __future__ import annotations
@@ -9,18 +10,20 @@ import inspect
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable, Mapping
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
 
 import click
 import numpy as np
 
-from contact import lazy
+from contact import interrupts, lazy
 from contact.answer import Answer
 from contact.compare import compare, refusals, table, total_width
 from contact.compare_plot import plot_comparison
-from contact.errors import ContactError, NotConverged, SceneError
+from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
 from contact.export import ZONE_COLUMNS, to_json, write_csv, write_netcdf, zone_table
 from contact.interactions.base import TURNING
 from contact.planning import plan
@@ -31,7 +34,7 @@ from contact.solver import solve
 from contact.terminal import Progress, show_table
 from contact.units import quantity
 
-BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, 130
+BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, interrupts.STATUS
 
 # A table of more zones than this is for a file.
 _ZONES_SHOWN = 20
@@ -48,7 +51,8 @@ class Commands(click.Group):
         if not standalone_mode:
             return run(*args, standalone_mode=False, **extra)
         try:
-            status = run(*args, standalone_mode=False, **extra)
+            with _warnings_in_lines():
+                status = run(*args, standalone_mode=False, **extra)
         except NotConverged as error:
             _stop(NOT_CONVERGED, str(error))
         except BrokenPipeError:
@@ -59,9 +63,25 @@ class Commands(click.Group):
             _stop(BAD_INPUT, str(error))
         except click.ClickException as error:
             _stop(BAD_INPUT, error.format_message())
+        except ModelWarning as warning:  # where PYTHONWARNINGS makes errors of them
+            _stop(BAD_INPUT, str(warning))
         except click.Abort:
             _stop(INTERRUPTED, "interrupted")
         sys.exit(status if isinstance(status, int) else 0)
+
+
+@contextmanager
+def _warnings_in_lines() -> Iterator[None]:
+    """Each warning of a command as one line on stderr, without the place in the code, and every one of the model's."""
+    with warnings.catch_warnings():
+        # After what the user asks of Python's own options.
+        warnings.filterwarnings("always", category=ModelWarning, append=True)
+        warnings.showwarning = _show_warning
+        yield
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    click.echo(f"contact: warning: {' '.join(str(message).split())}", err=True)
 
 
 def _stop(status: int, message: str) -> NoReturn:

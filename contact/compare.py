@@ -14,12 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.answer import Answer
-from contact.errors import ContactError
+from contact.errors import ContactError, SceneError, unwarned, warn
 from contact.interactions.base import Interaction
 from contact.registry import interaction
 from contact.scene import Scene
 from contact.solver import solve
 from contact.units import quantity
+from contact.validity import of_solution
 
 Report = Callable[[str, int, int | None], None]
 
@@ -44,12 +45,18 @@ class Attempt:
 
 def compare(scene: Scene, tol: float = 1e-8, progress: Report | None = None) -> list[Attempt]:
     """Solve the scene under every model; the exact one comes last."""
+    if not isinstance(scene, Scene):
+        raise SceneError.of("scene", scene, "a contact.Scene")
     models = _models(scene.interaction)
     attempts = []
     for done, (name, model) in enumerate(models.items()):
         if progress is not None:
             progress(name, done, len(models))
-        attempts.append(_attempt(name, scene, model, tol))
+        with unwarned():
+            attempts.append(_attempt(name, scene, model, tol))
+    solved = [attempt.solution for attempt in attempts if attempt.solution is not None]
+    if solved:
+        warn(of_solution(solved[-1]))
     return attempts
 
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from math import pi
 
 import numpy as np
@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import fft
 from scipy.special import zeta
 
+import sie
 from contact.problem import Problem, Units
 from contact.profiles.base import Profile
 from contact.profiles.trigonometric import Sum
@@ -44,15 +45,33 @@ _BESIDE = 1e-5
 
 
 @dataclass(frozen=True, eq=False)
-class Conjugate:
-    """H f' of x [m], for a period [m], with the kinks (k, 2) of the profile as it declares them.
+class Conjugate(sie.Kept):
+    """H f' of x [m] of a periodic profile, with its kinks (k, 2) as it declares them; breakpoints: the profile's others."""
 
-    smooth: all of H f' but the logarithms (J / pi) ln|2 sin(pi (x - s) / L)| of the kinks.
-    """
+    profile: Profile
 
-    smooth: Callable[[Array], Array]
-    kinks: Array
-    period: float
+    @cached_property
+    def kinks(self) -> Array:
+        return np.asarray(self.profile.kinks, dtype=float)
+
+    @cached_property
+    def breakpoints(self) -> Array:
+        return np.setdiff1d(np.asarray(self.profile.breakpoints, dtype=float), self.kinks[:, 0])
+
+    @property
+    def period(self) -> float:
+        assert self.profile.period is not None
+        return self.profile.period
+
+    @cached_property
+    def smooth(self) -> Callable[[Array], Array]:
+        """All of H f' but the logarithms (J / pi) ln|2 sin(pi (x - s) / L)| of the kinks."""
+        profile, length = self.profile, self.period
+        given = profile.slope_conjugate(np.array([profile.x0 + 0.4142 * length])) is not None
+        if given and len(self.kinks) == 0:
+            return lambda x: np.asarray(profile.slope_conjugate(x))
+        series, settled = _series(profile, length)
+        return _less_logarithms(profile, self.kinks, length) if given and not settled else series
 
     def __call__(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=float)
@@ -76,6 +95,11 @@ class ScaledConjugate:
     def period(self) -> float:
         return self.conjugate.period / self.units.length
 
+    @property
+    def breakpoints(self) -> Array:
+        """Scaled places beside which H f' is not smooth, of kinks those of the problem."""
+        return np.concatenate((self.at, self.units.scaled(self.conjugate.breakpoints)))
+
     def without_own(self, kinks: NDArray[np.intp]) -> Array:
         """H f' at some of the kinks themselves, less the logarithm of each."""
         at, turns = self.at[kinks], (self.at[kinks, None] - self.at) / self.period
@@ -97,16 +121,7 @@ def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
 
 def conjugate_of(profile: Profile) -> Conjugate:
     """H f' of a periodic profile."""
-    length = profile.period
-    assert length is not None
-    kinks = np.asarray(profile.kinks, dtype=float)
-    given = profile.slope_conjugate(np.array([profile.x0 + 0.4142 * length])) is not None
-    if given and len(kinks) == 0:
-        return Conjugate(lambda x: np.asarray(profile.slope_conjugate(x)), kinks, length)
-    series, settled = _series(profile, length)
-    if given and not settled:
-        return Conjugate(_less_logarithms(profile, kinks, length), kinks, length)
-    return Conjugate(series, kinks, length)
+    return Conjugate(profile)
 
 
 def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], bool]:

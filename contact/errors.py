@@ -1,12 +1,15 @@
 """What can go wrong, by name: every error of the package is a ContactError.
 
 Bad input is a SceneError that names the field, the value and what is allowed; a run that does not reach its
-tolerance is a NotConverged that carries its best state; a load or approach no zone can carry is OutOfRange.
+tolerance is a NotConverged that carries its best state; a load or approach no zone can carry is OutOfRange. What
+is solved all the same, though the model hardly covers it, is a ModelWarning.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import warnings
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 from typing import Any
 
@@ -66,7 +69,28 @@ class MissingExtra(ContactError, ImportError):
     """An optional package is needed that is not installed; the message names the extra that brings it."""
 
 
+class ModelWarning(UserWarning):
+    """The model hardly covers what is asked of it, or a file's numbers are not those of a surface."""
+
+
+def warn(messages: Iterable[str], stacklevel: int = 3) -> None:
+    """Give out each message as a ModelWarning of the line that called the caller."""
+    for message in messages:
+        warnings.warn(message, ModelWarning, stacklevel=stacklevel)
+
+
+@contextmanager
+def unwarned() -> Iterator[None]:
+    """Without ModelWarnings: of solutions on the way to another one, which has its own."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ModelWarning)
+        yield
+
+
 def shown(value: Any) -> str:
-    """A value as it stands in a message: its repr on one line, cut to a readable length."""
+    """A value as it stands in a message: its repr on one line, its middle left out where it is long (a path's end names the file)."""
     text = " ".join(repr(value).split())
-    return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."
+    if len(text) <= _LONGEST_VALUE:
+        return text
+    kept = _LONGEST_VALUE - 3
+    return text[: kept // 2] + "..." + text[kept // 2 - kept :]

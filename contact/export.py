@@ -57,6 +57,7 @@ def to_dict(solution: Answer) -> dict[str, Any]:
         "error": solution.error,
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
+        "warnings": solution.warnings,
     }
     return {key: plain(value) for key, value in values.items()}
 

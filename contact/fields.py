@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -46,17 +46,39 @@ class Fields(Protocol):
     def stiffness(self) -> float | None: ...
     @property
     def mean_gap(self) -> float: ...
+    @property
+    def widening_rate(self) -> float: ...
+
+
+def moved_ends(state: sie.AnyState) -> Array:
+    """How far each end (2, Z) moves outward by a unit of the first condition's value: 2 K / A, as in a step of Newton's; 0 for ends
+    that are held."""
+    values = np.zeros(len(state.condition_scale))
+    values[state.condition_index[0]] = 1.0
+    zones = state.density.zones
+    moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+    k, a = np.array(state.response(values).intensities), np.array(state.density.edge_slopes)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(moves, 2 * k / a, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
-class ZoneFields:
-    """Fields of a load-controlled state on its zones; scaled inside, SI in `pressure`, `displacement`, `gap`."""
+class ZoneFields(sie.Kept):
+    """Fields of a load-controlled state on its zones; scaled inside, SI in `pressure`, `displacement`, `gap`.
+
+    In pickles and copies the state with its matrices is left out, and what it tells beyond the density is worked out before.
+    """
 
     problem: Problem
-    state: sie.AnyState
+    state: sie.AnyState = field(repr=False)
     amplitude_rate: float = 0.0
 
-    @property
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {"problem": self.problem, "amplitude_rate": self.amplitude_rate, "density": self.density}
+        kept |= {"levels": self.levels, "stiffness": self.stiffness}
+        return kept if self.problem.moment is None else kept | {"rotational_stiffness": self.rotational_stiffness}
+
+    @cached_property
     def density(self) -> sie.AnyDensity:
         return self.state.density
 
@@ -76,7 +98,7 @@ class ZoneFields:
     @property
     def approach(self) -> float | None:
         """Approach [m], None for an isolated punch without a datum."""
-        if getattr(self.problem.interaction, "datum", self) is None:
+        if not self.problem.interaction.has_approach:
             return None
         return -self.level * self.problem.units.height
 
@@ -301,11 +323,12 @@ class ZoneFields:
     def rotational_stiffness(self) -> float:
         """d moment / d tilt at the given load [N]: 1 over the tilt that a unit of moment adds, the ends held as for `stiffness`."""
         problem, density = self.problem, self.density
-        state = self.state
         if problem.moment is None:
             whole = replace(density.zones, symmetric=False)
             equation = replace(problem, moment=self.scaled_moment).equation(Control("load", density.total))
             state = sie.solve_zones(equation, whole, 1e-14)
+        else:
+            state = self.state
         values = np.zeros(len(state.condition_scale))
         values[-1] = 1.0
         return problem.units.moment / (problem.units.slope * float(state.response(values).amplitudes[-1]))
@@ -315,6 +338,12 @@ class ZoneFields:
         assert self.problem.period is not None
         zones = self.density.zones
         return float((zones.b - zones.a).sum()) / self.problem.period
+
+    @cached_property
+    def widening_rate(self) -> float:
+        """d contact fraction / d load [m/N]."""
+        assert self.problem.period is not None
+        return float(moved_ends(self.state).sum()) / self.problem.period / self.problem.units.load
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         return self.density.at_t(zone, t) * self.problem.units.pressure

@@ -33,6 +33,8 @@ Search = Callable[[Problem, Control, Array | None], Found]
 _STEPS = 30
 # How often a step towards a nominal pressure at which a zone reaches the border is halved.
 _HALVED = 3
+# Relative differences of load and nominal pressure that tell their rate.
+_APART = 1e-4
 
 
 class FirstOrder:
@@ -60,7 +62,7 @@ class FirstOrder:
             amplitude = self._amplitude_for(control, guess)
             assert self.together is not None
             found = self.together
-        rate = self._rate(found)
+        rate = self._rate(found) if self.single else self._rate_of_miss(found, amplitude)
         load = found.fields.density.total
         final = self.strip(found.fields.problem.with_amplitude(amplitude), Control("load", load), _table(found))
         return replace(final, fields=replace(final.fields, amplitude_rate=rate)), amplitude
@@ -88,6 +90,18 @@ class FirstOrder:
         step = min(1e-5 * width, 0.25 * (self._period - width))
         (ahead, more), (behind, less) = self._at_width(width + step), self._at_width(width - step)
         return (more - less) / (ahead.fields.density.total - behind.fields.density.total)
+
+    def _rate_of_miss(self, found: Found, amplitude: float) -> float:
+        """d amplitude / d load of vanishing miss, by central differences in both."""
+        load = found.fields.density.total
+
+        def miss(more_load: float, more: float) -> float:
+            self.together = found
+            return self._miss(Control("load", load * (1 + more_load)), amplitude * (1 + more))
+
+        by_load = (miss(_APART, 0.0) - miss(-_APART, 0.0)) / load
+        by_amplitude = (miss(0.0, _APART) - miss(0.0, -_APART)) / amplitude
+        return -by_load / by_amplitude
 
     def _width_for(self, control: Control, guess: float) -> float:
         """Bracket the root upwards from zero width, then close the bracket."""

@@ -89,7 +89,7 @@ def _frame_of(scene: Scene, profile: Profile, window: Window) -> Framed:
 def _window(scene: Scene, profile: Tilted) -> Window:
     """A window that holds the contact at the given tilt."""
     load, datum, fixed = scene.given_load, _datum(scene) or 1.0, held_by(profile)
-    find = partial(find_window, start_scale=profile.resolution, datum=datum, limits=profile.extent)
+    find = partial(find_window, start_scale=profile.resolution, datum=datum, limits=profile.extent, rest=scene.operator.rest)
     try:
         if load is not None:
             return window_at_load(scene, profile, load)
@@ -114,12 +114,14 @@ def _lowest_unturned(scene: Scene) -> float:
     cell = profile.support or profile.extent
     if cell is None and profile.period is None and profile.summits is None:
         datum = _datum(scene) or 1.0
-        cell = find_window(profile.height, scene.E_star, load=1e-3 * scene.E_star * datum, start_scale=profile.resolution)
+        cell = find_window(
+            profile.height, scene.E_star, load=1e-3 * scene.E_star * datum, start_scale=profile.resolution, rest=scene.operator.rest
+        )
     return lowest(profile, cell)
 
 
 def _datum(scene: Scene) -> float | None:
-    datum: float | None = getattr(scene.interaction, "datum", None)
+    datum: float | None = scene.interaction.datum
     return datum
 
 
@@ -132,12 +134,13 @@ def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
     if profile.support is not None:
         lo, hi = profile.support
         return 0.5 * (lo + hi), 0.5 * (hi - lo), (lo, hi)
-    if single:
+    rest = scene.operator.rest
+    if single and rest is None:
         rough = Problem(profile, scene.interaction, Units(0.0, 1.0, 1.0, scene.E_star), float(profile.height(0.0)))
         a = guess_half_width(rough, scaled_control(scene, rough.units))
         return 0.0, a, (-2 * a, 2 * a)
-    datum = getattr(scene.interaction, "datum", None)
-    find = partial(find_window, start_scale=profile.resolution, datum=datum or 1.0, limits=profile.extent)
+    datum = _datum(scene)
+    find = partial(find_window, start_scale=profile.resolution, datum=datum or 1.0, limits=profile.extent, rest=rest)
     if kind == "load":
         window = find(partial(grid_height, profile), scene.E_star, load=value)
         for _ in range(_DESCENTS):

@@ -14,7 +14,7 @@ from contact.extrema import maximum
 from contact.fields import mean_shape
 from contact.gap_certificate import NARROWEST, certify_gaps
 from contact.gapped import GapFields, Gapped
-from contact.problem import Control, Problem
+from contact.problem import Control, Problem, minus_one
 from contact.topology import TIGHT, WrongTopology
 
 Array = NDArray[np.float64]
@@ -144,7 +144,7 @@ def gap_equation(problem: Problem, control: Control, conjugate: ScaledConjugate)
         given = sie.ZoneMoments((control.value - mean_shape(problem)) * problem.period)
     else:
         given, ends = sie.Amplitude(0, None), (sie.TotalWidth(problem.period - control.value),)
-    column = sie.Forcing(lambda x: np.full(np.shape(x), -1.0), modes=1)
+    column = sie.Forcing(minus_one, modes=1)
     return sie.Equation(problem.kernel, right, (given, sie.ZoneTotals(0.0)), (column,), ends)
 
 

@@ -15,23 +15,22 @@ w = (L/pi) exp(-pi (2 pbar/E* - R)/|J|): it never closes, and is narrower than a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import sie
+from contact import zone_loads
 from contact.certificate import ROUNDING, Certificate
 from contact.conjugate import ScaledConjugate
 from contact.extrema import maximum
-from contact.fields import mean_shape
+from contact.fields import mean_shape, moved_ends
 from contact.problem import Problem
 
 Array = NDArray[np.float64]
-
-# Nodes of double-exponential quadrature, evenly up to this: there the weights are rounding.
-_NODES, _REACH = 161, 3.3
 
 # Pressures closer to a gap than this part of the period are as uncertain as the rounding of their own position makes them:
 # what is stated is not about them.
@@ -45,18 +44,23 @@ _BESIDE_TIPS = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class GapFields:
+class GapFields(sie.Kept):
     """Fields of a periodic contact from the slope of its gaps; scaled inside, SI in the public methods.
 
-    mean: scaled mean pressure. conjugate: H f' over the unit slope, of scaled x.
+    mean: scaled mean pressure. conjugate: H f' over the unit slope, of scaled x. In pickles and copies the state with its matrices is
+    left out, and what it tells beyond the density is worked out before.
     """
 
     problem: Problem
-    state: sie.AnyState
+    state: sie.AnyState = field(repr=False)
     mean: float
     conjugate: ScaledConjugate
 
-    @property
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {"problem": self.problem, "mean": self.mean, "conjugate": self.conjugate}
+        return kept | {"density": self.density, "stiffness": self.stiffness}
+
+    @cached_property
     def density(self) -> sie.Density:
         """Slope of the gap on the gaps."""
         assert isinstance(self.state.density, sie.Density)
@@ -120,31 +124,20 @@ class GapFields:
         gaps = self.density.zones
         return 1.0 - float((gaps.b - gaps.a).sum()) / self.period
 
+    @cached_property
+    def widening_rate(self) -> float:
+        """d contact fraction / d load [m/N]: what the gaps lose."""
+        return -float(moved_ends(self.state).sum()) / self.period**2 / self.problem.units.load
+
     @property
     def load(self) -> float:
         return self.mean * self.period * self.problem.units.load
 
     @cached_property
     def loads(self) -> Array:
-        """Load of each contact zone [N/m], between its ends and tips by double-exponential quadrature: the pressure is a root at
-        the ends and a logarithm at tips (H. Takahasi and M. Mori, Publ. RIMS 9 (1974) 721-741)."""
-        s = np.linspace(-_REACH, _REACH, _NODES)
-        # Distances from both ends of a panel over its length, and the weights.
-        left, right = (1 / (1 + np.exp(np.pi * sign * np.sinh(s))) for sign in (-1.0, 1.0))
-        weights = (s[1] - s[0]) * np.pi * np.cosh(s) * left * right
-        tips = self.conjugate.at[self.conjugate.heights > 0]
-        out = []
-        for zone, (a, b) in enumerate(self.zones):
-            at = tips + np.ceil((a - tips) / self.period) * self.period
-            cuts = np.unique(np.concatenate(([a, b], at[(at > a) & (at < b)])))
-            total = 0.0
-            for lo, hi in zip(cuts[:-1], cuts[1:], strict=True):
-                length = hi - lo
-                from_left, from_right = (lo - a) + length * left, (b - hi) + length * right
-                value = self.pressure_in(zone, 2 * from_left / (b - a), 2 * from_right / (b - a))
-                total += length * float(weights @ np.where(np.isfinite(value), value, 0.0))
-            out.append(total * self.problem.units.load)
-        return np.array(out)
+        """Load of each contact zone [N/m]."""
+        rise = np.diff(self.density.potential(self.zones), axis=1)[:, 0]
+        return zone_loads.loads(self.mean, self.conjugate, self.zones, rise) * self.problem.units.load
 
     @cached_property
     def max_pressure(self) -> float:
@@ -276,9 +269,5 @@ class Gapped:
 
     @property
     def widening(self) -> Array:
-        """How far each end of the gaps (n, 2) moves by a unit of mean pressure: 2 K / A, as a step of Newton's."""
-        state = self.fields.state
-        values = np.zeros(len(state.condition_scale))
-        values[state.condition_index[0]] = 1.0
-        k, a = np.array(state.response(values).intensities), np.array(self.fields.density.edge_slopes)
-        return np.asarray(np.abs(2 * k / a).T)
+        """How far each end of the gaps (n, 2) moves by a unit of mean pressure."""
+        return np.asarray(np.abs(moved_ends(self.fields.state)).T)

@@ -7,7 +7,9 @@ On n points with spacing h (one period, or a window of an isolated contact) find
 where S is the influence of the pressure on the displacement u,
 
     periodic:  u_k = 2 p_k / (E |k|), k = 2 pi j / (n h), u_0 = 0,
-    isolated:  u(x) = -(2 / (pi E)) int p(xi) ln(|x - xi| / d) dxi, p constant on a cell, integral closed.
+    isolated:  u(x) = -(2 / (pi E)) int p(xi) ln(|x - xi| / d) dxi, p constant on a cell, integral closed,
+
+and where the kernel has a smooth `rest` beyond the half-plane's, a function of the lag x - xi, that in place of the logarithm too.
 
 This is the problem of Polonsky & Keer (1999), Wear 231, 206-219, doi 10.1016/S0043-1648(99)00113-1, and like
 theirs the method is a conjugate gradient under FFTs. Two things differ, because here the iterations must not
@@ -26,6 +28,7 @@ grow with n:
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -36,6 +39,15 @@ from contact.errors import OutOfRange
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Rest = Callable[[Array], Array]
+
+# Lags at which what a kernel has beyond the half-plane's is sampled at least, and the smallest compliance over the half-plane's.
+_LAGS, _SOFTEST = 4096, 1e-9
+
+_AS_GOOD_AS_FULL = (
+    "the approach is the mean of the profile, as nearly as a grid can tell: contact is full or as good as full; give a load, a mean "
+    "pressure or a contact fraction"
+)
 
 
 @dataclass(frozen=True)
@@ -52,20 +64,24 @@ class Influence:
     _offset: float = 0.0  # u = ... + _offset * sum p h: the part of the datum, kept apart from the shape of u
 
     @classmethod
-    def periodic(cls, n: int, h: float, E: float) -> Influence:
+    def periodic(cls, n: int, h: float, E: float, rest: Rest | None = None) -> Influence:
         stiffness = _wave_stiffness(n, h, E)
+        if rest is not None:
+            stiffness /= _symbol(n, h, rest)
         compliance = np.zeros_like(stiffness)
         compliance[1:] = 1.0 / stiffness[1:]
         return cls(n, h, E, True, 0, compliance, stiffness)
 
     @classmethod
     def isolated(
-        cls, n: int, h: float, E: float, images: int = 0, period: float | None = None, datum: float = 1.0
+        cls, n: int, h: float, E: float, images: int = 0, period: float | None = None, datum: float = 1.0, rest: Rest | None = None,
     ) -> Influence:
         """Half-plane without periodicity; `images` shifted copies each side, `period` (default n h) apart."""
         lag = np.arange(n + 1.0)
         step = n if period is None else period / h
         kernel = sum((_log_cell(lag + j * step) for j in range(-images, images + 1)), np.zeros(n + 1))
+        if rest is not None:
+            kernel = kernel + rest(np.asarray(h * lag))
         circulant = np.concatenate((kernel, kernel[n - 1 : 0 : -1]))
         scale = -2.0 / (np.pi * E)
         compliance = scale * h * scipy.fft.rfft(circulant).real
@@ -88,6 +104,15 @@ class Influence:
 
 def _wave_stiffness(n: int, h: float, E: float) -> Array:
     return np.asarray(0.5 * E * (2.0 * np.pi / (n * h)) * np.arange(n // 2 + 1), dtype=np.float64)
+
+
+def _symbol(n: int, h: float, rest: Rest) -> Array:
+    """u_k over that of the half-plane, 1 - (k / pi) int rest(d) cos(k d) dd: sampled more closely than a coarse grid."""
+    finer = -(-_LAGS // n)
+    values = rest(np.asarray(h / finer * np.arange(finer * n), dtype=np.float64))
+    wave = 2.0 * np.pi / (n * h) * np.arange(n // 2 + 1)
+    found = 1.0 - wave / np.pi * (h / finer) * scipy.fft.rfft(values).real[: n // 2 + 1]
+    return np.asarray(np.maximum(found, _SOFTEST), dtype=np.float64)
 
 
 def _log_cell(m: Array) -> Array:
@@ -324,9 +349,7 @@ class _Run:
             gap = np.where(self.allowed, self.f - level, np.inf)
             return GridState(np.zeros(inf.n), gap, level, 0.0, 0, True, self.f, inf)
         if inf.is_periodic and np.all(self.allowed) and depth >= float(np.mean(self.shape)):
-            raise OutOfRange(
-                f"level {level} is not below the mean of f, {np.mean(self.f)}: contact is full, at any load"
-            )
+            raise OutOfRange(_AS_GOOD_AS_FULL)
         load = 0.5 * E * depth if guess is None else float(guess.sum()) * h
         low, high = 0.0, np.inf
         while True:
@@ -342,7 +365,7 @@ class _Run:
                 high = load
             if high < np.inf and high - low <= 1e-9 * high:
                 if inf.is_periodic:
-                    raise OutOfRange(f"level {level} is the mean of f but for roundoff: it decides no load")
+                    raise OutOfRange(_AS_GOOD_AS_FULL)
                 raise OutOfRange(f"level {level} is above the largest approach, {state.level}")
             guess = state.pressure
             load += step

@@ -126,6 +126,11 @@ def bench() -> ModuleType:
     return importlib.import_module("contact.bench.run")
 
 
+def gzip() -> ModuleType:
+    """Packed traces."""
+    return _module("gzip")
+
+
 def entry_points(group: str) -> Iterable[Any]:
     """Entry points of the installed packages in one group."""
     metadata = _module("importlib.metadata")

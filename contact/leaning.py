@@ -50,7 +50,7 @@ def window_at_load(
     """A window that holds the contact of the profile as it stands."""
     return held_by(profile) or find_window(
         partial(grid_height, profile), scene.E_star, load=load, start_scale=profile.resolution,
-        limits=limits or profile.extent, start=start,
+        limits=limits or profile.extent, start=start, rest=scene.operator.rest,
     )
 
 
@@ -114,7 +114,7 @@ class _Leaning:
         wide = self.whole is not None or (self.bounded and window == self.limits)
         found = propose(
             partial(grid_height, profile), window, E=scene.E_star, load=self.load, periodic=False,
-            points=None if wide else _POINTS, resolution=profile.resolution,
+            points=None if wide else _POINTS, resolution=profile.resolution, rest=scene.operator.rest,
         )
         extent = float(np.ptp(found.zones)) / found.state.influence.h if len(found.zones) else 1.0
         return Lean.of(tilt, window, found, max(1.0, _ROUGH * extent), window)

@@ -2,12 +2,11 @@
 
 In this order: read two columns, to metres; regrid (uniform positions); detrend (subtract the least-squares
 line or parabola); taper (bring both ends to one height, so that one length is a period). What was done is
-said in `Trace.history`.
+said in `Trace.history`, what is doubtful in `Trace.warnings`.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, log10
@@ -18,112 +17,135 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.checks import finite, integer, one_of, positive
-from contact.errors import SceneError, shown
+from contact.errors import SceneError
+from contact.trace_file import FEWEST, in_metres, read_table
+from contact.trace_text import at
+from contact.units import quantity
 
 Array = NDArray[np.float64]
 
-_UNITS = {
-    "m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "micron": 1e-6, "micrometer": 1e-6,
-    "micrometre": 1e-6, "nm": 1e-9, "A": 1e-10, "Å": 1e-10, "pm": 1e-12, "in": 0.0254,
-}  # fmt: skip
 _TRENDS = {"none": -1, "line": 1, "quadratic": 2}
-_DELIMITERS = (";", "\t", ",", None)  # None: white space
-_FEWEST = 4
 _ROUNDING_SEEN_FROM = 32  # points: with fewer, coarse positions may well be meant as they stand
+# Heights that agree this far, relative to the highest before anything was subtracted, are one height.
+_ROUNDING = 1e-12
+# Points that regrid may make of fewer: straight lines between what was measured add corners and time, and no knowledge.
+_MOST_REGRID = 20_000
+# [m]: from a few atoms to the longest guides and roads that a trace of one scan is taken of; and an atom.
+_LENGTHS, _PITCHES, _SHALLOWEST = (1e-9, 1.0), (1e-12, 1e-3), 1e-11
+
+# A period so many times longer than the trace leaves most of it to a spline through nothing.
+_MOST_BEYOND = 1.5
 
 
 @dataclass(frozen=True)
 class Trace:
-    """Positions and heights [m], the period if there is one, and what was done to get them."""
+    """Positions and heights [m], the period if there is one, what was done to get them, and what is doubtful about them."""
 
     x: Array
     height: Array
     period: float | None = None
     history: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
 
 
 def load_trace(
     path: str | Path,
-    columns: Sequence[int | str] = (0, 1),
-    units: str | Sequence[str] = "m",
+    columns: Sequence[int | str] = (),
+    units: str | Sequence[str] | None = None,
     detrend: str = "none",
     regrid: bool | int | None = None,
     taper: float | None = None,
     period: bool | float | None = None,
+    *,
+    pitch: float | None = None,
+    decimal: str | None = None,
+    delimiter: str | None = None,
 ) -> Trace:
     """Read a file and prepare it.
 
-    columns: two indices from 0, or names of the header; units: one for both or two; detrend: none, line or
-    quadratic; regrid: a number of uniform points, or True for as many as there are; taper: fraction of the
-    length at each end; period: a length [m], or True for the measured length, whose end heights must then
-    agree (a taper makes them).
+    columns: two indices from 0, or names of the header; may be left out where the file has two columns of numbers only. units: one
+    for both or two; left out, those of the header, else m. detrend: none, line or quadratic. regrid: a number of uniform points, or
+    True for as many as there are. taper: fraction of the length at each end. period: a length [m], or True for the measured length,
+    whose end heights must then agree (a taper makes them). pitch: distance of the points [m], of a file with heights alone.
+    decimal: "." or ","; delimiter: ";", ",", "tab" or "blank"; both are found where there is one reading only.
     """
     one_of("detrend", detrend, _TRENDS)
     count = _count(regrid)
     fraction = None if taper is None else _fraction(taper)
     length = _period(period)
-    x, height, lines = read_columns(path, columns, units)
-    history = [f"{x.size} points of {Path(path).name}"]
+    step = None if pitch is None else positive("pitch", pitch)
+    table = read_table(path, columns, decimal, delimiter, 2 if step is None else 1)
+    values, said = in_metres(path, table, units)
+    height, lines = values[:, -1], table.lines
+    x: Array = values[:, 0] if step is None else step * np.arange(height.size, dtype=float)
+    _refuse_backwards(path, x, height, lines)
+    history = [f"{x.size} points of {Path(path).name}, read in {said}"]
     if count is None:
         again = np.flatnonzero(np.diff(x) <= 0)
         if again.size:
-            raise _at(
+            raise at(
                 path,
                 lines[again[0] + 1],
                 "a position is repeated: give regrid if the file's positions are rounded",
             )
     else:
-        x, height, note = to_uniform(x, height, x.size if count is True else count)
+        x, height, note = to_uniform(x, height, x.size if count is True else _bounded(count, x.size))
         history.append(note)
+    size = float(np.max(np.abs(height)))
     if detrend != "none":
         height = subtract_trend(x, height, detrend)
         history.append(f"least-squares {detrend} subtracted")
+    if float(np.ptp(height)) <= _ROUNDING * size:
+        after = "" if detrend == "none" else f", once its {detrend} is subtracted"
+        raise SceneError(f"file {str(path)!r}: the heights are the same everywhere{after}", "file", str(path))
     if fraction is not None:
         height = taper_ends(x, height, fraction)
         history.append(f"ends tapered to one height over {fraction:g} of the length each")
     if length is True:
         length = float(x[-1] - x[0])
-        step = float(height[-1] - height[0])
-        if abs(step) > 1e-9 * float(np.ptp(height)):
+        difference = float(height[-1] - height[0])
+        if abs(difference) > 1e-9 * float(np.ptp(height)):
             raise SceneError.of(
                 "period",
                 True,
-                f"a number, or true with end heights that agree (they differ by {step:.3g} m: give taper)",
+                f"a number, or true with end heights that agree (they differ by {difference:.3g} m: give taper)",
             )
         history.append(f"period {length:.9g} m, the measured length")
-    return Trace(x, height, length, tuple(history))
+    return Trace(x, height, length, tuple(history), _doubts(Path(path).name, x, height, length, said))
 
 
 def read_columns(
-    path: str | Path, columns: Sequence[int | str] = (0, 1), units: str | Sequence[str] = "m"
+    path: str | Path, columns: Sequence[int | str] = (), units: str | Sequence[str] | None = None
 ) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Position and height [m] of a text file, and the line of each.
+    """Position and height [m] of a text file, and the line of each."""
+    table = read_table(path, columns)
+    values, _ = in_metres(path, table, units)
+    _refuse_backwards(path, values[:, 0], values[:, 1], table.lines)
+    return values[:, 0], values[:, 1], table.lines
 
-    The data begin with the first two rows in a run whose wanted columns are numbers, and go on to the end of
-    the file; empty lines and comments (#) are passed over.
-    """
-    wanted = _columns(columns)
-    scale = _units(units)
-    rows = _rows(path)
-    delimiter, indices, first = _find_table(path, rows, wanted)
-    data = [(line, text) for line, text in rows[first:] if not text.lstrip().startswith("#")]
-    lines = np.array([line for line, _ in data])
-    try:
-        table = np.loadtxt(
-            [text for _, text in data], delimiter=delimiter, usecols=indices, ndmin=2, comments=None
-        )
-    except ValueError:
-        raise _bad_row(path, data, delimiter, indices) from None
-    if len(table) < _FEWEST:
-        raise _at(path, lines[-1], f"only {len(table)} rows of numbers, at least {_FEWEST} are needed")
-    bad = np.flatnonzero(~np.isfinite(table).all(axis=1))
-    if bad.size:
-        raise _at(path, lines[bad[0]], f"{table[bad[0]].tolist()} is not finite")
-    back = np.flatnonzero(np.diff(table[:, 0]) < 0)
+
+def _doubts(name: str, x: Array, height: Array, period: float | None, said: str) -> tuple[str, ...]:
+    """What the lengths of a file say against its units, and against a period."""
+    length, depth = float(x[-1] - x[0]), float(np.ptp(height))
+    pitch = length / (x.size - 1)
+    told = f"{name}, read in {said}, is a trace {quantity(length, 'm')} long with a pitch of {quantity(pitch, 'm')}"
+    if not (_LENGTHS[0] <= length <= _LENGTHS[1] and _PITCHES[0] <= pitch <= _PITCHES[1]):
+        return (f"{told}, which is not that of a surface: units says what the numbers of the file are in",)
+    if depth < _SHALLOWEST:
+        return (f"{told} and heights within {quantity(depth, 'm')}, less than an atom: units may be two, of positions and of heights",)
+    if period is not None and period > _MOST_BEYOND * length:
+        return (f"{told}, a small part of the period of {quantity(period, 'm')}: period is in metres, as all lengths but the file's",)
+    return ()
+
+
+def _refuse_backwards(path: str | Path, x: Array, height: Array, lines: NDArray[np.int64]) -> None:
+    if x[0] == x[-1] and not np.ptp(x) > 0:
+        raise at(path, lines[0], f"all positions are {x[0]:g} m: columns says which column holds them")
+    back = np.flatnonzero(np.diff(x) < 0)
     if back.size:
         i = back[0]
-        raise _at(path, lines[i + 1], f"positions must increase, {table[i + 1, 0]:g} follows {table[i, 0]:g}")
-    return table[:, 0] * scale[0], table[:, 1] * scale[1], lines
+        other = "; the heights increase throughout: are the columns the other way round?" if np.all(np.diff(height) > 0) else ""
+        raise at(path, lines[i + 1], f"positions must increase, {x[i + 1]:g} m follows {x[i]:g} m{other}")
 
 
 def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
@@ -189,99 +211,18 @@ def _pitch_behind_rounding(x: Array) -> float | None:
     return None
 
 
-def _rows(path: str | Path) -> list[tuple[int, str]]:
-    """Numbered lines that are not empty; any line ending, also the doubled CR that some instruments write."""
-    try:
-        raw = Path(path).read_bytes()
-    except (OSError, TypeError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise SceneError.of("file", str(path), f"a file that can be read ({reason})") from None
-    try:
-        text = raw.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        text = raw.decode("latin-1")
-    return [(i, line) for i, line in enumerate(re.split("\r*\n|\r", text), 1) if line.strip()]
-
-
-def _find_table(
-    path: str | Path, rows: list[tuple[int, str]], wanted: tuple[int | str, ...]
-) -> tuple[str | None, tuple[int, ...], int]:
-    found: list[tuple[int, str | None, tuple[int, ...]]] = []
-    names = [c for c in wanted if isinstance(c, str)]
-    named = not names
-    for delimiter in _DELIMITERS:
-        start, header = _header(rows, delimiter, names)
-        if start is None:
-            continue
-        named = True
-        indices = tuple(header.index(c) if isinstance(c, str) else c for c in wanted)
-        usable = [_numbers(line, delimiter, indices) for _, line in rows[start:]]
-        first = next((i for i in range(len(usable) - 1) if usable[i] and usable[i + 1]), None)
-        if first is not None:
-            found.append((start + first, delimiter, indices))
-    if not found:
-        what = "two rows of numbers in a run" if named else "a header row with the names"
-        raise SceneError(f"file {str(path)!r}: no {what} in columns {list(wanted)}", "file", str(path))
-    first, delimiter, indices = min(found, key=lambda f: f[0])
-    return delimiter, indices, first
-
-
-def _header(
-    rows: list[tuple[int, str]], delimiter: str | None, names: list[str]
-) -> tuple[int | None, list[str]]:
-    """The row after the one that holds every name once, and its fields; row 0 if no names are asked for."""
-    if not names:
-        return 0, []
-    for after, (_, line) in enumerate(rows, 1):
-        fields = [f.strip().strip('"') for f in line.lstrip("# ").split(delimiter)]
-        if all(fields.count(name) == 1 for name in names):
-            return after, fields
-    return None, []
-
-
-def _numbers(line: str, delimiter: str | None, indices: tuple[int, ...]) -> bool:
-    fields = line.split(delimiter)
-    try:
-        for i in indices:
-            float(fields[i])
-    except (ValueError, IndexError):
-        return False
-    return True
-
-
-def _bad_row(
-    path: str | Path, data: list[tuple[int, str]], delimiter: str | None, indices: tuple[int, ...]
-) -> SceneError:
-    for line, text in data:
-        if not _numbers(text, delimiter, indices) or "_" in text:
-            return _at(path, line, f"no two numbers in columns {list(indices)}: {shown(text.strip())}")
-    return SceneError(f"file {str(path)!r}: the table cannot be read", "file", str(path))
-
-
-def _at(path: str | Path, line: int, what: str) -> SceneError:
-    return SceneError(f"file {str(path)!r}, line {int(line)}: {what}", "file", str(path))
-
-
-def _columns(columns: Any) -> tuple[int | str, ...]:
-    allowed = "two different column indices (from 0) or names"
-    if isinstance(columns, str) or not isinstance(columns, Sequence) or len(columns) != 2:
-        raise SceneError.of("columns", columns, allowed)
-    if columns[0] == columns[1]:
-        raise SceneError.of("columns", columns, allowed)
-    return tuple(c if isinstance(c, str) else integer("columns", c) for c in columns)
-
-
-def _units(units: Any) -> tuple[float, float]:
-    both = (units, units) if isinstance(units, str) else units
-    if not isinstance(both, Sequence) or len(both) != 2:
-        raise SceneError.of("units", units, "one unit or two, for positions and heights")
-    return _UNITS[one_of("units", both[0], _UNITS)], _UNITS[one_of("units", both[1], _UNITS)]
-
-
 def _count(regrid: Any) -> int | bool | None:
     if regrid is None or regrid is False:
         return None
-    return True if regrid is True else integer("regrid", regrid, _FEWEST)
+    return True if regrid is True else integer("regrid", regrid, FEWEST)
+
+
+def _bounded(count: int, points: int) -> int:
+    most = max(_MOST_REGRID, points)
+    if count > most:
+        allowed = f"at most {most}: between the {points} points of the file there are but straight lines, and nothing more to be known"
+        raise SceneError.of("regrid", count, allowed)
+    return count
 
 
 def _fraction(taper: Any) -> float:

@@ -9,7 +9,8 @@ condition, with the topology held fixed and the signs free:
     full            the least pressure of full contact is zero (contact.full).
 
 Names are given for a growing load; for a falling one the same event is a death or a split. At a given moment the body turns as the
-load grows, and may lift off again on one side: there deaths and splits are looked for as well.
+load grows, and may lift off again on one side: there deaths and splits are looked for as well, and so they are where the body is
+not a half-plane, on which alone contact is known to grow with the load.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 import sie
 from contact import lazy
 from contact.checks import finite_array
-from contact.errors import NotConverged, SceneError
+from contact.errors import NotConverged, SceneError, unwarned, warn
 from contact.extrema import maximum
 from contact.fields import ZoneFields
 from contact.gap_search import with_gaps
@@ -34,6 +35,7 @@ from contact.scene import Scene
 from contact.solution import Solution
 from contact.solver import solve
 from contact.topology import Progress, WrongTopology, kinds
+from contact.validity import of_solution
 
 Array = NDArray[np.float64]
 
@@ -87,13 +89,16 @@ def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress |
     run = _Path(scene, tol, progress)
     solutions: list[Solution] = []
     events: list[Event] = []
-    for k, load in enumerate(values):
-        if progress is not None:
-            progress("load", k, len(values))
-        here = run.at(float(load), solutions[-1] if solutions else None)
-        if solutions:
-            events += run.between(solutions[-1], here)
-        solutions.append(here)
+    with unwarned():
+        for k, load in enumerate(values):
+            if progress is not None:
+                progress("load", k, len(values))
+            here = run.at(float(load), solutions[-1] if solutions else None)
+            if solutions:
+                events += run.between(solutions[-1], here)
+            solutions.append(here)
+    # Of the highest load, where slopes and pressures are.
+    warn(of_solution(max(solutions, key=lambda solution: solution.load)))
     return Path(tuple(solutions), tuple(events))
 
 
@@ -193,9 +198,9 @@ def _changes(low: Solution, high: Solution) -> list[_Change]:
     """Births and merges that lead from the zones of the lower load to those of the higher one."""
     if len(high.zones) == 0:
         return [] if len(low.zones) == 0 else [_Change("full", tuple(range(len(low.zones))), 0)]
-    if low.scene.turned and low.scene.moment is not None:
-        return [*_between(low, high), *(replace(change, back=True) for change in _between(high, low))]
     period = low.scene.period
+    if (low.scene.turned and low.scene.moment is not None) or low.scene.operator.rest is not None:
+        return [*_between(low, high, period), *(replace(change, back=True) for change in _between(high, low, period))]
     middles = low.zones.mean(axis=1)
     changes = []
     for k, (a, b) in enumerate(high.zones):
@@ -208,11 +213,16 @@ def _changes(low: Solution, high: Solution) -> list[_Change]:
     return changes
 
 
-def _between(low: Solution, high: Solution) -> list[_Change]:
+def _between(low: Solution, high: Solution, period: float | None) -> list[_Change]:
     """Births and merges by the zones that overlap, where none need lie within another."""
     changes = []
     for k, (a, b) in enumerate(high.zones):
-        held = np.flatnonzero((low.zones[:, 0] < b) & (low.zones[:, 1] > a))
+        # The copy of each zone whose middle is nearest.
+        zones = low.zones
+        if period is not None:
+            zones = zones - np.round((zones.mean(axis=1) - 0.5 * (a + b)) / period)[:, None] * period
+        held = np.flatnonzero((zones[:, 0] < b) & (zones[:, 1] > a))
+        held = held[np.argsort(zones[held, 0])]
         if len(held) == 0:
             changes.append(_Change("birth", (), k))
         changes += [_Change("merge", (int(i), int(j)), k) for i, j in zip(held[:-1], held[1:], strict=True)]

@@ -97,9 +97,10 @@ def plan(scene: Scene) -> Plan:
         _tilt(scene),
         Part(
             "periodic kernel",
-            model.images is None,
-            "the whole period repeats" if model.images is None else f"{model.name}: nothing repeats beyond its images",
+            scene.operator.is_periodic,
+            "the whole period repeats" if scene.operator.is_periodic else f"{model.name}: nothing repeats beyond its images",
         ),
+        _inverse(scene),
         Part(
             "localization term",
             bool(model.strip),
@@ -122,6 +123,18 @@ def plan(scene: Scene) -> Plan:
         Part("fields", False, "computed when asked"),
     ]
     return Plan(parts)
+
+
+def _inverse(scene: Scene) -> Part:
+    """What the model's operator offers beyond its kernel: full contact, and nearly full contact by its gaps."""
+    operator, name = scene.operator, scene.interaction.name
+    if not operator.is_periodic:
+        return Part("inverse operator", False, f"{name} has no full contact")
+    if operator.is_half_plane:
+        return Part("inverse operator", True, "half-plane: full contact, and gaps where contact is nearly full")
+    if operator.has_inverse:
+        return Part("inverse operator", True, f"{name} declares its symbol: full contact; gaps on a half-plane only")
+    return Part("inverse operator", False, f"{name} declares no symbol: by its zones alone, no full contact")
 
 
 def _symmetry(scene: Scene) -> Part:

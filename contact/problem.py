@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 import sie
 from contact.interactions.base import Interaction
+from contact.operator import Operator
 from contact.profiles.base import Profile
 from contact.profiles.tilted import Tilted
 
@@ -64,6 +65,19 @@ class Units:
     def scaled(self, x: Array) -> Array:
         return np.asarray((x - self.origin) / self.length)
 
+    def placed(self, scaled: Array) -> Array:
+        """Where scaled places come to stand by the rounding of x."""
+        return self.scaled(self.x(scaled))
+
+    def minus_place(self, scaled: Array) -> Array:
+        """-x, scaled."""
+        return np.asarray(-(scaled + self.lever))
+
+
+def minus_one(x: Array) -> Array:
+    """-1 at all places: the slope of a column that turns, or of a load that presses everywhere."""
+    return np.full(np.shape(x), -1.0)
+
 
 @dataclass(frozen=True)
 class Control:
@@ -74,7 +88,7 @@ class Control:
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Problem(sie.Kept):
     """Profile and interaction in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
     reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell.
     moment: scaled, about x = 0; None where the tilt of the profile is not an unknown."""
@@ -106,8 +120,12 @@ class Problem:
         return None if self.profile.period is None else self.profile.period / self.units.length
 
     @cached_property
+    def operator(self) -> Operator:
+        return Operator(self.interaction, self.profile.period if self.interaction.needs_period else None)
+
+    @cached_property
     def kernel(self) -> sie.Kernel:
-        return self.interaction.kernel(self.period, self.units.length)
+        return self.operator.kernel(self.units.length)
 
     @cached_property
     def walls(self) -> tuple[float, float]:
@@ -144,11 +162,12 @@ class Problem:
         if repeat is not None and len(at):
             at = at - np.round((at - self.centre) / repeat) * repeat
 
-        def value(x: Array) -> Array:
-            return np.asarray(profile.slope(units.x(x))) / units.slope
-
         resolution = None if profile.resolution is None else profile.resolution / units.length
-        return sie.Forcing(value, self.shape, at, heights, orders, resolution=resolution, placed=lambda x: units.scaled(units.x(x)))
+        return sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed)
+
+    def slope(self, x: Array) -> Array:
+        """f' over the unit of slope."""
+        return np.asarray(self.profile.slope(self.units.x(x))) / self.units.slope
 
     def shape(self, x: Array) -> Array:
         """F = (f - min f) / (slope length)."""
@@ -183,8 +202,7 @@ class Problem:
         """The column of the tilt that is missing, in units of the slope; none where the tilt is given."""
         if self.moment is None:
             return ()
-        lever = self.units.lever
-        return (sie.Forcing(lambda x: np.full(np.shape(x), -1.0), lambda x: -(x + lever), modes=1),)
+        return (sie.Forcing(minus_one, self.units.minus_place, modes=1),)
 
     def equation(self, control: Control) -> sie.Equation:
         """The integral equation with the side conditions of the control."""

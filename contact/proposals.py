@@ -24,6 +24,11 @@ _MOST_TILTS = 12
 _WIDENINGS = 4
 # How often a strip is moved to the middle of its zones.
 _CENTRINGS = 6
+# Of a width, or of what it leaves of the period: near enough for a load to begin with; cells in it at least; of a grid that tells as
+# much, cells to a shortest length of the shape, and its tolerance.
+_ABOUT, _SEEN, _PER_FEATURE, _ROUGHLY = 0.03, 64, 2, 1e-3
+# Loads over each other that are near enough to begin with, whatever lies between.
+_CLOSE_BY = 1.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,19 +49,20 @@ class Proposed:
         return math.inf if self.full else float(np.sum(self.zones[:, 1] - self.zones[:, 0]))
 
 
-def proposed(frame: Framed, problem: Problem, control: Control, points: int | None, held: bool = False) -> Proposed:
-    """Zones from a grid of so many points, or of as many as the profile's resolution asks for; held: of a strip that stays where it is."""
-    if control.kind == "width":
-        return _by_width(frame, problem, control, points)
+def proposed(
+    frame: Framed, problem: Problem, control: Control, points: int | None, tol: float = 1e-8, held: bool = False
+) -> Proposed:
+    """Zones from a grid of so many points, or of as many as the profile's resolution asks for, to a tolerance; held: of a strip that
+    stays where it is."""
     if problem.moment is not None:
         return _by_moment(frame, problem, control, points)
     units, profile, interaction = problem.units, problem.profile, problem.interaction
     by_load = control.kind == "load"
     found = propose(
         partial(grid_height, profile) if by_load else profile.height, frame.cell, E=units.E_star,
-        periodic=interaction.needs_period, datum=getattr(interaction, "datum", None) or 1.0,
-        resolution=profile.resolution, points=points, load=control.value * units.load if by_load else None,
-        level=None if by_load else problem.lowest + control.value * units.height,
+        periodic=interaction.needs_period, datum=interaction.datum or 1.0, rest=problem.operator.rest,
+        resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
+        level=None if by_load else problem.lowest + control.value * units.height, tol=tol,
     )
     if interaction.strip and found.state.load > 0.0:
         return _in_strip(problem, control, points, found, held)
@@ -78,7 +84,7 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
         assert column is not None
         found = propose(
             partial(grid_height, profile), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), E=units.E_star,
-            periodic=False, images=interaction.images or 0, resolution=profile.resolution, points=points, load=load,
+            periodic=False, images=interaction.neighbours, resolution=profile.feature, points=points, load=load,
             extra=partial(_beyond, units, nominal, column),
         )
         before, middle = middle, 0.5 * float(found.zones[0, 0] + found.zones[-1, 1])
@@ -118,8 +124,8 @@ def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | 
         def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> Lean[Proposal]:
             profile = problem.turned_to(tilt).profile
             found = propose(
-                partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.resolution,
-                points=points, load=load,
+                partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.feature,
+                points=points, load=load, rest=problem.operator.rest,
             )
             if found.touches_border and not last:
                 raise _TooNarrow
@@ -134,25 +140,37 @@ def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | 
     return Proposed(best.found.zones, best.found.points, False, best.found.touches_border, best.tilt)
 
 
-def _by_width(frame: Framed, problem: Problem, control: Control, points: int | None) -> Proposed:
-    """At the load at which the grid's zones have the given total width, by bisection on its logarithm."""
-    width = control.value * problem.units.length
-    low, high, load = 0.0, math.inf, 0.1
-    best: Proposed | None = None
+def load_of_width(frame: Framed, problem: Problem, width: float) -> float:
+    """A scaled load at which a grid's zones have about the given scaled total width, by false position. It is that of a first guess:
+    the grid is no finer than the width asks for."""
+    assert problem.period is not None
+    units, profile, period = problem.units, problem.profile, problem.period
+    near_enough, least = _ABOUT * min(width, period - width), _SEEN * period / min(width, period - width)
+    features = 16.0 if profile.feature is None else units.length * period / profile.feature
+    points = 2 ** int(np.clip(np.ceil(np.log2(max(_PER_FEATURE * features, least))), 8, 17))
+    low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
     for _ in range(60):
-        found = proposed(frame, problem, Control("load", load), points)
-        if best is None or not found.full:
-            best = found
-        if abs(found.width / width - 1) < 0.03:
+        found = proposed(frame, problem, Control("load", load), points, _ROUGHLY).width / units.length
+        if abs(found - width) < near_enough or high < _CLOSE_BY * low:
             break
-        low, high = (load, high) if found.width < width else (low, load)
-        # Coarse grids do for large loads; only where the zones are narrow must the grid be fine.
-        if low == 0.0:
-            load = high * min(max((width / found.width) ** 2, 1e-3), 0.3) if found.width < math.inf else 0.3 * high
+        # Of what is in contact to what is not, the logarithm goes about straight with that of the load.
+        beyond = math.copysign(math.inf, found - width)
+        miss = math.log(found / width * (period - width) / (period - found)) if 0.0 < found < period else beyond
+        # The end that stays a second time loses half of its weight, for the other to come nearer.
+        weight = 0.5 if miss * last > 0 else 1.0
+        if miss < 0:
+            low, at_low, at_high = load, miss, weight * at_high
         else:
-            load = 10 * low if high == math.inf else math.sqrt(low * high)
-    assert best is not None
-    return best
+            high, at_high, at_low = load, miss, weight * at_low
+        last = miss
+        if low == 0.0:
+            load = high * min(max((width / found) ** 2, 1e-3), 0.3) if found < period else 0.3 * high
+        elif high == math.inf:
+            load = 10 * low
+        else:
+            share = at_high / (at_high - at_low) if math.isfinite(at_high - at_low) else 0.5
+            load = high * (low / high) ** min(max(share, 0.02), 0.98)
+    return load
 
 
 def placed(problem: Problem, zones: Array) -> Array:

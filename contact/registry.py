@@ -56,12 +56,12 @@ class Registry:
         """Take a name out again: for tests and for running a notebook cell twice."""
         self._classes.pop(name, None)
 
-    def find(self, name: str) -> Any:
-        """The class of a name; SceneError with the nearest known name if there is none."""
+    def find(self, name: str, key: str | None = None) -> Any:
+        """The class of a name; SceneError with the nearest known name if there is none, about the `key` it was written under."""
         if isinstance(name, str) and name not in self._classes:
             self._load_plugins()
         if not isinstance(name, str) or name not in self._classes:
-            raise SceneError.unknown(self.kind, name, self._classes)
+            raise SceneError.unknown(key or self.kind, name, self._classes)
         return self._classes[name]
 
     def all(self) -> dict[str, Any]:
@@ -128,7 +128,12 @@ def profile(name: str, **params: Any) -> Any:
 
 def interaction(name: str, **params: Any) -> Any:
     """The interaction of that name with these parameters."""
-    return construct(INTERACTIONS.find(name), f"interaction {name!r}", params)
+    return interaction_from_table(name, params)
+
+
+def interaction_from_table(name: str, params: Mapping[str, Any], key: str | None = None) -> Any:
+    """The same; `key` is what a scene file calls the name."""
+    return construct(INTERACTIONS.find(name, key), f"interaction {name!r}", params)
 
 
 def profiles() -> dict[str, Any]:

@@ -19,10 +19,10 @@ import numpy as np
 from contact.checks import finite, finite_or_none, positive
 from contact.errors import SceneError
 from contact.interactions.base import CONTROLS, TURNING, Interaction
+from contact.interactions.declared import require_elastic
+from contact.operator import Operator
 from contact.profiles.base import Profile
 from contact.profiles.declared import require_declared
-
-_NO_DATUM_NEEDED = object()
 
 
 def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = None) -> float:
@@ -84,6 +84,9 @@ class Scene:
             raise SceneError.of(name, value, "above 0 and at most 1")
 
         self._check_period()
+        if not type(self.interaction).__module__.startswith("contact."):
+            ends, resolution = self.profile.support, self.profile.resolution
+            require_elastic(self.interaction, self.period, resolution or (ends[1] - ends[0] if ends else self.profile.period or 1.0))
         self._check_control_suits_interaction(name)
         self._check_turning(name)
         if name == "half_width":
@@ -115,6 +118,11 @@ class Scene:
         """The period of the solution; None where nothing repeats, as with one cell of a profile taken alone."""
         return self.profile.period if self.interaction.needs_period else None
 
+    @property
+    def operator(self) -> Operator:
+        """What the pressure does to the surface."""
+        return Operator(self.interaction, self.period)
+
     def _the_one_control(self) -> tuple[str, float]:
         given = {name: value for name in CONTROLS if (value := getattr(self, name)) is not None}
         if len(given) != 1:
@@ -130,7 +138,7 @@ class Scene:
         model = self.interaction
         if name == "mean_pressure" and self.profile.period is None:
             raise SceneError.of(name, self.mean_pressure, "left out: without a period there is no mean pressure")
-        if name == "approach" and getattr(model, "datum", _NO_DATUM_NEEDED) is None:
+        if name == "approach" and not model.has_approach:
             allowed = f"left out, or {model.name} given a datum: without one a half-plane has no approach"
             raise SceneError.of(name, self.approach, allowed)
         if name not in model.allows:

@@ -16,7 +16,7 @@ from contact.checks import text
 from contact.errors import SceneError
 from contact.interactions.base import CONTROLS, TURNING, Interaction
 from contact.profiles.base import Profile
-from contact.registry import PROFILES, interaction
+from contact.registry import PROFILES, interaction_from_table
 from contact.scene import E_star, Scene
 
 Table = Mapping[str, Any]
@@ -28,19 +28,23 @@ MODULI = ("E_star", "E1", "nu1", "E2", "nu2")
 
 def load_scene(path: str | PathLike[str]) -> Scene:
     """Read a scene file. A fault in it is a SceneError that names the file, the table and the key."""
+    if not isinstance(path, (str, PathLike)):
+        raise SceneError.of("path", path, "the name of a scene file")
     path = Path(path)
     try:
         with path.open("rb") as stream:
             tables = tomllib.load(stream)
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SceneError(f"{path}: is not a TOML file: {error}") from error
+    except (OSError, ValueError) as error:
+        if isinstance(error, (tomllib.TOMLDecodeError, UnicodeDecodeError)):
+            raise SceneError(f"{path}: is not a TOML file: {error}") from error
+        raise SceneError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
     return _under(f"{path}:", lambda: scene_from_tables(tables, path.parent))
 
 
 def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Scene:
     """The scene of tables already read; files they name are looked for from `directory`."""
+    if not isinstance(tables, Mapping):
+        raise SceneError.of("tables", tables, f"a mapping with the keys {', '.join(TABLES)}")
     _require_known("table", tables, TABLES)
     missing = [f"[{name}]" for name in TABLES if name not in tables]
     if missing:
@@ -52,12 +56,15 @@ def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Sc
     modulus = _under("[material]", lambda: _read_material(tables["material"]))
     model = _under("[interaction]", lambda: _read_interaction(tables["interaction"]))
     control = _under("[control]", lambda: _read_control(tables["control"]))
-    return Scene(profile, modulus, model, **control)
+    try:
+        return Scene(profile, modulus, model, **control)
+    except SceneError as error:
+        raise _placed(error, tables) from error
 
 
 def _read_profile(table: Table, directory: Path) -> Profile:
     shape, parameters = _named(table, "shape")
-    profile: Profile = PROFILES.find(shape).from_table(parameters, directory)
+    profile: Profile = PROFILES.find(shape, "shape").from_table(parameters, directory)
     return profile
 
 
@@ -77,7 +84,7 @@ def _read_material(table: Table) -> float:
 
 def _read_interaction(table: Table) -> Interaction:
     model, parameters = _named(table, "model")
-    built: Interaction = interaction(model, **parameters)
+    built: Interaction = interaction_from_table(model, parameters, "model")
     return built
 
 
@@ -102,6 +109,19 @@ def _require_known(what: str, given: Collection[str], known: Collection[str]) ->
     for name in given:
         if name not in known:
             raise SceneError.unknown(what, name, known)
+
+
+def _placed(error: SceneError, tables: Table) -> SceneError:
+    """A fault of the scene as a whole, by the table and the key that it was written under."""
+    table = next((name for name in TABLES if error.field == name or error.field in tables[name]), None)
+    if table is None or error.allowed is None:
+        return error
+    key, value = {"profile": ("shape", None), "interaction": ("model", None)}.get(table, (error.field, error.value))
+    if value is None:
+        value = tables[table].get(key)
+    assert key is not None
+    named = SceneError.of(key, value, error.allowed)
+    return SceneError(f"[{table}] {named}", error.field, error.value, error.allowed)
 
 
 def _under(place: str, read: Callable[[], T]) -> T:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange
-from contact.grid import GridState, Influence, Mask, solve_grid
+from contact.grid import GridState, Influence, Mask, Rest, solve_grid
 from contact.profiles.base import Profile
 
 Array = NDArray[np.float64]
@@ -165,6 +165,7 @@ def propose(
     points_per_feature: int = 16,
     max_points: int = 2**17,
     extra: Height | None = None,
+    rest: Rest | None = None,
     tol: float = 1e-8,
 ) -> Proposal:
     """Zones of `height` (+ `extra`) on one period or window `cell` from nested grids.
@@ -172,7 +173,7 @@ def propose(
     `resolution` is the smallest length of the shape and sets the first final grid, doubled up to `max_points`
     while something is narrower than three cells; `points` fixes the final grid instead. `periodic=False` is isolated, with
     `images` copies of the cell each side; then `level` is counted with the length `datum` in the
-    logarithm."""
+    logarithm. `rest` is what the kernel has beyond the half-plane's (contact.grid)."""
     width = cell[1] - cell[0]
     if points is not None:
         target = limit = int(points)
@@ -194,9 +195,9 @@ def propose(
         if extra is not None:
             f = f + np.asarray(extra(x), dtype=np.float64)
         influence = (
-            Influence.periodic(n, h, E)
+            Influence.periodic(n, h, E, rest)
             if periodic
-            else Influence.isolated(n, h, E, images=images, datum=datum)
+            else Influence.isolated(n, h, E, images=images, datum=datum, rest=rest)
         )
         start = None if state is None else _refine(state.pressure, periodic)
         # What a grid before the last is wrong by, the next one puts right.
@@ -230,6 +231,7 @@ def find_window(
     limits: tuple[float, float] | None = None,
     points: int = 128,
     start: tuple[float, float] | None = None,
+    rest: Rest | None = None,
 ) -> tuple[float, float]:
     """A window of the line of which an isolated contact takes between about 20 % and 70 %, clear of its
     border.
@@ -238,7 +240,7 @@ def find_window(
     grows or shrinks by what the contact takes. A window returned with its border in contact is `limits` itself."""
     if (load is None) == (level is None):
         raise ValueError("exactly one of load and level")
-    search = _Window(height, E, datum, limits, points)
+    search = _Window(height, E, datum, limits, points, rest)
     window = start or limits or (-(start_scale or 1.0), start_scale or 1.0)
     if load is not None:
         return search.at_load(load, window)[0]
@@ -253,6 +255,7 @@ class _Window:
     datum: float
     limits: tuple[float, float] | None
     points: int
+    rest: Rest | None = None
 
     def _solve(self, window: tuple[float, float], load: float) -> tuple[Array, GridState]:
         x = _midpoints(window, self.points)
@@ -264,7 +267,7 @@ class _Window:
                 "line only, give it an `extent`, and a `resolution` to begin with"
             )
         influence = Influence.isolated(
-            self.points, (window[1] - window[0]) / self.points, self.E, datum=self.datum
+            self.points, (window[1] - window[0]) / self.points, self.E, datum=self.datum, rest=self.rest
         )
         with np.errstate(over="ignore", invalid="ignore"):
             return x, solve_grid(f, influence, load=load, tol=1e-3)

@@ -80,8 +80,8 @@ def widest(problem: Problem) -> float:
 
 def _carried(problem: Problem, control: Control, a: Array) -> Array:
     """The controlled quantity of half widths a, -inf beyond its first maximum."""
-    period, images = problem.period, problem.interaction.images
-    repeats = period is not None and images != 0
+    period = problem.period
+    repeats = period is not None and len(problem.kernel.poles) > 1
     if repeats:
         assert period is not None
         sine = np.sin(np.pi * a / period)

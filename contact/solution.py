@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import sie
 from contact import export
 from contact.certificate import Certificate
 from contact.checks import real
@@ -17,16 +18,18 @@ from contact.errors import SceneError
 from contact.fields import Fields, ZoneFields
 from contact.planning import Plan
 from contact.scene import Scene
+from contact.validity import everything
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class Solution(sie.Kept):
     """Zones (n, 2) [m], pressure and gap anywhere, loads per unit thickness [N/m]; see the properties.
 
     error: stated bound of (i) the pressure's error at equal normalised position in corresponding zones over the peak pressure
     (over the mean contact pressure where the peak is infinite), and (ii) each end's error over its zone's width.
+    What follows from it for the numbers below is stated with each, p being that peak (or mean) pressure; see docs/errors.md.
     """
 
     scene: Scene
@@ -73,7 +76,7 @@ class Solution:
 
     @property
     def load(self) -> float:
-        """Load [N/m], per period where there is one."""
+        """Load [N/m], per period where there is one: as given, else off by at most 3 error p times the width in contact."""
         return self.fields.load
 
     @property
@@ -84,27 +87,27 @@ class Solution:
 
     @property
     def zone_loads(self) -> Array:
-        """Load of each zone (n,) [N/m]."""
+        """Load of each zone (n,) [N/m], off by at most 3 error p times its width; their sum is the load to rounding."""
         return np.asarray(self.fields.loads[self._order])
 
     @property
     def zone_widths(self) -> Array:
-        """Width of each zone (n,) [m]."""
+        """Width of each zone (n,) [m], off by at most 2 error of itself."""
         return np.asarray(self.zones[:, 1] - self.zones[:, 0])
 
     @property
     def max_pressure(self) -> float:
-        """Highest pressure [Pa]; inf under a sharp corner or a tip with a kink."""
+        """Highest pressure [Pa], off by at most error of itself; inf under a sharp corner or a tip with a kink."""
         return self.fields.max_pressure
 
     @property
     def approach(self) -> float | None:
-        """Approach [m]; None for an isolated punch without a datum."""
+        """Approach [m], off by at most about 3 error p L / E* (L: the period); None for an isolated punch without a datum."""
         return self.fields.approach
 
     @property
     def contact_fraction(self) -> float | None:
-        """Width in contact over the period; None without a period."""
+        """Width in contact over the period, off by at most 2 error of itself; None without a period."""
         if self.scene.period is None:
             return None
         return self.fields.contact_fraction
@@ -112,7 +115,7 @@ class Solution:
     @property
     def stiffness(self) -> float | None:
         """d load / d approach [N/m^2], at the given moment where one is given, else at the tilt; inf in full contact, None where
-        there is no approach."""
+        there is no approach. Its inverse is off by about 4 error / E*, times the width of zones over that of narrower gaps beside them."""
         return self.fields.stiffness
 
     @property
@@ -122,7 +125,7 @@ class Solution:
 
     @property
     def moment(self) -> float | None:
-        """int p x dx, about x = 0 [N]; None for what repeats."""
+        """int p x dx, about x = 0 [N], off as the loads of the zones are at their distances; None for what repeats."""
         return None if self._lone is None else self._lone.moment
 
     @property
@@ -137,8 +140,13 @@ class Solution:
 
     @property
     def mean_gap(self) -> float | None:
-        """Mean of the gap over a period [m]; None without one."""
+        """Mean of the gap over a period [m], off by at most about 3 error p L / E* (L: the period); None without one."""
         return None if self.scene.period is None else self.fields.mean_gap
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What the model hardly covers: slopes, pressures, a modulus, a trace; given out as ModelWarnings too."""
+        return everything(self)
 
     def to_dict(self) -> dict[str, Any]:
         """All of it in plain types; None for what is infinite or undefined."""

@@ -11,26 +11,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact import planning
+from contact import planning, validity
 from contact.accuracy import limit, of_positions, stated_error
 from contact.bounded import refuse_unbounded
+from contact.by_load import approach, contact_fraction, nearer
 from contact.certificate import Certificate
 from contact.conjugate import ScaledConjugate
-from contact.errors import NotConverged, OutOfRange, SceneError
+from contact.errors import NotConverged, OutOfRange, SceneError, warn
 from contact.fields import ZoneFields, mean_shape
 from contact.first_order import FirstOrder
 from contact.framing import Framed, framed, framed_about, lowest
 from contact.full import FullFields, FullLimit, period_samples
 from contact.gap_search import find_gaps, settle_gaps
-from contact.gapped import Gapped
-from contact.interactions.isolated import Isolated
+from contact.gapped import GapFields, Gapped
 from contact.interactions.periodic import Periodic
 from contact.leaning import known_part
-from contact.levelling import at_approach
 from contact.planning import Plan
 from contact.plateau import refuse_below_plateau
 from contact.problem import Control, Problem, Units
-from contact.proposals import about, placed, proposed
+from contact.proposals import about, load_of_width, placed, proposed
 from contact.scene import Scene
 from contact.search import MOST_POINTS
 from contact.single import guess_half_width, largest_single_load, single_half_width
@@ -44,13 +43,23 @@ Array = NDArray[np.float64]
 _MOST_POINTS = 2**17
 # Contact of more than this part of the period is solved by its gaps.
 _NEARLY_FULL = 0.7
+# The same of a body that is no half-plane, where that is why its zones are not found.
+_ALMOST_FULL = 0.99
 # Zones of a lone body farther than so many times their span from the origin of places.
 _FAR_OFF = 64.0
 # The same for several asperities whose valleys have kinks: gaps over them, however narrow, are unknowns like any others.
 _WITH_KINKS = 0.25
 # Of a load: near enough for the zones to lead to those of the approach, and to be about them.
 _NEAR_LOAD, _NEARER_LOAD = 1e-2, 1e-5
-# Tolerance of solutions on the way to an approach.
+# Of a load: near enough for the zones to lead to those of a width; where they did not, how much nearer before it is tried again.
+_NEAR_WIDTH, _MUCH_NEARER = 0.03, 0.1
+# A contact fraction is not told by the load where it is missed by more than this when the bracket is closed.
+_JUMP = 1e-9
+# Of what is in contact, or of what is not: a change by more is searched for by a grid.
+_BESIDE = 0.3
+# Newton steps from zones so near; and where a bracket on the load is closed.
+_FEW, _CLOSED = 12, 1e-14
+# Tolerance of solutions on the way to an approach or a contact fraction.
 _ON_THE_WAY = 1e-7
 # An end of a gap moves all of the pressure beside it: gaps are found to this part of what zones are.
 _OF_GAPS = 0.01
@@ -67,7 +76,8 @@ def solve(
 
     tol: relative, 1e-13 <= tol < 1. progress: called with (stage, done, total or None). near: a solution of the same
     profile and model whose zones are a good start; it saves the search, and never changes the answer.
-    Raises SceneError (bad input), OutOfRange (no contact answers the control), NotConverged (with the best state).
+    Raises SceneError (bad input), OutOfRange (no contact answers the control), NotConverged (with the best state). What the
+    model hardly covers is a ModelWarning, and in the `warnings` of the solution.
     """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
@@ -77,7 +87,15 @@ def solve(
         raise SceneError.of("near", near, "None, or a contact.Solution")
     if near is not None and (near.scene.profile, near.scene.interaction) != (scene.profile, scene.interaction):
         raise SceneError("near must be a solution of the same profile and interaction model", "near", near.scene)
-    return _Run(scene, float(tol), planning.plan(scene), progress, near).solution()
+    of_scene = validity.of_scene(scene)
+    warn(of_scene)
+    solution = _solved(scene, float(tol), progress, near)
+    warn(validity.of_solution(solution)[len(of_scene) :])
+    return solution
+
+
+def _solved(scene: Scene, tol: float, progress: Progress | None, near: Solution | None) -> Solution:
+    return _Run(scene, tol, planning.plan(scene), progress, near).solution()
 
 
 _AT_BORDER = "a contact zone reaches the border of the part of the profile that is known"
@@ -104,7 +122,8 @@ class _Run:
         self.near = near
         # Where both load and tilt are unknown, and where the grid does not find the approach.
         self.by_loads = scene.turned and scene.moment is not None and scene.approach is not None
-        self.full = FullLimit(scene.profile, scene.E_star, scene.interaction.images is None)
+        self.operator = scene.operator
+        self.full = FullLimit(scene.profile, scene.E_star, self.operator)
 
     def solution(self) -> Solution:
         start = time.perf_counter()
@@ -117,7 +136,8 @@ class _Run:
         kind, value = self.scene.control
         if kind == "contact_fraction" and value == 1.0:
             return self._full(self._full_pressure_or_refuse())
-        refuse_below_plateau(self.scene)
+        if self.operator.rest is None:
+            refuse_below_plateau(self.scene)
         refuse_unbounded(self.scene)
         found: Found | Gapped | None = self._beside_near()
         if found is None:
@@ -198,27 +218,94 @@ class _Run:
                 return None
 
     def _at_approach(self, nearness: float) -> Solution:
-        scene, approach, moment = self.scene, self.scene.control[1], self.scene.moment or 0.0
+        scene, wanted, moment = self.scene, self.scene.control[1], self.scene.moment or 0.0
         known = known_part(scene.profile)
         reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
         if not reach > 0.0:
             raise OutOfRange(f"moment {moment:.6g} N: the whole body lies on the other side of x = 0")
-        guess = scene.E_star * (0.3 * abs(approach) or 1e-3 * getattr(scene.interaction, "datum", 1.0))
+        guess = scene.E_star * (0.3 * abs(wanted) or 1e-3 * (scene.interaction.datum or 1.0))
         first = guess if self.near is None else self.near.load
-        bounded = known is not None and scene.profile.support is None
+        bounded, largest = known is not None and scene.profile.support is None, -math.inf
+        concave = moment == 0.0 and self.operator.rest is None
+        for here, off in nearer(self._on_the_way, approach, wanted, first, abs(moment) / reach, bounded, concave):
+            if off <= nearness:
+                return here
+            largest = max(largest, here.approach or 0.0)
+        raise OutOfRange(f"no load has the approach {wanted:.6g} m; the largest of those tried was {largest:.6g} m")
 
-        def solved(load: float, near: Solution | None) -> Solution:
-            try:
-                return solve(self._loaded(load), _ON_THE_WAY, self.progress, near or self.near)
-            except NotConverged as failure:
-                if failure.best is None or not failure.best.error < 1e3 * _ON_THE_WAY:
-                    raise
-                return failure.best
+    def _on_the_way(self, load: float, near: Solution | None) -> Solution:
+        """The solution under a load, beside a solution or that at hand."""
+        try:
+            return _solved(self._loaded(load), _ON_THE_WAY, self.progress, near or self.near)
+        except NotConverged as failure:
+            if failure.best is None or not failure.best.error < 1e3 * _ON_THE_WAY:
+                raise
+            return failure.best
 
-        return at_approach(solved, approach, first, abs(moment) / reach, bounded, nearness, concave=moment == 0.0)
+    def _on_the_way_to_width(self, load: float, near: Solution | None) -> Solution:
+        """The same, from a grid where contact is far from that of the solution."""
+        if near is not None:
+            fraction, rate = contact_fraction(near)
+            near = near if abs(rate * (load - near.load)) < _BESIDE * min(fraction, 1 - fraction) else None
+        elif self.near is not None and load == self.near.load:
+            return self.near
+        return self._on_the_way(load, near)
 
     def _loaded(self, load: float) -> Scene:
-        return replace(self.scene, approach=None, load=load)
+        return replace(self.scene, approach=None, contact_fraction=None, load=load)
+
+    def _by_fraction(self, problem: Problem, control: Control) -> Found | Gapped:
+        """A width from a solution under about the load that has it, ever nearer ones until its zones lead on."""
+        if self.near is None:
+            with self.plan.timed("coarse search"):
+                first = load_of_width(self.frame, problem, control.value) * problem.units.load
+        else:
+            first = self.near.load
+        goal, near_enough, last = self.scene.control[1], _NEAR_WIDTH, None
+        for here, off in nearer(self._on_the_way_to_width, contact_fraction, goal, first, closed=_CLOSED):
+            last, fraction = here, contact_fraction(here)[0]
+            # Where a little more load brings much more into contact, the width is what tells how near it is.
+            off = max(off, abs(goal - fraction) / min(goal, 1 - goal))
+            if off > near_enough:
+                continue
+            near_enough = _MUCH_NEARER * off
+            try:
+                with self.plan.timed("zone ends"):
+                    return self._at_width(problem, control, here)
+            except WrongTopology:
+                pass
+        assert last is not None
+        return self._under_load_of(problem, control, last)
+
+    def _under_load_of(self, problem: Problem, control: Control, near: Solution) -> Found | Gapped:
+        """The contact under the load that has the width, where the zones of the width itself do not settle: right at a birth or a
+        merger."""
+        assert near.contact_fraction is not None and problem.period is not None
+        missed = abs(near.contact_fraction - control.value / problem.period)
+        if missed > _JUMP:
+            raise NotConverged(
+                f"no load that double precision tells from its neighbours has the contact fraction {self.scene.control[1]:.15g}: at a "
+                f"mean pressure of {near.mean_pressure:.15g} Pa it is {near.contact_fraction:.15g}, beside that beyond", (), near,
+            )
+        load = Control("load", near.load / problem.units.load)
+        try:
+            with self.plan.timed("zone ends"):
+                found = self._at_width(problem, load, near)
+        except WrongTopology as failure:
+            raise self._not_converged(failure) from failure
+        if isinstance(found, Gapped):
+            return replace(found, off=found.off + _CLOSED * load.value / problem.period)
+        narrowest = float(np.diff(found.free.density.zones.table, axis=1).min())
+        return replace(found, off=missed * problem.period / narrowest)
+
+    def _at_width(self, problem: Problem, control: Control, near: Solution) -> Found | Gapped:
+        fields = near.fields
+        if isinstance(fields, GapFields):
+            found = settle_gaps(
+                problem, control, fields.conjugate, fields.density.zones.table, fields.mean, _OF_GAPS * self.tolerance
+            )
+            return self._tightened_gaps(problem, control, found)
+        return self._settle(problem, control, placed(problem, near.zones), value=near.load / problem.units.load, steps=_FEW)
 
     def _by_zones(self, found: Gapped) -> Found | Gapped:
         """The same contact with the pressure as the unknown, if that comes out better. Not under an approach: near full
@@ -277,15 +364,24 @@ class _Run:
     def _full_pressure_or_refuse(self) -> float:
         pressure = self.full.pressure
         if not math.isfinite(pressure):
+            if self.full.approached and not self.operator.has_inverse:
+                raise OutOfRange(self._no_inverse("full contact is not known"))
             raise OutOfRange("no load brings this scene into full contact: its valleys have kinks, or the model has none")
         return pressure
+
+    def _no_inverse(self, what: str) -> str:
+        name = self.scene.interaction.name
+        return (
+            f"{what}: the interaction {name!r} gives a kernel and no symbol, so the pressure that flattens the surface cannot be told. "
+            "Give it a `symbol`, or ask for less contact"
+        )
 
     def _full(self, mean_pressure: float) -> Solution:
         scene, profile = self.scene, self.scene.profile
         self._full_pressure_or_refuse()
         units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
         problem = Problem(profile, scene.interaction, units, lowest(profile))
-        fields = FullFields(problem, mean_pressure, self.full.conjugate, mean_shape(problem) * units.height)
+        fields = FullFields(problem, mean_pressure, self.full.relief, mean_shape(problem) * units.height)
         least = mean_pressure - self.full.pressure
         certificate = Certificate(
             smallest_pressure=least, smallest_gap=None, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
@@ -293,8 +389,14 @@ class _Run:
         )
         for name in ("zone ends", "coarse search"):
             self.plan[name].used, self.plan[name].reason = False, "full contact"
-        # Rounding of the closed form, in terms of the peak pressure.
-        return Solution(scene, np.zeros((0, 2)), fields, 1e-13, certificate, self.plan)
+        # Rounding of the closed form, in terms of the peak pressure, or of the mean where the peak is infinite.
+        peak = fields.max_pressure if math.isfinite(fields.max_pressure) else mean_pressure
+        error = 1e-13 + self.full.rounding / peak
+        solution = Solution(scene, np.zeros((0, 2)), fields, error, certificate, self.plan)
+        if error > self.tol:
+            why = f"rounding of the heights leaves an error of {error:.1e} in full contact, above the tolerance {self.tol:.1e}"
+            raise NotConverged(why, (), solution)
+        return solution
 
     # zones ----------------------------------------------------------------------------------------------------------
     def _found(self) -> Found | Gapped | None:
@@ -332,6 +434,8 @@ class _Run:
         is given up as soon as it turns out to be far off: from there the way may be longer than from scratch."""
         if control.kind == "approach":
             self._below_full_approach(control)
+        if control.kind == "width" and not self.single:
+            return self._by_fraction(problem, control)
         if start is not None:
             width = float((start[:, 1] - start[:, 0]).sum())
             gapped = self._by_gaps(problem, control, width, start, near)
@@ -357,11 +461,11 @@ class _Run:
             found = self._from_one_zone(problem, control, guess)
             if found is not None:
                 return found
-        return self._from_grid(problem, control)
+        return self._by_fraction(problem, control) if control.kind == "width" else self._from_grid(problem, control)
 
     def _worth_gaps(self, problem: Problem, width: float) -> bool:
         """Whether contact of about this scaled width is better solved by its gaps."""
-        if not self.full.approached or problem.period is None:
+        if not self.full.approached or not self.operator.is_half_plane or problem.period is None:
             return False
         return width > (_NEARLY_FULL if self.full.possible or self.single else _WITH_KINKS) * problem.period
 
@@ -413,17 +517,23 @@ class _Run:
                 f"approach {control.value * self.problem.units.height:.6g} m: a flat punch of width "
                 f"{support[1] - support[0]:.6g} m has none above zero with a datum of {datum:.6g} m"
             )
-        if not self.full.possible:
+        if not self.full.approached or (self.operator.has_inverse and not self.full.possible):
             return
+        # u has no mean under any operator of a period: the mean gap is that of the profile less the approach.
         highest, units = mean_shape(self.problem), self.problem.units
-        if control.value >= highest:
+        # Both are differences from the lowest point, rounded as heights are.
+        rounding = 8.0 * float(np.finfo(np.float64).eps) * (highest + abs(self.problem.lowest) / units.height)
+        if control.value >= highest - rounding:
             raise OutOfRange(
                 f"approach {control.value * units.height:.15g} m is not below {highest * units.height:.15g} m, the mean of "
                 "the profile: there it is in full contact, at any load above the smallest, or as near to it as digits of the approach tell"
             )
 
-    def _settle(self, problem: Problem, control: Control, table: Array, near: bool = False) -> Found:
-        return settle(problem, control, table, self.tolerance, self.progress, timed=self.plan.timed, near=near)
+    def _settle(
+        self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 40
+    ) -> Found:
+        timed = self.plan.timed
+        return settle(problem, control, table, self.tolerance, self.progress, timed=timed, near=near, value=value, steps=steps)
 
     def _settled(self, problem: Problem, control: Control, table: Array) -> Found:
         try:
@@ -464,7 +574,7 @@ class _Run:
                 # Along the branch from zero load the controlled quantity grows with the width up to its maximum.
                 exact = single_half_width(problem, control)
                 if exact is None:
-                    if not self.scene.interaction.exact or isinstance(self.scene.interaction, Isolated):
+                    if not self.scene.interaction.exact or not (self.operator.is_periodic or self.operator.rest):
                         top = largest_single_load(problem, control)
                         units = problem.units
                         unit = units.load if control.kind == "load" else units.height
@@ -486,15 +596,15 @@ class _Run:
         search.used, search.reason = True, search.reason if search.used else "one zone did not pass the certificate"
         points: int | None = None
         failure: WrongTopology | None = None
-        most, touched = _MOST_POINTS, False
+        most, touched, full, width = _MOST_POINTS, False, False, 0.0
         while points is None or points <= most:
             if self.progress is not None:
                 self.progress("coarse grid", 0, None)
             with self.plan.timed("coarse search"):
-                proposal = proposed(self.frame, problem, control, points, held)
+                proposal = proposed(self.frame, problem, control, points, held=held)
             if points is None:
                 most = max(most, min(4 * proposal.points, MOST_POINTS))
-            points = proposal.points
+            points, full = proposal.points, proposal.full
             if proposal.tilt is not None:
                 problem = problem.turned_to(proposal.tilt)
             search.detail = f"{points} points, {len(proposal.zones)} zones proposed"
@@ -520,7 +630,14 @@ class _Run:
                             break
                         failure = error
             points *= 4
-        raise self._not_converged(failure or WrongTopology("the gaps are narrower than the finest grid tells from full contact", None))
+        if full and self.operator.is_periodic and not self.operator.has_inverse:
+            raise OutOfRange(self._no_inverse(f"in full contact, or nearer to it than a grid of {points} points tells"))
+        narrow = "the gaps are narrower than the finest grid tells from full contact"
+        if self.operator.is_periodic and not self.operator.is_half_plane:
+            narrow += "; the gaps themselves are solved for on a half-plane only"
+            if failure is not None and width > _ALMOST_FULL * (problem.period or math.inf):
+                failure = WrongTopology(f"{failure}, and {narrow}", failure.free)
+        raise self._not_converged(failure or WrongTopology(narrow, None))
 
     # strips ---------------------------------------------------------------------------------------------------------
     def _centred(self, problem: Problem, control: Control, start: Array | None) -> Found:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from contact.errors import ContactError, shown
 from contact.profiles.base import Profile
 from contact.profiles.derive import by_ladder
+from contact.profiles.one_sided import Seen, jumps_at
 
 Array = NDArray[np.float64]
 
@@ -24,6 +25,12 @@ _POINTS = 400
 _SAME = 1e-9  # of the largest value met: two evaluations of one quantity
 _SLOPE = 1e-6  # of the largest slope: what differences of the height can vouch for
 _JUMP = 1e-3  # of the largest slope: a jump smaller than this cannot be told from a steep slope
+_STEP = 1e-6  # of a declared jump, and of the largest slope over the window to the power that fits: less is rounding
+_ONE = 1e-12  # of the window: places this near are one
+_FARTHEST = 0.1  # of the window: how far to look from a place
+_BEND = 1e-7  # of the window: differences of the slope over this show the second derivative where it is smooth
+_PLACED = 1e-9  # of the window: how well the place of a jump is known then
+_MOST_BENDS = 50  # places looked at where the second derivative seems to jump
 _CONJUGATE = 2e-3  # of the largest slope: the rule below is of second order and kinks cost it digits
 
 
@@ -301,27 +308,83 @@ def _higher_jumps(profile: Profile, x: Array) -> Iterator[str]:
     if jumps.ndim != 2 or jumps.shape[1] != 3 or not np.isin(jumps[:, 1], (2, 3)).all():
         yield "jumps must be an array of shape (k, 3): position, order 2 or 3, jump of that derivative"
         return
-    if not jumps.size or profile.slope_is_derived:
+    lo, hi = _window(profile) if profile.period is not None else (float(x[0]), float(x[-1]))
+    width, periodic = hi - lo, profile.period is not None
+    declared = _declared_places(profile, lo, width)
+    ends = (profile.support or profile.extent or ()) if not periodic else ()
+    seen = jumps_at(profile, declared, _reach(declared, np.append(declared, ends), width, periodic))
+    scale = float(np.max(np.abs(np.asarray(profile.slope(x)))))
+    yield from _against_declared(profile, declared, seen, scale, width)
+    if profile.slope_is_derived or not scale > 0:
         return
-    places = np.unique(np.concatenate([jumps[:, 0], np.asarray(profile.kinks)[:, 0], [x[0], x[-1]]]))
-    # Steps short of the neighbouring jumps, so that each side is smooth, and long enough to see through rounding.
-    step = 0.1 * float(np.min(np.diff(places)))
-    weights = np.linalg.inv(np.vander(np.arange(1.0, 6.0), increasing=True))
+    found = _bends(profile, lo, width, scale)
+    away = np.abs(found[:, None] - declared)
+    away = np.minimum(away, width - away) if periodic else away
+    found = np.sort(found[np.all(away > 1e-5 * width, axis=1)])
+    if len(found):
+        reach = _reach(found, np.concatenate((declared, found, ends)), width, periodic)
+        seen = jumps_at(profile, found, reach, nearest=100 * _BEND * width)
+        # Both sides' slopes are continued to a place beside that of the jump: there they differ by the distance times it.
+        beside = seen.height[:, 0] / np.where(seen.height[:, 1] == 0, np.inf, seen.height[:, 1])
+        found = found - np.where(np.abs(beside) < 10 * _BEND * width, beside, 0.0)
+        seen = jumps_at(profile, found, reach, nearest=_PLACED * width)
+        yield from _against_declared(profile, found, seen, scale, width)
+
+
+def _declared_places(profile: Profile, lo: float, width: float) -> Array:
+    """Where something may jump by what the profile says of itself; the border of its cell is one of them."""
+    tips = [] if profile.summits is None else [np.asarray(profile.summits, dtype=np.float64)]
+    border = [lo] if profile.period is not None else []
+    places = np.unique(np.concatenate((border, profile.kinks[:, 0], profile.jumps[:, 0], profile.breakpoints, *tips)))
+    places = places[np.append(True, np.diff(places) > _ONE * width)] if len(places) else places
+    ends = profile.support or profile.extent
+    if _ends(profile) and ends is not None:
+        places = places[(places > ends[0]) & (places < ends[1])]
+    return np.asarray(places)
+
+
+def _reach(places: Array, others: Array, width: float, periodic: bool) -> Array:
+    """How far from each place there is no other, with a little room."""
+    others = np.concatenate((others, others - width, others + width)) if periodic else others
+    others = np.concatenate(([-np.inf], np.sort(others), [np.inf]))
+    before = others[np.searchsorted(others, places - _ONE * width) - 1]
+    after = others[np.searchsorted(others, places + _ONE * width)]
+    return np.asarray(np.minimum(0.9 * np.minimum(places - before, after - places), _FARTHEST * width))
+
+
+def _against_declared(profile: Profile, places: Array, seen: Seen, scale: float, width: float) -> Iterator[str]:
+    """Jumps of the second and third derivative at each place against what is declared there; `_kinks` sees to those of the slope."""
     for order in (2, 3):
-        listed = jumps[jumps[:, 1] == order]
-        if not listed.size:
-            continue
-        sides = [
-            profile.slope(listed[:, 0, None] + side * step * np.arange(1.0, 6.0)) @ weights[order - 1]
-            for side in (1, -1)
-        ]
-        # Derivatives of the slope at the jump itself, from the polynomial through five points a side.
-        seen = (sides[0] - (-1.0) ** (order - 1) * sides[1]) * (order - 1) / step ** (order - 1)
-        off = np.abs(seen - listed[:, 2])
-        i = int(np.argmax(off))
-        if off[i] > 10 * _JUMP * float(np.max(np.abs(np.concatenate([seen, listed[:, 2]])))):
-            s, _, jump = listed[i]
-            yield f"jump declared at {s:.6g} of order {order}, {jump:.6g}: the slope shows {seen[i]:.6g}"
+        listed = profile.jumps[profile.jumps[:, 1] == order]
+        which = np.searchsorted(places, listed[:, 0] - _ONE * width)
+        known = which < len(places)
+        known[known] = places[which[known]] <= listed[known, 0] + _ONE * width
+        claimed = np.bincount(which[known], listed[known, 2], len(places))
+        height, doubt = seen.height[:, order - 1], seen.doubt[:, order - 1]
+        off = np.abs(height - claimed) - 10 * doubt
+        least = np.maximum(_STEP * np.maximum(np.abs(height), np.abs(claimed)), _STEP * scale / width ** (order - 1))
+        for i in np.flatnonzero((off > least) & ((claimed != 0) | seen.sharp[:, order - 1])):
+            s = places[i]
+            if claimed[i]:
+                yield f"jump declared at {s:.6g} of order {order}, {claimed[i]:.6g}: the profile shows {height[i]:.6g}"
+            else:
+                row = f"[{s:.9g}, {order}, {height[i]:.6g}]"
+                yield f"derivative {order} jumps by {height[i]:.6g} at {s:.9g}, and jumps does not say so: {row}"
+
+
+def _bends(profile: Profile, lo: float, width: float, scale: float) -> Array:
+    """Where the second derivative seems to jump, to a few steps of its differences."""
+    h = _BEND * width
+    if profile.period is not None:
+        lo -= 0.0123456789 * width  # so that the border of the cell lies inside
+
+    def bend(x: Array) -> Array:
+        return np.asarray((np.asarray(profile.slope(x + h)) - np.asarray(profile.slope(x - h))) / (2 * h))
+
+    first, last = (lo, lo + width) if profile.period is not None else (lo + 2 * h, lo + width - 2 * h)
+    size = max(float(np.max(np.abs(bend(np.linspace(first, last, 997))))), scale / width)
+    places = np.array([s for s, _ in _jumps(bend, first, last, 2 * h, size)][:_MOST_BENDS])
+    return np.asarray(profile.wrap(places), dtype=np.float64) if profile.period is not None else places
 
 
 def _summits(profile: Profile, x: Array) -> Iterator[str]:
@@ -345,7 +408,7 @@ def _conjugate(profile: Profile, x: Array) -> Iterator[str]:
     if given is None:
         return
     # (1/L) PV int f'(x - s) cot(pi s/L) ds by the midpoint rule, which the pole falls between.
-    n = 1 << 14
+    n = max(1 << 14, 16 * ceil(profile.period / (profile.resolution or profile.period)))
     s = (np.arange(n) + 0.5) / n
     slope = np.asarray(profile.slope(at[:, None] - profile.period * s))
     expected = slope @ (1 / np.tan(np.pi * s)) / n

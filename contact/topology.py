@@ -37,7 +37,8 @@ MARGIN = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """Zones that passed: the Newton result, the load-controlled fields, the certificate, the rounds it took, the tolerance."""
+    """Zones that passed: the Newton result, the load-controlled fields, the certificate, the rounds it took, the tolerance.
+    off: how far its control may have been missed, in ends over the width of their zones."""
 
     free: sie.Free
     fields: ZoneFields
@@ -45,6 +46,7 @@ class Found:
     rounds: int
     control: Control
     tolerance: float = 0.0
+    off: float = 0.0
 
 
 class WrongTopology(Exception):
@@ -57,16 +59,17 @@ class WrongTopology(Exception):
 
 def settle(
     problem: Problem, control: Control, table: Array, tolerance: float, progress: Progress | None = None,
-    formal: bool = False, timed: Timed = nullcontext, near: bool = False,
+    formal: bool = False, timed: Timed = nullcontext, near: bool = False, value: float = 0.0, steps: int = 40,
 ) -> Found:
     """From proposed zones (n, 2) to zones that pass the certificate; WrongTopology if that fails.
 
     formal: the zones are taken as they are, whatever the signs (a reference solution, not a contact). timed: of a part's name, what
-    its time is taken with. near: the zones are given up as soon as they turn out to be far from the solution, or not as many.
+    its time is taken with. near: the zones are given up as soon as they turn out to be far from the solution, or not as many. value: a
+    first guess of the load that a width is given instead of. steps: of Newton's, in a round.
     """
     slight: Found | None = None
     try:
-        for found in _rounds(problem, control, table, tolerance, progress, formal, timed, near):
+        for found in _rounds(problem, control, table, tolerance, progress, formal, timed, near, value, steps):
             if formal or found.tolerance <= TIGHT or not _is_slight(found):
                 return found
             # Whether so slight a dip is a gap, or so narrow a gap open, a solution to the tolerance does not tell: on to a
@@ -82,11 +85,10 @@ def settle(
 
 def _rounds(
     problem: Problem, control: Control, table: Array, tolerance: float, progress: Progress | None, formal: bool,
-    timed: Timed, near: bool,
+    timed: Timed, near: bool, value: float, steps: int,
 ) -> Iterator[Found]:
     """Zones that pass, to the tolerance and, where more of them are asked for, to one as tight as there is."""
     free: sie.Free | None = None
-    value = 0.0
     tried: list[tuple[float, Array]] = []
     for done in range(1, ROUNDS + 1):
         if len(table) == 0:
@@ -97,7 +99,7 @@ def _rounds(
             progress("zones", done, None)
         zones = kinds(problem, control, table)
         try:
-            free = sie.find_ends(problem.equation(control), zones, tolerance, value=value, walls=problem.walls, near=near)
+            free = sie.find_ends(problem.equation(control), zones, tolerance, steps, value=value, walls=problem.walls, near=near)
         except sie.SingularSystem as failure:
             raise WrongTopology(f"the equation has no solution on such zones ({failure})", free) from failure
         if free.value is not None:
@@ -134,7 +136,10 @@ def _rounds(
         ended = free.density.zones.table
         table = _corrected(free.density.zones, certificate, problem)
         if any(same(ended, before) for at, before in tried if at == tolerance):
-            raise WrongTopology("the number of zones did not settle", free)
+            # To and fro between two numbers of zones: the error of one of them, or rounding, makes its signs fail.
+            if tolerance <= TIGHT:
+                raise WrongTopology("the number of zones did not settle", free)
+            table, tolerance = ended, max(TIGHT, CLOSER * tolerance)
         tried.append((tolerance, ended))
     raise WrongTopology("the number of zones did not settle", free)
 

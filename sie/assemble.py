@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie import chebyshev
-from sie.conditions import Linear
+from sie.conditions import Linear, multiplicity
 from sie.crowded import coefficients as coefficients_between
 from sie.crowded import crowded
 from sie.equation import Equation
@@ -54,6 +54,12 @@ class Layout:
     @property
     def size(self) -> int:
         return self.coefficients + self.columns
+
+    def amplitude(self, k: int) -> int:
+        """Where the amplitude of column k stands."""
+        if not 0 <= k < self.columns:
+            raise ValueError(f"a condition asks for the amplitude of column {k}, but the equation has {self.columns} columns, from 0 on")
+        return self.coefficients + k
 
     def padded(self, y: Array) -> Array:
         """Coefficients as a (zones, max m + 1) table, zero where a zone has fewer."""
@@ -165,7 +171,7 @@ def fields(
 
 def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
     """Quadrature nodes a zone needs for the regular part: until the kernel's own coefficients have decayed."""
-    if kernel.reach == 0.0:
+    if not kernel.sure:
         return m + 2
     z = max(kernel.reach / half_width, 1.05)
     rho = 1 / (z + math.sqrt(z * z - 1))
@@ -208,7 +214,9 @@ class System:
             self._take(m)
         self.targets = Targets.lobatto(zones, zones.solved, m)
         self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
-        self.source_tail = 0.0
+        self.source_tails = np.zeros(len(zones))
+        # Largest value on each solved zone of what each unknown does there, found where modes grow.
+        self.field_sizes: Array | None = None
 
     def _take(self, m: Index) -> None:
         zones, chosen = self.zones, self.crowded
@@ -227,12 +235,14 @@ class System:
         """(matrix, right side), the rows k = 1 ... m of each solved zone (even k only for a central symmetric one)."""
         layout, zones = self.layout, self.zones
         raw = fields(zones, self.equation.kernel, self.targets, layout, "transform")
-        if self.equation.kernel.reach == 0.0:
-            # A regular kernel of unknown reach: its last coefficients in xi tell whether they are enough.
-            last = (layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)).ravel()
-            self.source_tail = float(np.abs(raw[:, last]).max() / max(1.0, np.abs(raw).max()))
+        if self.equation.kernel.grows:
+            # A regular kernel of a user's own: its last coefficients in xi tell whether they are enough.
+            last = layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)
+            self.source_tails = np.abs(raw[:, last]).max(axis=(0, 1)) / max(1.0, np.abs(raw).max())
         for number, column in enumerate(self.equation.columns):
             raw[:, layout.coefficients + number] = -column.value(self.targets.x)
+        if self.equation.grows:
+            self.field_sizes = np.maximum.reduceat(np.abs(raw), self.starts[:-1], axis=0)
         blocks, rights = [], []
         for place, i in enumerate(zones.solved):
             m = int(layout.m[i])
@@ -266,10 +276,7 @@ class System:
 
     # what conditions ask for ----------------------------------------------------------------------------------------
     def multiplicity(self) -> Array:
-        weight = np.ones(len(self.zones.solved))
-        if self.zones.symmetric:
-            weight[1 if self.zones.central else 0 :] = 2.0
-        return weight
+        return multiplicity(self.zones)
 
     def _zero_rows(self) -> Array:
         return np.zeros((len(self.zones.solved), self.layout.size))
@@ -314,22 +321,31 @@ class System:
 
     def intensities(self) -> tuple[Linear, Linear]:
         left, right = self._zero_rows(), self._zero_rows()
-        constant_left, constant_right = np.zeros(len(left)), np.zeros(len(left))
         for place, i in enumerate(self.zones.solved):
             m, root = int(self.layout.m[i]), math.sqrt(self.zones.half[i] / 2)
-            sign = 1.0 - 2.0 * (np.arange(max(m + 1, self.g.shape[1])) % 2)
             here = slice(self.layout.offset[i], self.layout.offset[i] + m + 1)
             right[place, here] = root
-            left[place, here] = root * sign[: m + 1]
-            beyond = -self.g[i, m + 1 :]
-            taken = self.taken[i, : m + 1]
-            constant_right[place] = root * (beyond.sum() - taken.sum())
-            constant_left[place] = root * (beyond @ sign[m + 1 : m + 1 + len(beyond)] - taken @ sign[: m + 1])
+            left[place, here] = root * (1.0 - 2.0 * (np.arange(m + 1) % 2))
+        constant_left, constant_right = self.intensities_of(self.beyond)
         return (left, constant_left), (right, constant_right)
+
+    def intensities_of(self, coefficients: Array) -> tuple[Array, Array]:
+        """K at the left and at the right end of each solved zone, of coefficients (all zones, n + 1)."""
+        solved = self.zones.solved
+        table, root = coefficients[solved], np.sqrt(self.zones.half[solved] / 2)
+        return root * (table[:, ::2].sum(axis=1) - table[:, 1::2].sum(axis=1)), root * table.sum(axis=1)
+
+    @cached_property
+    def beyond(self) -> Array:
+        """Coefficients that are no unknowns: beyond the coupled modes, and less what the unknowns have of the jumps' parts."""
+        count = max(self.g.shape[1], self.taken.shape[1])
+        g, taken = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self.g, self.taken))
+        within = np.arange(count) <= self.layout.m[:, None]
+        return np.where(within, -taken, -g)
 
     def amplitude(self, k: int) -> Linear:
         row = np.zeros((1, self.layout.size))
-        row[0, self.layout.coefficients + k] = 1.0
+        row[0, self.layout.amplitude(k)] = 1.0
         return row, np.zeros(1)
 
     def level_values(self, y: Array) -> Array:

@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.kept import Kept
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -26,7 +27,7 @@ _NEAR = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Beyond:
+class Beyond(Kept):
     """Logarithms near zones, seen from each: the zone, which logarithm it is, rho, and J/pi."""
 
     zone: Index

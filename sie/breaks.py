@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 
 from sie.beyond import Beyond
 from sie.kernels import Kernel
+from sie.steps import LOG2 as _LOG2
 from sie.steps import Steps, of_sines
 from sie.zones import Zones
 
@@ -121,12 +122,8 @@ class Breaks(Steps):
         return found
 
     @cached_property
-    def closed(self) -> NDArray[np.bool_]:
-        return np.asarray(self.order == 0)
-
-    @property
-    def sharp(self) -> list[int]:  # type: ignore[override]
-        return self.kinked
+    def sharp(self) -> list[int]:
+        return sorted({*self.zone[self.closed].tolist(), *(self.logarithms.near.by_zone if self.logarithms is not None else ())})
 
     @cached_property
     def kinked(self) -> list[int]:
@@ -243,14 +240,17 @@ class Breaks(Steps):
         return np.where(q == 0, 0.0, np.where(q == 1, -s, second))
 
     def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
-        """Potential of a zone's parts with q = 0 over w, less c_0 log(w); on the zone rho = e^{i theta}.
+        """Potential of a zone's closed parts over w, less c_0 log(w); on the zone rho = e^{i theta}.
 
-        By partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)).
+        Of q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)); of others see `_near_potential`.
         """
         root = np.sqrt(np.maximum(left * right, 0.0))
         turned = np.where((left >= 0) & (right >= 0), 0.5 * (left - right) + 1j * root, rho)
         k = self.by_zone[zone]
         out = np.zeros(turned.shape)
+        higher = k[self.closed[k] & (self.order[k] > 0)]
+        if len(higher):
+            out += self._by_reach(higher, left, right, rho)
         for place in k[self.order[k] == 0]:
             up = np.exp(1j * self.phi[place])
             own = np.real(up) * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
@@ -263,6 +263,35 @@ class Breaks(Steps):
                 own = up * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
                 out = out + weight * (own - np.real(potential_series(up, turned)))
         return np.asarray(out)
+
+    def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
+        """The primitive of the transform that goes with -c_0 ln(2 |rho|) far away, with L = ln(1 - 2 rho cos(phi) + rho^2),
+
+            (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz + C_q,
+            R = sgn(z) sqrt(z^2 - 1),   int dz / R = -ln |rho| =: g;   R = g = 0 on the zone.
+        """
+        z, beyond = 0.5 * (left - right)[:, None], np.where(on, 0.0, np.maximum(-left, -right))[:, None]
+        g = 2 * np.arcsinh(np.sqrt(0.5 * beyond))
+        root = np.where(left > 0, 1.0, -1.0)[:, None] * np.sqrt(beyond * (beyond + 2))
+        out = np.zeros(len(left))
+        for q in (1, 2):
+            of = k[self.order[k] == q]
+            if len(of) == 0:
+                continue
+            away, s = left[:, None] - self.left[of], self.s[of]
+            with np.errstate(divide="ignore"):
+                log = np.log(2 * np.abs(away))
+            log[~on] = self._plain(of, rho[~on])
+            main = away ** (q + 1) * (np.where(away == 0, 0.0, log) / (q + 1) - 1 / (q + 1) ** 2)
+            if q == 1:
+                rest = 0.5 * (0.5 * (z * root + g) - 2 * s * root + s * s * g) + s * z - (0.25 + 0.5 * s * s) * _LOG2 - 0.5 * s * s
+            else:
+                turned = (z * z + 2) * root / 3 - 1.5 * s * (z * root + g) + s * s * (3 * root - s * g)
+                double = np.cos(2 * self.phi[of])
+                constant = -(3 * s + np.cos(3 * self.phi[of]) / 3) / 12 + s * double / 4 - s**3 + (1.5 * s + s**3) / 9 + 0.25 * s
+                rest = turned / 3 + s * z * (0.5 * z - 2 * s) + 0.25 * z * double + (0.5 * s + s**3 / 3) * _LOG2 - constant
+            out += (main + rest) @ (self.height[of] / np.pi)
+        return out
 
     def _sine_weights(self, k: Index, j: Array) -> Array:
         return -np.cos(j * self.phi[k][:, None])

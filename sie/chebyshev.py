@@ -43,9 +43,16 @@ def lobatto(n: int) -> tuple[Array, Array, Array]:
 
 @lru_cache(maxsize=64)
 def _sine_matrix(n: int) -> Array:
-    theta = angles(n)[1:-1]
-    k = np.arange(1, n + 1)[:, None]
-    return np.ascontiguousarray((2 / (n + 1)) * np.sin(k * theta) * np.sin(theta))
+    k = np.arange(1, n + 1)
+    # Whole turns are taken off k theta exactly: of the product with a rounded angle, rounding would grow with k.
+    sines = np.sin(_turn(2 * (n + 1)))[k[:, None] * k % (2 * (n + 1))]
+    return np.ascontiguousarray((2 / (n + 1)) * sines * np.sin(angles(n)[1:-1]))
+
+
+def _turn(parts: int) -> Array:
+    """Angles 2 pi number / parts, number = 0 ... parts - 1, from -pi to pi."""
+    number = np.arange(parts)
+    return np.asarray((2 * np.pi / parts) * np.where(2 * number > parts, number - parts, number))
 
 
 def u_coefficients(values: Array) -> Array:
@@ -96,7 +103,7 @@ def _kept_t_matrix(n: int, count: int) -> Array:
 
 
 def _t_matrix(n: int, count: int) -> Array:
-    return np.asarray(np.cos(np.outer((np.arange(n) + 0.5) * (np.pi / n), np.arange(count))))
+    return np.asarray(np.cos(_turn(4 * n))[np.outer(2 * np.arange(n) + 1, np.arange(count)) % (4 * n)])
 
 
 def t_means(values: Array) -> Array:

@@ -65,6 +65,82 @@ class Condition:
         raise NotImplementedError
 
 
+def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, Array]:
+    """The rows of a condition over so many unknowns, looked at: as many as it counts, one constant and one value to each."""
+    given = condition.rows(system)
+    if not isinstance(given, tuple) or len(given) != 3:
+        raise ValueError(f"{condition}: `rows` must return three things, (matrix, constants, values)")
+    for name, part in zip(("matrix", "constants", "values"), given, strict=True):
+        if np.iscomplexobj(part):
+            raise ValueError(f"{condition}: the {name} of its `rows` are complex, real numbers are needed")
+    matrix, constants, values = (np.asarray(part, dtype=float) for part in given)
+    count = condition.count(system.zones)
+    if matrix.shape != (count, size) or constants.shape != (count,) or values.shape != (count,):
+        raise ValueError(
+            f"{condition}: its `count` is {count}, so that its `rows` must have shapes ({count}, {size}), ({count},) and ({count},), "
+            f"but they have {matrix.shape}, {constants.shape} and {values.shape}"
+        )
+    return matrix, constants, values
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """What conditions may ask of a system whose unknowns are the levels themselves, all else being nothing: their rows then tell
+    what each makes of the levels."""
+
+    zones: Zones
+
+    def _nothing(self, count: int) -> Linear:
+        return np.zeros((count, len(self.zones.solved))), np.zeros(count)
+
+    def totals(self) -> Linear:
+        return self._nothing(len(self.zones.solved))
+
+    def levels(self) -> Linear:
+        count = len(self.zones.solved)
+        return np.eye(count), np.zeros(count)
+
+    def level_steps(self) -> Linear:
+        matrix, constants = self.levels()
+        return np.diff(matrix, axis=0), np.diff(constants)
+
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        return self.totals()
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        return self.totals(), self.totals()
+
+    def amplitude(self, k: int) -> Linear:
+        return self._nothing(1)
+
+    def multiplicity(self) -> Array:
+        return multiplicity(self.zones)
+
+
+def of_levels(condition: Condition, zones: Zones) -> Array:
+    """(rows of the condition, solved zones): what its rows make of the levels."""
+    return asked(condition, Levels(zones), len(zones.solved))[0]
+
+
+def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
+    """Whether potentials are asked for, said or not."""
+    return condition.levels or (type(condition).rows not in _SILENT and bool(of_levels(condition, zones).any()))
+
+
+def for_every_zone(condition: Condition) -> str | None:
+    """What a condition gives of every zone, "levels" or "totals"; None if it is of another kind."""
+    rows = type(condition).rows
+    return "levels" if rows in (EqualPotential.rows, Level.rows) else "totals" if rows is ZoneTotals.rows else None
+
+
+def multiplicity(zones: Zones) -> Array:
+    """How many zones each solved zone stands for: 2 for a mirrored pair, else 1."""
+    weight = np.ones(len(zones.solved))
+    if zones.symmetric:
+        weight[1 if zones.central else 0 :] = 2.0
+    return weight
+
+
 @dataclass(frozen=True)
 class Total(Condition):
     """The integral of the density over all zones; value None: unknown, found from a condition on the ends."""
@@ -110,7 +186,17 @@ class Weighted(Condition):
 
 def moment(value: float, about: float = 0.0) -> Weighted:
     """Integral of (x - about) phi."""
-    return Weighted(lambda x: x - about, float(value), degree=1)
+    return Weighted(_Lever(float(about)), float(value), degree=1)
+
+
+@dataclass(frozen=True)
+class _Lever:
+    """x - about."""
+
+    about: float
+
+    def __call__(self, x: Array) -> Array:
+        return x - self.about
 
 
 @dataclass(frozen=True)
@@ -145,7 +231,13 @@ class ZoneTotals(Condition):
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         matrix, constants = system.totals()
-        return matrix, constants, np.broadcast_to(np.asarray(self.values, dtype=float), constants.shape)
+        values = np.asarray(self.values, dtype=float)
+        if values.shape not in ((), constants.shape):
+            raise ValueError(
+                f"ZoneTotals: {len(constants)} zones are solved{' (the right half of a symmetric set)' if system.zones.symmetric else ''}, "
+                f"so one value or {len(constants)} of them are needed, got values of shape {values.shape}"
+            )
+        return matrix, constants, np.broadcast_to(values, constants.shape)
 
 
 @dataclass(frozen=True)
@@ -204,6 +296,11 @@ class Amplitude(Condition):
             matrix = matrix - self.per_total * (weight @ totals)[None]
             constants = constants - self.per_total * (weight @ known)
         return matrix, constants, np.array([self.value or 0.0])
+
+
+_SILENT = (Total.rows, Weighted.rows, ZoneMoments.rows, ZoneTotals.rows, Amplitude.rows)
+BUILT_IN = (*_SILENT, EqualPotential.rows, Level.rows)
+"""Rows that hold whatever becomes of the zones; those of a user's own may count on the zones as they are."""
 
 
 class EndCondition(Protocol):

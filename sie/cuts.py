@@ -13,8 +13,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.conditions import Condition, EqualPotential, Level
+from sie.conditions import BUILT_IN, Condition, ZoneTotals, for_every_zone
 from sie.equation import Equation
+from sie.kept import Kept
 from sie.modes import gaps
 from sie.valleys import HIGHEST
 from sie.zones import Zones
@@ -29,7 +30,7 @@ SMALL = 0.003
 
 
 @dataclass(frozen=True, eq=False)
-class Cut:
+class Cut(Kept):
     """pieces: the zones as given. wide: zones that span narrow gaps; holes: those gaps, hole_zone the wide zone of each.
     piece_zone: wide zone of each piece; shift: what to add to a piece to find it in its wide zone (periods).
     """
@@ -108,8 +109,11 @@ def cut(equation: Equation, pieces: Zones) -> Cut | None:
 
 
 def _one_level(conditions: Sequence[Condition]) -> bool:
-    """Whether all zones are held at one level, so that the gap between neighbours integrates to zero."""
-    return any(isinstance(condition, (EqualPotential, Level)) for condition in conditions)
+    """Whether all zones are held at one level, so that the gap between neighbours integrates to zero, and no condition speaks of
+    zones one by one, which become fewer: those of a user's own may."""
+    rows = [type(condition).rows for condition in conditions]
+    one_by_one = ZoneTotals.rows in rows or any(one not in BUILT_IN for one in rows)
+    return not one_by_one and any(for_every_zone(condition) == "levels" for condition in conditions)
 
 
 def _plain(pieces: Zones) -> bool:

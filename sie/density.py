@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +13,7 @@ from sie import chebyshev
 from sie.everywhere import Everywhere
 from sie.fast import reaches
 from sie.field import CHUNK, Sources, of_zones, potential_at, quadrature, transform_at
+from sie.kept import Kept
 from sie.kernels import Kernel
 from sie.steps import Steps
 from sie.zones import Zones
@@ -29,10 +31,11 @@ LOOKS = 128
 
 
 @dataclass(frozen=True, eq=False)
-class Density:
+class Density(Kept):
     """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the steps, on each zone.
 
-    coefficients: smooth part (zones, n + 1). amplitudes: those of the equation's columns.
+    coefficients: smooth part (zones, n + 1). amplitudes: those of the equation's columns. closed: see `settled`. parts: what
+    `bounded` is, where it is known to more digits than the coefficients tell.
     """
 
     zones: Zones
@@ -40,11 +43,20 @@ class Density:
     coefficients: Array
     steps: Steps
     amplitudes: Array
+    closed: bool = False
+    parts: tuple[Array, Array, Array] | None = None
 
     # per zone -------------------------------------------------------------------------------------------------------
     @cached_property
     def bounded(self) -> tuple[Array, Array, Array]:
-        return chebyshev.bounded_part(self.coefficients)
+        alpha, beta, u = self.parts or chebyshev.bounded_part(self.coefficients)
+        if not self.closed:
+            return alpha, beta, u
+        zones = self.zones
+        left = np.array([end.moves and end.intensity == 0.0 for end in zones.left])
+        right = np.array([end.moves and end.intensity == 0.0 for end in zones.right])
+        k_left, k_right = np.where(left, 0.0, alpha - beta), np.where(right, 0.0, alpha + beta)
+        return 0.5 * (k_left + k_right), 0.5 * (k_right - k_left), u
 
     def settled(self) -> Density:
         """The same density with the last traces of 1/sqrt(d) taken out at free ends, where the exact one has none.
@@ -52,14 +64,7 @@ class Density:
         An end off by delta leaves K = A delta / 2 there: at equal normalised position the rest is right to delta over
         the width, while K / sqrt(d) would grow without bound towards the end.
         """
-        zones = self.zones
-        alpha, beta, u = self.bounded
-        left = np.array([end.moves and end.intensity == 0.0 for end in zones.left])
-        right = np.array([end.moves and end.intensity == 0.0 for end in zones.right])
-        k_left, k_right = np.where(left, 0.0, alpha - beta), np.where(right, 0.0, alpha + beta)
-        other = replace(self)
-        other.__dict__["bounded"] = (0.5 * (k_left + k_right), 0.5 * (k_right - k_left), u)
-        return other
+        return replace(self, closed=True)
 
     @cached_property
     def _bounded_ends(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -299,8 +304,12 @@ class Density:
 
     @property
     def has_series(self) -> bool:
-        """Whether `everywhere` is at hand."""
-        return self.__dict__.get("everywhere") is not None
+        """Whether `everywhere` is at hand, or was before this was copied: what is summed with it keeps its last digits."""
+        return self.__dict__.get("everywhere") is not None or "summed" in self.__dict__
+
+    def __getstate__(self) -> Any:
+        kept = super().__getstate__()
+        return kept | {"summed": True} if self.has_series else kept
 
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from sie.breaks import Breaks
 from sie.conditions import Condition, EndCondition
+from sie.kept import Kept
 from sie.kernels import Kernel
 from sie.steps import Steps
 from sie.zones import Zones
@@ -30,7 +31,7 @@ class CountError(ValueError):
 
 
 @dataclass(frozen=True, eq=False)
-class Forcing:
+class Forcing(Kept):
     """A known function of the right side.
 
     value: g, vectorized; smooth on each zone but for the declared jumps.
@@ -118,7 +119,7 @@ class Equation:
     @property
     def grows(self) -> bool:
         """Whether the coupled modes must be grown until they show all of the columns and of a user's regular kernel."""
-        return any(column.modes is None for column in self.columns) or self.kernel.reach == 0.0
+        return any(column.modes is None for column in self.columns) or self.kernel.grows
 
     @property
     def open_condition(self) -> int | None:

@@ -14,7 +14,6 @@ Greengard & Rokhlin (1987), J. Comput. Phys. 73, 325-348, in one dimension and w
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -320,4 +319,4 @@ def reaches(kernel: Kernel, zones: Zones) -> bool:
     """Whether the sums of this module hold for the kernel: poles, and a regular part that is smooth across all zones."""
     if kernel.regular is None:
         return kernel.regular_potential is None
-    return kernel.regular_potential is not None and math.isfinite(kernel.reach) and kernel.reach >= zones.b[-1] - zones.a[0]
+    return kernel.sure and kernel.regular_potential is not None and kernel.reach >= zones.b[-1] - zones.a[0]

@@ -32,6 +32,8 @@ Index = NDArray[np.intp]
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
 # A zone alone that has shrunk to this part of its first width has vanished.
 _VANISHED = 1e-12
+# A gap below this part of the zones beside it, which has asked so many steps on end to be closed altogether, has closed.
+_CLOSING, _INSISTS = 0.05, 3
 # Steps after which ends that still want to move by more than half of their zones may be given up.
 _WANDERING = 20
 # Of zones said to be near: the first move over the width, and what is left of a move in the next one. Moves below the last are about
@@ -111,7 +113,7 @@ def find_ends(
     sizes = first_sizes(equation, zones)
     trace: list[Step] = []
     best = np.inf
-    stalled = 0
+    stalled, closing = 0, np.zeros(len(zones), dtype=np.intp)
     while True:
         # The next move is about the square of the last one: a solution by iteration need not be much better than that.
         last = min(trace[-1].move, 1.0) if trace else 1.0
@@ -155,6 +157,7 @@ def find_ends(
             found = value if equation.open_condition is not None else None
             return Free(state, done, error, rounding, tuple(trace), found, value_error=abs(change))
         value += change
+        closing = np.where(_closes(zones, equation, delta), closing + 1, 0)
         limited = _limit(zones, equation, delta)
         apart = far_off(state, moves, delta)
         if len(apart):
@@ -166,7 +169,9 @@ def find_ends(
         # The last zone keeps what total is given, however narrow it becomes; without one it may vanish.
         least = (collapse if len(zones) > 1 else _VANISHED) * first_width
         lost = np.flatnonzero(zones.b - zones.a < np.maximum(least, 8 * np.spacing(np.abs(zones.a))))
-        met = np.flatnonzero(gap < collapse * np.minimum(first_gap, np.minimum(zones.b - zones.a, first_width)))
+        narrowest = np.minimum(zones.b - zones.a, first_width)
+        closed = (closing >= _INSISTS) & (gap < _CLOSING * narrowest)
+        met = np.flatnonzero((gap < collapse * np.minimum(first_gap, narrowest)) | closed)
         if len(lost) or len(met):
             return Free(state, False, error, rounding, tuple(trace), value, abs(change), lost, met)
 
@@ -175,6 +180,12 @@ def _is_near(trace: list[Step]) -> bool:
     """Whether the last step is one of Newton's method beside a solution."""
     largest = _NEAR if len(trace) == 1 else max(_FALLING * trace[-2].move, _AT_REST)
     return trace[-1].move <= largest
+
+
+def _closes(zones: Zones, equation: Equation, delta: Array) -> NDArray[np.bool_]:
+    """Whether the steps of both ends at the gap right of each zone would leave nothing of it."""
+    gap = modes.gaps(zones, equation.kernel)[1]
+    return np.asarray(delta[1] + np.roll(delta[0], -1) >= (1 - 1e-9) * gap)
 
 
 def _stays(trace: list[Step]) -> bool:

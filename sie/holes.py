@@ -25,6 +25,7 @@ from scipy.linalg import lu_factor, lu_solve
 
 from sie import chebyshev
 from sie.cuts import Cut
+from sie.kept import Kept
 from sie.steps import Steps
 from sie.valleys import HIGHEST, Valley
 
@@ -39,7 +40,7 @@ TOLD = 48
 
 
 @dataclass(frozen=True, eq=False)
-class Hole:
+class Hole(Kept):
     """One hole of a wide zone, in units of that zone's half width: distances of its ends from the zone's ends, its half
     width; `modes`: the highest order of its series; `width`: half width in units of length."""
 
@@ -134,7 +135,7 @@ def _valley(steps: Steps, k: int, start: float, rest: float, half: float) -> Val
     return Valley(height, start, rest, half, left, right, int(steps.order[k]))
 
 
-class Holes:
+class Holes(Kept):
     """The holes of one wide zone, and the density there made zero by them."""
 
     def __init__(self, cut: Cut, zone: int, modes: int, steps: Steps) -> None:

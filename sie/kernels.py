@@ -27,7 +27,9 @@ class Kernel:
     period: the period of the kernel, None if it has none.
     regular, regular_potential: (x, xi) -> smooth rest of K and of Lambda (broadcast), or None.
     reach: distance from a source point to the nearest singularity of the regular part over all targets, in units of
-        length; it tells how many quadrature nodes a zone needs. 0: unknown, the engine uses all of a zone's nodes.
+        length.
+    sure: whether the reach alone tells how many nodes and modes the regular part needs, as it does where that part is no larger off
+        the zones than on them. If not, as of a user's own, a zone's modes grow until they show it.
     datum: Lambda is log|(x - xi - s) / datum| summed over the poles.
     """
 
@@ -37,19 +39,31 @@ class Kernel:
     regular_potential: Regular | None = None
     reach: float = math.inf
     datum: float = 1.0
+    sure: bool = False
+
+    def __post_init__(self) -> None:
+        poles = np.asarray(self.poles, dtype=float)
+        if poles.ndim != 1 or len(poles) == 0 or poles[0] != 0.0 or not np.isfinite(poles).all() or len(np.unique(poles)) < len(poles):
+            raise ValueError(f"the poles of a kernel are different finite numbers, the first of them 0, got {self.poles!r}")
+        for name, value in (("period", self.period), ("datum", self.datum)):
+            if value is not None and not (math.isfinite(value) and value > 0):
+                raise ValueError(f"the {name} of a kernel must be a finite positive number, got {value!r}")
+        if self.regular is None and self.regular_potential is not None:
+            raise ValueError("a kernel has a regular potential but no regular part: give both")
+
+    @property
+    def grows(self) -> bool:
+        """Whether modes must grow until they show all of the regular part."""
+        return self.regular is not None and not self.sure
 
     def __add__(self, other: Smooth) -> Kernel:
         """This kernel plus a user's regular kernel."""
         if not isinstance(other, Smooth):
             return NotImplemented
-        return Kernel(
-            self.poles,
-            self.period,
-            _summed(self.regular, other.value),
-            _summed(self.regular_potential, other.potential) if other.potential is not None else None,
-            0.0,
-            self.datum,
-        )
+        # Without one of the potentials there is none of the sum.
+        lacking = other.potential is None or (self.regular is not None and self.regular_potential is None)
+        potential = None if lacking else _summed(self.regular_potential, other.potential)
+        return Kernel(self.poles, self.period, _summed(self.regular, other.value), potential, 0.0, self.datum)
 
 
 @dataclass(frozen=True)
@@ -64,8 +78,38 @@ class Smooth:
 def _summed(first: Regular | None, second: Regular | None) -> Regular | None:
     if first is None or second is None:
         return first or second
-    one, two = first, second
-    return lambda x, xi: one(x, xi) + two(x, xi)
+    return _Both(first, second)
+
+
+@dataclass(frozen=True)
+class _Both:
+    first: Regular
+    second: Regular
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        return self.first(x, xi) + self.second(x, xi)
+
+
+@dataclass(frozen=True)
+class _HilbertRest:
+    """(pi/L) cot(pi d/L) less its poles at 0 and +-L."""
+
+    period: float
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        d = (x - xi) / self.period
+        return np.asarray((psi(2 - d) - psi(2 + d)) / self.period)
+
+
+@dataclass(frozen=True)
+class _HilbertPotentialRest:
+    """log|2 sin(pi d/L)| less those of its poles."""
+
+    period: float
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        d = (x - xi) / self.period
+        return np.asarray(math.log(2 * math.pi) - gammaln(2 - d) - gammaln(2 + d))
 
 
 def cauchy(datum: float = 1.0) -> Kernel:
@@ -82,16 +126,7 @@ def hilbert(period: float) -> Kernel:
     length = float(period)
     if not (math.isfinite(length) and length > 0):
         raise ValueError(f"period must be a finite positive number, got {period!r}")
-
-    def regular(x: Array, xi: Array) -> Array:
-        d = (x - xi) / length
-        return np.asarray((psi(2 - d) - psi(2 + d)) / length)
-
-    def regular_potential(x: Array, xi: Array) -> Array:
-        d = (x - xi) / length
-        return np.asarray(math.log(2 * math.pi) - gammaln(2 - d) - gammaln(2 + d))
-
-    return Kernel((0.0, -length, length), length, regular, regular_potential, length, datum=length)
+    return Kernel((0.0, -length, length), length, _HilbertRest(length), _HilbertPotentialRest(length), length, datum=length, sure=True)
 
 
 def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:

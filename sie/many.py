@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from sie import chebyshev, modes
 from sie.assemble import System
-from sie.conditions import Linear, ZoneTotals
+from sie.conditions import Linear, asked, for_every_zone, speaks_of_levels
 from sie.equation import Equation
 from sie.fast import ZoneSums, reaches
 from sie.folding import Folding
@@ -53,15 +53,22 @@ def _gauss_legendre() -> tuple[Array, Array, Array]:
     return np.asarray(t), np.asarray(weights), np.asarray(np.linalg.solve(basis.T, slopes.T), dtype=np.float64)
 
 
-def fits(equation: Equation, zones: Zones) -> bool:
-    """Whether the conditions have a coarse problem and the kernel has fast sums."""
+def unfit(equation: Equation, zones: Zones) -> str | None:
+    """What the conditions lack of a coarse problem, or the kernel of fast sums; None if nothing."""
     ends = {*zones.left, *zones.right}
-    if len(zones.solved) < 2 or equation.grows or not reaches(equation.kernel, zones):
-        return False
-    if any(end.intensity not in (0.0, None) or (end.intensity is not None and not end.moves) for end in ends):
-        return False
-    per_zone = [c for c in equation.conditions if c.levels or isinstance(c, ZoneTotals)]
-    return len(per_zone) == 1 and all(c.count(zones) == 1 for c in equation.conditions if c not in per_zone)
+    if len(zones.solved) < 2:
+        return "one zone is too few"
+    if equation.grows or not reaches(equation.kernel, zones):
+        return "the kernel or a column is too general"
+    if any(end.moves and end.intensity != 0.0 for end in ends):
+        return "no intensities may be prescribed"
+    per_zone = [c for c in equation.conditions if for_every_zone(c) is not None]
+    if any(c.count(zones) != 1 for c in equation.conditions if c not in per_zone):
+        return "conditions of one's own must be single rows"
+    held = sorted(sum(zones.held, []))
+    if len(per_zone) + bool(held) != 1 or (held and held != list(range(len(zones.solved)))):
+        return "every zone needs one condition of its own, all of one kind"
+    return None
 
 
 class ManySystem(System):
@@ -95,6 +102,11 @@ class ManySystem(System):
                 out[self.sums.first_row[group][:, None] + np.arange(m)] = chebyshev.u_coefficients(values[nodes])
         return out
 
+    @cached_property
+    def known_intensities(self) -> tuple[Array, Array]:
+        """What is known of K at the left and right ends, without unknowns."""
+        return self.intensities_of(self.beyond)
+
     # rows applied ---------------------------------------------------------------------------------------------------
     def applied(self, y: Array) -> tuple[Array, Applied]:
         """(rows of the equation, what conditions ask for) for unknowns y."""
@@ -114,7 +126,12 @@ class ManySystem(System):
 
     @cached_property
     def wants_levels(self) -> bool:
-        return any(c.levels for c in self.equation.conditions)
+        return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
+
+    @cached_property
+    def levelled(self) -> bool:
+        """Whether a condition on potentials is what every zone has of its own."""
+        return any(for_every_zone(c) == "levels" for c in self.equation.conditions)
 
     @cached_property
     def column_means(self) -> Array:
@@ -263,10 +280,19 @@ class Applied:
         return self.system.integrals_at(weight, degree, self.y)
 
     def intensities(self) -> tuple[Linear, Linear]:
-        raise NotImplementedError("many zones are solved with free or singular ends")
+        system = self.system
+        left, right = system.intensities_of(system.layout.padded(self.y))
+        constant_left, constant_right = system.known_intensities
+        return (left[:, None], constant_left), (right[:, None], constant_right)
+
+    def held(self) -> Linear:
+        """K at the ends that are held at zero, those on the left first."""
+        pairs = list(zip(self.zones.held, self.intensities(), strict=True))
+        matrix, constants = (np.concatenate([linear[part][chosen] for chosen, linear in pairs]) for part in (0, 1))
+        return matrix, constants
 
     def amplitude(self, k: int) -> Linear:
-        return self.y[[[self.system.layout.coefficients + k]]], np.zeros(1)
+        return self.y[[[self.system.layout.amplitude(k)]]], np.zeros(1)
 
     def multiplicity(self) -> Array:
         return self.system.multiplicity()
@@ -321,7 +347,8 @@ class Coarse:
     """The preconditioner: -c_k from the rows of the equation, c_0 and the amplitudes from the side conditions.
 
     With level = G c_0 - (amplitudes' means) on every zone, G = Punches + constant: c_0 = Punches^-1 (level + unknown constant +
-    ...), and the few unknowns left come from the conditions that are not asked of every zone.
+    ...), and the few unknowns left come from the conditions that are not asked of every zone. Where every zone has a held end, c_0
+    is what makes K vanish there.
     """
 
     def __init__(self, system: ManySystem, punches: Punches | None) -> None:
@@ -329,12 +356,16 @@ class Coarse:
         zones, conditions = system.zones, system.equation.conditions
         counts = [c.count(zones) for c in conditions]
         starts = np.concatenate(([0], np.cumsum(counts)))
-        self.per_zone = next(k for k, c in enumerate(conditions) if c.levels or isinstance(c, ZoneTotals))
-        self.levels = conditions[self.per_zone].levels
-        self.rows = slice(int(starts[self.per_zone]), int(starts[self.per_zone + 1]))
-        self.absolute = counts[self.per_zone] == len(zones.solved)
-        self.others = [k for k in range(len(conditions)) if k != self.per_zone]
+        kinds = [for_every_zone(c) for c in conditions]
+        self.others = [k for k, kind in enumerate(kinds) if kind is None]
         self.other_rows = np.array([starts[k] for k in self.others], dtype=np.intp)
+        self.held = np.array(sum(zones.held, []), dtype=np.intp)
+        at = None if len(self.held) else next(k for k, kind in enumerate(kinds) if kind is not None)
+        self.levels = at is not None and kinds[at] == "levels"
+        # What every zone has of its own: rows of one condition, or those of held ends, which come last.
+        self.rows = slice(int(starts[-1]), None) if at is None else slice(int(starts[at]), int(starts[at + 1]))
+        self.absolute = at is not None and counts[at] == len(zones.solved)
+        self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
         layout, folding = system.layout, system.folding
         self.first = folding.position(layout.offset[zones.solved])
         self.rest = folding.position(system.own[system.kept])
@@ -357,7 +388,15 @@ class Coarse:
             out[self.rest, place] = -system.column_rows[k][system.kept]
             if self.levels:
                 out[self.first, place] = self._from_levels(system.column_means[k])
+            elif len(self.held):
+                self._close(out[:, place], np.zeros(len(self.held)))
         return out
+
+    def _close(self, folded: Array, wanted: Array) -> None:
+        """Sets c_0 of every zone so that K at the held ends is as wanted."""
+        system = self.system
+        view = Applied(system, system.folding.unfold(folded), np.zeros(0), np.zeros(0))
+        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / np.sqrt(system.zones.half[system.zones.solved[self.held]] / 2)
 
     def _from_levels(self, levels: Array) -> Array:
         assert self.punches is not None
@@ -367,7 +406,7 @@ class Coarse:
         """The conditions that are single rows, and what ties the constant where levels are absolute."""
         system = self.system
         y = system.folding.unfold(folded)
-        view = Applied(system, y, np.zeros(0), np.zeros(0))
+        view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
         out = [float(system.equation.conditions[k].rows(view)[0][0, 0]) for k in self.others]
         if self.levels and self.absolute:
             assert self.punches is not None
@@ -387,6 +426,8 @@ class Coarse:
         if self.levels:
             levels = here if self.absolute else np.concatenate(([0.0], np.cumsum(here)))
             out[self.first] = self._from_levels(levels)
+        elif len(self.held):
+            self._close(out, here)
         else:
             out[self.first] = here / (np.pi * system.zones.half[system.zones.solved])
         if self._basis.shape[1]:
@@ -420,8 +461,8 @@ class Iterative:
     def rows(self, folded: Array) -> Array:
         system = self.system
         rows, view = system.applied(system.folding.unfold(folded))
-        parts = [condition.rows(view)[0][:, 0] for condition in system.equation.conditions]
-        return np.concatenate((rows, *parts))
+        parts = [asked(condition, view, 1)[0][:, 0] for condition in system.equation.conditions]
+        return np.concatenate((rows, *parts, view.held()[0][:, 0]) if len(self.coarse.held) else (rows, *parts))
 
     def right(self) -> Array:
         """The right side of the equation and of its conditions."""
@@ -430,8 +471,10 @@ class Iterative:
         nothing = Applied(system, np.zeros(system.layout.size), none, none)
         values = []
         for condition in system.equation.conditions:
-            _, constants, wanted = condition.rows(nothing)
+            _, constants, wanted = asked(condition, nothing, 1)
             values.append(wanted - constants)
+        if len(self.coarse.held):
+            values.append(-nothing.held()[1])
         return np.concatenate((system.equation_right, *values))
 
     def __call__(

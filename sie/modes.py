@@ -28,6 +28,8 @@ OWN_SIZES = np.array(
 _NOISE = 1e-5
 # Places rounded to less than this part of a zone are exact to all purposes.
 _FINE = 1e-14
+# No zone has this decay but one without neighbours.
+_ALONE = 690.0
 # Coefficients among which the largest of a jump's part is.
 _LEADING = 8
 COUPLED_SIZES = np.array(
@@ -37,12 +39,15 @@ COUPLED_SIZES = np.array(
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int) -> Index:
     """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at least `least`."""
-    left, right = gaps(zones, kernel)
-    e = np.minimum(left, right) / zones.half
-    with np.errstate(divide="ignore"):
-        decay = np.arccosh(1 + np.minimum(e, 1e300))  # -log(rho)
-    want = np.where(np.isfinite(e), -np.log(tolerance) / np.maximum(decay, 1e-3), 0.0)
+    fall = decay(zones, kernel)
+    want = np.where(fall < _ALONE, -np.log(tolerance) / np.maximum(fall, 1e-3), 0.0)
     return _at_least(COUPLED_SIZES, np.maximum(want, least))
+
+
+def decay(zones: Zones, kernel: Kernel) -> Array:
+    """-log(rho) of the nearest foreign end: so fast do coefficients of what others do fall on each zone."""
+    left, right = gaps(zones, kernel)
+    return np.asarray(np.arccosh(1 + np.minimum(np.minimum(left, right) / zones.half, 1e300)))
 
 
 def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:

@@ -14,6 +14,7 @@ from sie.cuts import Cut
 from sie.density import LOOKS, Density
 from sie.field import Sources, potential_from, transform_from
 from sie.holes import Hole, Holes, beyond
+from sie.kept import Kept
 from sie.kernels import Kernel, cauchy
 from sie.steps import Steps
 from sie.valleys import Valley
@@ -29,7 +30,7 @@ _TELLS = 0.36
 
 
 @dataclass(frozen=True, eq=False)
-class Pierced:
+class Pierced(Kept):
     """smooth: c on the wide zones; whole: with s_k added, what other zones see; d: series of sigma, per set of holes.
 
     closed: whether the last traces of 1/sqrt(d) at free ends are taken out, as `Density.settled` does. forced: whether the right side
@@ -125,9 +126,7 @@ class Pierced:
             for _, valley in self._valleys(here):
                 alpha[here.zone] += valley.edge[0]
                 beta[here.zone] += valley.edge[1]
-        other = replace(self.smooth)
-        other.__dict__["bounded"] = (alpha, beta, u)
-        return other.settled() if self.closed else other
+        return replace(self.smooth, parts=(alpha, beta, u), closed=self.closed)
 
     @cached_property
     def _pierced(self) -> NDArray[np.bool_]:

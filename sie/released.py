@@ -14,11 +14,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.conditions import Linear
+from sie.conditions import Linear, asked
 from sie.cuts import Cut, cut
 from sie.density import Density
 from sie.equation import Equation
 from sie.holes import TOLD, Holes
+from sie.kept import Kept
 from sie.krylov import gmres
 from sie.many import Iterative
 from sie.pierced import Pierced
@@ -89,7 +90,7 @@ class Opened:
         return self._constants(out)
 
     def intensities(self) -> tuple[Linear, Linear]:
-        raise NotImplementedError("zones with holes have no condition on intensities")
+        raise AssertionError("a condition on intensities is of a user's own, and is solved zone by zone (`cuts`)")
 
     def amplitude(self, k: int) -> Linear:
         return self._constants(np.zeros(1))
@@ -102,7 +103,7 @@ class HolesUnsettled(SingularSystem):
     """System and holes, solved in turn, do not come to rest: a hole bends its surroundings too much."""
 
 
-class Release:
+class Release(Kept):
     """The holes of all wide zones, solved together with the system of these."""
 
     def __init__(self, cut: Cut, base: State, linear: float) -> None:
@@ -236,8 +237,7 @@ class Release:
         s = self.s_table(d, homogeneous)
         rows = -system.layout.flat(s)[system.diagonal]
         view = Opened(zones, s, self.mean_openings(d, homogeneous), system.moments, system.layout.m, system.multiplicity())
-        constants = [condition.rows(view)[1] for condition in system.equation.conditions]
-        constants = [np.atleast_1d(c) for c in constants]
+        constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
         return np.concatenate((rows, conditions))
 
@@ -263,7 +263,7 @@ class Release:
 
 
 @dataclass(frozen=True, eq=False)
-class PiercedState:
+class PiercedState(Kept):
     """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the holes.
 
     wide: state of the wide zones, holes included; rest: what alternating left, over the largest coefficient.
@@ -433,7 +433,7 @@ class PiercedState:
         coupled = wide.system.layout.m
         zone = self.cut.piece_zone
         seen = residual_error(self._residuals, peak, coupled[zone], wide.jumps_rounding[zone], np.bincount(zone)[zone] == 1)
-        holes = float(self._tails.max()) / peak + self.rest
+        holes = (float(self._tails.max()) + wide.density_rounding) / peak + self.rest
         neglected = float((self._neglected * np.maximum(wide.sizes.own[: len(coupled)], 1)).max()) / peak
         return neglected + seen + holes
 

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.assemble import System
+from sie.chebyshev import bounded_part
+from sie.conditions import of_levels, speaks_of_levels
 from sie.density import Density
 from sie.equation import Forcing
 from sie.folding import Folding
@@ -26,6 +28,8 @@ Array = NDArray[np.float64]
 EPS = 2.2e-16
 # The largest of some hundred roundings over their mean square: what is stated is to be exceeded nowhere.
 SAFETY = 4.0
+# How often rows are shaken, and angles of each zone at which the density is looked at.
+_SHAKEN, _ANGLES = 12, 24
 # Ends at which the rounding of the primitive is looked at.
 _LOOKS = 32
 
@@ -73,7 +77,7 @@ def intensity_rounding(state: Solved) -> Array:
 def _of_levels(state: Solved) -> Array | float:
     """What rounding of the potentials that the zones' totals are matched by does to K, per zone."""
     equation, zones = state.system.equation, state.density.zones
-    if len(zones) == 1 or not any(c.levels for c in equation.conditions):
+    if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
         return 0.0
     w = zones.half
     # A level off by e is met by c_0 = e / (w log(w / 2R)), K by that over sqrt(2 w); neighbours no wider hold less than a plane.
@@ -94,18 +98,51 @@ def _through_rows(state: Solved) -> Array:
     taken = np.ones(len(rounding), dtype=bool)
     for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):
         count = condition.count(zones)
-        if not condition.levels or count == 0:
+        if count == 0 or not speaks_of_levels(condition, zones):
             continue
         here = slice(state.conditions_from + first, state.conditions_from + first + count)
         taken[here] = False
-        by_level = effect[here] / state.condition_scale[first : first + count, None]
-        if count < len(zones.solved):  # differences of neighbours
-            nothing = np.zeros((1, by_level.shape[1]))
-            by_level = np.concatenate((nothing, by_level)) - np.concatenate((by_level, nothing))
+        by_level = of_levels(condition, zones).T @ (effect[here] / state.condition_scale[first : first + count, None])
         levels = np.broadcast_to(_level_noise(state), (len(zones.solved),))
         squares += levels**2 @ by_level**2
     squares += rounding[taken] ** 2 @ effect[taken] ** 2
     return _mirrored(zones, np.sqrt(squares).reshape(2, -1))
+
+
+def density_rounding(state: Solved) -> float:
+    """What the rounding of all rows, those of the side conditions among them, may do to the density, its singularities taken out and
+    times sqrt(1 - t^2).
+
+    Where the conditions nearly depend on each other it is many times the rounding itself: so the rows are shaken by their roundings, by
+    chance but always alike, and what that does to the density is looked at.
+    """
+    system, zones, solver = state.system, state.density.zones, state.direct
+    if len(zones) == 1 and not system.equation.columns:
+        return 0.0
+    if solver is None:
+        return float(np.max(_of_levels(state) / np.sqrt(zones.half / 2)))
+    chance = np.random.default_rng(0)
+    shaken = EPS * solver.size_of_rows[:, None] * chance.standard_normal((solver.size, _SHAKEN))
+    for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):
+        count = condition.count(zones)
+        if count and speaks_of_levels(condition, zones):
+            noise = np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None]
+            levels = noise * chance.standard_normal((len(zones.solved), _SHAKEN))
+            scale = state.condition_scale[first : first + count, None]
+            shaken[state.conditions_from + first : state.conditions_from + first + count] = of_levels(condition, zones) @ levels / scale
+    folding = Folding.of(zones, system.layout)
+    largest = [_largest(system.layout.padded(folding.unfold(change))) for change in solver(shaken).T]
+    return SAFETY * float(np.sqrt(np.mean(np.square(largest))))
+
+
+def _largest(coefficients: Array) -> float:
+    """Largest of sum c_k T_k and of the bounded part of sum c_k T_k / sqrt(1 - t^2) at a few angles, of all zones."""
+    k = np.arange(max(coefficients.shape[1], 2))
+    # Closer beside the ends, where high modes add up.
+    theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, _ANGLES)[:, None]) ** 2
+    u = bounded_part(coefficients)[2]
+    whole = coefficients @ np.cos(theta * k[: coefficients.shape[1]]).T
+    return float(max(np.abs(whole).max(), np.abs(u @ np.sin(theta * k[1 : u.shape[1] + 1]).T).max(initial=0.0)))
 
 
 def _level_noise(state: Solved) -> Array:

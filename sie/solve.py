@@ -14,12 +14,14 @@ from scipy.linalg import lapack, lu_factor, lu_solve
 
 from sie import modes
 from sie.assemble import Layout, System
+from sie.checks import look_at
+from sie.conditions import asked
 from sie.density import Density
-from sie.ends import End
 from sie.equation import Equation
 from sie.folding import Folding
-from sie.many import Iterative, ManySystem, Punches, fits
-from sie.rounding import intensity_rounding
+from sie.kept import Kept
+from sie.many import Iterative, ManySystem, Punches, unfit
+from sie.rounding import density_rounding, intensity_rounding
 from sie.steps import Steps
 from sie.zones import Zones
 
@@ -39,10 +41,16 @@ _FIRST = np.sin(_THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
 _FIRST_OF = np.linalg.pinv(_FIRST)
 # From this number of unknowns on, a matrix costs more than fast sums.
 MANY_UNKNOWNS = 1500
+# Beyond this number a matrix and its factors take more than six gigabytes.
+MOST_UNKNOWNS = 20_000
 
 
 class SingularSystem(ArithmeticError):
     """The assembled system has no unique solution: the side conditions depend on each other."""
+
+
+class TooLarge(SingularSystem):
+    """More unknowns than a matrix holds, of an equation that has no fast sums."""
 
 
 @dataclass(eq=False)
@@ -54,7 +62,7 @@ class Sizes:
     """
 
     own: Index
-    least: int
+    least: int | Index
     profile_evaluations: int = 0
     kernel_evaluations: int = 0
     solves: int = 0
@@ -100,7 +108,8 @@ class Solver(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Factored:
-    """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution."""
+    """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
+    made of."""
 
     lu: Array
     pivots: Index
@@ -119,11 +128,11 @@ class Factored:
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class State(Kept):
     """The solution on given zones, with what its error is made of.
 
     density; the solver for further right sides; `truncation`: what the neglected coefficients may amount to, over
-    the largest coefficient of the same zone (Z,); `field_tail`: the same for the coupled modes of all zones;
+    the largest coefficient of the same zone (Z,); `tails`: the same for the coupled modes;
     `linear_error`: what an iteration left of the error of each zone's coefficients (Z,), 0 for a direct solve.
     """
 
@@ -135,7 +144,7 @@ class State:
     conditions_from: int
     condition_scale: Array
     truncation: Array
-    field_tail: float
+    tails: Array
     linear_error: Array
     sizes: Sizes
 
@@ -206,6 +215,11 @@ class State:
         return np.asarray(self.intensity_noise.max(axis=0) / np.sqrt(self.density.zones.half / 2))
 
     @property
+    def field_tail(self) -> float:
+        """The largest of `tails`."""
+        return float(self.tails.max())
+
+    @property
     def unresolved(self) -> bool:
         """Whether the most modes that zones are given do not show what the columns do on them."""
         return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.COUPLED_SIZES[-1]
@@ -227,8 +241,8 @@ class State:
 
     @cached_property
     def density_error(self) -> float:
-        """Estimated error of the density on these zones, over its `size`: neglected coefficients, and the equation's
-        residual between the nodes.
+        """Estimated error of the density on these zones, over its `size`: neglected coefficients, the equation's residual
+        between the nodes, and the rounding of the side conditions, which no residual shows.
 
         With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k (near an end): so much does c_k's error
         count.
@@ -236,15 +250,21 @@ class State:
         if self.size == 0.0:
             return 0.0
         neglected = float((self._missing * np.maximum(self.sizes.own[: len(self._missing)], 1)).max()) / self.size
+        neglected += float((self._missing_fields * 0.73 * self.system.layout.m).max()) / self.size
         coupled = self.system.layout.m[self.density.zones.solved]
         seen = residual_error(self._residuals, self.size, coupled, self.jumps_rounding[self.density.zones.solved])
-        return neglected + seen + float(self.linear_error.max()) / self.size
+        return neglected + seen + (float(self.linear_error.max()) + self.density_rounding) / self.size
+
+    @cached_property
+    def density_rounding(self) -> float:
+        """What rounding of the rows and of the side conditions does to the density."""
+        return density_rounding(self)
 
     @cached_property
     def end_truncation(self) -> Array:
         """What the density's error may shift moving ends by, over their zone's width (Z, 2): 2 K / A by its K."""
         zones, solved = self.density.zones, self.density.zones.solved
-        missing = self._missing.copy()
+        missing = self._missing + self._missing_fields
         rounding = 2e-15 * self.zone_sizes + self.jumps_rounding
         missing[solved] += 3 * np.maximum(self._residual - rounding[solved], 0.0)
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
@@ -272,6 +292,12 @@ class State:
         if self.density.zones.symmetric:
             missing[: len(missing) // 2] = missing[::-1][: len(missing) // 2]
         return missing
+
+    @cached_property
+    def _missing_fields(self) -> Array:
+        """Sum of the coefficients beyond the coupled modes of what other zones do (Z,): they fall as their distance has it."""
+        fall = np.exp(-modes.decay(self.density.zones, self.density.kernel))
+        return np.asarray(_last_of_fields(self.system, self.unknowns) * fall / np.maximum(1 - fall, 1e-3))
 
     @cached_property
     def noise(self) -> Array:
@@ -315,18 +341,26 @@ class State:
         theta = _THETA
         t = np.cos(theta)
         x = (zones.middle[zones.solved][:, None] + zones.half[zones.solved][:, None] * t).ravel()
-        equation = system.equation
-        value = self.density.transform(x) - equation.forcing.value(x) - system.steps.left_out(x)
-        for amplitude, column in zip(self.density.amplitudes, equation.columns, strict=True):
-            value = value - amplitude * column.value(x)
+        transformed = self.density.transform(x)
+        value = transformed - self._right(x) - system.steps.left_out(x)
+        if zones.symmetric:
+            # The other half is not solved: data that are no mirror images leave their residual there.
+            mirrored = -transformed - self._right(-x) - system.steps.left_out(-x)
+            value = np.where(np.abs(mirrored) > np.abs(value), mirrored, value)
         return np.asarray(value.reshape(-1, len(t)) * np.sin(theta))
+
+    def _right(self, x: Array) -> Array:
+        """The equation's right side at points."""
+        equation = self.system.equation
+        columns = zip(self.density.amplitudes, equation.columns, strict=True)
+        return np.asarray(equation.forcing.value(x) + sum(amplitude * column.value(x) for amplitude, column in columns))
 
     @cached_property
     def condition_index(self) -> Index:
         """First row of each side condition among the conditions' rows."""
         zones = self.density.zones
         counts = [c.count(zones) for c in self.system.equation.conditions]
-        return np.concatenate(([0], np.cumsum(counts)[:-1])).astype(np.intp)
+        return np.cumsum([0, *counts], dtype=np.intp)[:-1]
 
 
 def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, apart: NDArray[np.bool_] | bool = True) -> float:
@@ -339,7 +373,7 @@ def residual_error(residuals: Array, size: float, coupled: Index, rounding: Arra
     low = np.where(apart, np.abs(low) @ np.maximum(0.73 * np.arange(1, low.shape[1] + 1), 1.0), 0.0) / size
     # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
-    return float((beyond + high + 1e-15 * coupled).max())
+    return float((beyond + high + 3e-16 * coupled).max())
 
 
 def first_sizes(equation: Equation, zones: Zones) -> Sizes:
@@ -358,6 +392,8 @@ def solve_fixed(
     equation.check_count(zones)
     if sizes is None:
         sizes = first_sizes(equation, zones)
+    if sizes.solves == 0:
+        look_at(equation, zones)
     kernel = equation.kernel
     steps = equation.forcing.jumps_within(zones, kernel)
     samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, largest)
@@ -365,12 +401,19 @@ def solve_fixed(
     sizes.profile_evaluations += samples.evaluations
     while True:
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
-        if int(np.sum(m + 1)) > MANY_UNKNOWNS and fits(equation, zones):
-            return _solve_many(equation, zones, m, samples, steps, sizes)
+        unknowns = int(np.sum(m + 1))
+        if unknowns > MANY_UNKNOWNS:
+            lacking = unfit(equation, zones)
+            if lacking is None:
+                return _solve_many(equation, zones, m, samples, steps, sizes)
+            if unknowns > MOST_UNKNOWNS:
+                raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
         state = _solve_once(equation, zones, m, samples, steps, sizes)
-        if not equation.grows or state.field_tail <= tolerance * 10 or int(m.max()) >= modes.COUPLED_SIZES[-1]:
+        # Each zone by itself: what one asks for would cost all of them too much.
+        few = (state.tails > tolerance * 10) & (m < modes.COUPLED_SIZES[-1])
+        if not equation.grows or not few.any():
             return state
-        sizes.least = int(modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES, int(m.max()), side="right")])
+        sizes.least = np.where(few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m)
 
 
 def _solve_once(
@@ -384,9 +427,20 @@ def _solve_once(
     if lapack.dgecon(lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0] < _DEPENDENT:
         raise SingularSystem("the system is singular: the side conditions depend on each other")
     folded = np.asarray(lu_solve((lu, pivots), right, check_finite=False))
-    solver = Factored(lu, pivots, np.sqrt(matrix**2 @ folded**2 + right**2))
+    solver = Factored(lu, pivots, _size_of_rows(system, np.sqrt(matrix**2 @ folded**2 + right**2)))
     sizes.kernel_evaluations += matrix.size
     return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
+
+
+def _size_of_rows(system: System, terms: Array) -> Array:
+    """What rounding of the rows is counted in. Those of the equation come from values at nodes: of these each row has the rounding,
+    however small what it is about, as those of the highest modes."""
+    rows = system.diagonal
+    zone = np.searchsorted(system.layout.offset, rows, side="right") - 1
+    count = np.maximum(np.bincount(zone, minlength=len(system.zones)), 1)
+    squares = terms**2
+    squares[: len(rows)] += (np.bincount(zone, squares[: len(rows)], minlength=len(system.zones)) / count)[zone]
+    return np.asarray(np.sqrt(squares))
 
 
 def _solve_many(
@@ -396,7 +450,7 @@ def _solve_many(
     system = ManySystem(equation, zones, m, samples.coefficients, steps)
     carried = sizes.carried if sizes.carried is not None and len(sizes.carried.m) == len(zones) else None
     punches = carried.punches if carried is not None else None
-    if system.wants_levels and (punches is None or not punches.near(zones)):
+    if system.levelled and (punches is None or not punches.near(zones)):
         punches = Punches(zones, system)
     solver = Iterative(system, punches, sizes.linear)
     right = solver.right()
@@ -421,7 +475,9 @@ def _state(
     sizes.solves += 1
     top = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(system.known).max(axis=1, initial=0.0)
     truncation = samples.tail / np.where(top > 0, top, 1.0)
-    tail = max(_field_tail(system, y, density), system.source_tail)
+    tail = np.maximum(_field_tails(system, y, density), system.source_tails)
+    if system.zones.symmetric:
+        tail = np.maximum(tail, tail[::-1])
     left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
     return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, left_over, sizes)
 
@@ -464,37 +520,38 @@ def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[A
     """All side conditions, and intensity zero at fixed bounded ends, as rows and values."""
     rows, values = [], []
     for condition in equation.conditions:
-        matrix, constants, wanted = condition.rows(system)
+        matrix, constants, wanted = asked(condition, system, system.layout.size)
         rows.append(matrix)
         values.append(wanted - constants)
-    bounded_left = [p for p, i in enumerate(zones.solved) if _held(zones.left[i])]
-    bounded_right = [p for p, i in enumerate(zones.solved) if _held(zones.right[i])]
-    if zones.central and 0 in bounded_left:
-        bounded_left.remove(0)  # the mirror image of the right end
-    if bounded_left or bounded_right:
-        left, right = system.intensities()
-        for chosen, (matrix, constants) in ((bounded_left, left), (bounded_right, right)):
+    if any(zones.held):
+        for chosen, (matrix, constants) in zip(zones.held, system.intensities(), strict=True):
             rows.append(matrix[chosen])
             values.append(-constants[chosen])
     return np.concatenate(rows) if rows else np.zeros((0, system.layout.size)), np.concatenate(values or [np.zeros(0)])
 
 
-def _held(end: End) -> bool:
-    return not end.moves and end.intensity is not None
-
-
-def _field_tail(system: System, y: Array, density: Density) -> float:
-    """Last coupled coefficients of what the other zones and the columns do, over the zone's largest one."""
+def _field_tails(system: System, y: Array, density: Density) -> Array:
+    """Last coupled coefficients of what the other zones and the columns do, over the zone's largest one (Z,)."""
     layout, g = system.layout, system.lowest
     if layout.m.max() < 8:
-        return 0.0
+        return np.zeros(len(layout.m))
+    last = _last_of_fields(system, y)
+    top = np.maximum(np.abs(density.coefficients).max(axis=1), np.abs(system.known).max(axis=1, initial=0.0))
+    # What is left is a difference of numbers of the size of the right side and of the fields that were summed: below their rounding
+    # there is no tail, as where a zone has little of a load that its neighbours share.
+    rounding = 8 * 2.2e-16 * np.abs(g).max(axis=1)
+    if system.field_sizes is not None:
+        rounding[system.zones.solved] += 8 * 2.2e-16 * (system.field_sizes @ np.abs(y))
+    tail = np.maximum(last - rounding, 0.0)
+    return np.asarray(tail / np.where(top > 0, top, 1.0))
+
+
+def _last_of_fields(system: System, y: Array) -> Array:
+    """Last coupled coefficients of what the other zones and the columns do (Z,); of few modes zero."""
+    layout, g = system.layout, system.lowest
     field = layout.padded(y)
     count = min(g.shape[1], field.shape[1])
     field[:, 1:count] += g[:, 1:count]
     k = np.arange(field.shape[1])
     last = (k <= layout.m[:, None]) & (k > layout.m[:, None] - 3) & (layout.m[:, None] >= 8)
-    top = np.maximum(np.abs(density.coefficients).max(axis=1), np.abs(system.known).max(axis=1, initial=0.0))
-    # What is left is a difference of numbers of the size of the right side: below their rounding there is no tail.
-    rounding = 8 * 2.2e-16 * np.abs(g).max(axis=1)
-    tail = np.maximum(np.abs(np.where(last, field, 0.0)).max(axis=1) - rounding, 0.0)
-    return float((tail / np.where(top > 0, top, 1.0)).max())
+    return np.asarray(np.abs(np.where(last, field, 0.0)).max(axis=1))

@@ -30,6 +30,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.kept import Kept
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -43,7 +44,7 @@ _MANY = 64
 _SERIES = 1024
 # Seen from farther than this rho, the closed form cancels and the series is short.
 _FAR = 0.25
-_LOG2 = float(np.log(2.0))
+LOG2 = float(np.log(2.0))
 # Up to which rho how many terms of the series are enough.
 _SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
 # kappa is taken no nearer to a jump than this.
@@ -55,7 +56,7 @@ _PAIRS = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
-class Steps:
+class Steps(Kept):
     """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!, and q."""
 
     zone: Index
@@ -334,7 +335,10 @@ class Steps:
         """Potential of a zone's closed parts over w, less c_0 log(w), at points by their distances from its ends over w,
         positive on the zone, and rho off it (see the head of this file)."""
         k = self.by_zone[zone]
-        k = k[self.closed[k]]
+        return self._by_reach(k[self.closed[k]], left, right, rho)
+
+    def _by_reach(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
+        """Potential of jumps k of one zone: by their series far from it, where the closed forms cancel."""
         out = np.empty(left.shape)
         on = (left >= 0) & (right >= 0)
         far = ~on & (np.abs(rho) < _FAR)
@@ -365,12 +369,12 @@ class Steps:
             turn[~on] = self._plain(of, rho[~on])
             square = sine**2
             if q == 0:
-                rest = grown - _LOG2 - 1
+                rest = grown - LOG2 - 1
             elif q == 1:
-                rest = 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * _LOG2)
+                rest = 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * LOG2)
             else:
                 rest = (grown * (0.5 + s * s) + root * (0.5 * z - 2 * s)) / 3 - z * (0.5 * z - 1.5 * s)
-                rest += square / 9 - s * s / 2 - 1 / 12 - _LOG2 * (square / 6 + s * s / 2)
+                rest += square / 9 - s * s / 2 - 1 / 12 - LOG2 * (square / 6 + s * s / 2)
             out += (away ** (q + 1) * turn / (q + 1) + sine * rest) @ (self.height[of] / np.pi)
         return out
 

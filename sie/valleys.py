@@ -20,6 +20,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.kept import Kept
+
 Array = NDArray[np.float64]
 
 # Orders q that are carried.
@@ -29,7 +31,7 @@ _LEGENDRE = 24
 
 
 @dataclass(frozen=True, eq=False)
-class Valley:
+class Valley(Kept):
     """jump: h. start, rest, half: the hole, in the wide zone's half width: distances from that zone's ends, half width.
     from_left, from_right: distances of the jump from the ends of the wide zone. order: q."""
 

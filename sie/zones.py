@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.ends import FREE, End
+from sie.kept import Kept
 
 Array = NDArray[np.float64]
 
@@ -25,7 +26,7 @@ def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class Zones:
+class Zones(Kept):
     """`n` zones with ends a (n,) and b (n,), a < b < next a. `left`, `right`: one End for all, or one per zone.
 
     symmetric: the zones are mirror images of each other about x = 0 and so are the data; only half is solved.
@@ -111,6 +112,16 @@ class Zones:
     def solved(self) -> NDArray[np.intp]:
         """Indices of the zones whose equations are solved: all, or the right half of a symmetric set."""
         return np.arange(len(self) // 2, len(self)) if self.symmetric else np.arange(len(self))
+
+    @cached_property
+    def held(self) -> tuple[list[int], list[int]]:
+        """Places among the solved zones whose left, whose right end is bounded and does not move: K = 0 is asked there."""
+        left, right = (
+            [p for p, i in enumerate(self.solved) if not ends[i].moves and ends[i].intensity is not None]
+            for ends in (self.left, self.right)
+        )
+        # Of a zone about the centre the left end is the mirror image of the right one.
+        return [p for p in left if not (self.central and p == 0)], right
 
     @property
     def central(self) -> bool:

@@ -1,6 +1,30 @@
-"""One hypothesis profile for all tests: the same examples on every machine."""
+"""The same tests everywhere: one hypothesis profile, names that no process makes otherwise, one thread for each of those side by side."""
 
+from __future__ import annotations
+
+import os
+import re
+from typing import Any
+
+import pytest
 from hypothesis import settings
+
+if "PYTEST_XDIST_WORKER" in os.environ:  # before numpy is loaded
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(name, "1")
 
 settings.register_profile("ci", derandomize=True, deadline=None, max_examples=25, database=None)
 settings.load_profile("ci")
+
+
+def pytest_make_parametrize_id(config: pytest.Config, val: Any, argname: str) -> str | None:
+    """Bytes (packed files have the time in them), long texts and long numbers are named by their argument."""
+    text = isinstance(val, str) and len(val) > 60
+    return argname if text or isinstance(val, bytes) or (type(val) is int and abs(val) > 10**18) else None
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Processes that share the tests must call them by the same names, so there are no addresses in these."""
+    for item in items:
+        if re.search(r" at 0x[0-9a-f]+", item.nodeid):
+            raise pytest.UsageError(f"{item.nodeid}: its name has an address in it; give it an id")

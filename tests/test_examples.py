@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+from collections import Counter
 from pathlib import Path
 from types import ModuleType
 
@@ -40,11 +41,72 @@ def test_an_example_has_at_most_forty_lines_and_stands_in_the_docs(script: Path)
     assert any(f"examples/{script.name}" in page.read_text(encoding="utf-8") for page in DOCS.glob("*.md"))
 
 
+# At most: solves of the linear system, modes of one solution, kernel evaluations, places at which a profile is asked for anything.
+# About three times what was counted: what a change makes slow costs ten times as much and more.
+COUNTS = {
+    "compare_models": (100, 72, 1e4, 1e5),
+    "designed_texture": (36, 240, 3e4, 2e4),
+    "flat_punch": (100, 48, 1e3, 4e3),
+    "own_profile": (6, 72, 1e2, 3e4),
+    "rounded_punch": (24, 48, 1e2, 2e5),
+    "tilted_punch": (120, 48, 1e3, 1e5),
+    "two_zones": (50, 120, 3e4, 1e4),
+    "hertz": (6, 48, 1e2, 3e4),
+    "localized": (10, 96, 3e3, 2e3),
+    "punch": (100, 48, 1e3, 4e3),
+    "stylus-ground": (12, 3700, 1e7, 2e6),
+    "stylus": (10, 300, 1e4, 2e6),
+    "wave": (6, 48, 3e2, 2e3),
+}
+
+
+@pytest.fixture
+def work(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
+    """What `contact.solve` has cost: the counts of its plans, and the places at which its profiles were asked for anything."""
+    spent: Counter[str] = Counter()
+    solve = contact.solve
+
+    def counted(function):
+        def asked(self, x):
+            spent["places"] += np.size(x)
+            return function(self, x)
+
+        return asked
+
+    def counting(scene, *args, **kwargs):
+        cls = type(scene.profile)
+        for name in {"height", "slope", "slope_conjugate"} & set(cls.__dict__):
+            if not hasattr(cls.__dict__[name], "counts"):
+                method = counted(cls.__dict__[name])
+                method.counts = True
+                monkeypatch.setattr(cls, name, method)
+        solution = solve(scene, *args, **kwargs)
+        for name in ("solves", "kernel_evaluations"):
+            spent[name] += solution.plan.counts[name]
+        spent["own_modes"] = max(spent["own_modes"], solution.plan.counts["own_modes"])
+        return solution
+
+    monkeypatch.setattr(contact, "solve", counting)
+    return spent
+
+
+def assert_within(name: str, spent: Counter[str]) -> None:
+    for kind, most in zip(("solves", "own_modes", "kernel_evaluations", "places"), COUNTS[name], strict=True):
+        assert 0 < spent[kind] <= most, f"{kind}: {spent[kind]} for {most:g}"
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda f: f.stem)
+def test_an_example_takes_no_more_work_than_it_is_stated_to(script: Path, work: Counter[str], own_names) -> None:
+    module(script.stem).main()
+    assert_within(script.stem, work)
+
+
 @pytest.mark.parametrize("scene", SCENES, ids=lambda f: f.stem)
-def test_a_scene_file_is_solved_to_the_tolerance_with_a_certificate(scene: Path) -> None:
+def test_a_scene_file_is_solved_to_the_tolerance_with_a_certificate(scene: Path, work: Counter[str]) -> None:
     solution = contact.solve(contact.load_scene(scene))
     assert solution.error <= 1e-8
     assert solution.certificate.holds
+    assert_within(scene.stem, work)
 
 
 def test_the_rounded_wedge_carries_the_load_of_its_closed_form(own_names) -> None:

@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[1]
 
 # From the ground up: a file imports from lines above its own only. A new profile or interaction has its line already.
 SIE = """
-    ends chebyshev kernels exact
+    ends chebyshev kernels exact kept
     zones
     conditions steps
     beyond
@@ -23,10 +23,10 @@ SIE = """
     equation valleys
     gap_steps lazy modes near_jumps neighbours tree
     crowded
-    assemble
+    assemble checks
     fast folding hierarchical krylov
     field many
-    everywhere
+    everywhere piecewise
     density
     cuts local rounding
     solve
@@ -38,7 +38,7 @@ SIE = """
     __init__
 """
 CONTACT = """
-    errors units dips extrema profiles.derive profiles.trigonometric
+    errors interrupts units dips extrema profiles.derive profiles.trigonometric
     axisymmetric.derived axisymmetric.quadrature checks grid lazy
     axisymmetric.lattices axisymmetric.profiles
     axisymmetric.direct axisymmetric.lattice_sums
@@ -49,7 +49,11 @@ CONTACT = """
     axisymmetric.spot
     axisymmetric.levels
     axisymmetric.__init__
-    registry measured terminal profiles.spline_conjugate inverse.product
+    registry spectrum terminal trace_text trace_units inverse.product
+    trace_header
+    trace_readings
+    trace_file
+    measured
     profiles.base exact.base
     profiles.declared profiles.* exact.*
     exact.localized search testing inverse.profile
@@ -61,16 +65,17 @@ CONTACT = """
     inverse.__init__
     interactions.base
     interactions.*
-    turning
+    turning operator
+    interactions.declared
     problem interactions.__init__ scene
     bounded fields planning single scene_file answer leaning
-    certificate conjugate sampling
-    full
+    certificate conjugate sampling validity
+    full zone_loads
     export framing plateau plotting topology
     accuracy first_order gapped proposals solution
     gap_certificate
     gap_search
-    levelling
+    by_load
     solver
     compare paths
     compare_plot figures.base

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
+import sie
 from contact.axisymmetric.derived import interpolated
 from contact.axisymmetric.profiles import AxisymmetricProfile
 from contact.axisymmetric.quadrature import panels
@@ -32,7 +33,7 @@ _TENSION = 1e-9  # relative to the mean pressure, or to the height met: rounding
 
 
 @dataclass(frozen=True)
-class Spot:
+class Spot(sie.Kept):
     """One round spot of contact, and its surroundings. `error` bounds the relative error of load, radius and pressure
     (to the mean pressure of the spot) as a solution of the equations of its model; it does not know the model's own."""
 

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import elliprf
 
+import sie
 from contact.axisymmetric.derived import LogDerivative, Octaves
 from contact.axisymmetric.quadrature import panels, quarter
 from contact.checks import finite, positive
@@ -29,7 +30,7 @@ from contact.errors import SceneError
 Array = NDArray[np.float64]
 
 
-class AxisymmetricProfile:
+class AxisymmetricProfile(sie.Kept):
     """Base of all shapes: subclasses are frozen dataclasses that define `slope` and, if they can, closed forms."""
 
     def slope(self, r: ArrayLike) -> Array:

@@ -182,8 +182,12 @@ class Linear:
         # Rows and columns have units; bring each row, then each column, to size one.
         rows = 1.0 / np.max(np.abs(matrix), axis=1)
         columns = 1.0 / np.max(np.abs(matrix * rows[:, None]), axis=0)
-        unknown = columns * np.linalg.solve(matrix * rows[:, None] * columns, right * rows)
-        return self._state(unknown)
+        matrix, right = matrix * rows[:, None] * columns, right * rows
+        unknown = np.linalg.solve(matrix, right)
+        # The rows of a spot just born have terms far smaller than others: elimination is exact to the largest term of all, and with
+        # one step of refinement to the largest of each row (Skeel 1980, doi 10.1090/S0025-5718-1980-0572859-4).
+        unknown += np.linalg.solve(matrix, right - matrix @ unknown)
+        return self._state(columns * unknown)
 
     def _state(self, unknown: Array) -> State:
         delta = float(unknown[self.at_delta])

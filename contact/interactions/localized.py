@@ -52,10 +52,6 @@ class Localized(Interaction):
             raise SceneError.of("neighbours", self.neighbours, "0 with closure 'first-order'; more are self-consistent")
 
     @property
-    def images(self) -> int:
-        return self.neighbours
-
-    @property
     def follows_isolated(self) -> bool:
         return self.closure == "first-order"
 
@@ -67,23 +63,31 @@ class Localized(Interaction):
         """The nominal pressure beyond the strip and, as its primitive, the potential of a uniform one within it: a uniform
         pressure everywhere displaces nothing, in the mean of a period."""
         assert period is not None
-        half = 0.5 * (2 * self.neighbours + 1) * period
-        length = period
-
-        def value(x: Array) -> Array:
-            # Zones on their way may pass the border of the strip for a step: the term stays finite there.
-            return np.asarray(2 / np.pi * np.arctanh(np.clip((x - centre) / half, -_INSIDE, _INSIDE)))
-
-        def primitive(x: Array) -> Array:
-            before, after = half + (x - centre), half - (x - centre)
-            total = _entropy(before / length) + _entropy(after / length) - 2 * half / length
-            return np.asarray(length * total / math.pi)
-
-        return (sie.Forcing(value, primitive),)
+        beyond = _Beyond(0.5 * (2 * self.neighbours + 1) * period, period, centre)
+        return (sie.Forcing(beyond.slope, beyond.height),)
 
     def side_conditions(self, period: float | None) -> tuple[sie.Condition, ...]:
         assert period is not None
         return (sie.Amplitude(0, per_total=1 / period),)
+
+
+@dataclass(frozen=True)
+class _Beyond:
+    """The nominal pressure beyond a strip of that half width about its centre."""
+
+    half: float
+    period: float
+    centre: float
+
+    def slope(self, x: Array) -> Array:
+        # Zones on their way may pass the border of the strip for a step: the term stays finite there.
+        return np.asarray(2 / np.pi * np.arctanh(np.clip((x - self.centre) / self.half, -_INSIDE, _INSIDE)))
+
+    def height(self, x: Array) -> Array:
+        half, length = self.half, self.period
+        before, after = half + (x - self.centre), half - (x - self.centre)
+        total = _entropy(before / length) + _entropy(after / length) - 2 * half / length
+        return np.asarray(length * total / math.pi)
 
 
 def _entropy(x: Array) -> Array:

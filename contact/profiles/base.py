@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 from collections.abc import Mapping
+from functools import cached_property
 from math import inf
 from pathlib import Path
 from typing import Any, ClassVar
@@ -16,13 +17,14 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import sie
 from contact.profiles.derive import slope_of
 from contact.registry import construct
 
 Array = NDArray[np.float64]
 
 
-class Profile:
+class Profile(sie.Kept):
     """Base of all profiles; subclasses are frozen dataclasses that check their fields when made."""
 
     name: ClassVar[str] = ""
@@ -91,9 +93,14 @@ class Profile:
         return None
 
     @property
+    def feature(self) -> float | None:
+        """Length over which most of the shape varies: as closely as this asks for a first guess looks at it."""
+        return self.resolution
+
+    @property
     def breakpoints(self) -> Array:
         """Positions in the cell where f or one of its derivatives jumps."""
-        return np.array(self.kinks[:, 0])
+        return np.unique(np.concatenate((self.kinks[:, 0], self.jumps[:, 0])))
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
         """H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi over a period; None if not known."""
@@ -122,6 +129,11 @@ class Profile:
         if not dataclasses.is_dataclass(self):
             return {}
         return {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.init}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What copies and pickles hold: not what was worked out on the way, which is large and worked out again."""
+        cls = type(self)
+        return {name: value for name, value in vars(self).items() if not isinstance(getattr(cls, name, None), cached_property)}
 
     def _length(self) -> float | None:
         """A length typical of the shape, for the steps of numerical differences."""

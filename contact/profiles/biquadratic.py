@@ -56,6 +56,14 @@ class Biquadratic(Profile):
         return np.array([[self.x0, 2 * float(self.slope(self.x0))]])
 
     @property
+    def jumps(self) -> Array:
+        """The third derivative, 3x/(R c^2), is odd and jumps where the cells meet; the even ones do not."""
+        if self.period is None:
+            return np.empty((0, 3))
+        c = self.spacing / 2
+        return np.array([[self.x0, 3.0, 6 * self.x0 / c / c / self.radius]])
+
+    @property
     def summits(self) -> Array:
         return np.array([-self.spacing / 2, self.spacing / 2])
 

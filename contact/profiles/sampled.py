@@ -17,17 +17,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+import sie
 from contact.checks import finite_array, increasing, positive_or_none, text
-from contact.errors import SceneError
+from contact.errors import SceneError, warn
 from contact.lazy import scipy_interpolate
 from contact.measured import load_trace
 from contact.profiles.base import Array, Profile
-from contact.profiles.spline_conjugate import SplineConjugate
 from contact.registry import register_profile
 
 _FEWEST = 4  # a not-a-knot cubic has four coefficients
+_MOSTLY = 0.25  # this part of the points lie closer than what a first guess must see
 _SAME = 1e-9  # relative: positions and heights of a repeated end point that agree this far are one point
-_EVEN = 1e-10  # of the pitch: a grid this even is uniform
+_ROUNDING = 4 * float(np.finfo(np.float64).eps)  # relative: heights this near one another are one height
 
 
 @register_profile("sampled")
@@ -38,13 +39,14 @@ class Sampled(Profile):
     A last point one period after the first is accepted if it repeats the first height, and dropped. Without a
     period the profile is known between its first and last point only (`extent`): outside it is nan. The
     parameter `height` is kept as `heights` because `height(x)` is f for every profile; `history` says what
-    was done to a file's points on the way.
+    was done to a file's points on the way, `warnings` what is doubtful about them.
     """
 
     x: Array
     heights: Array
     period: float | None = None
     history: tuple[str, ...] = field(default=(), compare=False, repr=False)
+    warnings: tuple[str, ...] = field(default=(), compare=False, repr=False)
 
     def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:
         points = increasing("x", x, _FEWEST)
@@ -56,31 +58,44 @@ class Sampled(Profile):
         length = positive_or_none("period", period)
         if length is not None:
             points, heights = _one_period(points, heights, length)
-        if not np.ptp(heights) > 0:
+        if not np.ptp(heights) > _ROUNDING * np.max(np.abs(heights)):
             raise SceneError.of("height", height, "not the same everywhere")
-        for name, value in (("x", points), ("heights", heights), ("period", length), ("history", ())):
+        for name, value in (("x", points), ("heights", heights), ("period", length), ("history", ()), ("warnings", ())):
             object.__setattr__(self, name, value)
 
     @classmethod
     def from_file(
         cls,
         path: str | Path,
-        columns: Sequence[int | str] = (0, 1),
-        units: str | Sequence[str] = "m",
+        columns: Sequence[int | str] = (),
+        units: str | Sequence[str] | None = None,
         detrend: str = "none",
         regrid: bool | int | None = None,
         taper: float | None = None,
         period: bool | float | None = None,
+        *,
+        pitch: float | None = None,
+        decimal: str | None = None,
+        delimiter: str | None = None,
     ) -> Sampled:
         """The trace of a text file; contact.measured says what each argument does, and in which order."""
-        trace = load_trace(path, columns, units, detrend, regrid, taper, period)
-        made = cls(trace.x, trace.height, trace.period)
+        trace = load_trace(
+            path, columns, units, detrend, regrid, taper, period, pitch=pitch, decimal=decimal, delimiter=delimiter
+        )
+        try:
+            made = cls(trace.x, trace.height, trace.period)
+        except SceneError as error:
+            raise SceneError(f"file {str(path)!r}: {error}", error.field, error.value, error.allowed) from error
         object.__setattr__(made, "history", trace.history)
+        object.__setattr__(made, "warnings", trace.warnings)
+        warn(trace.warnings)
         return made
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
         """A scene's table: points as `x` and `height`, or a `file` with the arguments of `from_file`."""
+        if not isinstance(table, Mapping):
+            raise SceneError.of("table", table, "a mapping of parameters")
         if "file" not in table:
             return super().from_table(table, directory)
         rest = {key: value for key, value in table.items() if key != "file"}
@@ -105,7 +120,7 @@ class Sampled(Profile):
         return np.asarray(-self._spline(self._inside(x), 1))
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
-        """Exact for points a constant pitch apart; None for others."""
+        """Exact; None without a period."""
         if self._conjugate is None:
             return None
         return self._conjugate(np.asarray(self.wrap(np.asarray(x, dtype=np.float64))))
@@ -136,6 +151,10 @@ class Sampled(Profile):
         return float(np.min(np.diff(self._knots)))
 
     @property
+    def feature(self) -> float:
+        return float(np.quantile(np.diff(self._knots), _MOSTLY))
+
+    @property
     def _top(self) -> float:
         return float(self.heights.max())
 
@@ -154,14 +173,13 @@ class Sampled(Profile):
         )
 
     @cached_property
-    def _conjugate(self) -> SplineConjugate | None:
+    def _conjugate(self) -> sie.PiecewiseTransform | None:
         if self.period is None:
             return None
-        pitch = self.period / self.x.size
-        even = self.x[0] + pitch * np.arange(self.x.size)
-        if np.max(np.abs(self.x - even)) > _EVEN * pitch:
-            return None
-        return SplineConjugate(self._top - self.heights, self.x0, self.period)
+        third, second, first, _ = self._spline.c
+        jumps = self.jumps
+        slope = -np.column_stack((first, 2 * second, 3 * third))
+        return sie.PiecewiseTransform(sie.hilbert(self.period), self._knots, slope, jumps[:, 0], jumps[:, 2])
 
     def _inside(self, x: ArrayLike) -> Array:
         w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))

@@ -55,6 +55,10 @@ class Tilted(Profile):
     def resolution(self) -> float | None:
         return self.profile.resolution
 
+    @property
+    def feature(self) -> float | None:
+        return self.profile.feature
+
     def _within(self, rows: Array) -> Array:
         """Those of the cell that do not stand on its border, beyond which there is another cell no more."""
         if self.profile.period is None:

@@ -39,6 +39,7 @@ class StandIn:
     rotational_stiffness: float | None = None
     certificate: StandInReport = StandInReport({"smallest_pressure": np.float64(0.0), "largest_gap": np.inf})
     plan: StandInReport = StandInReport({"rows": [{"name": "search", "used": False}]})
+    warnings: tuple[str, ...] = ()
 
     @property
     def wave(self) -> float:

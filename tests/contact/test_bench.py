@@ -201,6 +201,7 @@ class TestRuns:
         errors = [row.error for row in hierarchy(cases.wave(0.4), quick=True) if row.method.startswith("localized, m")]
         assert errors == sorted(errors, reverse=True) and errors[0] > 1e-3 > 1e-6 > errors[-1]
 
+    @pytest.mark.slow
     def test_a_bench_writes_tables_csv_and_figures(self, tmp_path, monkeypatch):
         monkeypatch.setattr(run, "suite", lambda quick: [cases.wave(0.4)])
         monkeypatch.setattr(scaling, "series", lambda quick: [("zones, equal", [3, 5, 7], scaling.equal_waves, 1e-6)])

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from contact import Profile, Sinusoid
+from contact import Biquadratic, Polynomial, Profile, Sampled, Sinusoid
 from contact.testing import ProfileFault, check_profile
 
 L = 2e-4
@@ -33,6 +33,22 @@ def variant(**members: object) -> Profile:
     made: Profile = type("Variant", (Good,), wrapped)()
     return made
 
+
+def _bare(profile: Profile) -> Profile:
+    """The profile without the jumps that it declares."""
+    nothing = {"jumps": property(lambda self: np.empty((0, 3))), "breakpoints": property(lambda self: np.empty(0))}
+    made: Profile = object.__new__(type("Bare", (type(profile),), nothing))
+    made.__dict__.update(profile.__dict__)
+    return made
+
+
+def _shouldered() -> Profile:
+    """Flat for |x| <= L/10, parabolic beyond."""
+    beyond = lambda s, x: np.sign(s.wrap(x)) * np.maximum(np.abs(s.wrap(x)) - L / 10, 0)  # noqa: E731
+    return variant(height=lambda s, x: 100 * beyond(s, x) ** 2, slope=lambda s, x: 200 * beyond(s, x), kinks=np.array([[-L / 2, -160 * L]]))
+
+
+_valley = np.array([[-L / 2, -1.0]])
 
 FAULTS = {
     "slope of the wrong sign": (variant(slope=lambda s, x: -Good.slope(s, x)), "slope disagrees"),
@@ -96,6 +112,17 @@ FAULTS = {
         "slope_conjugate",
     ),
     "jump of the curvature that is not there": (variant(jumps=np.array([[0.0, 2, 5.0]])), "jump declared"),
+    "jump of the third derivative at the border of the cell": (
+        _bare(Biquadratic(1e-3, 4e-5, L)),
+        r"derivative 3 .* \[-0.0001, 3, -1.5e\+09\]",
+    ),
+    "jump of the curvature at the border of the cell": (_bare(Polynomial([0, -1.0, 1.0, 1.0], 2.0)), r"\[-1, 2, -12\]"),
+    "jump at the border, slope left out": (
+        variant(height=lambda s, x: s.wrap(x) ** 4 / L**3, slope=Profile.slope, kinks=_valley),
+        "derivative 3",
+    ),
+    "knots of a spline": (_bare(Sampled(np.arange(9.0), np.cos(np.arange(9.0)), 9.0)), "derivative 3 jumps by .* at 0,"),
+    "jump of the curvature within the cell": (_shouldered(), r"\[-2e-05, 2, -200\]"),
     "support that does not end it": (variant(support=(-L / 4, L / 4)), "inf just outside"),
     "negative resolution": (variant(resolution=-1.0), "resolution"),
 }

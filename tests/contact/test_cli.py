@@ -65,7 +65,7 @@ class TestSolve:
         expected = contact.solve(contact.load_scene(scene()))
         assert set(read) == {
             "zones", "load", "mean_pressure", "max_pressure", "approach", "contact_fraction", "zone_loads", "zone_widths",
-            "stiffness", "mean_gap", "tilt", "moment", "rotational_stiffness", "error", "certificate", "plan",
+            "stiffness", "mean_gap", "tilt", "moment", "rotational_stiffness", "error", "certificate", "plan", "warnings",
         }  # fmt: skip
         assert read["zones"] == expected.zones.tolist()
         assert read["mean_pressure"] == pytest.approx(2e7, rel=1e-12)

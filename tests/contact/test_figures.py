@@ -36,7 +36,12 @@ def column(figure, *words):
     return figure.columns[names[0]]
 
 
-@pytest.mark.parametrize("number", figures.FIGURES)
+# These take seconds each.
+LONG = ("2B", "8", "10", "12", "13")
+EVERY = [pytest.param(n, marks=pytest.mark.slow if n in LONG else ()) for n in figures.FIGURES]
+
+
+@pytest.mark.parametrize("number", EVERY)
 def test_a_figure_is_a_picture_and_its_numbers(number, made, tmp_path):
     picture, numbers = made(number).write(tmp_path / "new")
     assert picture.read_bytes().startswith(b"\x89PNG") and picture.stat().st_size > 10_000
@@ -49,7 +54,7 @@ def test_a_figure_is_a_picture_and_its_numbers(number, made, tmp_path):
     np.testing.assert_allclose(read, np.column_stack(list(made(number).columns.values())), rtol=1e-11)
 
 
-@pytest.mark.parametrize("number", figures.FIGURES)
+@pytest.mark.parametrize("number", EVERY)
 def test_every_curve_has_numbers_and_no_pressure_is_negative(number, made):
     for name, values in made(number).columns.items():
         if number == "2A" and name == "p/E* all neighbours l/R=0.2":
@@ -74,6 +79,7 @@ def test_figures_7_and_9_are_the_closed_forms(made):
             np.testing.assert_allclose(drawn[away], closed.exact.pressure(x)[away], atol=1e-9 * unit)
 
 
+@pytest.mark.slow
 def test_figure_8_has_the_first_order_maximum_and_the_end_of_the_isolated_wave(made):
     fraction, first = column(made("8"), "2a/L"), column(made("8"), "mean", "first-order")
     assert fraction[np.nanargmax(first)] == pytest.approx(0.88, abs=0.011)  # a/L near 0.44
@@ -86,6 +92,7 @@ def test_figure_8_has_the_first_order_maximum_and_the_end_of_the_isolated_wave(m
     np.testing.assert_allclose(true, np.sin(0.5 * np.pi * fraction) ** 2, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_figures_10_and_12_overestimate_the_width_beyond_seven_tenths(made):
     for number, share in (("10", "2a/L"), ("12", "a/L")):
         at = column(made(number), *([share] if number == "10" else []), *([] if number == "10" else ["a/L"]))
@@ -104,6 +111,7 @@ def test_figure_11_has_the_exact_pressure_of_the_closed_form(made):
         assert np.max(drawn) > np.max(column(made("11"), "isolated", f"mean={mean}"))
 
 
+@pytest.mark.slow
 def test_figure_13_orders_the_pairs_by_how_far_they_are_from_the_exact_one(made):
     true = column(made("13"), "exact")
     names = ("cut", "artanh", "cubic", "printed")
@@ -123,6 +131,7 @@ def test_figure_2_reads_the_caption_as_a_load_per_spot(made):
         assert total == pytest.approx(0.0044 * 2 / np.pi, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_figure_2b_has_hertz_below_and_the_first_step_above_the_pressure_of_all_neighbours(made):
     for spacing in ("1.0", "0.5", "0.2"):
         hertz, first, every = (

@@ -124,7 +124,7 @@ def test_a_file_without_a_table_is_refused_by_name(tmp_path: Path, content: byte
 
 def test_a_missing_file_or_a_folder_is_refused_by_name(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match="nowhere"):
-        Sampled.from_file(tmp_path / "nowhere.csv")
+        Sampled.from_file(tmp_path / ("deep" * 30) / "nowhere.csv")
     with pytest.raises(SceneError, match="file"):
         Sampled.from_file(tmp_path)
 

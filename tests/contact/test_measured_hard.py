@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import contact
 from contact import solver
@@ -44,6 +45,7 @@ def test_zones_and_gaps_of_a_trace_are_the_same_contact(monkeypatch):
     assert bound < 2e-8 and max(differences(zones, gaps)) <= bound
 
 
+@pytest.mark.slow
 def test_hundreds_of_zones_narrower_than_a_step_beside_one_three_hundred_steps_wide():
     """The stylus trace at a hundredth of its full load: the narrow zone beside the wide one asks for every digit of its level."""
     profile = contact.Sampled.from_file(STYLUS, units="um", detrend="quadratic", regrid=True, taper=0.05, period=True)

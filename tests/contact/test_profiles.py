@@ -102,6 +102,9 @@ def test_profiles_are_values_equal_hashable_and_picklable(profile: Profile) -> N
     again = type(profile)(**profile.parameters())
     assert again == profile and hash(again) == hash(profile)
     assert pickle.loads(pickle.dumps(profile)) == profile
+    for worked_out in (profile.height, profile.slope, profile.slope_conjugate):
+        worked_out(np.zeros(1))
+    assert len(pickle.dumps(profile)) == len(pickle.dumps(again))  # nothing of what they have worked out
     assert profile != Sinusoid(2.0, 3.0)
     with pytest.raises(AttributeError):
         profile.period = 1.0  # type: ignore[misc]

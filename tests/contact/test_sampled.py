@@ -118,10 +118,38 @@ def test_the_conjugate_of_ten_thousand_points_is_good_to_eleven_digits() -> None
     assert np.max(np.abs(s.slope_conjugate(t) / (2 * np.pi) + np.cos(2 * np.pi * t))) < 1e-11
 
 
-def test_the_conjugate_of_uneven_points_is_not_claimed() -> None:
+@pytest.mark.parametrize("positions", ["off", "rounded", "in heaps"])
+def test_the_conjugate_of_uneven_points_equals_the_sum_of_clausen_functions_of_its_knots(positions: str) -> None:
+    rng, n, period = np.random.default_rng(8), 12, 12.5
+    x = {
+        "off": np.arange(n) + rng.uniform(-0.4, 0.4, n),
+        "rounded": np.round(1.0004 * np.arange(n), 2),
+        "in heaps": np.sort(np.concatenate((rng.uniform(0, 12, n // 2), 7 + 10 ** rng.uniform(-3, 0, n // 2)))),
+    }[positions]
+    s = Sampled(x, rng.standard_normal(n), period)
+    at = np.concatenate((rng.uniform(x[0], x[0] + period, 4), s.x[3:5]))
+    assert np.max(np.abs(s.slope_conjugate(at) - of_knots(s, at))) < 1e-12 * np.max(np.abs(s.slope(x)))
+
+
+def of_knots(s: Sampled, x: np.ndarray) -> np.ndarray:
+    """H f' by what the rounded spline's derivatives jump by at its knots, the first two by rounding; in 25 digits."""
+    with mpmath.workdps(25):
+        knots, third, second, first = ([mpmath.mpf(value) for value in row] for row in (s._knots, *s._spline.c[:3]))
+        length, total = mpmath.mpf(s.period), [mpmath.mpf(0)] * len(x)
+        for j in range(len(s.x)):
+            step = knots[j] - knots[j - 1] if j else knots[-1] - knots[-2]
+            turn = first[j - 1] - first[j] + step * (2 * second[j - 1] + 3 * step * third[j - 1])
+            bend = 2 * (second[j - 1] - second[j]) + 6 * third[j - 1] * step
+            for i, place in enumerate(x):
+                angle = 2 * mpmath.pi * (mpmath.mpf(place) - knots[j]) / length
+                total[i] += 6 * (third[j - 1] - third[j]) * length**2 / (4 * mpmath.pi**3) * mpmath.clcos(3, angle)
+                total[i] -= bend * length / (2 * mpmath.pi**2) * mpmath.clsin(2, angle)
+                total[i] += turn / mpmath.pi * mpmath.log(abs(2 * mpmath.sin(angle / 2))) if angle else 0
+        return np.array([float(value) for value in total])
+
+
+def test_the_conjugate_is_known_with_a_period_only() -> None:
     x = np.arange(8.0)
-    x[3] += 1e-6
-    assert Sampled(x, np.cos(x), 8.0).slope_conjugate([0.5]) is None
     assert Sampled(x, np.cos(x)).slope_conjugate([0.5]) is None
 
 

@@ -207,6 +207,35 @@ class TestWhatIsRefused:
     def test_a_value_that_cannot_be_by_its_field(self, tmp_path, table, body, field):
         assert field in refused(write(tmp_path, **{table: body}))
 
+    @pytest.mark.parametrize(
+        ("table", "body", "said"),
+        [
+            ("profile", 'shape = "sinusiod"', "[profile] shape = 'sinusiod' is not known"),
+            ("interaction", 'model = "periodical"', "[interaction] model = 'periodical' is not known"),
+            ("profile", 'shape = "parabola"\nradius = 1.0', "[interaction] model = 'periodic' is refused"),
+            ("control", "half_width = 1.0", "[control] half_width = 1.0 is refused"),
+            ("control", "contact_fraction = 2.0", "[control] contact_fraction = 2.0 is refused"),
+            ("control", "load = 1.0\ntilt = 1e-3", "[control] tilt = 0.001 is refused"),
+            ("material", "E_star = -1.0", "[material] E_star = -1.0 is refused"),
+        ],
+    )
+    def test_a_message_has_the_key_that_was_written(self, tmp_path, table, body, said):
+        assert said in refused(write(tmp_path, **{table: body}))
+
+    @pytest.mark.parametrize("path", [None, 3, b"scene.toml", [], {}, object], ids=str)
+    def test_what_is_no_file_name(self, path):
+        with pytest.raises(contact.SceneError, match="^path = .* the name of a scene file"):
+            contact.load_scene(path)
+
+    def test_a_name_that_no_file_has(self):
+        with pytest.raises(contact.SceneError, match="cannot be read"):
+            contact.load_scene("a\0b")
+
+    @pytest.mark.parametrize("tables", [None, 3, "profile", ["profile"], b"x"], ids=str)
+    def test_what_is_no_table_of_tables(self, tables):
+        with pytest.raises(contact.SceneError, match="tables = .* a mapping"):
+            contact.scene_file.scene_from_tables(tables)
+
     def test_the_error_keeps_the_field_and_the_value(self, tmp_path):
         path = write(tmp_path, profile=textwrap.dedent('shape = "sinusoid"\namplitude = -1.0\nperiod = 1e-4'))
         with pytest.raises(contact.SceneError) as caught:

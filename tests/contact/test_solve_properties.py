@@ -32,7 +32,7 @@ SCENES = [
     (contact.Sinusoid(0.01, 1.0), PERIODIC, {"mean_pressure": 0.02}),
     (contact.Wedge(0.05, period=1.0), PERIODIC, {"mean_pressure": 0.02}),
     (contact.Parabola(2.0, period=1.0), PERIODIC, {"contact_fraction": 0.4}),
-    (contact.Biquadratic(1.0, 0.3, period=1.0), PERIODIC, {"mean_pressure": 0.005}),
+    (contact.Biquadratic(1.0, 0.3, period=1.0), PERIODIC, {"mean_pressure": 0.004}),
     (contact.Polynomial([0.0, 0.01, 0.2, -0.04, 0.3], period=1.0), PERIODIC, {"mean_pressure": 0.005}),
     (rough(1), PERIODIC, {"mean_pressure": 0.02}),
     (rough(4), SELF, {"mean_pressure": 0.004}),

@@ -194,6 +194,7 @@ class TestDesignedContacts:
 
     @settings(max_examples=20)
     @given(designed_contacts(max_zones=6, periodic=False, nearest=0.1), st.floats(-3, 3))
+    @pytest.mark.slow
     def test_the_zones_come_back_with_the_tilt(self, problem, turn):
         tilt = turn * problem.load / (problem.E_star * np.ptp(problem.zones))
         scene = contact.Scene(

@@ -1,0 +1,124 @@
+"""Contact fractions and approaches by a bracket on the load: few solutions on the way, and no ends that do not settle."""
+
+import numpy as np
+import pytest
+
+import contact
+from contact import solver
+from contact.by_load import approach, contact_fraction, nearer
+
+TIPS = contact.Fourier(1e-4, [-1e-6, -0.3e-6, 0.2e-6], [0.1e-6, 0.25e-6, 0.0])
+
+
+def scene(profile, **control):
+    return contact.Scene(profile, 1e11, contact.Periodic(), **control)
+
+
+def honed(points, seed=3):
+    """A plateau of fine roughness cut by grooves, at positions off by up to 0.4 of the pitch: a little more load brings much more
+    into contact."""
+    rng = np.random.default_rng(seed)
+    k = np.arange(1, points // 4)
+    at = np.arange(points) + rng.uniform(-0.4, 0.4, points)
+    height = np.sum(k**-1.3 * np.cos(2 * np.pi * np.outer(at / points, k) + rng.uniform(0, 2 * np.pi, len(k))), axis=1)
+    height *= 0.05 / height.std()
+    for centre, depth in zip(rng.uniform(0, points, 6), rng.uniform(1, 5, 6), strict=True):
+        away = np.abs((at - centre + 0.5 * points) % points - 0.5 * points)
+        height -= depth * np.maximum(1 - away / 12, 0.0)
+    return contact.Sampled(at * 1e-6, 1e-7 * height, period=points * 1e-6)
+
+
+@pytest.fixture
+def loads(monkeypatch):
+    """Loads of the solutions on the way, as they are asked for."""
+    asked = []
+    plain = solver.solve
+    monkeypatch.setattr(solver, "solve", lambda scene, *rest: (asked.append(scene.load), plain(scene, *rest))[1])
+    return asked
+
+
+@pytest.mark.parametrize("fraction", [0.02, 0.3, 0.6, 0.9, 0.98])
+def test_a_contact_fraction_of_a_rough_trace_takes_few_loads(loads, fraction):
+    solution = contact.solve(scene(honed(120), contact_fraction=fraction))
+    assert solution.contact_fraction == pytest.approx(fraction, rel=1e-9)
+    assert solution.certificate.holds and len(loads) <= 5
+    again = contact.solve(scene(honed(120), load=solution.load))
+    assert again.contact_fraction == pytest.approx(fraction, rel=1e-6)
+
+
+def test_a_contact_fraction_beside_a_solution_needs_no_grid(loads, monkeypatch):
+    first = contact.solve(scene(honed(120), mean_pressure=contact.solve(scene(honed(120), contact_fraction=0.3)).mean_pressure))
+    loads.clear()
+    monkeypatch.setattr(solver, "proposed", lambda *_: pytest.fail("a grid"))
+    beside = contact.solve(scene(honed(120), contact_fraction=0.305), near=first)
+    assert beside.contact_fraction == pytest.approx(0.305, rel=1e-9) and len(loads) <= 2
+
+
+def birth():
+    full = contact.solve(scene(TIPS, contact_fraction=1.0)).load
+    events = contact.path(scene(TIPS, load=full), np.array([0.05, 0.3]) * full).events
+    return next(event for event in events if event.kind == "birth")
+
+
+def test_a_zone_that_was_just_born_is_found_under_its_load():
+    event = birth()
+    with pytest.raises(contact.NotConverged, match="rounding") as failure:
+        contact.solve(scene(TIPS, load=event.load * (1 + 1e-9)))
+    best = failure.value.best
+    assert len(best.zones) == 2 and best.certificate.holds
+    # A shallow cap: its load is a part in 1e9 of all, its width about the root of that.
+    assert 1e-7 < best.zone_widths.min() / best.zone_widths.max() < 1e-4
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-15, -1e-15, -1e-12])
+def test_right_at_a_birth_there_is_one_number_of_zones_to_any_tolerance(off):
+    load = birth().load * (1 + off)
+    for tol in (1e-6, 1e-10):
+        solution = contact.solve(scene(TIPS, load=load), tol)
+        assert len(solution.zones) == 1 and solution.certificate.holds
+
+
+def test_the_contact_fraction_of_a_birth_and_of_a_merger_are_found():
+    full = contact.solve(scene(TIPS, contact_fraction=1.0)).load
+    events = contact.path(scene(TIPS, load=full), np.linspace(0.05, 0.9, 6) * full).events
+    assert {"birth", "merge"} <= {event.kind for event in events}
+    for event in events:
+        fraction = contact.solve(scene(TIPS, load=event.load)).contact_fraction
+        solution = contact.solve(scene(TIPS, contact_fraction=fraction))
+        assert solution.load == pytest.approx(event.load, rel=1e-9)
+
+
+class Made:
+    """A stand-in of a solution: contact that grows as a function of the load."""
+
+    def __init__(self, load, value, slope):
+        self.load, self.contact_fraction, self.fields = load, value, type("F", (), {"widening_rate": slope})
+        self.approach, self.stiffness = value, 1 / slope
+
+
+@pytest.mark.parametrize("goal", [1e-5, 0.2, 0.4999999, 0.5000001, 0.9, 0.999])
+@pytest.mark.parametrize("grown", [approach, contact_fraction])
+def test_a_root_in_the_growth_is_bracketed_in_few_solutions(goal, grown):
+    """Births and mergers make the rate infinite on one side of a load."""
+
+    def solved(load, near):
+        root = np.sqrt(abs(load - 0.25))
+        value = 0.5 + np.sign(load - 0.25) * root
+        return Made(load, value, 0.5 / root if root else np.inf)
+
+    found = []
+    for here, off in nearer(solved, grown, goal, 0.1, closed=1e-14):
+        found.append(here)
+        if off < 1e-12:
+            break
+    assert here.contact_fraction == pytest.approx(goal, abs=1e-6) and len(found) <= 60
+
+
+def test_a_load_without_a_solution_is_passed_by():
+    def solved(load, near):
+        if 0.191 < load < 0.1925 and near is not None:
+            raise contact.NotConverged("not here", (), None)
+        return Made(load, load**0.5, 0.5 * load**-0.5)
+
+    *_, (here, off) = nearer(solved, contact_fraction, 0.44, 0.3, closed=1e-12)
+    assert here.contact_fraction == pytest.approx(0.44) and off < 1e-6

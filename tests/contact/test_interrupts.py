@@ -1,0 +1,62 @@
+"""Ctrl-C ends a command with one line and status 130, whatever it is at."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from contact import interrupts
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+pytest.importorskip("click")
+
+
+def interrupted(folder: Path, after: str, command: tuple[str, ...] = ("-m", "contact")) -> subprocess.CompletedProcess[str]:
+    """Run a command that waits for ever for its scene, a pipe, and interrupt it once it has imported a module."""
+    os.mkfifo(folder / "scene.toml")
+    arguments = [sys.executable, "-X", "importtime", *command, "solve", str(folder / "scene.toml")]
+    with subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None and process.stdout is not None
+        # Nothing below waits longer than this, though a module were not imported any more.
+        watch = threading.Timer(60.0, process.kill)
+        watch.start()
+        for line in process.stderr:
+            if line.startswith("import time:") and line.rpartition("|")[2].strip() == after:
+                break
+        process.send_signal(signal.SIGINT)
+        said = [line for line in process.stderr if not line.startswith("import time:")]
+        out = process.stdout.read()
+        watch.cancel()
+    return subprocess.CompletedProcess(arguments, process.returncode, out, "".join(said))
+
+
+@pytest.mark.parametrize("module", ["contact.interrupts", "numpy", "contact", "contact.terminal"])
+def test_a_command_is_interrupted_at_any_import(tmp_path: Path, module: str) -> None:
+    done = interrupted(tmp_path, module)
+    assert (done.returncode, done.stdout, done.stderr.strip()) == (130, "", "contact: interrupted")
+
+
+def test_the_installed_command_too(tmp_path: Path) -> None:
+    script = tmp_path / "contact"
+    script.write_text("import sys\nfrom contact.__main__ import main\nsys.exit(main())\n")
+    done = interrupted(tmp_path, "numpy", (str(script),))
+    assert (done.returncode, done.stdout, done.stderr.strip()) == (130, "", "contact: interrupted")
+
+
+def test_who_imports_the_package_keeps_the_signal() -> None:
+    assert not interrupts.is_command()
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+def test_a_frame_below_an_import_is_known(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "imported_for_its_frame.py").write_text("import sys\nframe = sys._getframe()\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert interrupts.importing(importlib.import_module("imported_for_its_frame").frame)
+    assert not interrupts.importing(None)
