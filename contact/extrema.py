@@ -10,18 +10,32 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+def reaches(value: Array) -> Array:
+    """How high a function may rise about each of its samples, along the last axis: twice as far above a peak as a parabola through it
+    and its neighbours; -inf at samples that are none."""
+    beside = np.concatenate((value[..., :1], value, value[..., -1:]), axis=-1)
+    before, after = beside[..., :-2], beside[..., 2:]
+    with np.errstate(invalid="ignore"):
+        rise = 0.25 * (2 * value - before - after)
+    rise = np.where(np.isfinite(rise), rise, 0.0)
+    return np.asarray(np.where((value >= before) & (value >= after), value + rise, -np.inf))
+
+
 def maximum(
-    function: Callable[[Array], Array], x: Array, levels: int = 9, peaks: int = 4, value: Array | None = None
+    function: Callable[[Array], Array], x: Array, levels: int = 9, peaks: int = 64, value: Array | None = None
 ) -> tuple[float, float]:
-    """(position, value) of the maximum of `function` about the ascending samples x; its highest peaks are zoomed into. value: that at
-    the samples, where it is known.
+    """(position, value) of the maximum of `function` about the ascending samples x; every peak that may be the highest is zoomed into,
+    at most so many `peaks`. value: that at the samples, where it is known.
 
     Each of `levels` zooms narrows the bracket fourfold, and a parabola through the last samples rises to the top: at a smooth
     maximum the value is then exact to rounding.
     """
     value = np.asarray(function(x)) if value is None else value
     value = np.where(np.isnan(value), -np.inf, value)
-    top = np.argsort(value)[-peaks:]
+    reach = reaches(value)
+    top = np.argsort(reach)[-peaks:]
+    top = top[reach[top] >= value.max()]
+    top = top[np.argsort(value[top], kind="stable")]
     if not np.isfinite(value[top[-1]]):
         return float(x[top[-1]]), float(value[top[-1]])
     lo, hi = x[np.maximum(top - 1, 0)], x[np.minimum(top + 1, len(x) - 1)]

@@ -11,13 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import sie
-from contact.extrema import maximum
+from contact.extrema import maximum, reaches
 from contact.problem import Control, Problem
 
 Array = NDArray[np.float64]
 
 # Zones from which on the potential of far ones is interpolated.
 _MANY = 8
+# Zones at the most that the highest pressure is looked for in, below the sampling.
+_PEAKS = 16
 # How far from the zones a half-line is looked at closely, and at all, in units of what the zones span.
 _FAR, _FARTHEST = 1e3, 1e12
 _FAR_POINTS = 512
@@ -350,7 +352,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def max_pressure(self) -> float:
-        """Sampled on every zone, and followed below the sampling on that of the highest sample."""
+        """Sampled on every zone, and followed below the sampling on those that may have the highest."""
         density = self.density
         if any(end.intensity is None for end in (*density.zones.left, *density.zones.right)):
             left, right = density.intensities
@@ -358,20 +360,21 @@ class ZoneFields(sie.Kept):
                 return np.inf
         if np.any((density.steps.height > 0) & (density.steps.order == 0)):
             return np.inf
-        peak, zone, counts = -np.inf, 0, density.sampling
+        counts, reach, peak = density.sampling, np.empty(len(density.zones)), -np.inf
         for n in np.unique(counts):
             group = np.flatnonzero(counts == n)
             theta = (np.arange(n) + 0.5) * np.pi / n
             values = density.at(group[:, None], 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
-            highest = values.max(axis=1)
-            if highest.max() > peak:
-                peak, zone = float(highest.max()), int(group[np.argmax(highest)])
+            reach[group], peak = reaches(values).max(axis=1), max(peak, float(values.max()))
+        zones = np.argsort(reach)[-_PEAKS:]
+        highest = max(self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak])
+        return highest * self.problem.units.pressure
 
+    def _highest_on(self, zone: int, count: int) -> float:
         def pressure(angle: Array) -> Array:
-            return density.at(zone, 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
+            return self.density.at(zone, 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
 
-        angles = np.linspace(0, np.pi, int(counts[zone]) + 1)
-        return maximum(pressure, angles, levels=7, peaks=1)[1] * self.problem.units.pressure
+        return maximum(pressure, np.linspace(0, np.pi, count + 1), levels=7)[1]
 
     def pressure(self, x: ArrayLike) -> Array:
         return self.density(self._scaled(x)) * self.problem.units.pressure

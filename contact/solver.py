@@ -434,7 +434,8 @@ class _Run:
         is given up as soon as it turns out to be far off: from there the way may be longer than from scratch."""
         if control.kind == "approach":
             self._below_full_approach(control)
-        if control.kind == "width" and not self.single:
+        # A width that a closure looks at on its way is none of the scene's.
+        if self.scene.contact_fraction is not None and not self.single:
             return self._by_fraction(problem, control)
         if start is not None:
             width = float((start[:, 1] - start[:, 0]).sum())

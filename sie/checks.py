@@ -30,27 +30,27 @@ _DISAGREES, _UNEVEN = 1e-4, 1e-6
 
 def look_at(equation: Equation, zones: Zones) -> None:
     """Raise ValueError, by name, for functions that do not return what the equation is about."""
-    levels = any(condition.count(zones) > 0 and speaks_of_levels(condition, zones) for condition in equation.conditions)
-    x, half = _places(zones)
+    how = (any(condition.count(zones) > 0 and speaks_of_levels(condition, zones) for condition in equation.conditions), zones.symmetric)
     parts = [("the right side", equation.forcing), *((f"column {k}", column) for k, column in enumerate(equation.columns))]
     for name, forcing in parts:
-        if _first(forcing, (levels, zones.symmetric)):
-            _look_at_forcing(name, forcing, x, half, levels, zones.symmetric)
-    if equation.kernel.regular is not None and _first(equation.kernel, (levels, zones.symmetric)):
-        _look_at_kernel(equation.kernel, x, half, levels, zones.symmetric)
+        if how not in _seen(forcing):
+            _look_at_forcing(name, forcing, *_places(zones), *how)
+            _seen(forcing).add(how)
+    # Kernels of this package are what they are.
+    if equation.kernel.grows and how not in _seen(equation.kernel):
+        _look_at_kernel(equation.kernel, *_places(zones), *how)
+        _seen(equation.kernel).add(how)
 
 
-def _first(part: Forcing | Kernel, what: tuple[bool, bool]) -> bool:
-    """Whether this has not been looked at in this way; it is remembered."""
-    seen = part.__dict__.setdefault("_looked_at", set())
-    new = what not in seen
-    seen.add(what)
-    return new
+def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool]]:
+    """In which ways this has been looked at, and found in order."""
+    found: set[tuple[bool, bool]] = part.__dict__.setdefault("_looked_at", set())
+    return found
 
 
 def _places(zones: Zones) -> tuple[Array, Array]:
     """(places, half width of their zones)."""
-    some = np.unique([zones.solved[0], zones.solved[len(zones.solved) // 2], zones.solved[-1]])
+    some = sorted({int(zones.solved[0]), int(zones.solved[len(zones.solved) // 2]), int(zones.solved[-1])})
     x = zones.middle[some, None] + zones.half[some, None] * _T
     return x.ravel(), np.repeat(zones.half[some], len(_T))
 

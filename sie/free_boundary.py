@@ -58,6 +58,19 @@ class Step:
     value: float | None
 
 
+@dataclass(frozen=True)
+class Turn:
+    """missed: largest difference from the intensities prescribed; growth: largest real part of the eigenvalues that tell stable ends."""
+
+    missed: float
+    growth: float
+
+
+_FOUND = "the ends are at rest"
+_UNSTABLE = "the ends are at rest, but unstably: pushed off they go on, and another root may be near"
+_NEUTRAL = "some motion of the ends, as of all of them together, leaves the intensities as they are, so that these do not tell the ends"
+
+
 @dataclass(frozen=True, eq=False)
 class Free:
     """Result of the search for the ends.
@@ -65,7 +78,13 @@ class Free:
     converged; end_error: each end's remaining move over its zone's width (Z, 2), with roundoff but without what
     truncated coefficients shift it by (`state.end_truncation`); rounding: that part of it alone; trace of the steps;
     value: that of the open condition, if there is one; value_error: how far it moved last; lost: zones that shrank away; met:
-    gaps (by the zone left of them) that closed.
+    gaps (by the zone left of them) that closed. reason: why the search stopped.
+
+    stable: where intensities K* are prescribed there may be several roots, and the search finds one near its start. An end is driven
+    outward while s (K - K*) > 0, s the sign of the density beside it (`signs`): adhesive contact grows while K is above K*, a crack while
+    it is above in size. A root is stable if ends that are pushed off it come back: all eigenvalues of s dK / d(outward motions) have
+    negative real parts, for motions that meet the condition on the ends, if any, and are symmetric, if the zones are. Where the
+    intensities wanted are zero s dK/d(end) = -s A / 2, and what is found is stable. None: nothing was found.
     """
 
     state: AnyState
@@ -77,6 +96,8 @@ class Free:
     value_error: float = 0.0
     lost: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     met: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    stable: bool | None = None
+    reason: str = ""
 
     @property
     def density(self) -> AnyDensity:
@@ -112,6 +133,7 @@ def find_ends(
     first_width, first_gap = zones.b - zones.a, modes.gaps(zones, equation.kernel)[1]
     sizes = first_sizes(equation, zones)
     trace: list[Step] = []
+    turns: list[Turn] = []
     best = np.inf
     stalled, closing = 0, np.zeros(len(zones), dtype=np.intp)
     while True:
@@ -125,7 +147,11 @@ def find_ends(
         zones, released = _release(zones, walls, state.density)
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
         target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
-        delta, noise, change, certain = _newton(state, moves, target, sizes, decay, signs)
+        delta, noise, change, certain, turn = _newton(state, moves, target, sizes, decay, signs)
+        turns += [turn] if turn is not None else []
+        if turn is not None and not np.isfinite(delta).all():
+            nowhere = np.full((len(zones), 2), np.inf)
+            return Free(state, False, nowhere, nowhere, tuple(trace), value, reason=_NEUTRAL)
         if not np.all(np.isfinite(delta)):
             raise SingularSystem("no motion of the ends meets the condition on them")
         width = zones.b - zones.a
@@ -155,7 +181,18 @@ def find_ends(
                     state, value = state.with_value(equation.open_condition, change), value + change
                 state = state.settled() if settled else state
             found = value if equation.open_condition is not None else None
-            return Free(state, done, error, rounding, tuple(trace), found, value_error=abs(change))
+            stable = (turn is None or turn.growth < 0.0) if done else None
+            if done:
+                reason = _FOUND if stable else _UNSTABLE
+            elif equation.grows and state.unresolved:
+                reason = "a column or the kernel's regular part varies more than the modes of a zone show"
+            elif not certain:
+                reason = "the density does not drive its ends apart as it should: it takes other zones"
+            elif _folded(turns):
+                reason = _at_a_fold(turns)
+            else:
+                reason = f"the ends did not come to rest in {len(trace)} steps"
+            return Free(state, done, error, rounding, tuple(trace), found, value_error=abs(change), stable=stable, reason=reason)
         value += change
         closing = np.where(_closes(zones, equation, delta), closing + 1, 0)
         limited = _limit(zones, equation, delta)
@@ -173,7 +210,23 @@ def find_ends(
         closed = (closing >= _INSISTS) & (gap < _CLOSING * narrowest)
         met = np.flatnonzero((gap < collapse * np.minimum(first_gap, narrowest)) | closed)
         if len(lost) or len(met):
-            return Free(state, False, error, rounding, tuple(trace), value, abs(change), lost, met)
+            reason = "a zone has shrunk away" if len(lost) else "a gap has closed"
+            if _folded(turns):
+                reason = f"{reason}; {_at_a_fold(turns)}"
+            return Free(state, False, error, rounding, tuple(trace), value, abs(change), lost, met, reason=reason)
+
+
+def _folded(turns: list[Turn]) -> bool:
+    """Whether the search has gone to and fro between stable and unstable ends."""
+    return any(turn.growth < 0.0 for turn in turns) and any(turn.growth >= 0.0 for turn in turns)
+
+
+def _at_a_fold(turns: list[Turn]) -> str:
+    missed = min(turn.missed for turn in turns)
+    return (
+        f"the intensities asked for may lie past a fold: nearer to them than {missed:.3g} the search did not come, on both sides of where "
+        f"ends turn from stable to unstable"
+    )
 
 
 def _is_near(trace: list[Step]) -> bool:
@@ -272,8 +325,9 @@ def _intensity(end: End) -> float:
 
 def _newton(
     state: AnyState, moves: NDArray[np.bool_], target: Array, sizes: Sizes, tolerance: float, signs: tuple[float, float]
-) -> tuple[Array, Array, float, bool]:
-    """(outward moves (2, Z), their roundoff, change of the open condition's value, whether the step can be trusted)."""
+) -> tuple[Array, Array, float, bool, Turn | None]:
+    """(outward moves (2, Z), their roundoff, change of the open condition's value, whether the step can be trusted, what is seen of other
+    roots where intensities are prescribed)."""
     equation = state.equation
     density = state.density
     k = np.array(density.intensities)
@@ -287,8 +341,8 @@ def _newton(
     unit = _unit_response(state) if equation.open_condition is not None else None
     if prescribed:
         assert isinstance(state, State)  # no holes where intensities are prescribed
-        delta, noise, change = _full_newton(equation, state, moves, residual, noise_k, unit, sizes, tolerance)
-        return delta, noise, change, True
+        delta, noise, change, growth = _full_newton(equation, state, moves, residual, noise_k, unit, sizes, tolerance, side)
+        return delta, noise, change, True, Turn(float(np.abs(residual).max()), growth)
     safe, weak = _safe_slopes(density, natural, signs)
     delta = np.where(moves, 2 * residual / safe, 0.0)
     noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
@@ -312,7 +366,7 @@ def _newton(
         # A corner that shortens the step shortens what rounding of K does.
         noise = noise * np.minimum(np.abs(bent) / np.maximum(np.abs(delta), 1e-300), 1.0)
         delta = bent
-    return delta, noise, change, not np.any(weak & moves)
+    return delta, noise, change, not np.any(weak & moves), None
 
 
 def _unit_response(state: AnyState) -> AnyDensity:
@@ -345,10 +399,10 @@ def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
 
 def _full_newton(
     equation: Equation, state: State, moves: NDArray[np.bool_], residual: Array, noise_k: Array, unit: AnyDensity | None,
-    sizes: Sizes, tolerance: float,
-) -> tuple[Array, Array, float]:
-    """Outward moves (2, Z), their roundoff and the change of the open condition's value by Newton with the full
-    Jacobian dK_i/d(end_j), for prescribed intensities.
+    sizes: Sizes, tolerance: float, signs: Array,
+) -> tuple[Array, Array, float, float]:
+    """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth of a push (`Free.stable`) by Newton
+    with the full Jacobian dK_i/d(end_j), for prescribed intensities.
 
     The rows A(e) y = b(e) are differenced in each end at fixed coefficients, and A dy = -d(A y - b) is solved with the
     LU factors at hand. Of a mirrored pair of ends, the right one stands for both.
@@ -365,7 +419,11 @@ def _full_newton(
         response = state.homogeneous(-(ahead[0] - behind[0]) / (2 * h))
         column = (ahead[1] - behind[1]) / (2 * h) + np.array(response.intensities)
         jacobian[:, j] = [column[end] for end in ends]
-    inverse = np.linalg.inv(jacobian)
+    driven = np.array([float(signs[side, 0]) for side, _ in ends])[:, None] * jacobian
+    try:
+        inverse = np.linalg.inv(jacobian)
+    except np.linalg.LinAlgError:
+        return np.full_like(residual, np.inf), noise_k, 0.0, 0.0
 
     def spread(of_ends: Array) -> Array:
         """Values of `ends` as (2, Z), mirrored ones filled in."""
@@ -379,11 +437,24 @@ def _full_newton(
     delta = spread(-inverse @ np.array([residual[end] for end in ends]))
     noise = spread(np.abs(inverse) @ np.array([noise_k[end] for end in ends]))
     if unit is None:
-        return delta, noise, 0.0
+        return delta, noise, 0.0, _growth(driven)
     by_unit = np.array(unit.intensities)
     slope = spread(-inverse @ np.array([by_unit[end] for end in ends]))
     delta, change = _bordered(equation, zones, delta, slope)
-    return delta, noise, change
+    _, by_left, by_right = equation.end_conditions[0].residual(zones)
+    normal = np.array([(by_left, by_right)[side][i] for side, i in ends])
+    by_value = np.array([float(signs[end[0], 0]) * by_unit[end] for end in ends])
+    return delta, noise, change, _growth(driven, normal, by_value)
+
+
+def _growth(driven: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
+    """Largest real part of the eigenvalues of what drives the ends by their motions; with a condition on the ends, which the unknown value
+    keeps: of motions along it."""
+    if normal is not None and by_value is not None:
+        driven = driven - np.outer(by_value, normal @ driven) / (normal @ by_value)
+        along = np.linalg.svd(normal[None])[2][1:]
+        driven = along @ driven @ along.T
+    return float(np.linalg.eigvals(driven).real.max(initial=-np.inf))
 
 
 def _nudged(zones: Zones, side: int, i: int, outward: float) -> Zones:

@@ -37,7 +37,7 @@ COUPLED_SIZES = np.array(
 )
 
 
-def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int) -> Index:
+def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
     """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at least `least`."""
     fall = decay(zones, kernel)
     want = np.where(fall < _ALONE, -np.log(tolerance) / np.maximum(fall, 1e-3), 0.0)

@@ -30,6 +30,8 @@ EPS = 2.2e-16
 SAFETY = 4.0
 # How often rows are shaken, and angles of each zone at which the density is looked at.
 _SHAKEN, _ANGLES = 12, 24
+# Distance from an end, over the half width, within which what is singular there is left out.
+_BESIDE = 0.03
 # Ends at which the rounding of the primitive is looked at.
 _LOOKS = 32
 
@@ -110,8 +112,7 @@ def _through_rows(state: Solved) -> Array:
 
 
 def density_rounding(state: Solved) -> float:
-    """What the rounding of all rows, those of the side conditions among them, may do to the density, its singularities taken out and
-    times sqrt(1 - t^2).
+    """What the rounding of all rows, those of the side conditions among them, may do to the density, its singularities taken out.
 
     Where the conditions nearly depend on each other it is many times the rounding itself: so the rows are shaken by their roundings, by
     chance but always alike, and what that does to the density is looked at.
@@ -126,23 +127,25 @@ def density_rounding(state: Solved) -> float:
     for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):
         count = condition.count(zones)
         if count and speaks_of_levels(condition, zones):
-            noise = np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None]
-            levels = noise * chance.standard_normal((len(zones.solved), _SHAKEN))
+            levels = chance.standard_normal((_SHAKEN, len(zones.solved))).T
+            levels *= np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None]
             scale = state.condition_scale[first : first + count, None]
             shaken[state.conditions_from + first : state.conditions_from + first + count] = of_levels(condition, zones) @ levels / scale
     folding = Folding.of(zones, system.layout)
-    largest = [_largest(system.layout.padded(folding.unfold(change))) for change in solver(shaken).T]
-    return SAFETY * float(np.sqrt(np.mean(np.square(largest))))
+    changes = [system.layout.padded(folding.unfold(change)) for change in solver(shaken).T]
+    largest = _largest(np.concatenate(changes)).reshape(_SHAKEN, -1).max(axis=1)
+    return SAFETY * float(np.sqrt(np.mean(largest**2)))
 
 
-def _largest(coefficients: Array) -> float:
-    """Largest of sum c_k T_k and of the bounded part of sum c_k T_k / sqrt(1 - t^2) at a few angles, of all zones."""
+def _largest(coefficients: Array) -> Array:
+    """Largest of each sum c_k T_k / sqrt(1 - t^2), no nearer to the ends than _BESIDE, and of its bounded part, at a few angles."""
     k = np.arange(max(coefficients.shape[1], 2))
     # Closer beside the ends, where high modes add up.
     theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, _ANGLES)[:, None]) ** 2
     u = bounded_part(coefficients)[2]
-    whole = coefficients @ np.cos(theta * k[: coefficients.shape[1]]).T
-    return float(max(np.abs(whole).max(), np.abs(u @ np.sin(theta * k[1 : u.shape[1] + 1]).T).max(initial=0.0)))
+    whole = coefficients @ np.cos(theta * k[: coefficients.shape[1]]).T / np.maximum(np.sin(theta), np.sqrt(2 * _BESIDE)).T
+    bounded = u @ np.sin(theta * k[1 : u.shape[1] + 1]).T
+    return np.asarray(np.maximum(np.abs(whole).max(axis=1), np.abs(bounded).max(axis=1)))
 
 
 def _level_noise(state: Solved) -> Array:

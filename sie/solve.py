@@ -373,7 +373,7 @@ def residual_error(residuals: Array, size: float, coupled: Index, rounding: Arra
     low = np.where(apart, np.abs(low) @ np.maximum(0.73 * np.arange(1, low.shape[1] + 1), 1.0), 0.0) / size
     # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
-    return float((beyond + high + 3e-16 * coupled).max())
+    return float((beyond + high + 5e-16 * coupled).max())
 
 
 def first_sizes(equation: Equation, zones: Zones) -> Sizes:

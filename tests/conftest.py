@@ -13,8 +13,12 @@ if "PYTEST_XDIST_WORKER" in os.environ:  # before numpy is loaded
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(name, "1")
 
-settings.register_profile("ci", derandomize=True, deadline=None, max_examples=25, database=None)
-settings.load_profile("ci")
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Fewer examples where the slow tests are left out."""
+    count = 10 if config.getoption("markexpr") == "not slow" else 60
+    settings.register_profile("ci", derandomize=True, deadline=None, max_examples=count, database=None)
+    settings.load_profile("ci")
 
 
 def pytest_make_parametrize_id(config: pytest.Config, val: Any, argname: str) -> str | None:

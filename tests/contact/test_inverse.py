@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from contact import exact, inverse
@@ -24,13 +24,11 @@ def nodes_for(problem):
     return 200 + int(40 / np.sqrt(min(problem.nearness, 1.0)))
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
 @given(designed_contacts())
 def test_the_pressure_solves_the_singular_integral_equation_on_every_zone(problem):
     assert reference.equation_error(problem, nodes=nodes_for(problem)) < TOL
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
 @given(designed_contacts())
 def test_pressures_are_positive_gaps_open_and_zone_loads_add_up(problem):
     t = np.concatenate([[1e-15 - 1.0], np.linspace(-0.999, 0.999, 101)])
@@ -46,7 +44,6 @@ def test_pressures_are_positive_gaps_open_and_zone_loads_add_up(problem):
     assert np.sum(problem.zone_loads) == pytest.approx(problem.load, rel=1e-14)
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
 @given(designed_contacts(periodic=True))
 def test_the_displacement_is_the_logarithmic_potential_of_the_pressure(problem):
     """Ties the approach, the gaps between all zones and the heights to the pressure alone."""
@@ -59,7 +56,6 @@ def test_the_displacement_is_the_logarithmic_potential_of_the_pressure(problem):
     np.testing.assert_allclose(problem.displacement(x), u, rtol=0.0, atol=1e-10 * scale)
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
 @given(designed_contacts())
 def test_the_gap_closes_at_both_sides_of_every_gap(problem):
     """From either end of a gap the integral of the gap slope agrees at its widest point."""
@@ -71,7 +67,6 @@ def test_the_gap_closes_at_both_sides_of_every_gap(problem):
         assert before == pytest.approx(after, rel=1e-9)
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
 @given(designed_contacts(), st.floats(-2.0, 2.0))
 def test_slopes_are_derivatives_of_heights(problem, where):
     length = problem.period or np.ptp(problem.zones)

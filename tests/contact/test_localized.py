@@ -13,6 +13,7 @@ from contact import exact
 from contact.inverse import design
 from contact.problem import Control
 from tests.contact.judge import relative, solve, true_error
+from tests.tiers import quick
 
 FIRST, SELF, PERIODIC = contact.Localized("first-order"), contact.Localized("self-consistent"), contact.Periodic()
 MODELS = [FIRST, SELF]
@@ -30,7 +31,7 @@ def closed_forms(a, closure):
 
 class TestClosedForms:
     @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.closure)
-    @pytest.mark.parametrize("a", [0.01, 0.1, 0.2, 0.3, 0.35])
+    @pytest.mark.parametrize("a", quick([0.01, 0.1, 0.2, 0.3, 0.35], [0.01, 0.1, 0.35]))
     def test_load_and_half_width_lead_to_the_corrected_pressure(self, model, a):
         for profile, answer in closed_forms(a, model.closure):
             for control in ("load", "half_width"):
@@ -129,7 +130,7 @@ class TestStrips:
         assert solution.pressure(x).min() >= 0 and solution.gap(x).min() >= 0
 
     @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.closure)
-    @pytest.mark.parametrize("turn", [0.2, 0.5, 0.9])
+    @pytest.mark.parametrize("turn", quick([0.2, 0.5, 0.9], [0.5]))
     def test_where_the_cell_begins_does_not_count(self, model, turn):
         def turned(wave, shift):
             k = 2 * np.pi * np.arange(1, 1 + len(wave.cosine)) * shift

@@ -7,7 +7,6 @@ import pytest
 
 import contact
 from contact import solver
-from contact.full import FullLimit
 
 STYLUS = Path(__file__).parents[2] / "examples" / "data" / "stylus-profile.csv"
 T = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
@@ -21,6 +20,11 @@ def trace(points=400, seed=7):
     return contact.Sampled(x, np.sin(2 * np.pi * x[:, None] * k + phase) @ (0.01 * k**-1.3), period=1.0)
 
 
+def smallest_full(profile):
+    """The smallest mean pressure of full contact, E* = 1."""
+    return contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).mean_pressure
+
+
 def differences(one, other):
     """(of ends over their zone's width, of pressures at equal places over the peak)."""
     ends = np.abs((one.zones - other.zones) / np.diff(other.zones, axis=1)).max()
@@ -31,7 +35,7 @@ def differences(one, other):
 def test_zones_and_gaps_of_a_trace_are_the_same_contact(monkeypatch):
     """Two formulations with nothing in common but the spline: pressure on the zones, slope of the gap between them."""
     profile = trace()
-    load = 0.25 * FullLimit(profile, 1.0, True).pressure
+    load = 0.25 * smallest_full(profile)
     scene = contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=load)
     found = []
     for nearly_full in (0.999, 0.01):
@@ -49,7 +53,7 @@ def test_zones_and_gaps_of_a_trace_are_the_same_contact(monkeypatch):
 def test_hundreds_of_zones_narrower_than_a_step_beside_one_three_hundred_steps_wide():
     """The stylus trace at a hundredth of its full load: the narrow zone beside the wide one asks for every digit of its level."""
     profile = contact.Sampled.from_file(STYLUS, units="um", detrend="quadratic", regrid=True, taper=0.05, period=True)
-    load = 0.01 * FullLimit(profile, 1.0, True).pressure
+    load = 0.01 * smallest_full(profile)
     solution = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=load), tol=1e-8)
     widths = np.diff(solution.zones, axis=1)[:, 0] / profile.resolution
     assert len(widths) > 600 and (widths < 1).sum() > 90 and widths.max() > 300

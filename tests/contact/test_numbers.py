@@ -165,6 +165,16 @@ def assert_within_what_is_stated(solution, truth):
         assert abs(1 / solution.stiffness - 1 / truth.stiffness) <= 4 * error * max(1.0, widths.max() / narrowest)
 
 
+def test_the_highest_of_several_peaks_of_about_one_height_is_found():
+    # The highest sample of all stands on another peak than the highest pressure.
+    rng = np.random.default_rng(14)
+    waves = contact.Fourier(1.0, *(1e-3 * rng.normal(size=(2, 20)) * np.arange(1, 21) ** -1.5))
+    solution = solved(waves, 0.05)
+    t = np.linspace(-1, 1, 6001)
+    samples = max(solution.pressure_at(t, k).max() for k in range(len(solution.zones)))
+    assert samples <= (1 + solution.error) * solution.max_pressure <= (1 + 1e-6) * samples
+
+
 def test_full_contact_has_no_zone_and_the_load_that_was_given():
     solution = solved(WAVES, 1.5)
     x = (np.arange(256) + 0.5) / 256

@@ -34,6 +34,7 @@ def test_the_two_zones_of_the_biquadratic_merge_at_the_closed_form_load():
     assert not event.load == pytest.approx(MERGING * (1 + 1e-9), rel=1e-11, abs=0)
 
 
+@pytest.mark.slow
 def test_unloading_meets_the_same_events_under_their_other_names():
     up, down = rough_path(5), rough_path(5, falling=True)
     other = {"birth": "death", "merge": "split", "full": "full"}

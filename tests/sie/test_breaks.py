@@ -7,12 +7,14 @@ from scipy.integrate import quad
 import sie
 from sie.breaks import Breaks
 from tests.sie import reference
+from tests.tiers import quick
 
 ZONES = sie.Zones.of([[-1.3, 0.4], [0.9, 1.6]])
 NO_COEFFICIENTS = np.zeros((2, 1))
 PERIOD = 3.5
 # One jump of each order, one in each zone near an end, and one near a middle.
 PLACES = [(-1.25, 0), (-0.45, 0), (1.1, 0), (-0.9, 1), (1.55, 1), (0.1, 2), (1.25, 2)]
+each_place = pytest.mark.parametrize(("at", "order"), quick(PLACES, [(-0.45, 0), (-0.9, 1), (1.25, 2)]))
 
 
 def single(at, order, height=0.8, kernel=None):
@@ -26,7 +28,7 @@ def density_of(density):
     return lambda t, zone: density.at_t(zone, np.asarray(t))
 
 
-@pytest.mark.parametrize(("at", "order"), PLACES)
+@each_place
 def test_the_closed_density_is_the_sum_of_its_series(at, order):
     breaks, density = single(at, order)
     zone, count = int(breaks.zone[0]), 40000
@@ -36,7 +38,7 @@ def test_the_closed_density_is_the_sum_of_its_series(at, order):
     assert density.at_t(zone, t) == pytest.approx(summed, abs=2e-3 / count**order)
 
 
-@pytest.mark.parametrize(("at", "order"), PLACES)
+@each_place
 def test_the_density_jumps_in_the_derivative_of_its_order_and_vanishes_at_the_ends(at, order):
     _, density = single(at, order)
     h = 1e-3
@@ -49,7 +51,7 @@ def test_the_density_jumps_in_the_derivative_of_its_order_and_vanishes_at_the_en
 
 
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(PERIOD)], ids=["cauchy", "hilbert"])
-@pytest.mark.parametrize(("at", "order"), PLACES)
+@each_place
 def test_the_transform_is_that_of_the_density_on_and_off_the_zone(at, order, kernel):
     _, density = single(at, order, kernel=kernel)
     plain = reference.cauchy if kernel.period is None else reference.hilbert(PERIOD)
@@ -62,7 +64,7 @@ def inside(x):
     return x - PERIOD * np.round((x - 0.15) / PERIOD)
 
 
-@pytest.mark.parametrize(("at", "order"), PLACES)
+@each_place
 def test_the_potential_is_that_of_the_density_on_and_off_the_zone(at, order):
     _, density = single(at, order)
     for x in (-2.0, -1.0, 0.3, 0.42, 1.0, 1.58, 30.0):
@@ -70,7 +72,7 @@ def test_the_potential_is_that_of_the_density_on_and_off_the_zone(at, order):
         assert density.potential(x) == pytest.approx(expected, abs=1e-10)
 
 
-@pytest.mark.parametrize(("at", "order"), PLACES)
+@each_place
 def test_the_integral_along_the_zone_is_that_of_the_density(at, order):
     _, density = single(at, order)
     zone = int(density.steps.zone[0])
@@ -128,7 +130,7 @@ def test_a_zone_far_from_the_origin_loses_no_digit_to_its_width(half_width):
 
 
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(PERIOD)], ids=["cauchy", "hilbert"])
-@pytest.mark.parametrize(("at", "order"), PLACES)
+@each_place
 def test_the_potential_rises_by_the_integral_of_the_transform_from_end_to_end(at, order, kernel):
     _, density = single(at, order, kernel=kernel)
     lo, hi = ZONES.b[0], ZONES.a[1]

@@ -285,3 +285,62 @@ def test_few_steps_are_not_convergence():
     found = sie.find_ends(equation, sie.Zones.of([[-0.3, 0.2]]), 1e-13, max_steps=2)
     assert not found.converged
     assert found.end_error.max() > 1e-3
+
+
+# Which root, and why it stopped --------------------------------------------------------------------------------------
+def adhesive(total, start, intensity=-0.2, **options):
+    """g = x: K = (P / pi - a^2 / 2) / sqrt(2 a), so that P(a) = pi (a^2 / 2 + K sqrt(2 a)) falls to its fold and rises from there."""
+    end = sie.free_with_intensity(intensity)
+    equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(total),))
+    return sie.find_ends(equation, sie.Zones.of([start], end, end), 1e-10, **options)
+
+
+@pytest.mark.parametrize(("start", "stable"), [(0.05, False), (0.1, False), (0.4, True), (1.5, True)])
+def test_of_two_roots_the_one_that_was_found_is_told(start, stable):
+    found = adhesive(-0.3, (-start, 1.1 * start))
+    half = 0.5 * float(np.diff(found.density.zones.table)[0, 0])
+    assert found.converged
+    assert math.pi * (half**2 / 2 - 0.2 * math.sqrt(2 * half)) == pytest.approx(-0.3, abs=1e-9)
+    fold = (0.2 / math.sqrt(2)) ** (2 / 3)
+    assert (half > fold) == stable == found.stable
+    assert ("unstably" in found.reason) != stable
+
+
+def test_past_the_fold_the_reason_is_told():
+    for start in ((-0.05, 0.06), (-0.3, 0.3), (-1.0, 1.2)):
+        found = adhesive(-0.4, start)
+        assert not found.converged and found.stable is None
+        assert "past a fold" in found.reason
+
+
+def test_a_width_that_is_held_makes_an_unstable_root_stable():
+    end = sie.free_with_intensity(-0.2)
+    equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(None),), (), (sie.TotalWidth(0.27),))
+    found = sie.find_ends(equation, sie.Zones.of([[-0.12, 0.15]], end, end), 1e-10)
+    assert found.converged and found.stable
+    assert adhesive(found.value, (-0.13, 0.14)).stable is False
+
+
+@pytest.mark.parametrize(("load", "start", "stable"), [(lambda x: -np.exp(-x * x), 2.0, True), (lambda x: -1 - 0.1 * x * x, 0.4, False)])
+def test_a_crack_is_stable_where_its_intensity_falls_as_it_grows(load, start, stable):
+    left, right = sie.free_with_intensity(-0.3), sie.free_with_intensity(0.3)
+    equation = sie.Equation(sie.cauchy(), sie.Forcing(load), (sie.ZoneTotals(),))
+    found = sie.find_ends(equation, sie.Zones.of([[-start, start]], left, right), 1e-10, signs=(-1.0, 1.0))
+    assert found.converged and found.stable == stable
+
+
+def test_a_crack_that_may_be_anywhere_is_told_so():
+    left, right = sie.free_with_intensity(-0.3), sie.free_with_intensity(0.3)
+    equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: -np.ones_like(x)), (sie.ZoneTotals(),))
+    found = sie.find_ends(equation, sie.Zones.of([[-0.4, 0.5]], left, right), 1e-10, signs=(-1.0, 1.0))
+    assert not found.converged
+    assert "leaves the intensities as they are" in found.reason or "fold" in found.reason or "did not come to rest" in found.reason
+
+
+def test_every_search_says_why_it_stopped():
+    assert search(exact.Hertz(1.0), [(-0.6, 0.9)]).reason == "the ends are at rest"
+    assert search(exact.Hertz(1.0), [(-0.6, 0.9)]).stable
+    few = sie.find_ends(sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(1.0),)), sie.Zones.of([[-0.3, 0.2]]), max_steps=2)
+    assert "3 steps" in few.reason and few.stable is None
+    equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(-1.0),))
+    assert "shrunk away" in sie.find_ends(equation, sie.Zones.of([[-1, 1]])).reason

@@ -7,11 +7,13 @@ from scipy.integrate import quad
 import sie
 from sie.steps import Steps
 from tests.sie import reference
+from tests.tiers import quick
 
 ZONES = sie.Zones.of([[-1.3, 0.4], [0.9, 1.6]])
 NO_COEFFICIENTS = np.zeros((2, 1))
 # One jump of each order, one in each zone near an end, and one near a middle.
 PLACES = [(-1.25, 0), (-0.45, 0), (1.1, 0), (-0.9, 1), (1.55, 1), (0.1, 2), (1.25, 2)]
+each_place = pytest.mark.parametrize(("at", "order"), quick(PLACES, [(-0.45, 0), (-0.9, 1), (1.25, 2)]))
 
 
 def single(at, order, height=0.8, kernel=None):
@@ -34,7 +36,7 @@ def forcing(at, order, height=0.8, smooth=0.0):
     return sie.Forcing(value, primitive, np.array([at]), np.array([height]), np.array([order]))
 
 
-@pytest.mark.parametrize(("at", "order"), PLACES)
+@each_place
 def test_the_closed_density_is_the_sum_of_its_series(at, order):
     steps, density = single(at, order)
     zone = int(steps.zone[0])
@@ -47,7 +49,7 @@ def test_the_closed_density_is_the_sum_of_its_series(at, order):
     assert density.at_t(zone, t) == pytest.approx(summed, abs=2e-3 / count**order)
 
 
-@pytest.mark.parametrize(("at", "order"), PLACES)
+@each_place
 def test_the_transform_off_the_zone_is_that_of_the_density(at, order):
     _, density = single(at, order)
     for x in (-2.0, -1.35, 0.42, 0.8, 1.7, 30.0):
@@ -55,7 +57,7 @@ def test_the_transform_off_the_zone_is_that_of_the_density(at, order):
         assert density.transform(x) == pytest.approx(expected, abs=1e-11)
 
 
-@pytest.mark.parametrize(("at", "order"), PLACES)
+@each_place
 def test_the_transform_on_the_zone_is_that_of_the_density(at, order):
     _, density = single(at, order)
     for x in (-1.0, -0.2, 0.35, 1.0, 1.4):
@@ -63,7 +65,7 @@ def test_the_transform_on_the_zone_is_that_of_the_density(at, order):
         assert density.transform(x) == pytest.approx(expected, abs=1e-10)
 
 
-@pytest.mark.parametrize(("at", "order"), PLACES)
+@each_place
 def test_the_potential_is_that_of_the_density_on_and_off_the_zone(at, order):
     _, density = single(at, order)
     for x in (-2.0, -1.0, 0.3, 0.42, 1.0, 1.58, 30.0):
@@ -71,7 +73,7 @@ def test_the_potential_is_that_of_the_density_on_and_off_the_zone(at, order):
         assert density.potential(x) == pytest.approx(expected, abs=1e-10)
 
 
-@pytest.mark.parametrize(("at", "order"), PLACES)
+@each_place
 def test_jumps_are_carried_with_few_modes_and_left_nowhere(at, order):
     g = forcing(at, order, smooth=1.0)
     state = sie.solve_fixed(
@@ -176,7 +178,7 @@ def test_the_integral_of_kinks_along_a_zone_is_that_of_the_density(at):
         assert found == pytest.approx(expected, abs=1e-10)
 
 
-@pytest.mark.parametrize(("at", "order"), PLACES)
+@each_place
 def test_the_slope_over_the_angle_is_that_of_the_density(at, order):
     _, density = single(at, order)
     zone, step = int(density.steps.zone[0]), 1e-5

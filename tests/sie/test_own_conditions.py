@@ -1,0 +1,230 @@
+"""Side conditions in every form an equation is solved in: none at all, a user's own, and what their rounding does."""
+
+from dataclasses import dataclass
+
+import mpmath
+import numpy as np
+import pytest
+
+import sie
+from sie import chebyshev
+from sie.conditions import Condition
+from sie.released import PiercedState
+
+T = np.linspace(-0.97, 0.97, 15)
+WAVE = sie.Forcing(np.sin, lambda x: -np.cos(x))
+CONSTANT = sie.Forcing(np.ones_like, lambda x: x, modes=1)
+ROW = np.array([[2.0 * i, 2.0 * i + 1.2 + 0.05 * (i % 3)] for i in range(12)])
+
+
+@dataclass(frozen=True)
+class SameLevel(Condition):
+    """Two of the zones are at one level."""
+
+    i: int
+    j: int
+    levels = True
+
+    def count(self, zones):
+        return 1
+
+    def rows(self, system):
+        matrix, constants = system.levels()
+        i, j = slice(self.i, self.i + 1), slice(self.j, self.j + 1)
+        return matrix[i] - matrix[j], constants[i] - constants[j], np.zeros(1)
+
+
+@dataclass(frozen=True)
+class Unsaid(SameLevel):
+    """The same by one who has left out to say that it is about potentials."""
+
+    levels = False
+
+
+@dataclass(frozen=True)
+class SameIntensities(Condition):
+    """The density is as singular at the outer left as at the outer right end."""
+
+    def count(self, zones):
+        return 1
+
+    def rows(self, system):
+        (left, left_constant), (right, right_constant) = system.intensities()
+        return left[:1] - right[-1:], left_constant[:1] - right_constant[-1:], np.zeros(1)
+
+
+@dataclass(frozen=True)
+class FirstTotal(Condition):
+    """What the first of the zones bears."""
+
+    value: float
+
+    def count(self, zones):
+        return 1
+
+    def rows(self, system):
+        matrix, constants = system.totals()
+        return matrix[:1], constants[:1], np.array([self.value])
+
+
+def difference(one, other):
+    size = np.abs(one.density.coefficients).max()
+    return max(np.abs(one.density.at_t(i, T) - other.density.at_t(i, T)).max() for i in range(len(one.density.zones))) / size
+
+
+def by_matrix_and_by_sums(monkeypatch, equation, zones):
+    monkeypatch.setattr("sie.solve.MANY_UNKNOWNS", 10**9)
+    direct = sie.solve_zones(equation, zones)
+    monkeypatch.setattr("sie.solve.MANY_UNKNOWNS", 1)
+    iterated = sie.solve_zones(equation, zones)
+    assert iterated.iterated and not direct.iterated
+    assert np.all(iterated.intensity_noise < 1e-12)
+    return direct, iterated
+
+
+# None at all: rows of aerofoils, each with a bounded trailing edge -----------------------------------------------------------
+@pytest.mark.parametrize("gap", [0.5, 1e-3])
+def test_zones_without_side_conditions_tell_their_error(gap):
+    table = np.array([[0.0, 1.0], [1.0 + gap, 2.1], [2.1 + gap, 3.0]])
+    state = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, ()), sie.Zones.of(table, sie.SINGULAR, sie.BOUNDED))
+    x = np.concatenate([0.5 * (a + b) + 0.5 * (b - a) * T for a, b in table])
+    assert state.density.transform(x) == pytest.approx(np.sin(x), abs=1e-11)
+    assert np.abs(state.density.intensities[1]).max() < 1e-14
+    assert state.intensity_noise.shape == (2, 3) and np.all(state.intensity_noise < 1e-12)
+    assert state.density_error < 1e-11
+
+
+@pytest.mark.parametrize("sides", ["right", "mixed", "symmetric"])
+@pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(30.0)], ids=["line", "period"])
+def test_held_ends_are_solved_by_fast_sums_too(monkeypatch, sides, kernel):
+    table, mixed = ROW, np.arange(12) % 3 == 0
+    if sides == "symmetric":
+        table = ROW - 0.5 * (ROW[0, 0] + ROW[-1, 1])
+        table = 0.5 * (table - table[::-1, ::-1])
+        mixed = np.concatenate((~mixed[:6], mixed[:6][::-1]))
+    left = [sie.BOUNDED if one and sides != "right" else sie.SINGULAR for one in mixed]
+    right = [sie.SINGULAR if one and sides != "right" else sie.BOUNDED for one in mixed]
+    zones = sie.Zones.of(table, left, right, symmetric=sides == "symmetric")
+    direct, iterated = by_matrix_and_by_sums(monkeypatch, sie.Equation(kernel, WAVE, ()), zones)
+    assert difference(direct, iterated) < min(1e-12, direct.density_error + iterated.density_error)
+
+
+def test_what_is_too_large_for_a_matrix_and_has_no_fast_sums_is_refused_by_name(monkeypatch):
+    monkeypatch.setattr("sie.solve.MANY_UNKNOWNS", 10)
+    monkeypatch.setattr("sie.solve.MOST_UNKNOWNS", 100)
+    both = [sie.Total(1.0)] + [sie.Weighted(lambda x, k=k: x**k, 0.0) for k in range(1, 12)]
+    with pytest.raises(sie.SingularSystem, match="every zone needs one condition of its own"):
+        sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, tuple(both)), sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR))
+
+
+# A user's own -----------------------------------------------------------------------------------------------------------------
+OWN = {
+    "some levels": ((sie.ZoneTotals(0.1), SameLevel(0, 3)), (CONSTANT,)),
+    "levels unsaid": ((sie.ZoneTotals(0.1), Unsaid(1, 11)), (CONSTANT,)),
+    "intensities": ((sie.Total(0.3), sie.EqualPotential(), SameIntensities()), (CONSTANT,)),
+    "one total": ((sie.EqualPotential(), FirstTotal(0.2)), ()),
+}
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_a_condition_of_ones_own_holds_by_matrix_and_by_fast_sums(monkeypatch, name):
+    conditions, columns = OWN[name]
+    zones = sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR)
+    direct, iterated = by_matrix_and_by_sums(monkeypatch, sie.Equation(sie.cauchy(), WAVE, conditions, columns), zones)
+    assert difference(direct, iterated) < direct.density_error + iterated.density_error < 1e-11
+    density = direct.density
+    if "levels" in name:
+        i, j = conditions[1].i, conditions[1].j
+        levels = density.potential(zones.middle) - WAVE.primitive(zones.middle) - density.amplitudes[0] * zones.middle
+        assert levels[i] == pytest.approx(levels[j], abs=1e-13)
+        assert np.ptp(levels) > 1e-3
+    elif name == "intensities":
+        assert density.intensities[0][0] == pytest.approx(density.intensities[1][-1], abs=1e-13)
+    else:
+        assert density.totals[0] == pytest.approx(0.2, abs=1e-14)
+
+
+@pytest.mark.parametrize("condition", [SameIntensities(), FirstTotal(0.2)])
+@pytest.mark.parametrize("gap", [0.1, 0.02, 1e-3])
+def test_a_condition_of_ones_own_holds_whatever_the_width_of_a_gap(condition, gap):
+    """On the zone that spans a narrow gap there is no first zone of two; what the outer ends do hardly knows of the gap."""
+    zones = sie.Zones.of([[-1.0, 0.0], [gap, 1.3]], [sie.SINGULAR, sie.FREE], [sie.FREE, sie.SINGULAR])
+    conditions, columns = (sie.Total(1.0), sie.EqualPotential(), condition), (CONSTANT,)
+    state = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, conditions, columns), zones)
+    assert not isinstance(state, PiercedState)
+    slack = 1e-12 + state.density_error
+    if isinstance(condition, FirstTotal):
+        assert state.density.totals[0] == pytest.approx(0.2, abs=slack)
+    else:
+        assert state.density.intensities[0][0] == pytest.approx(state.density.intensities[1][1], abs=slack)
+    without = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, conditions[:2]), zones)
+    assert isinstance(without, PiercedState) == (gap < 0.1)
+
+
+@dataclass(frozen=True)
+class Wrong(Condition):
+    """Rows that are not as many as it counts, or that are not three things."""
+
+    given: object
+
+    def count(self, zones):
+        return 1
+
+    def rows(self, system):
+        matrix, constants = system.totals()
+        return self.given(matrix, constants)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (lambda m, c: (np.repeat(m, 2, axis=0), np.zeros(2), np.zeros(2)), r"its `count` is 1, so that its `rows`"),
+        (lambda m, c: (m[:, :-1], c, c), r"must have shapes \(1, \d+\)"),
+        (lambda m, c: (m[0], c, c), "must have shapes"),
+        (lambda m, c: (m, c), "three things"),
+        (lambda m, c: (1j * m, c, c), "matrix of its `rows` are complex"),
+    ],
+)
+def test_rows_of_a_wrong_shape_are_refused_by_name(given, message):
+    with pytest.raises(ValueError, match=message):
+        sie.solve_fixed(sie.Equation(sie.cauchy(), WAVE, (Wrong(given),)), sie.Zones.of([[-1, 1]], sie.SINGULAR, sie.SINGULAR))
+
+
+def test_zone_totals_of_a_wrong_length_and_columns_that_are_not_there_are_refused_by_name():
+    zones = sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR)
+    with pytest.raises(ValueError, match="2 zones are solved, so one value or 2 of them are needed"):
+        sie.solve_fixed(sie.Equation(sie.cauchy(), WAVE, (sie.ZoneTotals((1.0, 2.0, 3.0)),)), zones)
+    for k in (1, -1):
+        conditions = (sie.Total(1.0), sie.EqualPotential(), sie.Amplitude(k))
+        with pytest.raises(ValueError, match=f"amplitude of column {k}, but the equation has 1"):
+            sie.solve_fixed(sie.Equation(sie.cauchy(), WAVE, conditions, (CONSTANT,)), zones)
+
+
+# What rounding of the conditions does ------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("gap", [1e-1, 1e-2, 3e-3])
+def test_rounding_of_the_side_conditions_is_in_the_stated_error(gap):
+    """Bounded at a gap and singular outside, with one level and a constant: the narrower the gap, the less the level tells. What only
+    rounding sees, a constant of the primitive and the unit of the logarithm, changes the density by less than is stated."""
+    zones = sie.Zones.of([[-1.0, 0.0], [gap, 1.3]], [sie.SINGULAR, sie.BOUNDED], [sie.BOUNDED, sie.SINGULAR])
+    states = []
+    for offset, datum in ((0.0, 1.0), (0.7, 1.0), (-2.3, 3.0), (0.0, 0.3)):
+        forcing = sie.Forcing(np.sin, lambda x, offset=offset: offset - np.cos(x))
+        states.append(sie.solve_fixed(sie.Equation(sie.cauchy(datum), forcing, (sie.EqualPotential(),), (CONSTANT,)), zones))
+    found = max(difference(states[0], other) for other in states[1:])
+    stated = max(state.density_error for state in states)
+    assert found < 2 * stated
+    # Rounding times about one over the gap squared; a bound that says nothing would be no use either.
+    assert stated < 1e-13 / gap**2
+    if gap <= 1e-2:
+        assert found > 1e-12
+
+
+def test_high_modes_keep_the_digits_of_their_angles():
+    """sin(k theta) and cos(l theta) of a whole number of turns and a part: 1e-14 if the angle were multiplied as rounded."""
+    n = 90
+    with mpmath.workdps(30):
+        for k, j in ((89, 88), (90, 90), (57, 83)):
+            sine = 2 / mpmath.mpf(n + 1) * mpmath.sin(k * j * mpmath.pi / (n + 1)) * mpmath.sin(j * mpmath.pi / (n + 1))
+            assert chebyshev._sine_matrix(n)[k - 1, j - 1] == pytest.approx(float(sine), abs=3e-17)
+            cosine = mpmath.cos((2 * j + 1) * k * mpmath.pi / (2 * 200))
+            assert chebyshev.t_matrix(200, 100)[j, k] == pytest.approx(float(cosine), abs=5e-16)
