@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from contact.framing import Framed
 from contact.leaning import known_part
-from contact.problem import Control, Problem
+from contact.problem import Control, Problem, Units
 from contact.search import Proposal, grid_height, propose
 from contact.turning import Lean, balanced
 
@@ -21,6 +22,8 @@ Array = NDArray[np.float64]
 _CELLS = 0.1
 _MOST_TILTS = 12
 _WIDENINGS = 4
+# How often a strip is moved to the middle of its zones.
+_CENTRINGS = 6
 # Of a width, or of what it leaves of the period: near enough for a load to begin with; cells in it at least; of a grid that tells as
 # much, cells to a shortest length of the shape, and its tolerance.
 _ABOUT, _SEEN, _PER_FEATURE, _ROUGHLY = 0.03, 64, 2, 1e-3
@@ -30,14 +33,15 @@ _CLOSE_BY = 1.1
 
 @dataclass(frozen=True, eq=False)
 class Proposed:
-    """Zones (n, 2) [m], the grid's points, whether it is in full contact or touches the border of what is known, and the tilt
-    under which the moment is right, where that is unknown."""
+    """Zones (n, 2) [m], the grid's points, whether it is in full contact or touches the border of what is known, the tilt
+    under which the moment is right, where that is unknown, and the load [N/m]."""
 
     zones: Array
     points: int
     full: bool
     touches_border: bool
     tilt: float | None = None
+    load: float = math.nan
 
     @property
     def width(self) -> float:
@@ -45,8 +49,11 @@ class Proposed:
         return math.inf if self.full else float(np.sum(self.zones[:, 1] - self.zones[:, 0]))
 
 
-def proposed(frame: Framed, problem: Problem, control: Control, points: int | None, tol: float = 1e-8) -> Proposed:
-    """Zones from a grid of so many points, or of as many as the profile's resolution asks for, to a tolerance."""
+def proposed(
+    frame: Framed, problem: Problem, control: Control, points: int | None, tol: float = 1e-8, held: bool = False
+) -> Proposed:
+    """Zones from a grid of so many points, or of as many as the profile's resolution asks for, to a tolerance; held: of a strip that
+    stays where it is."""
     if problem.moment is not None:
         return _by_moment(frame, problem, control, points)
     units, profile, interaction = problem.units, problem.profile, problem.interaction
@@ -57,7 +64,47 @@ def proposed(frame: Framed, problem: Problem, control: Control, points: int | No
         resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height, tol=tol,
     )
-    return Proposed(found.zones, found.points, found.full, found.touches_border)
+    if interaction.strip and found.state.load > 0.0:
+        return _in_strip(problem, control, points, found, held)
+    return Proposed(found.zones, found.points, found.full, found.touches_border, load=found.state.load)
+
+
+def _in_strip(problem: Problem, control: Control, points: int | None, whole: Proposal, held: bool) -> Proposed:
+    """From a grid of the strip, under the nominal pressure beyond it, from the contact of the whole period, where that leaves a gap: the
+    strip is cut there, or where it would leave the last one, and then follows its zones."""
+    units, profile, interaction = problem.units, problem.profile, problem.interaction
+    assert profile.period is not None and problem.period is not None
+    load = control.value * units.load if control.kind == "load" else whole.state.load
+    nominal = load / units.load / problem.period if problem.amplitude is None else problem.amplitude
+    middle = _cut(whole, profile.x0, profile.period) + 0.5 * profile.period
+    if held:
+        middle = float(units.x(np.array(problem.centre)))
+    for _ in range(_CENTRINGS):
+        column = problem.about(float(units.scaled(np.array(middle)))).columns[0].primitive
+        assert column is not None
+        found = propose(
+            partial(grid_height, profile), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), E=units.E_star,
+            periodic=False, images=interaction.neighbours, resolution=profile.feature, points=points, load=load,
+            extra=partial(_beyond, units, nominal, column),
+        )
+        before, middle = middle, 0.5 * float(found.zones[0, 0] + found.zones[-1, 1])
+        if held or abs(middle - before) <= _CELLS * profile.period / found.points:
+            break
+    return Proposed(found.zones, found.points, False, found.touches_border)
+
+
+def _beyond(units: Units, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:
+    """What the nominal pressure beyond the strip adds to the shape [m]."""
+    return nominal * units.height * np.asarray(column(units.scaled(x)))
+
+
+def _cut(whole: Proposal, x0: float, period: float) -> float:
+    """The middle of the widest gap of a period; in full contact the place of least pressure."""
+    if whole.full or len(whole.zones) == 0:
+        return x0 + period * (int(np.argmin(whole.state.pressure)) + 0.5) / whole.points
+    left, right = whole.zones[:, 1], np.append(whole.zones[1:, 0], whole.zones[0, 0] + period)
+    widest = int(np.argmax(right - left))
+    return 0.5 * float(left[widest] + right[widest])
 
 
 class _TooNarrow(Exception):

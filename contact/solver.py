@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from numbers import Real
 
 import numpy as np
@@ -65,6 +65,10 @@ _FEW, _FEW_ROUNDS, _CLOSED = 12, 5, 1e-14
 _ON_THE_WAY = 1e-7
 # An end of a gap moves all of the pressure beside it: gaps are found to this part of what zones are.
 _OF_GAPS = 0.01
+# Steps of the centre of a strip, how much longer than its miss a secant's step may be, and how often one is shortened.
+_CENTRINGS, _LONGER, _SHORTENED = 30, 16.0, 3
+# In how many steps of it the miss must halve.
+_STALLED = 4
 
 
 def solve(
@@ -94,6 +98,20 @@ def solve(
 
 def _solved(scene: Scene, tol: float, progress: Progress | None, near: Solution | None) -> Solution:
     return _Run(scene, tol, planning.plan(scene), progress, near).solution()
+
+
+_AT_BORDER = "a contact zone reaches the border of the part of the profile that is known"
+_EXACT = "interaction = Periodic() needs no strip"
+_AT_STRIP = f"a contact zone reaches the border of the strip that the localized model solves; {_EXACT}"
+
+
+@dataclass(frozen=True, eq=False)
+class _Centring:
+    """Centre of a strip, how far off it the zones' middle is, and the zones."""
+
+    centre: float
+    miss: float
+    table: Array
 
 
 class _Run:
@@ -398,7 +416,7 @@ class _Run:
         if interaction.follows_isolated:
             return self._first_order()
         if interaction.strip:
-            return self._centred(problem, self.control, None)
+            return self._centred(problem, self.control, self._start())
         return self._search(problem, self.control, self._start(), near=True)
 
     def _at_level(self) -> Found:
@@ -441,7 +459,7 @@ class _Run:
         if control.kind == "half_width":
             a = control.value
             return self._settled(problem, control, np.array([[-a, a]]))
-        if self.single:
+        if self.single and problem.amplitude is None:
             # Only wide zones can be near full contact, and only then is it worth finding out where it begins.
             with self.plan.timed("zone ends"):
                 guess = guess_half_width(problem, control)
@@ -579,8 +597,8 @@ class _Run:
                     pass
         return None
 
-    def _from_grid(self, problem: Problem, control: Control) -> Found | Gapped | None:
-        """Zones from a coarse grid, refined until Newton and the certificate agree with it."""
+    def _from_grid(self, problem: Problem, control: Control, held: bool = False) -> Found | Gapped | None:
+        """Zones from a coarse grid, refined until Newton and the certificate agree with it. held: a strip stays where it is."""
         search = self.plan["coarse search"]
         search.used, search.reason = True, search.reason if search.used else "one zone did not pass the certificate"
         points: int | None = None
@@ -590,7 +608,7 @@ class _Run:
             if self.progress is not None:
                 self.progress("coarse grid", 0, None)
             with self.plan.timed("coarse search"):
-                proposal = proposed(self.frame, problem, control, points)
+                proposal = proposed(self.frame, problem, control, points, held=held)
             if points is None:
                 most = max(most, min(4 * proposal.points, MOST_POINTS))
             points, full = proposal.points, proposal.full
@@ -599,7 +617,7 @@ class _Run:
             search.detail = f"{points} points, {len(proposal.zones)} zones proposed"
             if proposal.touches_border and self.scene.profile.support is None:
                 if touched or 4 * points > most:
-                    raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
+                    raise OutOfRange(_AT_STRIP if problem.interaction.strip else _AT_BORDER)
                 # A coarse grid may touch it by its own error.
                 touched, points = True, 4 * points
                 continue
@@ -613,7 +631,7 @@ class _Run:
                 with self.plan.timed("zone ends"):
                     table = placed(problem, proposal.zones)
                     try:
-                        return self._settle(about(problem, table), control, table)
+                        return self._settle(problem if held else about(problem, table), control, table)
                     except WrongTopology as error:
                         if failure is not None and same_end(error, failure):
                             break
@@ -626,63 +644,92 @@ class _Run:
             narrow += "; the gaps themselves are solved for on a half-plane only"
             if failure is not None and width > _ALMOST_FULL * (problem.period or math.inf):
                 failure = WrongTopology(f"{failure}, and {narrow}", failure.free)
-        if problem.interaction.strip:
-            narrow += "; the localized model is not followed so far, interaction = Periodic() is"
         raise self._not_converged(failure or WrongTopology(narrow, None))
 
     # strips ---------------------------------------------------------------------------------------------------------
-    def _centred(self, problem: Problem, control: Control, start: Array | None) -> Found | None:
-        """Zones of a strip that is centred on them: the centre follows the zones until it stays."""
-        found, before = None, math.inf
-        for _ in range(30):
-            found = self._search(problem, control, start)
-            if found is None:
-                return None
-            assert isinstance(found, Found)  # a strip has no full contact to be near to
-            zones = found.free.density.zones
-            centre = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1])
+    def _centred(self, problem: Problem, control: Control, start: Array | None) -> Found:
+        """Zones of a strip that is centred on them: secants on the centre, under which zones are taken as they are, and a look at the
+        signs where it stays."""
+        found = self._in_strip(problem if start is None else about(problem, start), control, start)
+        certified, before, moved = True, None, math.inf
+        passed: list[float] = []
+        for _ in range(_CENTRINGS):
+            zones, centre = found.free.density.zones, found.fields.problem.centre
             width = float((zones.b - zones.a).min())
-            start = zones.table
-            moved = abs(centre - found.fields.problem.centre)
+            miss = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1]) - centre
             # Near the digits of the zones the centre no longer comes nearer.
-            if moved <= 0.1 * self.tolerance * width + np.spacing(abs(centre)) or before / 4 < moved < 1e-7 * width:
-                return found
-            before = moved
-            problem = problem.about(centre)
-        assert isinstance(found, Found)
-        raise self._not_converged(WrongTopology("the centre of the strip did not settle", found.free))
+            if abs(miss) <= 0.1 * self.tolerance * width + np.spacing(abs(centre)) or moved / 4 < abs(miss) < 1e-7 * width:
+                if certified:
+                    return found
+                found, certified, before, moved = self._in_strip(found.fields.problem, control, zones.table), True, None, math.inf
+                continue
+            passed.append(abs(miss))
+            if len(passed) > _STALLED and min(passed[-_STALLED:]) > 0.5 * min(passed[:-_STALLED]):
+                break
+            step, rate = miss, None
+            if before is not None and before.table.shape == zones.table.shape and before.miss != miss:
+                step = float(np.clip(miss * (centre - before.centre) / (before.miss - miss), -_LONGER * abs(miss), _LONGER * abs(miss)))
+                rate = (zones.table - before.table) / (centre - before.centre)
+            before, moved = _Centring(centre, miss, zones.table), abs(miss)
+            found, certified = self._moved_strip(found, control, step, rate)
+        raise self._not_converged(WrongTopology(f"the centre of the strip did not settle; {_EXACT}", found.free))
+
+    def _moved_strip(self, found: Found, control: Control, step: float, rate: Array | None) -> tuple[Found, bool]:
+        """(zones after a step of the centre, or after a shorter one that they follow, whether their signs were looked at). rate: of the
+        zones with the centre, where it is known."""
+        problem, table = found.fields.problem, found.free.density.zones.table
+        for _ in range(_SHORTENED):
+            there, expected = problem.about(problem.centre + step), table if rate is None else table + step * rate
+            try:
+                return settle(there, control, expected, self.tolerance, formal=True, near=True), False
+            except (WrongTopology, OutOfRange):
+                pass
+            try:
+                again = self._from_grid(there, control, held=True)
+                assert isinstance(again, Found)
+                return again, True
+            except (NotConverged, OutOfRange):
+                step *= 0.25
+        raise self._not_converged(WrongTopology(f"the zones do not follow the centre of the strip; {_EXACT}", found.free))
+
+    def _in_strip(self, problem: Problem, control: Control, start: Array | None) -> Found:
+        """Zones of a strip where it is."""
+        found = self._search(problem, control, start, near=True)
+        assert isinstance(found, Found)  # a strip has no full contact to be near to
+        return found
 
     def _first_order(self) -> Found:
-        """Closure by the isolated load of the same total width, by a secant on the width along the branch from zero load."""
-
-        def search(problem: Problem, control: Control, start: Array | None) -> Found:
-            if not problem.interaction.strip:
-                return self._reference(problem, control, start)
-            found = self._centred(problem, control, start)
-            assert found is not None
-            return found
-
-        closure = FirstOrder(self.problem, search, self.tolerance, self.single)
-        guess = 2 * guess_half_width(self.problem, self.control) if self.single else 0.1 * (self.problem.period or 1.0)
+        """Closure by the isolated load of the same total width."""
+        closure = FirstOrder(self.problem, self._centred, self._reference, self.tolerance, self.single)
         with self.plan.timed("isolated reference"):
-            found, _ = closure.found(self.control, guess)
+            found, _ = closure.found(self.control, self._first_guess())
         return found
+
+    def _first_guess(self) -> float:
+        """Total width of one zone about the origin; else the nominal pressure of the exact contact of the period, scaled."""
+        problem, control = self.problem, self.control
+        assert problem.period is not None
+        if self.single:
+            return 2 * guess_half_width(problem, control)
+        if control.kind == "load":
+            return control.value / problem.period
+        if control.kind == "half_width":
+            return 0.0
+        exact = proposed(self.frame, replace(problem, interaction=Periodic()), control, None)
+        return exact.load / problem.units.load / problem.period
 
     def _reference(self, problem: Problem, control: Control, start: Array | None) -> Found:
         """The isolated problem of the same total width, as a formal solution: it is not asked to be a contact."""
         if control.kind == "half_width":
             start = np.array([[-control.value, control.value]])
-        elif start is None:
-            found = self._from_grid(replace(self.problem, interaction=Periodic()), control)
-            assert found is not None
-            start = found.free.density.zones.table
+        assert start is not None
         middle = 0.5 * float(start[0, 0] + start[-1, 1])
         if len(start) > 1 or abs(middle) > 0.25 * float(start[0, 1] - start[0, 0]):
             problem = problem.about(middle)
         try:
             return settle(problem, control, start, self.tolerance, formal=True)
         except WrongTopology as failure:
-            raise OutOfRange(f"the isolated reference of the first-order closure has no solution: {failure}") from failure
+            raise OutOfRange(f"the isolated reference of the first-order closure has no solution: {failure}; {_EXACT}") from failure
 
     # solution -------------------------------------------------------------------------------------------------------
     def _si(self, zones: sie.Zones) -> Array:

@@ -26,7 +26,8 @@ class Interaction:
     needs_period: the model means nothing without one: its kernel is that of all periods, unless it has a `strip`. allows: the controls it
     accepts. exact: nothing is approximated. datum, where nothing repeats: the length [m] in the logarithm of the displacement;
     without it there is no approach.
-    strip: the zones are those of one strip, cut from the period at its widest gap and centred on them.
+    strip: the zones are those of one strip, cut from the period at its widest gap and centred on them; neighbours: how many copies of it
+    on each side are in its kernel.
     turns: one body alone, which may be given a tilt or a moment.
     follows_isolated: the amplitude of the first column is the mean isolated load of the same total width.
     """
@@ -38,6 +39,7 @@ class Interaction:
     strip: ClassVar[bool] = False
     turns: ClassVar[bool] = False
     datum: Any = None
+    neighbours: Any = 0
 
     @property
     def has_approach(self) -> bool:

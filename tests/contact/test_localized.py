@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import contact
+import sie
 from contact import exact
 from contact.inverse import design
+from contact.problem import Control
 from tests.contact.judge import relative, solve, true_error
 from tests.tiers import quick
 
@@ -15,6 +19,7 @@ FIRST, SELF, PERIODIC = contact.Localized("first-order"), contact.Localized("sel
 MODELS = [FIRST, SELF]
 WAVE = contact.Sinusoid(0.01, 1.0)
 LOPSIDED = contact.Fourier(1.0, [-0.01, 0.003], [0.004, 0.002])
+ROUGH = contact.Fourier(1.0, [-0.01, 0.004, 0.002, -0.003], [0.003, -0.002, 0.004, 0.002])
 TWO = contact.Fourier(1.0, [-0.004, -0.01], [0.003, 0.001])
 
 
@@ -144,6 +149,16 @@ class TestStrips:
         # Any periodic design far from its images is nearly isolated: here the order of magnitude decides.
         assert 0.5 * solution.mean_pressure < amplitude < solution.mean_pressure
 
+    def test_the_first_order_nominal_pressure_is_that_of_the_isolated_zones_of_the_same_total_width(self):
+        whole = solve(TWO, FIRST, tol=1e-9, mean_pressure=0.004)
+        fields = whole.fields
+        alone = replace(fields.problem, interaction=contact.Isolated(), amplitude=None, reference=True)
+        zones = fields.density.zones
+        width = float((zones.b - zones.a).sum())
+        free = sie.find_ends(alone.equation(Control("width", width)), sie.Zones.of(zones.table), 1e-10)
+        assert free.converged
+        assert abs(free.density.total / fields.problem.period / float(fields.density.amplitudes[0]) - 1) < 1e-8
+
     def test_a_wide_gap_needs_no_localization(self):
         answer = design(np.array([[-1e-3, 1.5e-3]]), 1.0, 1e-7, 1.0)
         whole = solve(answer.profile, PERIODIC, tol=1e-9, load=answer.load)
@@ -193,3 +208,10 @@ class TestLimits:
             contact.Localized("first-order", neighbours=1)
         with pytest.raises(contact.SceneError, match="contact_fraction"):
             solve(WAVE, SELF, contact_fraction=0.3)
+
+    @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.closure)
+    @pytest.mark.parametrize("turns", [1.1, 2.0])
+    def test_a_load_with_no_gap_to_cut_the_period_at_is_refused_by_name(self, model, turns):
+        full = solve(ROUGH, PERIODIC, contact_fraction=1.0).load
+        with pytest.raises(contact.OutOfRange, match=r"border of the strip.*Periodic\(\)"):
+            solve(ROUGH, model, load=turns * full)
