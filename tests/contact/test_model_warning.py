@@ -152,6 +152,7 @@ class TestTraces:
         assert told(lambda: contact.Sampled.from_file(trace, units=["um", "A"])) == []
 
 
+@pytest.mark.filterwarnings("always::contact.ModelWarning")
 class TestCommandLine:
     SCENE = '[profile]\nshape = "sinusoid"\namplitude = {}\nperiod = 1e-4\n[material]\nE_star = {}\n' \
         '[interaction]\nmodel = "periodic"\n[control]\nmean_pressure = 2e7\n'
