@@ -78,7 +78,8 @@ def certify(fields: ZoneFields, load: float | None) -> Certificate:
     valleys, left_out = _valleys(fields)
     new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in pressures)]
     pressures = np.array(sorted([*map(tuple, pressures), *new])).reshape(-1, 2)
-    gaps, overlaps, rounding, outside = _gaps(fields)
+    on_zones = float(np.abs(fields.formal_gap(_on_zones(fields))).max())
+    gaps, overlaps, rounding, outside = _gaps(fields, fields.gap_rounding + 2 * on_zones)
     units = fields.problem.units
     density = fields.density
     balance = 0.0 if load is None else abs(density.total - load) / abs(load)
@@ -86,6 +87,10 @@ def certify(fields: ZoneFields, load: float | None) -> Certificate:
     spread = float(np.ptp(fields.levels)) * units.height
     undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (dip <= DIP_ROUNDING and len(pressures) == 0)
     holds = least > 0 and len(new) == 0 and len(overlaps) == 0 and balance < 1e-9 and (turned is None or turned < 1e-9)
+    note = f"{left_out} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of their zones" if left_out else ""
+    if not on_zones <= fields.gap_error:
+        holds = False
+        note = f"on the zones, where it is zero, the gap comes to {on_zones * units.height:.1e} m: height and slope do not go together"
     return Certificate(
         smallest_pressure=least * units.pressure,
         smallest_gap=None if gaps is None else gaps * units.height,
@@ -95,7 +100,7 @@ def certify(fields: ZoneFields, load: float | None) -> Certificate:
         points=inside + outside,
         holds=bool(holds),
         undecided=bool(undecided) or left_out > 0,
-        note=f"{left_out} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of their zones" if left_out else "",
+        note=note,
         dip=dip,
         moment_balance=turned,
         negative=pressures,
@@ -197,13 +202,12 @@ def runs_of(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]
 
 
-def _gaps(fields: ZoneFields) -> tuple[float | None, Array, float, int]:
+def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int]:
     """(smallest gap found, intervals of overlap, rounding of the gap, points), scaled."""
     if len(fields.density.zones) >= _MANY:
-        return _gaps_together(fields)
+        return _gaps_together(fields, rounding)
     bad: list[tuple[float, float]] = []
     smallest: float | None = None
-    rounding = fields.gap_rounding + 2 * float(np.abs(fields.formal_gap(_on_zones(fields))).max())
     points = 0
     for lo, hi, left_zone, right_zone in fields.open_intervals():
         x = _between(lo, hi, fields, left_zone, right_zone)
@@ -234,7 +238,7 @@ def _far_away(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
     return bad, points
 
 
-def _gaps_together(fields: ZoneFields) -> tuple[float | None, Array, float, int]:
+def _gaps_together(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int]:
     """The same for many zones: the points of all gaps at once, and only minima followed that may touch zero.
 
     Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones.
@@ -244,9 +248,7 @@ def _gaps_together(fields: ZoneFields) -> tuple[float | None, Array, float, int]
     points = np.concatenate(parts)
     place = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
     count = len(points)
-    gap = fields.formal_gap(np.concatenate((points, _on_zones(fields))))
-    rounding = fields.gap_rounding + 2 * float(np.abs(gap[count:]).max())
-    gap = _finite(gap[:count])
+    gap = _finite(fields.formal_gap(points))
     bend = gap[:-2] - 2 * gap[1:-1] + gap[2:]
     low = (gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]) & (place[:-2] == place[2:])
     with np.errstate(invalid="ignore"):

@@ -23,6 +23,8 @@ _PEAKS = 16
 # How far from the zones a half-line is looked at closely, and at all, in units of what the zones span.
 _FAR, _FARTHEST = 1e3, 1e12
 _FAR_POINTS = 512
+# Over what the error of a density makes of the gap on its zones; and over the shape, what nobody takes for a contradiction.
+_MARGIN, _OF_SHAPE = 100.0, 1e-6
 
 
 class Fields(Protocol):
@@ -232,11 +234,21 @@ class ZoneFields(sie.Kept):
     @cached_property
     def gap_rounding(self) -> float:
         """What rounding may do to a scaled gap."""
+        ends = np.concatenate((self.density.zones.a, self.density.zones.b))
+        return 64 * 2.2e-16 * self._largest_shape + 8 * self.problem.shape_rounding(ends[:: max(1, len(ends) // 32)])
+
+    @cached_property
+    def _largest_shape(self) -> float:
+        """On the zones the displacement is the shape less the level: no more than both of them together."""
         zones = self.density.zones
-        ends = np.concatenate((zones.a, zones.b))
-        # On the zones the displacement is the shape less the level: no more than both of them together.
-        size = float(np.abs(self.problem.shape(ends)).max()) + abs(self.level)
-        return 64 * 2.2e-16 * size + 8 * self.problem.shape_rounding(ends[:: max(1, len(ends) // 32)])
+        return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(self.level)
+
+    @property
+    def gap_error(self) -> float:
+        """What the error of the density may make of the scaled gap on the zones, with a margin: more is another equation's."""
+        state, zones = self.state, self.density.zones
+        moved = state.density_error * state.size * float((zones.b - zones.a).sum())
+        return _MARGIN * (moved + self.gap_rounding) + _OF_SHAPE * self._largest_shape
 
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
         """Scaled intervals without contact: (from, to, starts at a zone, ends at a zone); half-lines up to far away."""

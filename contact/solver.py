@@ -52,13 +52,15 @@ _WITH_KINKS = 0.25
 # Of a load: near enough for the zones to lead to those of the approach, and to be about them.
 _NEAR_LOAD, _NEARER_LOAD = 1e-2, 1e-5
 # Of a load: near enough for the zones to lead to those of a width; where they did not, how much nearer before it is tried again.
-_NEAR_WIDTH, _MUCH_NEARER = 0.03, 0.1
+_NEAR_WIDTH, _MUCH_NEARER = 5e-3, 0.1
 # A contact fraction is not told by the load where it is missed by more than this when the bracket is closed.
 _JUMP = 1e-9
 # Of what is in contact, or of what is not: a change by more is searched for by a grid.
 _BESIDE = 0.3
-# Newton steps from zones so near; and where a bracket on the load is closed.
-_FEW, _CLOSED = 12, 1e-14
+# What is left open, of the period, where the gaps are looked for at once.
+_LAST_OPEN = 1e-3
+# Newton steps and rounds from zones so near; and where a bracket on the load is closed.
+_FEW, _FEW_ROUNDS, _CLOSED = 12, 5, 1e-14
 # Tolerance of solutions on the way to an approach or a contact fraction.
 _ON_THE_WAY = 1e-7
 # An end of a gap moves all of the pressure beside it: gaps are found to this part of what zones are.
@@ -239,6 +241,10 @@ class _Run:
     def _by_fraction(self, problem: Problem, control: Control) -> Found | Gapped:
         """A width from a solution under about the load that has it, ever nearer ones until its zones lead on."""
         if self.near is None:
+            # What is open of a contact as full as this are tops of H f', of which no grid tells the load.
+            gapped = self._by_gaps(problem, control, control.value) if 1 - self.scene.control[1] < _LAST_OPEN else None
+            if gapped is not None:
+                return gapped
             with self.plan.timed("coarse search"):
                 first = load_of_width(self.frame, problem, control.value) * problem.units.load
         else:
@@ -287,7 +293,10 @@ class _Run:
                 problem, control, fields.conjugate, fields.density.zones.table, fields.mean, _OF_GAPS * self.tolerance
             )
             return self._tightened_gaps(problem, control, found)
-        return self._settle(problem, control, placed(problem, near.zones), value=near.load / problem.units.load, steps=_FEW)
+        return settle(
+            problem, control, placed(problem, near.zones), self.tolerance, self.progress, timed=self.plan.timed,
+            value=near.load / problem.units.load, steps=_FEW, rounds=_FEW_ROUNDS,
+        )
 
     def _by_zones(self, found: Gapped) -> Found | Gapped:
         """The same contact with the pressure as the unknown, if that comes out better. Not under an approach: near full
@@ -512,11 +521,8 @@ class _Run:
                 "the profile: there it is in full contact, at any load above the smallest, or as near to it as digits of the approach tell"
             )
 
-    def _settle(
-        self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 40
-    ) -> Found:
-        timed = self.plan.timed
-        return settle(problem, control, table, self.tolerance, self.progress, timed=timed, near=near, value=value, steps=steps)
+    def _settle(self, problem: Problem, control: Control, table: Array, near: bool = False) -> Found:
+        return settle(problem, control, table, self.tolerance, self.progress, timed=self.plan.timed, near=near)
 
     def _settled(self, problem: Problem, control: Control, table: Array) -> Found:
         try:

@@ -60,16 +60,18 @@ class WrongTopology(Exception):
 def settle(
     problem: Problem, control: Control, table: Array, tolerance: float, progress: Progress | None = None,
     formal: bool = False, timed: Timed = nullcontext, near: bool = False, value: float = 0.0, steps: int = 40,
+    rounds: int = ROUNDS,
 ) -> Found:
     """From proposed zones (n, 2) to zones that pass the certificate; WrongTopology if that fails.
 
     formal: the zones are taken as they are, whatever the signs (a reference solution, not a contact). timed: of a part's name, what
     its time is taken with. near: the zones are given up as soon as they turn out to be far from the solution, or not as many. value: a
-    first guess of the load that a width is given instead of. steps: of Newton's, in a round.
+    first guess of the load that a width is given instead of. steps, rounds: of Newton's in a round, and of
+    these, at the most.
     """
     slight: Found | None = None
     try:
-        for found in _rounds(problem, control, table, tolerance, progress, formal, timed, near, value, steps):
+        for found in _rounds(problem, control, table, tolerance, progress, formal, timed, near, value, steps, rounds):
             if formal or found.tolerance <= TIGHT or not _is_slight(found):
                 return found
             # Whether so slight a dip is a gap, or so narrow a gap open, a solution to the tolerance does not tell: on to a
@@ -85,12 +87,12 @@ def settle(
 
 def _rounds(
     problem: Problem, control: Control, table: Array, tolerance: float, progress: Progress | None, formal: bool,
-    timed: Timed, near: bool, value: float, steps: int,
+    timed: Timed, near: bool, value: float, steps: int, rounds: int,
 ) -> Iterator[Found]:
     """Zones that pass, to the tolerance and, where more of them are asked for, to one as tight as there is."""
     free: sie.Free | None = None
     tried: list[tuple[float, Array]] = []
-    for done in range(1, ROUNDS + 1):
+    for done in range(1, rounds + 1):
         if len(table) == 0:
             raise WrongTopology("all zones vanished", free)
         if not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
@@ -267,7 +269,7 @@ def _dropped_or_merged(free: sie.Free, problem: Problem) -> Array:
 def _corrected(zones: sie.Zones, certificate: Certificate, problem: Problem) -> Array:
     """New zones: those with pulling parts cut out, and one in every overlap."""
     if len(certificate.negative) == 0 and len(certificate.overlaps) == 0:
-        raise WrongTopology("the balance of load fails", None)
+        raise WrongTopology(certificate.note or "the balance of load fails", None)
     rows = []
     for a, b in zones.table:
         cuts = [(lo, hi) for lo, hi in certificate.negative if lo < b and hi > a]

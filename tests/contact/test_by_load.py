@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 import contact
+import sie
 from contact import solver
 from contact.by_load import approach, contact_fraction, nearer
+from contact.framing import framed
+from contact.topology import settle
 
 TIPS = contact.Fourier(1e-4, [-1e-6, -0.3e-6, 0.2e-6], [0.1e-6, 0.25e-6, 0.0])
 
@@ -122,3 +125,21 @@ def test_a_load_without_a_solution_is_passed_by():
 
     *_, (here, off) = nearer(solved, contact_fraction, 0.44, 0.3, closed=1e-12)
     assert here.contact_fraction == pytest.approx(0.44) and off < 1e-6
+
+
+@pytest.mark.parametrize("gap", [1e-3, 1e-8])
+def test_a_gap_that_keeps_asking_to_close_has_closed_however_narrow_it_was_to_begin_with(gap, monkeypatch):
+    steps, plain = [], sie.find_ends
+
+    def counted(*args, **named):
+        found = plain(*args, **named)
+        steps.append(len(found.trace))
+        return found
+
+    monkeypatch.setattr(sie, "find_ends", counted)
+    wave = framed(scene(contact.Sinusoid(1e-6, 1.0), mean_pressure=1e5), False)
+    alone = settle(wave.problem, wave.control, np.array([[-0.3, 0.3]]), 1e-9)
+    steps.clear()
+    (a, b), off = alone.free.density.zones.table[0], 0.02
+    found = settle(wave.problem, wave.control, np.array([[a - off, -gap], [gap, b + off]]), 1e-9)
+    assert len(found.free.density.zones) == 1 and sum(steps) <= 6

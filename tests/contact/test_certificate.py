@@ -39,3 +39,13 @@ def test_where_two_zones_are_taken_for_one_the_pressure_pulls_between_them():
     certificate, units = certificate_of([[-0.4, 0.0], [0.1, 0.4]])
     assert not certificate.holds and certificate.smallest_pressure < 0
     assert any(lo < -0.1 < hi for lo, hi in units.x(certificate.negative))
+
+
+def test_a_contact_whose_gap_is_not_zero_on_its_zones_is_not_certified():
+    # A slope that is not the height's gives a pressure of the right sign everywhere, for another body.
+    class Bent(contact.Polynomial):
+        def slope(self, x):
+            return 1.001 * super().slope(x)
+
+    with pytest.raises(contact.NotConverged, match="height and slope do not go together"):
+        contact.solve(contact.Scene(Bent([0.0, 0.0, 1.0]), 1.0, load=1e-3))

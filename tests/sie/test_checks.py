@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import sie
+from sie.checks import look_at
 
 TWO = [[-1.0, -0.2], [0.3, 1.0]]
 MIRRORED = [[-1.0, -0.2], [0.2, 1.0]]
@@ -151,3 +152,10 @@ def test_modes_of_many_zones_grow_one_by_one_with_a_kernel_of_ones_own():
 def test_kernels_that_mean_nothing_are_refused_by_name(options, message):
     with pytest.raises(ValueError, match=message):
         sie.Kernel(**options)
+
+
+def test_a_primitive_that_is_rounded_to_more_than_it_rises_by_is_not_called_wrong():
+    # On a zone of 1e-10 a primitive of the size of one keeps nothing of the rise of a function that is as small as the places.
+    forcing = sie.Forcing(lambda x: 2 * x, lambda x: 1 + x**2)
+    zones = sie.Zones.of(np.array([[-1e-10, 1e-10], [2e-10, 3e-10]]))
+    look_at(sie.Equation(sie.cauchy(), forcing, (sie.EqualPotential(),)), zones)
