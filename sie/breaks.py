@@ -300,6 +300,11 @@ class Breaks(Steps):
         second = -(t - 2 * s) * s - np.cos(2 * self.phi[k]) / 4
         return np.where(q == 0, 0.0, np.where(q == 1, -s, second))
 
+    @property
+    def summed(self) -> dict[int, Index]:
+        """None: a local spline has no closed potential."""
+        return {}
+
     def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
         """Potential of a zone's closed parts over w, less c_0 log(w); on the zone rho = e^{i theta}.
 

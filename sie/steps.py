@@ -351,6 +351,16 @@ class Steps(Kept):
         k = self.by_zone[zone]
         return self._by_reach(k[self.closed[k]], left, right, rho)
 
+    @cached_property
+    def summed(self) -> dict[int, Index]:
+        """By zone, the jumps whose potential is a series off the zone. On it the series falls too slowly: `summed_potential`."""
+        open_ones = np.flatnonzero(~self.closed)
+        return {zone: open_ones[here] for zone, here in of_zones(self.zone[open_ones])}
+
+    def summed_potential(self, zone: int, left: Array, right: Array) -> Array:
+        """Potential over w, less c_0 log(w), on the zone, of its jumps in `summed` by their closed forms."""
+        return self._by_reach(self.summed[zone], left, right, np.full(left.shape, 0.5))
+
     def _by_reach(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
         """Potential of jumps k of one zone: by their series far from it, where the closed forms cancel."""
         out = np.empty(left.shape)
@@ -409,6 +419,14 @@ class Steps(Kept):
     def kinked(self) -> list[int]:
         """Zones with a jump of g itself."""
         return [int(i) for i in np.unique(self.zone[self.order == 0])]
+
+
+def of_zones(zone: Index) -> Iterator[tuple[int, Index]]:
+    """Every zone that is named, with the places that name it, in ascending order."""
+    order = np.argsort(zone, kind="stable")
+    cuts = np.flatnonzero(np.diff(zone[order], prepend=-1, append=-1))
+    for start, end in zip(cuts[:-1], cuts[1:], strict=True):
+        yield int(zone[order[start]]), order[start:end]
 
 
 def power(away: Array, order: Index) -> Array:
