@@ -107,7 +107,7 @@ class OutOfTime(BaseException):
 
 
 @contextmanager
-def _limited(seconds: float) -> Iterator[None]:
+def limited(seconds: float) -> Iterator[None]:
     def stop(*_: object) -> None:
         raise OutOfTime
 
@@ -132,7 +132,7 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", contact.ModelWarning)
         try:
-            with _limited(limit) if limit < np.inf else nullcontext():
+            with limited(limit) if limit < np.inf else nullcontext():
                 solution = contact.solve(drawn.scene, tol=tol)
             row["outcome"], row["reason"] = "solved", "undecided" if solution.certificate.undecided else ""
             row["zones"], row["error"] = len(solution.zones), solution.error
