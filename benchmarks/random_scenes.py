@@ -107,7 +107,7 @@ class OutOfTime(BaseException):
 
 
 @contextmanager
-def _limited(seconds: float) -> Iterator[None]:
+def limited(seconds: float) -> Iterator[None]:
     if seconds == np.inf:
         yield
         return
@@ -136,12 +136,12 @@ def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
         warnings.simplefilter("error")
         warnings.simplefilter("ignore", contact.ModelWarning)
         try:
-            with _limited(limit):
+            with limited(limit):
                 solution = contact.solve(drawn.scene, tol=tol)
             row["seconds"] = round(time.process_time() - began, 3)
             row["outcome"], row["reason"] = "solved", "undecided" if solution.certificate.undecided else ""
             row["zones"], row["error"] = len(solution.zones), solution.error
-            with _limited(limit):
+            with limited(limit):
                 row["detail"] = _fault(drawn.scene, solution, tol)
             if row["detail"]:
                 row["outcome"] = "FAULT"

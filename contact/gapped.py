@@ -203,7 +203,7 @@ class Gapped:
     certificate: Certificate
     off: float = 0.0
 
-    @property
+    @cached_property
     def error(self) -> float:
         """Estimated error of the pressure over its unit and of the zones' ends over their width.
 

@@ -61,8 +61,8 @@ _BESIDE = 0.3
 _LAST_OPEN = 1e-3
 # Newton steps and rounds from zones so near; and where a bracket on the load is closed.
 _FEW, _FEW_ROUNDS, _CLOSED = 12, 5, 1e-14
-# Tolerance of solutions on the way to an approach or a contact fraction.
-_ON_THE_WAY = 1e-7
+# Tolerance of solutions on the way to an approach or a contact fraction; at first, while these are far off.
+_ON_THE_WAY, _FIRST_ONES = 1e-7, 1e-5
 # An end of a gap moves all of the pressure beside it: gaps are found to this part of what zones are.
 _OF_GAPS = 0.01
 # Steps of the centre of a strip, how much longer than its miss a secant's step may be, and how often one is shortened.
@@ -149,6 +149,9 @@ class _Run:
                 found = self._found_by_loads(failure)
         if isinstance(found, Gapped) and found.error > self.tol:
             found = self._by_zones(found)
+        if isinstance(found, Gapped) and found.error > self.tol:
+            with self.plan.timed("zone ends"):
+                found = self._tightened_gaps(self.problem, self.control, found, stuck=True)
         if isinstance(found, Found):
             found = self._tightened(self._counted_from_there(found))
         if found is None:
@@ -235,23 +238,23 @@ class _Run:
             largest = max(largest, here.approach or 0.0)
         raise OutOfRange(f"no load has the approach {wanted:.6g} m; the largest of those tried was {largest:.6g} m")
 
-    def _on_the_way(self, load: float, near: Solution | None) -> Solution:
+    def _on_the_way(self, load: float, near: Solution | None, tol: float = _ON_THE_WAY) -> Solution:
         """The solution under a load, beside a solution or that at hand."""
         try:
-            return _solved(self._loaded(load), _ON_THE_WAY, self.progress, near or self.near)
+            return _solved(self._loaded(load), tol, self.progress, near or self.near)
         except NotConverged as failure:
-            if failure.best is None or not failure.best.error < 1e3 * _ON_THE_WAY:
+            if failure.best is None or not failure.best.error < max(1e3 * _ON_THE_WAY, 10 * tol):
                 raise
             return failure.best
 
-    def _on_the_way_to_width(self, load: float, near: Solution | None) -> Solution:
+    def _on_the_way_to_width(self, load: float, near: Solution | None, tol: float) -> Solution:
         """The same, from a grid where contact is far from that of the solution."""
         if near is not None:
             fraction, rate = contact_fraction(near)
             near = near if abs(rate * (load - near.load)) < _BESIDE * min(fraction, 1 - fraction) else None
         elif self.near is not None and load == self.near.load:
             return self.near
-        return self._on_the_way(load, near)
+        return self._on_the_way(load, near, tol)
 
     def _loaded(self, load: float) -> Scene:
         return replace(self.scene, approach=None, contact_fraction=None, load=load)
@@ -267,11 +270,15 @@ class _Run:
                 first = load_of_width(self.frame, problem, control.value) * problem.units.load
         else:
             first = self.near.load
-        goal, near_enough, last = self.scene.control[1], _NEAR_WIDTH, None
-        for here, off in nearer(self._on_the_way_to_width, contact_fraction, goal, first, closed=_CLOSED):
+        goal, near_enough, last, off = self.scene.control[1], _NEAR_WIDTH, None, 1.0
+
+        def solved(load: float, near: Solution | None) -> Solution:
+            return self._on_the_way_to_width(load, near, _FIRST_ONES if off > _NEAR_WIDTH else _ON_THE_WAY)
+
+        for here, off_load in nearer(solved, contact_fraction, goal, first, closed=_CLOSED):
             last, fraction = here, contact_fraction(here)[0]
             # Where a little more load brings much more into contact, the width is what tells how near it is.
-            off = max(off, abs(goal - fraction) / min(goal, 1 - goal))
+            off = max(off_load, abs(goal - fraction) / min(goal, 1 - goal))
             if off > near_enough:
                 continue
             near_enough = _MUCH_NEARER * off
@@ -495,11 +502,12 @@ class _Run:
                 return None
         return found if math.isfinite(found.error) else None
 
-    def _tightened_gaps(self, problem: Problem, control: Control, found: Gapped) -> Gapped:
-        """Solved again from the same gaps with a smaller inner tolerance, where the error came out above the wanted one."""
+    def _tightened_gaps(self, problem: Problem, control: Control, found: Gapped, stuck: bool = False) -> Gapped:
+        """Solved again from the same gaps with a smaller inner tolerance, where the error came out above the wanted one. stuck: even
+        where rounding has kept the ends from the tolerance before."""
         tolerance = _OF_GAPS * self.tolerance
         for _ in range(3):
-            if found.error <= self.tol or tolerance <= 2e-15:
+            if found.error <= self.tol or tolerance <= 2e-15 or (found.free.trace[-1].move > tolerance and not stuck):
                 break
             tolerance = max(2e-15, 0.05 * tolerance * self.tol / found.error)
             fields = found.fields

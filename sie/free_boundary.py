@@ -140,9 +140,11 @@ def find_ends(
         # The next move is about the square of the last one: a solution by iteration need not be much better than that.
         last = min(trace[-1].move, 1.0) if trace else 1.0
         sizes.linear = min(_LOOSE, max(1e-3 * last**2, _TIGHT * tolerance))
+        # Where that saves a solution of its own, the value at hand is in the right side.
+        sizes.value = value
         state = solve_zones(equation, zones, decay, sizes)
         loose = state.iterated and sizes.linear > _TIGHT * tolerance
-        if equation.open_condition is not None and value != 0.0:
+        if equation.open_condition is not None and value != 0.0 and not state.iterated:
             state = state.with_value(equation.open_condition, value)
         zones, released = _release(zones, walls, state.density)
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
@@ -169,7 +171,8 @@ def find_ends(
         largest = max(step.move for step in trace[-min(stalled + 1, 4) :]) / max(move, 1e-300) if stuck else 1.0
         error = rounding + MARGIN * largest * (np.abs(delta) / width).T
         done = certain and not released and not loose and (rest or stuck)
-        done = done and abs(change) <= max(tolerance, 1e-14) * abs(value + change)
+        # The value cannot be at rest where rounding keeps the ends moving.
+        done = done and abs(change) <= max(tolerance, 1e-14, largest * move if stuck else 0.0) * abs(value + change)
         # At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones.
         hopeless = stalled >= 5 and not certain and (move < 1e-6 or (stalled >= 15 and _stays(trace)))
         hopeless = hopeless or (len(trace) > _WANDERING and min(step.move for step in trace[-10:]) > 0.5 and _stays(trace))
@@ -338,7 +341,7 @@ def _newton(
     prescribed = np.any(target != 0)
     noise_k = state.intensity_noise
     residual = np.where(moves, k - target, 0.0)
-    unit = _unit_response(state) if equation.open_condition is not None else None
+    unit = _unit_response(state, sizes) if equation.open_condition is not None else None
     if prescribed:
         assert isinstance(state, State)  # no holes where intensities are prescribed
         delta, noise, change, growth = _full_newton(equation, state, moves, residual, noise_k, unit, sizes, tolerance, side)
@@ -369,12 +372,13 @@ def _newton(
     return delta, noise, change, not np.any(weak & moves), None
 
 
-def _unit_response(state: AnyState) -> AnyDensity:
+def _unit_response(state: AnyState, sizes: Sizes) -> AnyDensity:
+    """What a unit of the open condition's value does. An error of it is one of a step: as good as the square of the next is enough."""
     index = state.equation.open_condition
     assert index is not None
     values = np.zeros(len(state.condition_scale))
     values[state.condition_index[index]] = 1.0
-    return state.response(values)
+    return state.response(values, np.sqrt(sizes.linear))
 
 
 def _bordered(equation: Equation, zones: Zones, delta: Array, slope: Array) -> tuple[Array, float]:

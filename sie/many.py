@@ -443,12 +443,13 @@ class Coarse:
 class Iterative:
     """Solves the rows of a `ManySystem` for any right side.
 
-    Unknowns are counted in the largest of their zone, so that lightly loaded zones are as right as the others. error: the largest
+    value: of an open condition, if there is one. Unknowns are counted in the largest of their zone, so that lightly loaded zones are
+    as right as the others. error: the largest
     of what the last residual, preconditioned, says of the error of each zone's unknowns (Z,).
     """
 
-    def __init__(self, system: ManySystem, punches: Punches | None, tolerance: float) -> None:
-        self.system, self.tolerance = system, tolerance
+    def __init__(self, system: ManySystem, punches: Punches | None, tolerance: float, value: float = 0.0) -> None:
+        self.system, self.tolerance, self.value = system, tolerance, value
         self.coarse = Coarse(system, punches)
         self.equations = len(system.kept)
         self.error = np.zeros(len(system.zones))
@@ -472,7 +473,7 @@ class Iterative:
         values = []
         for condition in system.equation.conditions:
             _, constants, wanted = asked(condition, nothing, 1)
-            values.append(wanted - constants)
+            values.append(wanted - constants + (self.value if condition.open else 0.0))
         if len(self.coarse.held):
             values.append(-nothing.held()[1])
         return np.concatenate((system.equation_right, *values))

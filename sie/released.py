@@ -151,10 +151,11 @@ class Release(Kept):
             for here, (by, given) in zip(self.holes, self._answers, strict=True)
         )
 
-    def solve(self, values: Array | None = None) -> tuple[Array, tuple[Array, ...], float]:
+    def solve(self, values: Array | None = None, loose: float = 0.0) -> tuple[Array, tuple[Array, ...], float]:
         """(unknowns of the wide zones, series of all holes, size of the last change).
 
-        values: of the side conditions, with no right side and no jumps; None: the equation itself.
+        values: of the side conditions, with no right side and no jumps; None: the equation itself. loose: tolerance of an iteration, where
+        that is more than the one at hand.
         """
         solver, homogeneous = self.base.solver, values is not None
         right_side = self._first(values)
@@ -164,7 +165,8 @@ class Release(Kept):
             given = nothing if homogeneous else tuple(one for _, one in self._answers)
             near = None if homogeneous else self.base.folded_unknowns
             folded = solver(
-                right_side + self._right(given, homogeneous), near, self.linear, lambda y: self._right(self._series(y, True), True)
+                right_side + self._right(given, homogeneous), near, max(self.linear, loose),
+                lambda y: self._right(self._series(y, True), True),
             )
             return folded, self._series(folded, homogeneous), 0.0
         first = folded = solver(right_side) if homogeneous else self.base.folded_unknowns
@@ -312,14 +314,14 @@ class PiercedState(Kept):
         return self.wide.iterated
 
     # further right sides --------------------------------------------------------------------------------------------
-    def _answer(self, values: Array) -> tuple[Array, tuple[Array, ...]]:
+    def _answer(self, values: Array, loose: float = 0.0) -> tuple[Array, tuple[Array, ...]]:
         """(unknowns, series) for unit changes of the side conditions' values."""
-        folded, series, _ = self.release.solve(values)
+        folded, series, _ = self.release.solve(values, loose)
         return folded, series
 
-    def response(self, values: Array) -> Pierced:
+    def response(self, values: Array, tolerance: float = 0.0) -> Pierced:
         """See `State.response`."""
-        return self.release.density(*self._answer(values), homogeneous=True)[1]
+        return self.release.density(*self._answer(values, tolerance), homogeneous=True)[1]
 
     def with_value(self, condition: int, change: float) -> PiercedState:
         """See `State.with_value`."""
@@ -464,7 +466,7 @@ def solve_zones(
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     # By iteration the wide zones alone are no more than a start.
-    inner.linear = max(sizes.linear, _START)
+    inner.linear, inner.value = max(sizes.linear, _START), sizes.value
     profile, kernel, iterations = inner.profile_evaluations, inner.kernel_evaluations, inner.iterations
     state = solve_fixed(equation, found.wide, tolerance, inner)
     release = Release(found, state, sizes.linear)

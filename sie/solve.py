@@ -59,6 +59,7 @@ class Sizes:
 
     primitive_rounding: of the right side's primitive, once it has been looked at.
     linear: tolerance of solutions by iteration, relative; 0: as tight as rounding allows. iterations: their number so far.
+    value: of the open condition, if there is one, with which these are found.
     """
 
     own: Index
@@ -67,6 +68,7 @@ class Sizes:
     kernel_evaluations: int = 0
     solves: int = 0
     linear: float = 0.0
+    value: float = 0.0
     iterations: int = 0
     carried: Carried | None = None
     primitive_rounding: float | None = None
@@ -148,16 +150,18 @@ class State(Kept):
     linear_error: Array
     sizes: Sizes
 
-    def response(self, values: Array) -> Density:
-        """The density caused by unit changes of the side conditions' values: right side zero, conditions = values."""
-        y = self.response_unknowns(values)
+    def response(self, values: Array, tolerance: float = 0.0) -> Density:
+        """The density caused by unit changes of the side conditions' values: right side zero, conditions = values; tolerance: of a
+        solution by iteration."""
+        y = self.response_unknowns(values, tolerance)
         return self._homogeneous_density(y)
 
-    def response_unknowns(self, values: Array) -> Array:
+    def response_unknowns(self, values: Array, tolerance: float = 0.0) -> Array:
         """The unknowns of `response`, to be put into rows of the system."""
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
-        return self.folding.unfold(self.solver(right))
+        solver = self.solver
+        return self.folding.unfold(solver(right, None, tolerance) if isinstance(solver, Iterative) else solver(right))
 
     def with_value(self, condition: int, change: float) -> State:
         """The state after the value of one side condition has changed."""
@@ -452,7 +456,7 @@ def _solve_many(
     punches = carried.punches if carried is not None else None
     if system.levelled and (punches is None or not punches.near(zones)):
         punches = Punches(zones, system)
-    solver = Iterative(system, punches, sizes.linear)
+    solver = Iterative(system, punches, sizes.linear, sizes.value)
     right = solver.right()
     if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right))):
         raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
