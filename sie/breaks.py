@@ -31,8 +31,8 @@ from numpy.typing import NDArray
 from sie.beyond import Beyond
 from sie.kernels import Kernel
 from sie.local_spline import LocalSpline
-from sie.steps import SERIES, Steps, of_sines, pair_blocks, power
 from sie.steps import LOG2 as _LOG2
+from sie.steps import SERIES, Steps, of_sines, pair_blocks, power
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
