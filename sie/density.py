@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from sie import chebyshev
 from sie.everywhere import Everywhere
 from sie.fast import reaches
-from sie.field import CHUNK, Sources, potential_at, quadrature, transform_at
+from sie.field import CHUNK, Sources, potential_at, quadrature, sum_of_powers, transform_at
 from sie.kept import Kept
 from sie.kernels import Kernel
-from sie.steps import LOG2, Steps, of_zones
+from sie.steps import LOG2, SERIES_REACH, Steps, of_zones
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -339,21 +339,32 @@ class Density(Kept):
         table[:, 1:] /= np.arange(1, table.shape[1])
         return table
 
-    def own_potential(self, zone: Index, left: Array, right: Array) -> Array:
-        """Potential over w of zones on themselves, all but `Steps.sharp_potential`, at distances from their ends over w (n,)."""
-        series = self._own_series
+    def near_potential(self, zone: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
+        """Potential over w of zones at points on them and beside their ends, all but `Steps.sharp_potential`, at distances from these over
+        w (n,), positive on the zone; rho off it, anything in the unit circle on it."""
+        series, value = self._own_series, np.empty(len(left))
         log = np.log(self.zones.half / self.kernel.datum)
-        theta = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))
-        value = series[zone, 0] * (log[zone] - LOG2) - cosine_sum(series[:, 1:], zone, theta)
+        theta = 2 * np.arctan2(np.sqrt(right[on]), np.sqrt(left[on]))
+        value[on] = series[zone[on], 0] * (log[zone[on]] - LOG2) - cosine_sum(series[:, 1:], zone[on], theta)
+        at, r = zone[~on], rho[~on]
+        value[~on] = series[at, 0] * (log[at] - np.log(2 * np.abs(r))) - r * sum_of_powers(series[:, 1:], r, at)
         for place, here in of_zones(zone) if self.steps.summed else ():
             if place in self.steps.summed:
-                jumps = self.steps.summed_potential(place, left[here], right[here])
+                jumps = self.steps.summed_potential(place, left[here], right[here], rho[here])
                 value[here] += jumps + self.summed_totals[place] * log[place]
-        return np.asarray(value)
+        return value
+
+    def is_near(self, zone: Index, rho: Array, on: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Where `near_potential` is to be asked: on the zones, and where series of jumps end too soon."""
+        if not self.steps.summed:
+            return on
+        summed = np.zeros(len(self.zones), dtype=bool)
+        summed[list(self.steps.summed)] = True
+        return np.asarray(on | (summed[zone] & (np.abs(rho) > SERIES_REACH)))
 
     @cached_property
     def _own_series(self) -> Array:
-        """`potential_coefficients` without the jumps that have closed forms on the zone."""
+        """`potential_coefficients` without the jumps that have closed forms there."""
         if not self.steps.summed:
             return self.potential_coefficients
         table = self.coefficients.copy()

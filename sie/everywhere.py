@@ -119,15 +119,14 @@ class Everywhere:
         rho = np.where(left >= 0, 1.0, -1.0) / (0.5 * np.abs(left - right) + root)
         rho[on] = 0.5
         value = np.empty(len(x))
-        off = np.flatnonzero(~on)
-        on_zone = np.flatnonzero(on)
+        own = np.asarray(density.is_near(zone, rho, on)) if potential else on
+        off, near = np.flatnonzero(~own), np.flatnonzero(own)
         evaluate = self._potential_of if potential else self._transform_of
         value[off] = evaluate(zone[off], rho[off], root[off], w[off])
-        if len(on_zone):
-            own = density.own_potential if potential else density.own_transform
-            value[on_zone] = own(zone[on_zone], left[on_zone], right[on_zone])
-            if potential:
-                value[on_zone] *= w[on_zone]
+        if len(near) and potential:
+            value[near] = w[near] * density.near_potential(zone[near], left[near], right[near], rho[near], on[near])
+        elif len(near):
+            value[near] = density.own_transform(zone[near], left[near], right[near])
         steps = density.steps
         jumping = set(steps.sharp) if potential else set(steps.by_zone)
         for i, places in of_zones(zone) if jumping else ():

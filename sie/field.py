@@ -155,9 +155,9 @@ def _potential(density: Density, x: Array, sources: Sources) -> Array:
     table = density.potential_coefficients
     first, rest, rho = table[zone, 0], table[:, 1:], seen.rho
     value = first * np.log(w / (2 * datum * np.abs(rho))) - rho * power_sum(rest, rho, zone)
-    if seen.any_on:
-        p, i = np.nonzero(seen.on)
-        value[p, i] = density.own_potential(zone[i], seen.left[p, i], seen.right[p, i])
+    p, i = np.nonzero(density.is_near(zone, rho, seen.on))
+    if len(p):
+        value[p, i] = density.near_potential(zone[i], seen.left[p, i], seen.right[p, i], rho[p, i], seen.on[p, i])
     for place in density.steps.sharp:
         for column in np.flatnonzero(zone == place):
             jumps = density.steps.sharp_potential(place, seen.left[:, column], seen.right[:, column], rho[:, column])

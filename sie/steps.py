@@ -46,6 +46,8 @@ _BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
 # Potentials of so many jumps as this are summed from their coefficients, which fall as l^(-1-q).
 _MANY = 64
 SERIES = 1024
+# Below this rho nothing is left of the terms after these.
+SERIES_REACH = float(2.0 ** (-52 / SERIES))
 # Seen from farther than this rho, the closed form cancels and the series is short.
 _FAR = 0.25
 LOG2 = float(np.log(2.0))
@@ -430,13 +432,13 @@ class Steps(Kept):
 
     @cached_property
     def summed(self) -> dict[int, Index]:
-        """By zone, the jumps whose potential is a series off the zone. On it the series falls too slowly: `summed_potential`."""
+        """By zone, the jumps whose potential is a series far from it. On it and beside its ends this falls too slowly."""
         open_ones = np.flatnonzero(~self.closed)
         return {zone: open_ones[here] for zone, here in of_zones(self.zone[open_ones])}
 
-    def summed_potential(self, zone: int, left: Array, right: Array) -> Array:
-        """Potential over w, less c_0 log(w), on the zone, of its jumps in `summed` by their closed forms."""
-        return self._by_reach(self.summed[zone], left, right, np.full(left.shape, 0.5))
+    def summed_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
+        """Potential over w, less c_0 log(w), of the jumps of a zone in `summed` by their closed forms, as `sharp_potential`."""
+        return self._by_reach(self.summed[zone], left, right, rho)
 
     def _by_reach(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
         """Potential of jumps k of one zone: by their series far from it, where the closed forms cancel."""

@@ -193,16 +193,32 @@ def test_the_slope_over_the_angle_is_that_of_the_density(at, order):
     assert slope == pytest.approx((value(theta + step) - value(theta - step)) / (2 * step), rel=1e-5, abs=1e-8)
 
 
-def test_the_potential_on_a_zone_of_many_knots_is_the_primitive_of_the_right_side():
-    # Of a cubic spline through noise: the knots' parts are rounded, one by one, and cancel to far less than each of them.
+@pytest.fixture(scope="module")
+def many_knots():
+    """(spline, jumps of its third derivative, a density under it): of a cubic spline through noise the knots' parts are rounded, one by
+    one, and cancel to far less than each of them."""
     rng = np.random.default_rng(3)
     knots = np.linspace(-1, 1, 301)
     spline = CubicSpline(knots, 1e-3 * rng.normal(size=knots.size))
     third = np.diff(6 * spline.c[0])
-    g = sie.Forcing(
-        lambda x: spline(x, 1), spline, steps_at=knots[1:-1], steps=third, orders=np.full(len(third), 2), resolution=knots[1] - knots[0]
-    )
+    g = sie.Forcing(lambda x: spline(x, 1), spline, steps_at=knots[1:-1], steps=third, orders=np.full(len(third), 2))
     zones = sie.Zones.of([[-0.9, 0.95]], sie.SINGULAR, sie.SINGULAR)
-    state = sie.solve_fixed(sie.Equation(sie.cauchy(), g, (sie.Total(1.0),)), zones, 1e-13)
+    return spline, third, sie.solve_fixed(sie.Equation(sie.cauchy(), g, (sie.Total(1.0),)), zones, 1e-13).density
+
+
+def test_the_potential_on_a_zone_of_many_knots_is_the_primitive_of_the_right_side(many_knots):
+    spline, third, density = many_knots
     x = np.linspace(-0.89, 0.94, 57)
-    assert np.ptp(state.density.potential(x) - spline(x)) < np.finfo(float).eps * np.abs(third).sum()
+    assert np.ptp(density.potential(x) - spline(x)) < np.finfo(float).eps * np.abs(third).sum()
+
+
+@pytest.mark.parametrize("away", [1e-8, 1e-6, 1e-4])
+def test_the_potential_beside_a_zone_of_many_knots_is_the_primitive_of_its_transform(many_knots, away):
+    _, third, density = many_knots
+    nodes, weights = np.polynomial.legendre.leggauss(24)
+    # In the root of the distance from the end, in which the transform's own is smooth, from a quarter of the distance on.
+    root = np.sqrt(away) * (0.75 + 0.25 * nodes)
+    rise = float((0.25 * np.sqrt(away) * weights * 2 * root) @ density.transform(0.95 + root**2))
+    found = np.diff(density.potential(0.95 + away * np.array([0.25, 1.0])))[0]
+    # Each part is rounded to the last digit of its own, at random.
+    assert abs(found - rise) < np.finfo(float).eps * np.linalg.norm(third)
