@@ -518,7 +518,7 @@ class _Run:
             fields = found.fields
             try:
                 better = settle_gaps(
-                    problem, control, fields.conjugate, fields.density.zones.table, fields.mean, tolerance
+                    problem, control, fields.conjugate, fields.density.zones.table, fields.mean, tolerance, near=True
                 )
             except WrongTopology:
                 break
