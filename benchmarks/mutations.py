@@ -110,7 +110,7 @@ MUTATIONS = (
     ),
     Mutation(
         "localization: a strip half a period too wide", "contact/interactions/localized.py",
-        "half = 0.5 * (2 * self.neighbours + 1) * period", "half = 0.5 * (2 * self.neighbours + 2) * period",
+        "_Beyond(0.5 * (2 * self.neighbours + 1) * period", "_Beyond(0.5 * (2 * self.neighbours + 2) * period",
         ("tests/contact/test_localized.py",),
     ),
     Mutation(

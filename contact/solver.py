@@ -67,6 +67,8 @@ _ON_THE_WAY, _FIRST_ONES = 1e-7, 1e-5
 _OF_GAPS = 0.01
 # Steps of the centre of a strip, how much longer than its miss a secant's step may be, and how often one is shortened.
 _CENTRINGS, _LONGER, _SHORTENED = 30, 16.0, 3
+# A smaller inner tolerance that leaves more of the error than this does no good: what is left is rounding.
+_USELESS = 0.5
 # In how many steps of it the miss must halve.
 _STALLED = 4
 
@@ -354,8 +356,11 @@ class _Run:
                     break
             if not isinstance(better, Found):
                 return better
-            if stated_error(better, self.control) < error:
+            after = stated_error(better, self.control)
+            if after < error:
                 found = better
+            if after > _USELESS * error:
+                break
         return found
 
     def _is_rounding(self, found: Found) -> bool:
@@ -517,7 +522,10 @@ class _Run:
                 )
             except WrongTopology:
                 break
-            found = better if better.error < found.error else found
+            before = found.error
+            found = better if better.error < before else found
+            if better.error > _USELESS * before:
+                break
         return found
 
     def _is_full(self, control: Control) -> bool:

@@ -22,7 +22,7 @@ it are carried too (`beyond`).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -30,9 +30,9 @@ from numpy.typing import NDArray
 
 from sie.beyond import Beyond
 from sie.kernels import Kernel
-from sie.local_spline import MANY, LocalSpline
-from sie.steps import HIGHEST, Steps, of_sines, pair_blocks, power
+from sie.local_spline import LocalSpline
 from sie.steps import LOG2 as _LOG2
+from sie.steps import SERIES, Steps, of_sines, pair_blocks, power
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -88,11 +88,9 @@ class Logarithms:
 
 @dataclass(frozen=True, eq=False)
 class Breaks(Steps):
-    """Jumps of the density's derivatives, h = J w^q / q!; `logarithms`: all those of order 0, wherever they are; splines: of zones with
-    very many jumps of order 2, what carries most of these."""
+    """Jumps of the density's derivatives, h = J w^q / q!; `logarithms`: all those of order 0, wherever they are."""
 
     logarithms: Logarithms | None = None
-    splines: dict[int, LocalSpline] = field(default_factory=dict)
 
     @classmethod
     def inside(
@@ -110,41 +108,8 @@ class Breaks(Steps):
             near = Beyond.near(zones, at[kinks], weight, kernel.period)
             logarithms = Logarithms(kernel, zones, at[kinks], weight, own, near)
         i, at, w = i[inside], at[inside], w[inside]
-        found = cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, size[inside], orders[inside], logarithms)
-        return found if spline is None else found._with_splines(zones, spline)
-
-    def _with_splines(self, zones: Zones, spline: Callable[[Array], Array]) -> Breaks:
-        """The same with a spline in every zone of many jumps of order 2 and no others."""
-        height, splines = self.height.copy(), {}
-        for zone, k in self.by_zone.items():
-            if len(k) < MANY or np.any(self.order[k] != HIGHEST):
-                continue
-            k = k[np.argsort(self.left[k])]
-            made = LocalSpline.inside(
-                self.left[k], height[k], lambda left, zone=zone: spline(zones.a[zone] + zones.half[zone] * left)  # type: ignore[misc]
-            )
-            if made is not None:
-                splines[zone], height[k] = made
-        if not splines:
-            return self
-        keep = height != 0.0
-        return Breaks(
-            self.zone[keep], self.left[keep], self.right[keep], height[keep], self.order[keep], self.logarithms, splines
-        )
-
-    @property
-    def count(self) -> Index:
-        """Jumps of each zone that has any, those of its spline included, by zone."""
-        out = np.bincount(self.zone)
-        for zone, spline in self.splines.items():
-            out[zone] = len(spline.knots)
-        return out
-
-    def rounding(self, count: int) -> Array:
-        out = super().rounding(count)
-        for zone, spline in self.splines.items():
-            out[zone] += 2.2e-16 * spline.size
-        return out
+        found = cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, size[inside], orders[inside], logarithms=logarithms)
+        return found if spline is None else found._with_splines(zones, spline, LocalSpline.inside)
 
     def __len__(self) -> int:
         return len(self.zone) + (0 if self.logarithms is None else len(self.logarithms.near))
@@ -198,7 +163,7 @@ class Breaks(Steps):
             eta = np.where(away == 0, 0.5 * (from_right - from_left)[here, None], eta)
             out[here] = (power(away, self.order[k]) * eta) @ (self.height[k] / np.pi)
         if zone in self.splines:
-            out += self.splines[zone](left)
+            out += self.splines[zone].density(left, right)
         beyond = self._beyond(zone)
         return out if beyond is None else out + beyond[0].density(beyond[1], left, right)
 
@@ -231,7 +196,9 @@ class Breaks(Steps):
         total = np.pi * self._coefficients(k, np.arange(len(k)), len(k), 1)[:, 0]
         out = np.asarray(np.where(on_right, total - part, np.where(q == 1, 1.0, -1.0) * part).sum(axis=1))
         if zone in self.splines:
-            out += self.splines[zone].integral(left)
+            spline = self.splines[zone]
+            assert isinstance(spline, LocalSpline)
+            out += spline.integral(left)
         beyond = self._beyond(zone)
         return out if beyond is None else out + beyond[0].integral(beyond[1], left, right)
 
@@ -247,8 +214,6 @@ class Breaks(Steps):
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
         out = super().t_coefficients(zones, count)
-        for zone, spline in self.splines.items():
-            out[zone] += spline.t_coefficients(count)
         if self.logarithms is not None and len(self.logarithms.near) and count:
             near = self.logarithms.near
             np.add.at(out, near.zone, of_sines(near.sine_coefficients(count + 1))[:, :count])
@@ -256,6 +221,8 @@ class Breaks(Steps):
 
     def high_coefficients(self, zones: Zones) -> Array:
         out = super().high_coefficients(zones)
+        if self.splines and out.shape[1] == 0:
+            out = np.zeros((len(zones), SERIES))
         for zone, spline in self.splines.items():
             out[zone] += spline.t_coefficients(out.shape[1])
         return out
@@ -278,14 +245,12 @@ class Breaks(Steps):
                 value = np.where((q > 0) & (away == 0), 0.0, power(away, q) * logs) - self._polynomial(k, left[here, None] - 1)
             out[here] = value @ (self.height[k] / np.pi)
         if zone in self.splines:
-            out += self.splines[zone].transform(left)
+            out += self.splines[zone].own_transform(left)
         beyond = self._beyond(zone) if least == 0 else None
         return out if beyond is None else out + beyond[0].own_transform(beyond[1], left)
 
     def transform(self, zone: int, z: Array, rho: Array) -> Array:
-        out = super().transform(zone, z, rho) if len(self.by_zone[zone]) else np.zeros(rho.shape)
-        if zone in self.splines:
-            out += self.splines[zone].transform(1 + z)
+        out = super().transform(zone, z, rho) if len(self.by_zone[zone]) or zone in self.splines else np.zeros(rho.shape)
         beyond = self._beyond(zone)
         return out if beyond is None else out + beyond[0].transform(beyond[1], rho)
 
@@ -299,6 +264,11 @@ class Breaks(Steps):
         q, s = self.order[k], self.s[k]
         second = -(t - 2 * s) * s - np.cos(2 * self.phi[k]) / 4
         return np.where(q == 0, 0.0, np.where(q == 1, -s, second))
+
+    @property
+    def summed(self) -> dict[int, Index]:
+        """None: a local spline has no closed potential."""
+        return {}
 
     def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
         """Potential of a zone's closed parts over w, less c_0 log(w); on the zone rho = e^{i theta}.

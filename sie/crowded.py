@@ -41,6 +41,7 @@ def crowded(forcing: Forcing, zones: Zones, steps: Steps) -> Index:
     if len(forcing.steps_at) == 0:
         return np.zeros(0, dtype=np.intp)
     count = np.bincount(steps.zone[steps.order > 0], minlength=len(zones))
+    count[list(steps.splines)] += CROWD
     return np.asarray(zones.solved[count[zones.solved] >= CROWD])
 
 
@@ -52,7 +53,7 @@ class Stretches:
         nodes, weights = _rule()
         starts, sizes, counts = [], [], []
         for zone, k in zip(chosen, turns, strict=True):
-            cuts = np.concatenate(([0.0], np.sort(steps.phi[steps.by_zone[int(zone)]]), [np.pi]))
+            cuts = np.concatenate(([0.0], np.sort(steps.angles(int(zone))), [np.pi]))
             length = np.diff(cuts)
             parts = np.maximum(np.ceil(length * (k / _TURN)), 1.0).astype(np.intp)
             number = np.arange(int(parts.sum())) - np.repeat(np.cumsum(parts) - parts, parts)

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from sie import chebyshev
 from sie.everywhere import Everywhere
 from sie.fast import reaches
-from sie.field import CHUNK, Sources, of_zones, potential_at, quadrature, transform_at
+from sie.field import CHUNK, Sources, potential_at, quadrature, transform_at
 from sie.kept import Kept
 from sie.kernels import Kernel
-from sie.steps import Steps
+from sie.steps import LOG2, Steps, of_zones
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -339,6 +339,33 @@ class Density(Kept):
         table[:, 1:] /= np.arange(1, table.shape[1])
         return table
 
+    def own_potential(self, zone: Index, left: Array, right: Array) -> Array:
+        """Potential over w of zones on themselves, all but `Steps.sharp_potential`, at distances from their ends over w (n,)."""
+        series = self._own_series
+        log = np.log(self.zones.half / self.kernel.datum)
+        theta = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))
+        value = series[zone, 0] * (log[zone] - LOG2) - cosine_sum(series[:, 1:], zone, theta)
+        for place, here in of_zones(zone) if self.steps.summed else ():
+            if place in self.steps.summed:
+                jumps = self.steps.summed_potential(place, left[here], right[here])
+                value[here] += jumps + self.summed_totals[place] * log[place]
+        return np.asarray(value)
+
+    @cached_property
+    def _own_series(self) -> Array:
+        """`potential_coefficients` without the jumps that have closed forms on the zone."""
+        if not self.steps.summed:
+            return self.potential_coefficients
+        table = self.coefficients.copy()
+        table[:, 1:] /= np.arange(1, table.shape[1])
+        return table
+
+    @cached_property
+    def summed_totals(self) -> Array:
+        """c_0 of the jumps in `Steps.summed`, per zone."""
+        high = self.steps.high_coefficients(self.zones)
+        return np.asarray(high[:, :1].sum(axis=1))
+
     @cached_property
     def sharp_totals(self) -> Array:
         """c_0 of the jumps of `Steps.sharp_potential`, per zone."""
@@ -353,3 +380,15 @@ def _angle(left: Array, right: Array) -> Array:
 
 def _float(x: ArrayLike) -> Array:
     return np.asarray(x, dtype=float)
+
+
+def cosine_sum(scaled: Array, zone: Index, theta: Array) -> Array:
+    out = np.zeros(theta.shape)
+    for i, here in of_zones(zone):
+        row = np.trim_zeros(scaled[i], "b")
+        k = np.arange(1, len(row) + 1)
+        block = max(1, CHUNK * 4 // max(1, len(row)))
+        for s in range(0, len(here), block):
+            part = here[s : s + block]
+            out[part] = np.cos(theta[part][:, None] * k) @ row
+    return out

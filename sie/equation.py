@@ -94,7 +94,7 @@ class Forcing(Kept):
             orders = np.zeros(len(self.breaks_at), dtype=np.intp) if self.break_orders is None else self.break_orders
             return Breaks.inside(zones, self.breaks_at, self.breaks, orders, kernel, self.spline)
         orders = np.zeros(len(self.steps_at), dtype=np.intp) if self.orders is None else self.orders
-        return Steps.within(zones, self.steps_at, self.steps, orders, kernel.period)
+        return Steps.within(zones, self.steps_at, self.steps, orders, kernel.period, self.value)
 
 
 def _of_order_zero(at: Array, heights: Array, orders: NDArray[np.intp] | None) -> tuple[Array, Array]:

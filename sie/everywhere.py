@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.far import FarSum, Nested
-from sie.field import cosine_sum, of_zones, sum_of_powers
+from sie.field import sum_of_powers
+from sie.steps import of_zones
 from sie.tree import SEPARATION, TERMS, Tree
 from sie.zones import Zones
 
@@ -123,8 +124,10 @@ class Everywhere:
         evaluate = self._potential_of if potential else self._transform_of
         value[off] = evaluate(zone[off], rho[off], root[off], w[off])
         if len(on_zone):
-            own = self._own_potential if potential else density.own_transform
+            own = density.own_potential if potential else density.own_transform
             value[on_zone] = own(zone[on_zone], left[on_zone], right[on_zone])
+            if potential:
+                value[on_zone] *= w[on_zone]
         steps = density.steps
         jumping = set(steps.sharp) if potential else set(steps.by_zone)
         for i, places in of_zones(zone) if jumping else ():
@@ -154,11 +157,6 @@ class Everywhere:
     @cached_property
     def _rest(self) -> Array:
         return np.ascontiguousarray(self.density.potential_coefficients[:, 1:])
-
-    def _own_potential(self, zone: Index, left: Array, right: Array) -> Array:
-        table, w = self.density.potential_coefficients, self.density.zones.half[zone]
-        theta = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))
-        return np.asarray(w * (table[zone, 0] * np.log(w / (2 * self.density.kernel.datum)) - cosine_sum(self._rest, zone, theta)))
 
     def _beyond(self, x: Array, potential: bool) -> Array:
         """Outside the cells of a kernel that has no period: from the moments of all zones, but near an image one by one."""

@@ -13,7 +13,6 @@ by quadrature.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -158,33 +157,12 @@ def _potential(density: Density, x: Array, sources: Sources) -> Array:
     value = first * np.log(w / (2 * datum * np.abs(rho))) - rho * power_sum(rest, rho, zone)
     if seen.any_on:
         p, i = np.nonzero(seen.on)
-        theta = 2 * np.arctan2(np.sqrt(seen.right[p, i]), np.sqrt(seen.left[p, i]))
-        value[p, i] = first[i] * np.log(w[i] / (2 * datum)) - cosine_sum(rest, zone[i], theta)
+        value[p, i] = density.own_potential(zone[i], seen.left[p, i], seen.right[p, i])
     for place in density.steps.sharp:
         for column in np.flatnonzero(zone == place):
             jumps = density.steps.sharp_potential(place, seen.left[:, column], seen.right[:, column], rho[:, column])
             value[:, column] += jumps + density.sharp_totals[place] * math.log(w[column] / datum)
     return np.asarray(value @ w)
-
-
-def of_zones(zone: Index) -> Iterator[tuple[int, Index]]:
-    """Every zone that is named, with the places that name it, in ascending order."""
-    order = np.argsort(zone, kind="stable")
-    cuts = np.flatnonzero(np.diff(zone[order], prepend=-1, append=-1))
-    for start, end in zip(cuts[:-1], cuts[1:], strict=True):
-        yield int(zone[order[start]]), order[start:end]
-
-
-def cosine_sum(scaled: Array, zone: Index, theta: Array) -> Array:
-    out = np.zeros(theta.shape)
-    for i, here in of_zones(zone):
-        row = np.trim_zeros(scaled[i], "b")
-        k = np.arange(1, len(row) + 1)
-        block = max(1, CHUNK * 4 // max(1, len(row)))
-        for s in range(0, len(here), block):
-            part = here[s : s + block]
-            out[part] = np.cos(theta[part][:, None] * k) @ row
-    return out
 
 
 def regular_at(density: Density, x: Array, regular: Regular) -> Array:

@@ -167,9 +167,11 @@ class Holes(Kept):
         need = 37 / np.arccosh(1 + np.maximum(near, 1e-4)) + 2 * waves
         if zone in steps.by_zone:
             # Jumps in the hole that are not carried, or beside it: of their weak singularities the series soon leaves little.
-            k = np.setdiff1d(steps.by_zone[zone], self._inside)
-            away = np.maximum(np.abs(steps.left[k][:, None] - (start + half / w)) * w / half - 1, 1e-4)
-            most = np.array(_BENT)[steps.order[k]][:, None]
+            place, order = steps.places(zone)
+            other = ~np.isin(place, steps.left[self._inside])
+            place, order = place[other], order[other]
+            away = np.maximum(np.abs(place[:, None] - (start + half / w)) * w / half - 1, 1e-4)
+            most = np.array(_BENT)[order][:, None]
             need = np.maximum(need, np.minimum(37 / np.arccosh(1 + away), most).max(axis=0, initial=0.0))
         size = np.clip(np.ceil(need), LEAST, MOST).astype(int)
         self.holes = [

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.kept import Kept
 from sie.kernels import cauchy
 from sie.piecewise import PiecewiseTransform
 from sie.tree import TERMS
@@ -25,6 +26,7 @@ Array = NDArray[np.float64]
 MANY = 400
 # Jumps that are left over inside, over the largest: more than rounding leaves means that f is no quadratic spline.
 _SAME = 1e-8
+_ROUNDED = 1e-14
 # Nodes on a piece, and the largest angle by which cos(l theta) turns on it.
 _NODES, _TURN = 8, 1.5
 # Up to this place on either side of the spline its transform is a series on cells; beyond, one of the whole.
@@ -32,7 +34,7 @@ _REACH = 4.0
 
 
 @dataclass(frozen=True, eq=False)
-class LocalSpline:
+class LocalSpline(Kept):
     """knots: (n,) ascending; pieces: (n - 1, 3) coefficients of powers of the distance from each piece's left knot."""
 
     knots: Array
@@ -51,7 +53,9 @@ class LocalSpline:
         first, last = at_knots[:-1], at_knots[1:]
         pieces = np.column_stack((first, 2 * (d - first) / length, (first - 2 * d + last) / length**2))
         left = jumps - np.diff(pieces[:, 2], prepend=0.0, append=0.0)
-        if np.abs(left[3:-3]).max() > _SAME * np.abs(jumps).max():
+        # f is known to rounding, and so are its second differences.
+        rounding = _ROUNDED * np.abs(values).max() / np.minimum(length[1:], length[:-1])[2:-2] ** 2
+        if np.any(np.abs(left[3:-3]) > np.maximum(_SAME * np.abs(jumps).max(), rounding)):
             return None
         left[3:-3] = 0.0
         return cls(knots, pieces), left
@@ -66,6 +70,23 @@ class LocalSpline:
         i, y, inside = self._locate(x)
         p = self.pieces[i]
         return np.where(inside, p[..., 0] + y * (p[..., 1] + y * p[..., 2]), 0.0)
+
+    def density(self, left: Array, right: Array) -> Array:
+        """What it is of the density at distances from both ends of the zone."""
+        return self(left)
+
+    def own_transform(self, left: Array) -> Array:
+        """What the kernel makes of it on the zone."""
+        return self.transform(left)
+
+    def transform_off(self, z: Array, rho: Array) -> Array:
+        """And off the zone, at z counted from its middle."""
+        return self.transform(1 + z)
+
+    @property
+    def edge_slopes(self) -> tuple[float, float]:
+        """Coefficient of the angle from either end: it is zero there."""
+        return 0.0, 0.0
 
     @property
     def size(self) -> float:

@@ -24,14 +24,17 @@ its curvature, q = 2 a knot of a cubic spline.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sie.kept import Kept
+from sie.local_spline import MANY, LocalSpline
+from sie.zone_spline import NEAREST, ZoneSpline
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -42,7 +45,7 @@ HIGHEST = 2
 _BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
 # Potentials of so many jumps as this are summed from their coefficients, which fall as l^(-1-q).
 _MANY = 64
-_SERIES = 1024
+SERIES = 1024
 # Seen from farther than this rho, the closed form cancels and the series is short.
 _FAR = 0.25
 LOG2 = float(np.log(2.0))
@@ -58,28 +61,33 @@ _PAIRS = 1 << 19
 
 @dataclass(frozen=True, eq=False)
 class Steps(Kept):
-    """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!, and q."""
+    """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!, and q. splines: of zones with very many
+    jumps of order 2, what carries most of these."""
 
     zone: Index
     left: Array
     right: Array
     height: Array
     order: Index
+    splines: dict[int, ZoneSpline] | dict[int, LocalSpline] = field(default_factory=dict)
 
     @classmethod
     def none(cls) -> Steps:
         return _NONE
 
     @classmethod
-    def within(cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None) -> Steps:
-        """The jumps at positions `at` (repeated with the period) that lie inside a zone."""
+    def within(
+        cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None, g: Callable[[Array], Array] | None = None
+    ) -> Steps:
+        """The jumps at positions `at` (repeated with the period) that lie inside a zone. g: the right side, if it is known."""
         if len(at) == 0:
             return _NONE
         at, i, inside = cls.located(zones, at, period)
         i, at, q = i[inside], at[inside], orders[inside]
         w = zones.half[i]
         factorial = np.array([1.0, 1.0, 2.0])[q]
-        return cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, jumps[inside] * w**q / factorial, q)
+        found = cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, jumps[inside] * w**q / factorial, q)
+        return found if g is None else found._with_splines(zones, g, ZoneSpline.inside)
 
     @staticmethod
     def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, NDArray[np.bool_]]:
@@ -89,6 +97,26 @@ class Steps(Kept):
             at = at + np.ceil((zones.a[0] - at) / period) * period
         i = np.searchsorted(zones.a, at, side="right") - 1
         return at, np.maximum(i, 0), (i >= 0) & (zones.beyond_a(at, i) > 0) & (zones.before_b(at, i) > 0)
+
+    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made) -> Any:  # type: ignore[no-untyped-def]
+        """The same with splines of f, made of knots, their jumps and f, in every zone of many jumps of order 2 and no others."""
+        height, splines = self.height.copy(), {}
+        for zone in np.flatnonzero(np.bincount(self.zone, minlength=1) >= MANY).tolist():
+            k = self.by_zone[zone]
+            if np.any(self.order[k] != HIGHEST):
+                continue
+            k = k[np.minimum(self.left[k], self.right[k]) > NEAREST]
+            k = k[np.argsort(self.left[k])]
+            found = made(self.left[k], height[k], lambda left, zone=zone: f(zones.a[zone] + zones.half[zone] * left))
+            if found is not None:
+                splines[zone], height[k] = found
+        if not splines:
+            return self
+        keep = height != 0.0
+        return replace(
+            self, zone=self.zone[keep], left=self.left[keep], right=self.right[keep], height=height[keep], order=self.order[keep],
+            splines=splines,
+        )
 
     def __len__(self) -> int:
         return len(self.zone)
@@ -114,12 +142,33 @@ class Steps(Kept):
 
     @property
     def count(self) -> Index:
-        """Jumps in each zone, as far as there are zones with any."""
-        return np.bincount(self.zone)
+        """Jumps in each zone, those of its spline included, as far as there are zones with any."""
+        out = np.bincount(self.zone, minlength=max(self.splines, default=-1) + 1)
+        for zone, spline in self.splines.items():
+            out[zone] = len(spline.knots)
+        return out
+
+    def places(self, zone: int) -> tuple[Array, Index]:
+        """(distances from the left end over w, orders) of the jumps of a zone, those of its spline included."""
+        k = self.by_zone[zone]
+        if zone not in self.splines:
+            return self.left[k], self.order[k]
+        left = np.union1d(self.left[k], self.splines[zone].knots)
+        return left, np.full(len(left), HIGHEST)
+
+    def angles(self, zone: int) -> Array:
+        """Angles of the same jumps, in no order."""
+        if zone not in self.splines:
+            return self.phi[self.by_zone[zone]]
+        left = self.places(zone)[0]
+        return np.asarray(2 * np.arctan2(np.sqrt(2 - left), np.sqrt(left)))
 
     def rounding(self, count: int) -> Array:
         """What the sum of a zone's parts is rounded to, at the most, on each of so many zones."""
-        return np.asarray(2.2e-16 * np.bincount(self.zone, np.abs(self.height), minlength=count))
+        out = np.asarray(2.2e-16 * np.bincount(self.zone, np.abs(self.height), minlength=count))
+        for zone, spline in self.splines.items():
+            out[zone] += 2.2e-16 * spline.size
+        return out
 
     @cached_property
     def by_zone(self) -> dict[int, Index]:
@@ -130,7 +179,8 @@ class Steps(Kept):
         """See `by_zone`."""
         order = np.argsort(self.zone, kind="stable")
         zones, first = np.unique(self.zone[order], return_index=True)
-        return dict(zip(zones.tolist(), np.split(order, first[1:]), strict=False))
+        found = dict(zip(zones.tolist(), np.split(order, first[1:]), strict=False))
+        return {zone: np.zeros(0, np.intp) for zone in self.splines} | found
 
     def _polynomial(self, k: Index, t: Array) -> Array:
         """P_q(t) of jumps k at t (..., 1), for each jump along the last axis."""
@@ -141,7 +191,12 @@ class Steps(Kept):
     def smooth_part(self, zone: int, left: Array) -> Array:
         """What to add to g at points of a zone, given by their distance from its left end over w, to make it smooth."""
         k = self.by_zone.get(zone)
-        return np.zeros(left.shape) if k is None else self._added(k, left)
+        if k is None:
+            return np.zeros(left.shape)
+        out = self._added(k, left)
+        if zone in self.splines:
+            out -= self.splines[zone].own_transform(left)
+        return out
 
     def level_part(self, zone: int, left: Array) -> Array:
         """The same of the jumps of g itself alone: they have no slope."""
@@ -173,11 +228,18 @@ class Steps(Kept):
         ends_c = np.where(q == 1, phi / 2, -s * phi + sine / 2) / np.pi
         mean_c = np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4) / np.pi
         parts = self.height * np.where(q == 0, kink, -0.5 * end + ends_c + mean - mean_c)
-        return np.asarray(np.bincount(self.zone, parts, minlength=len(zones)), dtype=float)
+        out = np.asarray(np.bincount(self.zone, parts, minlength=len(zones)), dtype=float)
+        for zone, spline in self.splines.items():
+            assert isinstance(spline, ZoneSpline)
+            out[zone] += spline.mean_offset
+        return out
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
         """First `count` coefficients c_l of these parts as sums of T_l / sqrt(1 - t^2); shape (zones, count)."""
-        return self._coefficients(np.arange(len(self.zone)), self.zone, len(zones), count)
+        out = self._coefficients(np.arange(len(self.zone)), self.zone, len(zones), count)
+        for zone, spline in self.splines.items():
+            out[zone] += spline.t_coefficients(count)
+        return out
 
     def _sine_weights(self, k: Index, j: Array) -> Array:
         """b_j of jumps k where their function is sum_j (2/j) b_j sin(j theta)."""
@@ -210,9 +272,9 @@ class Steps(Kept):
     def high_coefficients(self, zones: Zones) -> Array:
         """Coefficients of the parts that have no closed potential, as many as potentials near an end need; (zones, 0) if none."""
         high = np.flatnonzero(~self.closed)
-        out = np.zeros((len(zones), _SERIES if len(high) else 0))
+        out = np.zeros((len(zones), SERIES if len(high) else 0))
         if len(high):
-            out += self._coefficients(high, self.zone[high], len(zones), _SERIES)
+            out += self._coefficients(high, self.zone[high], len(zones), SERIES)
         return out
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
@@ -221,8 +283,10 @@ class Steps(Kept):
         scale, n = self.height / np.pi, len(zones)
         from_left = scale * (-self.left) ** self.order / cot
         from_right = scale * self.right**self.order * cot
-        left, right = (np.bincount(self.zone, part, minlength=n) for part in (from_left, from_right))
-        return np.asarray(left, dtype=float), np.asarray(right, dtype=float)
+        out = np.array([np.bincount(self.zone, part, minlength=n) for part in (from_left, from_right)], dtype=float)
+        for zone, spline in self.splines.items():
+            out[:, zone] += spline.edge_slopes
+        return out[0], out[1]
 
     def density(self, zone: int, left: Array, right: Array) -> Array:
         """Sum of the parts of a zone at points (n,) given by their distances from its ends over w."""
@@ -233,6 +297,8 @@ class Steps(Kept):
             with np.errstate(invalid="ignore"):
                 value = np.where(self.order[k] == 0, kappa, np.where(away == 0, 0.0, power(away, self.order[k]) * kappa))
             out[here] = value @ (self.height[k] / np.pi)
+        if zone in self.splines:
+            out += self.splines[zone].density(left, right)
         return out
 
     def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
@@ -245,6 +311,10 @@ class Steps(Kept):
             with np.errstate(divide="ignore", invalid="ignore"):
                 value = away ** (q - 1.0) * (self.sine[k] - q * sine * np.minimum(kappa, -np.log(_TINY)))
             out[here] = value @ (self.height[k] / np.pi)
+        if zone in self.splines:
+            spline = self.splines[zone]
+            assert isinstance(spline, ZoneSpline)
+            out += spline.angular_slope(left, right)
         return out
 
     def _kappa(self, k: Index, left: Array, right: Array) -> tuple[Array, Array]:
@@ -290,6 +360,8 @@ class Steps(Kept):
             for c in self._summed(zone)[count - 1 :: -1]:
                 total = total * r + c
             out[here] = total * (2 * r / (1 - r * r))
+        if zone in self.splines:
+            out += self.splines[zone].transform_off(z, rho)
         return out
 
     def _closed_transform(self, k: Index, z: Array, rho: Array) -> Array:
@@ -349,7 +421,22 @@ class Steps(Kept):
         """Potential of a zone's closed parts over w, less c_0 log(w), at points by their distances from its ends over w,
         positive on the zone, and rho off it (see the head of this file)."""
         k = self.by_zone[zone]
-        return self._by_reach(k[self.closed[k]], left, right, rho)
+        out = self._by_reach(k[self.closed[k]], left, right, rho)
+        if zone in self.splines:
+            spline = self.splines[zone]
+            assert isinstance(spline, ZoneSpline)
+            out += spline.potential(left, right, rho)
+        return out
+
+    @cached_property
+    def summed(self) -> dict[int, Index]:
+        """By zone, the jumps whose potential is a series off the zone. On it the series falls too slowly: `summed_potential`."""
+        open_ones = np.flatnonzero(~self.closed)
+        return {zone: open_ones[here] for zone, here in of_zones(self.zone[open_ones])}
+
+    def summed_potential(self, zone: int, left: Array, right: Array) -> Array:
+        """Potential over w, less c_0 log(w), on the zone, of its jumps in `summed` by their closed forms."""
+        return self._by_reach(self.summed[zone], left, right, np.full(left.shape, 0.5))
 
     def _by_reach(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
         """Potential of jumps k of one zone: by their series far from it, where the closed forms cancel."""
@@ -395,7 +482,7 @@ class Steps(Kept):
     @cached_property
     def sharp(self) -> list[int]:
         """Zones with jumps whose potential is `sharp_potential`."""
-        return [int(i) for i in np.unique(self.zone[self.closed])]
+        return sorted({*self.zone[self.closed].tolist(), *self.splines})
 
     @cached_property
     def closed(self) -> NDArray[np.bool_]:
@@ -409,6 +496,14 @@ class Steps(Kept):
     def kinked(self) -> list[int]:
         """Zones with a jump of g itself."""
         return [int(i) for i in np.unique(self.zone[self.order == 0])]
+
+
+def of_zones(zone: Index) -> Iterator[tuple[int, Index]]:
+    """Every zone that is named, with the places that name it, in ascending order."""
+    order = np.argsort(zone, kind="stable")
+    cuts = np.flatnonzero(np.diff(zone[order], prepend=-1, append=-1))
+    for start, end in zip(cuts[:-1], cuts[1:], strict=True):
+        yield int(zone[order[start]]), order[start:end]
 
 
 def power(away: Array, order: Index) -> Array:

@@ -19,6 +19,7 @@ SIE = """
     far zones
     piecewise
     local_spline
+    zone_spline
     conditions steps
     beyond
     breaks

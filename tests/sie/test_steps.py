@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.interpolate import CubicSpline
 
 import sie
 from sie.steps import Steps
@@ -190,3 +191,18 @@ def test_the_slope_over_the_angle_is_that_of_the_density(at, order):
     slope = density.steps.angular_slope(zone, 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
     # Central differences, to the third derivative beside the jump.
     assert slope == pytest.approx((value(theta + step) - value(theta - step)) / (2 * step), rel=1e-5, abs=1e-8)
+
+
+def test_the_potential_on_a_zone_of_many_knots_is_the_primitive_of_the_right_side():
+    # Of a cubic spline through noise: the knots' parts are rounded, one by one, and cancel to far less than each of them.
+    rng = np.random.default_rng(3)
+    knots = np.linspace(-1, 1, 301)
+    spline = CubicSpline(knots, 1e-3 * rng.normal(size=knots.size))
+    third = np.diff(6 * spline.c[0])
+    g = sie.Forcing(
+        lambda x: spline(x, 1), spline, steps_at=knots[1:-1], steps=third, orders=np.full(len(third), 2), resolution=knots[1] - knots[0]
+    )
+    zones = sie.Zones.of([[-0.9, 0.95]], sie.SINGULAR, sie.SINGULAR)
+    state = sie.solve_fixed(sie.Equation(sie.cauchy(), g, (sie.Total(1.0),)), zones, 1e-13)
+    x = np.linspace(-0.89, 0.94, 57)
+    assert np.ptp(state.density.potential(x) - spline(x)) < np.finfo(float).eps * np.abs(third).sum()
