@@ -45,7 +45,8 @@ HIGHEST = 2
 _BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
 # Potentials of so many jumps as this are summed from their coefficients, which fall as l^(-1-q).
 _MANY = 64
-SERIES = 1024
+# Off the zone, right beside its end, it is all that tells them: with a thousand terms of hundreds of knots, gaps of 1e-10 are seen there.
+SERIES = 8192
 # Seen from farther than this rho, the closed form cancels and the series is short.
 _FAR = 0.25
 LOG2 = float(np.log(2.0))
