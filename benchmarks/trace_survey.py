@@ -4,7 +4,7 @@ python -m benchmarks.trace_survey OUT.csv [--points 2000] [--seed 0] [--tol 1e-8
     [--controls A,B]
 
 Positions and kinds are those of benchmarks/trace_kinds.py. A control is the name of one and its value: fraction_0.3 of the period in
-contact, load_0.3 of the smallest load of full contact, approach_0.3 of the range of heights. Warnings of numpy or Python count as
+contact, load_0.3 of the smallest load of full contact, approach_0.3 of the approach of full contact. Warnings of numpy or Python count as
 faults. A table of the slowest of each kind at the end. Seconds are of processor time.
 """
 
@@ -39,7 +39,7 @@ def scene_of(profile: contact.Sampled, control: str) -> contact.Scene:
         full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0))
         given = {"mean_pressure": float(value) * full.mean_pressure}
     elif name == "approach":
-        given = {"approach": float(value) * float(np.ptp(profile.heights))}
+        given = {"approach": float(value) * float(profile.heights.max() - profile.heights.mean())}
     else:
         given = {"contact_fraction": float(value)}
     return contact.Scene(profile, 1.0, contact.Periodic(), **given)

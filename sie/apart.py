@@ -44,6 +44,8 @@ _NODES, _FIELD = 48, 3
 # and how far into a gap.
 _HALVES, _WAVE, _INTO_GAP = 4.0, 0.125, 0.4
 _MOST_STEPS = 16
+# Half widths are no less than so many units in the last digit of their places: zones as narrow as that have vanished.
+_LEAST = 2
 _ORDER = np.arange(1.0, _NODES + 1)
 
 
@@ -123,6 +125,7 @@ class Moving:
 
     def to(self, middle: Array, half: Array) -> None:
         """Go to other intervals: the primitive of U_{k-1} is T_k / k. What lies between the middles is read off the wider one."""
+        half = np.maximum(half, _LEAST * np.spacing(np.abs(middle)))
         h, k = self._coefficients(middle, half), _ORDER
         wider = half > self.half
         w, series = np.where(wider, half, self.half), np.where(wider[:, None], h, self.h)

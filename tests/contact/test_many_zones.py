@@ -1,10 +1,13 @@
 """Many zones: by fast sums as by a matrix, equal zones that stay equal, and work that grows with the zones and no faster."""
 
+from dataclasses import replace
+
 import mpmath
 import numpy as np
 import pytest
 
 import contact
+import sie
 from contact.exact import Westergaard
 from sie import cuts
 from sie import solve as engine
@@ -124,3 +127,29 @@ def test_narrow_gaps_among_many_zones_cost_the_iteration_nothing(monkeypatch):
     assert with_holes.gap(x) == pytest.approx(without.gap(x), abs=1e-12)
     counts = [int(one.plan["fast sums"].detail.split()[0]) for one in (with_holes, without)]
     assert counts[0] <= 1.3 * counts[1]
+
+
+def test_by_iteration_a_total_width_takes_hardly_more_than_a_total(monkeypatch):
+    """The width asks for the response to the load too, but no more exactly than a step needs it."""
+    monkeypatch.setattr(engine, "MANY_UNKNOWNS", 10)
+    scene = replace(rough(400), E_star=2.0, mean_pressure=0.01)
+    solution, profile = contact.solve(scene, tol=1e-10), scene.profile
+    counts, once = [], Iterative.__call__
+
+    def counted(self, *given, **named):
+        before = self.iterations
+        out = once(self, *given, **named)
+        counts[-1] += self.iterations - before
+        return out
+
+    monkeypatch.setattr(Iterative, "__call__", counted)
+    forcing = sie.Forcing(profile.slope, profile.height, resolution=1 / 400)
+    width = float(np.diff(solution.zones).sum())
+    start = sie.Zones.of(solution.zones + 0.01 * np.diff(solution.zones) * np.array([0.4, -0.7]))
+    for total, ends in ((sie.Total(solution.load), ()), (sie.Total(None), (sie.TotalWidth(width),))):
+        counts.append(0)
+        problem = sie.Equation(sie.hilbert(1.0), forcing, (total, sie.EqualPotential()), (), ends)
+        found = sie.find_ends(problem, start, 1e-9, value=0.9 * solution.load)
+        assert found.converged and found.state.iterated
+    assert found.value == pytest.approx(solution.load, rel=1e-8)
+    assert counts[1] < 3 * counts[0], counts

@@ -163,3 +163,12 @@ class TestPlacesBeyondTheLastDigit:
         untold = sie.Forcing(lambda x: self.value(placed(x)))
         errors = [np.abs(self.found(f) - self.exact(16)).max() for f in (told, untold)]
         assert errors[0] < 1e-13 < 1e-9 < errors[1]
+
+
+@pytest.mark.parametrize("width", [1e-9, 1e-13])
+@pytest.mark.filterwarnings("error")
+def test_a_narrow_zone_where_none_belongs_shrinks_away_without_a_division_by_its_width(width):
+    problem = random_problem(np.random.default_rng(3), zones=6, period=1.0, E_star=2.0)
+    middle = problem.zones[2, 1] + 0.37 * (problem.zones[3, 0] - problem.zones[2, 1])
+    table = np.insert(problem.zones, 3, [middle - 0.5 * width, middle + 0.5 * width], axis=0)
+    assert list(sie.find_ends(equation(problem), sie.Zones.of(table), 1e-10).lost) == [3]
