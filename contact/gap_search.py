@@ -272,6 +272,8 @@ class _First:
 
 def _united(table: Array, period: float) -> Array:
     """Overlapping intervals joined, around the period."""
+    if len(table) == 0:
+        return table
     table = table[np.argsort(table[:, 0])]
     kept = [table[0].copy()]
     for row in table[1:]:

@@ -69,6 +69,8 @@ _OF_GAPS = 0.01
 _CENTRINGS, _LONGER, _SHORTENED = 30, 16.0, 3
 # A smaller inner tolerance that leaves more of the error than this does no good: what is left is rounding.
 _USELESS = 0.5
+# The smallest tolerance that is asked of the engine.
+_LEAST = 2e-15
 # In how many steps of it the miss must halve.
 _STALLED = 4
 
@@ -121,7 +123,7 @@ class _Run:
 
     def __init__(self, scene: Scene, tol: float, plan: Plan, progress: Progress | None, near: Solution | None) -> None:
         self.scene, self.tol, self.plan, self.progress = scene, tol, plan, progress
-        self.tolerance = max(0.1 * tol, 2e-15)
+        self.tolerance = max(0.1 * tol, _LEAST)
         self.single = planning.starts_from_one_zone(scene)
         self.near = near
         # Where both load and tilt are unknown, and where the grid does not find the approach.
@@ -340,12 +342,13 @@ class _Run:
 
     def _tightened(self, found: Found) -> Found | Gapped | None:
         """Solved again from the same zones with a smaller inner tolerance, where the error came out above the wanted one; from
-        the start, if they do not stand up to it."""
+        the start, if they do not stand up to it. Where a smaller tolerance leaves the error, the least one is the last that is tried."""
+        useless = False
         for _ in range(3):
             error = stated_error(found, self.control)
-            if error <= self.tol or self.tolerance <= 2e-15 or self._is_rounding(found):
+            if error <= self.tol or self.tolerance <= _LEAST or self._is_rounding(found):
                 break
-            self.tolerance = max(2e-15, 0.05 * self.tolerance * self.tol / error)
+            self.tolerance = _LEAST if useless else max(_LEAST, 0.05 * self.tolerance * self.tol / error)
             try:
                 with self.plan.timed("zone ends"):
                     better = self._again(found)
@@ -359,8 +362,7 @@ class _Run:
             after = stated_error(better, self.control)
             if after < error:
                 found = better
-            if after > _USELESS * error:
-                break
+            useless = after > _USELESS * error
         return found
 
     def _is_rounding(self, found: Found) -> bool:
@@ -510,11 +512,11 @@ class _Run:
     def _tightened_gaps(self, problem: Problem, control: Control, found: Gapped, stuck: bool = False) -> Gapped:
         """Solved again from the same gaps with a smaller inner tolerance, where the error came out above the wanted one. stuck: even
         where rounding has kept the ends from the tolerance before."""
-        tolerance = _OF_GAPS * self.tolerance
+        tolerance, useless = _OF_GAPS * self.tolerance, False
         for _ in range(3):
-            if found.error <= self.tol or tolerance <= 2e-15 or (found.free.trace[-1].move > tolerance and not stuck):
+            if found.error <= self.tol or tolerance <= _LEAST or (found.free.trace[-1].move > tolerance and not stuck):
                 break
-            tolerance = max(2e-15, 0.05 * tolerance * self.tol / found.error)
+            tolerance = _LEAST if useless else max(_LEAST, 0.05 * tolerance * self.tol / found.error)
             fields = found.fields
             try:
                 better = settle_gaps(
@@ -524,8 +526,7 @@ class _Run:
                 break
             before = found.error
             found = better if better.error < before else found
-            if better.error > _USELESS * before:
-                break
+            useless = better.error > _USELESS * before
         return found
 
     def _is_full(self, control: Control) -> bool:
