@@ -53,7 +53,7 @@ COUNTS = {
     "tilted_punch": (120, 48, 1e3, 1e5),
     "two_zones": (50, 120, 3e4, 1e4),
     "hertz": (6, 48, 1e2, 3e4),
-    "localized": (10, 96, 3e3, 2e3),
+    "localized": (10, 96, 3e3, 4e3),
     "punch": (100, 48, 1e3, 4e3),
     "stylus-ground": (12, 3700, 1e7, 2e6),
     "stylus": (10, 300, 1e4, 2e6),
