@@ -299,9 +299,11 @@ class State(Kept):
 
     @cached_property
     def _missing_fields(self) -> Array:
-        """Sum of the coefficients beyond the coupled modes of what other zones do (Z,): they fall as their distance has it."""
+        """Sum of the coefficients beyond the coupled modes of what other zones do (Z,): they fall as their distance has it. Of those that a
+        user's functions may have the last three are taken as they are."""
         fall = np.exp(-modes.decay(self.density.zones, self.density.kernel))
-        return np.asarray(_last_of_fields(self.system, self.unknowns) * fall / np.maximum(1 - fall, 1e-3))
+        last = _last_of_fields(self.system, self.unknowns, None if self.system.equation.grows else fall)
+        return np.asarray(last * fall / np.maximum(1 - fall, 1e-3))
 
     @cached_property
     def noise(self) -> Array:
@@ -550,12 +552,17 @@ def _field_tails(system: System, y: Array, density: Density) -> Array:
     return np.asarray(tail / np.where(top > 0, top, 1.0))
 
 
-def _last_of_fields(system: System, y: Array) -> Array:
-    """Last coupled coefficients of what the other zones and the columns do (Z,); of few modes zero."""
+def _last_of_fields(system: System, y: Array, fall: Array | None = None) -> Array:
+    """Largest of the last three coupled coefficients of what the other zones and the columns do (Z,); of few modes zero. fall: from each to
+    the next, if they are to be continued to the last."""
     layout, g = system.layout, system.lowest
     field = layout.padded(y)
     count = min(g.shape[1], field.shape[1])
     field[:, 1:count] += g[:, 1:count]
     k = np.arange(field.shape[1])
-    last = (k <= layout.m[:, None]) & (k > layout.m[:, None] - 3) & (layout.m[:, None] >= 8)
-    return np.asarray(np.abs(np.where(last, field, 0.0)).max(axis=1))
+    away = layout.m[:, None] - k
+    last = (away >= 0) & (away < 3) & (layout.m[:, None] >= 8)
+    size = np.abs(np.where(last, field, 0.0))
+    if fall is not None:
+        size = size * np.where(last, fall[:, None] ** np.clip(away, 0, 2), 1.0)
+    return np.asarray(size.max(axis=1))
