@@ -373,7 +373,7 @@ class Density(Kept):
 
     @cached_property
     def summed_totals(self) -> Array:
-        """c_0 of the jumps in `Steps.summed`, per zone."""
+        """c_0 of the jumps whose potential is a series, per zone."""
         high = self.steps.high_coefficients(self.zones)
         return np.asarray(high[:, :1].sum(axis=1))
 
@@ -381,7 +381,7 @@ class Density(Kept):
     def sharp_totals(self) -> Array:
         """c_0 of the jumps of `Steps.sharp_potential`, per zone."""
         jumps = self.steps.t_coefficients(self.zones, 1)[:, 0]
-        return np.asarray(jumps - self.steps.high_coefficients(self.zones)[:, :1].sum(axis=1))
+        return np.asarray(jumps - self.summed_totals)
 
 
 def _angle(left: Array, right: Array) -> Array:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from sie.far import FarSum, Nested
 from sie.field import sum_of_powers
+from sie.piecewise import clenshaw
 from sie.steps import of_zones
 from sie.tree import SEPARATION, TERMS, Tree
 from sie.zones import Zones
@@ -91,7 +92,7 @@ class Everywhere:
             part = x[places]
             with np.errstate(divide="ignore", invalid="ignore"):
                 t = np.where(self.half[cells] > 0, (part - self.middle[cells]) / self.half[cells], 0.0)
-            value = _series_at(table, cells, np.clip(t, -1.0, 1.0))
+            value = clenshaw(table, cells, np.clip(t, -1.0, 1.0))
             count = self.start[cells + 1] - self.start[cells]
             row = np.repeat(np.arange(len(part)), count)
             pair = np.arange(len(row)) + np.repeat(self.start[cells] - (np.cumsum(count) - count), count)
@@ -193,12 +194,3 @@ def _cells(zones: Zones, lo: float, hi: float) -> Array:
             return np.sort(np.concatenate(ends))
         ends += [zones.a[left] - step[left], zones.b[right] + step[right]]
         step = 2 * step
-
-
-def _series_at(table: Array, cell: Index, t: Array) -> Array:
-    """sum_k table[k, cell] T_k(t) by Clenshaw's recurrence."""
-    one, two = np.zeros(len(t)), np.zeros(len(t))
-    twice = 2 * t
-    for row in table[:0:-1]:
-        one, two = row[cell] + twice * one - two, one
-    return np.asarray(table[0][cell] + t * one - two)
