@@ -98,12 +98,12 @@ def rich_progress() -> ModuleType:
 def command_line() -> ModuleType:
     """The module of the commands, once it is known that what it is written with is there."""
     click()
-    return importlib.import_module("contact.cli")
+    return importlib.import_module("contact.commands.cli")
 
 
 def paper_figures() -> ModuleType:
     """The figures of the paper, which only their command draws."""
-    return importlib.import_module("contact.figures")
+    return importlib.import_module("contact.paper.figures")
 
 
 def tamaas() -> ModuleType:
@@ -123,7 +123,7 @@ def surface_topography() -> ModuleType:
 
 def bench() -> ModuleType:
     """What `contact bench` and `contact stability` run; no solve needs it."""
-    return importlib.import_module("contact.bench.run")
+    return importlib.import_module("contact.studies.bench.run")
 
 
 def gzip() -> ModuleType:

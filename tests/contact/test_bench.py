@@ -13,16 +13,16 @@ import pytest
 from click.testing import CliRunner
 
 import contact
-from contact.bench import cases, clock, extremes, peers, report, required, run, scaling, stability, truth
-from contact.bench.harmonics import HarmonicZone
-from contact.bench.hyperbola import BluntedWedge, IsolatedBluntedWedge
-from contact.bench.one_gap import OneGap
-from contact.bench.one_zone import SymmetricZone
-from contact.bench.power import PowerPunch, Repeated
-from contact.bench.precision import Row, hierarchy, ours
-from contact.bench.truncated import IsolatedTruncatedWedge, TruncatedWedge
-from contact.cli import main
-from contact.exact import HertzLine, IsolatedWedge, Westergaard
+from contact.commands.cli import main
+from contact.reference.exact import HertzLine, IsolatedWedge, Westergaard
+from contact.studies.bench import cases, clock, extremes, peers, report, required, run, scaling, stability, truth
+from contact.studies.bench.harmonics import HarmonicZone
+from contact.studies.bench.hyperbola import BluntedWedge, IsolatedBluntedWedge
+from contact.studies.bench.one_gap import OneGap
+from contact.studies.bench.one_zone import SymmetricZone
+from contact.studies.bench.power import PowerPunch, Repeated
+from contact.studies.bench.precision import Row, hierarchy, ours
+from contact.studies.bench.truncated import IsolatedTruncatedWedge, TruncatedWedge
 
 ROOT = Path(__file__).parents[2]
 T = np.linspace(-0.98, 0.98, 15)

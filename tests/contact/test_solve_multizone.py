@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 
 import contact
-from contact.inverse import design, random_problem
+from contact.reference.inverse import design, random_problem
 from tests.contact.judge import counterparts, relative, solve, true_error
 from tests.contact.strategies import designed_contacts
 from tests.tiers import quick

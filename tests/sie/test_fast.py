@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 import sie
-from sie import modes
-from sie.assemble import System
-from sie.everywhere import Everywhere
-from sie.fast import Nested, ZoneSums
-from sie.field import potential_at, transform_at
-from sie.folding import Folding
-from sie.hierarchical import Inverse, cross
-from sie.krylov import gmres
-from sie.many import ManySystem
-from sie.steps import Steps
-from sie.tree import SEPARATION, Tree, interactions
+from sie.collocation import modes
+from sie.collocation.iterative import ManySystem
+from sie.collocation.symmetry import Folding
+from sie.collocation.system import System
+from sie.collocation.zone_sums import Nested, ZoneSums
+from sie.density.field import potential_at, transform_at
+from sie.density.treecode import Everywhere
+from sie.fast.hierarchical import Inverse, cross
+from sie.fast.krylov import gmres
+from sie.fast.tree import SEPARATION, Tree, interactions
+from sie.jumps.forcing import Steps
 
 KERNELS = {"line": sie.cauchy(), "period": sie.hilbert(1.0), "images": sie.images(1.2, 2)}
 

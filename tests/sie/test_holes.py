@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import sie
-from contact.inverse import design
-from sie.cuts import cut
-from sie.holes import beyond
-from sie.many import Iterative
-from sie.released import PiercedState, solve_zones
+from contact.reference.inverse import design
+from sie.collocation.iterative import Iterative
+from sie.slits.merged import cut
+from sie.slits.slits import beyond
+from sie.slits.system import PiercedState, solve_zones
 from tests.tiers import quick
 
 T = np.array([-0.999, -0.9, -0.5, 0.1, 0.7, 0.999])

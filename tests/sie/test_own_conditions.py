@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import sie
-from sie import chebyshev
-from sie.conditions import Condition
-from sie.released import PiercedState
+from sie.basis import chebyshev
+from sie.equation.conditions import Condition
+from sie.slits.system import PiercedState
 
 T = np.linspace(-0.97, 0.97, 15)
 WAVE = sie.Forcing(np.sin, lambda x: -np.cos(x))

@@ -10,7 +10,7 @@ from scipy.special import j0, j1
 
 import sie
 from sie import exact
-from sie.conditions import Condition
+from sie.equation.conditions import Condition
 
 T = np.linspace(-0.97, 0.97, 29)
 NOTHING = sie.Forcing(np.zeros_like, np.zeros_like)
