@@ -15,7 +15,7 @@ from contact.errors import NotConverged, OutOfRange, SceneError, warn
 from contact.formulation.conjugate import ScaledConjugate
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import FullFields, FullLimit, period_samples
-from contact.formulation.gaps import GapFields, Gapped
+from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Control, Problem, Units
 from contact.formulation.single import guess_half_width, largest_single_load, single_half_width
 from contact.model.interactions.periodic import Periodic
@@ -29,14 +29,15 @@ from contact.search.plateau import refuse_below_plateau
 from contact.search.proposals import about, load_of_width, placed, proposed
 from contact.search.scaling import Framed, framed, framed_about, lowest
 from contact.search.tilt import known_part
-from contact.search.topology import Found, Progress, WrongTopology, same_end, settle
+from contact.search.topology import Progress, WrongTopology, same_end, settle
 from contact.solution import plan as planning
 from contact.solution import validity
 from contact.solution.plan import Plan
 from contact.solution.solution import Solution, limit_of_approach
 from contact.testing import check_profile
-from contact.verify.accuracy import limit, of_positions, stated_error
+from contact.verify.accuracy import Found, limit, of_positions, stated_error
 from contact.verify.certificate import Certificate
+from contact.verify.gap_accuracy import Gapped
 
 Array = NDArray[np.float64]
 

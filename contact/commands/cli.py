@@ -19,9 +19,9 @@ from typing import Any, NoReturn
 import click
 import numpy as np
 
-from contact import interrupts, lazy
-from contact.commands.terminal import Progress, show_table
+from contact import interrupts
 from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
+from contact.extras import require
 from contact.model.interactions.base import TURNING
 from contact.model.registry import interactions, profiles
 from contact.model.scene_file import load_scene
@@ -30,6 +30,7 @@ from contact.solution.answer import Answer
 from contact.solution.export import ZONE_COLUMNS, to_json, write_csv, write_netcdf, zone_table
 from contact.solution.plan import plan
 from contact.solution.plotting import plot
+from contact.solution.terminal import Progress, show_table
 from contact.solver import solve
 from contact.sweeps.compare import compare, refusals, table, total_width
 from contact.sweeps.compare_plot import plot_comparison
@@ -182,7 +183,7 @@ def figures_command(numbers: tuple[str, ...], out: Path) -> None:
 
     Each has the exact solution beside the paper's curves; see docs/paper.
     """
-    figures = lazy.paper_figures()
+    figures = require("contact.paper.figures")
     wanted = figures.chosen(numbers)
     with Progress() as progress:
         for done, number in enumerate(wanted):
@@ -197,8 +198,8 @@ def figures_command(numbers: tuple[str, ...], out: Path) -> None:
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for tables, CSV and figures, made.")
 def bench_command(quick: bool, peers: bool, out: Path) -> None:
     """Measure error against run time, and cost against size; see docs/benchmarks."""
-    suites = lazy.bench()
-    lazy.matplotlib_figure()
+    suites = require("contact.studies.bench.run")
+    require("matplotlib.figure")
     out.mkdir(parents=True, exist_ok=True)
     with Progress() as progress:
         tables = suites.bench(out, quick, peers, progress)
@@ -215,7 +216,7 @@ def stability_command(quick: bool, out: Path | None) -> None:
 
     Exit status 3 if any fails that is not known to.
     """
-    suites = lazy.bench()
+    suites = require("contact.studies.bench.run")
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
     with Progress() as progress:
@@ -250,7 +251,7 @@ def _outputs(save: Path | None, table: Path | None, figure: Path | None) -> dict
     outputs: dict[Path, Write] = {}
     if save is not None:
         outputs[_checked("--save", save, (".nc",))] = write_netcdf
-        lazy.xarray(), lazy.h5netcdf(), lazy.h5py()
+        require("xarray"), require("h5netcdf"), require("h5py")
     if table is not None:
         outputs[_checked("--csv", table, (".csv",))] = write_csv
     if figure is not None:
@@ -259,7 +260,7 @@ def _outputs(save: Path | None, table: Path | None, figure: Path | None) -> dict
 
 
 def _checked_figure(path: Path) -> Path:
-    known = lazy.matplotlib_agg().FigureCanvasAgg.get_supported_filetypes()
+    known = require("matplotlib.backends.backend_agg").FigureCanvasAgg.get_supported_filetypes()
     return _checked("--plot", path, [f".{kind}" for kind in known])
 
 

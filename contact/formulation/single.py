@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact import lazy
 from contact.errors import OutOfRange
+from contact.extras import require
 from contact.formulation.problem import Control, Problem
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ def guess_half_width(problem: Problem, control: Control) -> float:
     if len(above) == 0:
         # A maximum between two of them may still reach it.
         k = int(np.clip(np.argmax(value), 1, len(a) - 2))
-        top = lazy.scipy_optimize().minimize_scalar(
+        top = require("scipy.optimize").minimize_scalar(
             lambda x: -float(_carried(problem, control, np.array([x]))[0]), bounds=(float(a[k - 1]), float(a[k + 1])),
             method="bounded", options={"xatol": 1e-9 * float(a[k])},
         )
@@ -130,7 +130,7 @@ def single_half_width(problem: Problem, control: Control) -> float | None:
             return None
     if low == top:
         return top
-    root = lazy.scipy_optimize().brentq(
+    root = require("scipy.optimize").brentq(
         lambda a: carried_by(problem, control.kind, a) - control.value, low, top, xtol=1e-15 * top, rtol=1e-14
     )
     return float(root)
@@ -149,7 +149,7 @@ def largest_single_load(problem: Problem, control: Control) -> tuple[float, floa
         return float(a[-1]), float(values[-1])
     k = int(falls[0])
     low, high = float(a[max(k - 1, 0)]), float(a[k + 1])
-    best = lazy.scipy_optimize().minimize_scalar(
+    best = require("scipy.optimize").minimize_scalar(
         lambda x: -carried_by(problem, control.kind, x), bounds=(low, high), method="bounded",
         options={"xatol": 1e-9 * high},
     )

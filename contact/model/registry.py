@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 from contact.errors import SceneError
-from contact.lazy import entry_points
+from contact.extras import entry_points
 
 C = TypeVar("C", bound=type)
 

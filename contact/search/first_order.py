@@ -21,11 +21,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from contact import lazy
 from contact.errors import NotConverged, OutOfRange
+from contact.extras import require
 from contact.formulation.problem import Control, Problem
 from contact.model.interactions.isolated import Isolated
-from contact.search.topology import Found
+from contact.verify.accuracy import Found
 
 Array = NDArray[np.float64]
 Search = Callable[[Problem, Control, Array | None], Found]
@@ -140,7 +140,7 @@ class FirstOrder:
                 step *= 0.25
                 high, at_high = low, at_low
         # Rounding may keep the bracket from closing: then its last point is as good as any.
-        root = lazy.scipy_optimize().brentq(miss, low, high, xtol=4e-16 * high, rtol=1e-15, maxiter=2 * _STEPS, disp=False)
+        root = require("scipy.optimize").brentq(miss, low, high, xtol=4e-16 * high, rtol=1e-15, maxiter=2 * _STEPS, disp=False)
         return float(root)
 
     def _amplitude_for(self, control: Control, guess: float) -> float:
@@ -182,7 +182,7 @@ class FirstOrder:
 
     def _between(self, control: Control, one: float, other: float, close: float) -> float:
         # Rounding may keep the bracket from closing: then its last point is as good as any.
-        root = lazy.scipy_optimize().brentq(
+        root = require("scipy.optimize").brentq(
             lambda at: self._miss(control, at), one, other, xtol=close, rtol=1e-15, maxiter=_STEPS, disp=False
         )
         self._miss(control, float(root))

@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 import sie
 from contact.formulation.conjugate import ScaledConjugate
 from contact.formulation.fields import mean_shape
-from contact.formulation.gaps import GapFields, Gapped
+from contact.formulation.gaps import GapFields
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Control, Problem, minus_one
 from contact.search.topology import TIGHT, WrongTopology
+from contact.verify.gap_accuracy import Gapped
 from contact.verify.gap_certificate import NARROWEST, certify_gaps
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ import sie
 from contact.errors import OutOfRange
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Control, Problem
+from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED, Certificate, certify
 
 Array = NDArray[np.float64]
@@ -33,20 +34,6 @@ CLOSER = 1e-3
 _NARROW = 1e-3
 # Over the ends' stated errors.
 MARGIN = 10.0
-
-
-@dataclass(frozen=True, eq=False)
-class Found:
-    """Zones that passed: the Newton result, the load-controlled fields, the certificate, the rounds it took, the tolerance.
-    off: how far its control may have been missed, in ends over the width of their zones."""
-
-    free: sie.Free
-    fields: ZoneFields
-    certificate: Certificate
-    rounds: int
-    control: Control
-    tolerance: float = 0.0
-    off: float = 0.0
 
 
 class WrongTopology(Exception):

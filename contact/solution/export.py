@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from contact import lazy
+from contact.extras import require
 from contact.model.interactions.base import TURNING
 from contact.model.scene import Scene
 from contact.solution.answer import Answer
@@ -129,13 +129,13 @@ def to_xarray(solution: Answer) -> Any:
     data["zones"] = (("zone", "end"), np.asarray(solution.zones), {"units": "m", "long_name": "zone ends"})
     data["zone_load"] = ("zone", np.asarray(solution.zone_loads), {"units": "N/m", "long_name": "load of a zone"})
     coordinates = {"x": ("x", x, {"units": "m", "long_name": "position"}), "end": ["left", "right"]}
-    return lazy.xarray().Dataset(data, coords=coordinates, attrs=_attributes(solution))
+    return require("xarray").Dataset(data, coords=coordinates, attrs=_attributes(solution))
 
 
 def write_netcdf(solution: Answer, path: str | PathLike[str]) -> None:
     """Write the data set of `to_xarray` as netCDF-4."""
-    lazy.h5netcdf()
-    lazy.h5py()
+    require("h5netcdf")
+    require("h5py")
     to_xarray(solution).to_netcdf(Path(path), engine="h5netcdf")
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from contact import lazy
+from contact.extras import require
 from contact.model.units import prefix, quantity
 from contact.solution.answer import Answer, Array
 from contact.solution.sampling import peak_position, positions, window, zones_within
@@ -35,8 +35,8 @@ def plot(solution: Answer) -> Any:
     close = _close_up(solution, *stretches[0])
     if close is not None:
         stretches.append(close)
-    figure = lazy.matplotlib_figure().Figure(figsize=(7.2 if close is None else 10.2, 5.4), layout="constrained")
-    lazy.matplotlib_agg().FigureCanvasAgg(figure)
+    figure = require("matplotlib.figure").Figure(figsize=(7.2 if close is None else 10.2, 5.4), layout="constrained")
+    require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
     ratios = [1.0] if close is None else [1.55, 1.0]
     axes = figure.subplots(2, len(stretches), sharex="col", squeeze=False, width_ratios=ratios)
     for (top, bottom), (lo, hi) in zip(axes.T, stretches, strict=True):

@@ -37,27 +37,32 @@ class Judged:
         return float(np.mean(self.contact))
 
 
-def judge_period(height: Callable[[Array], Any], cell: tuple[float, float], E: float, symbol: Callable[[Array], Array],
+def _heights(height: Callable[..., Any], x: Array) -> Array:
+    out: Array = np.asarray(height(x), dtype=np.float64)
+    return out
+
+
+def judge_period(height: Callable[..., Any], cell: tuple[float, float], E: float, symbol: Callable[..., Array],
                  load: float, n: int = 4096) -> Judged:
     """One period."""
     h = (cell[1] - cell[0]) / n
-    x = cell[0] + h * (np.arange(n) + 0.5)
+    x = np.asarray(cell[0] + h * (np.arange(n) + 0.5), dtype=np.float64)
     q = 2 * np.pi / (n * h) * np.arange(1, n // 2 + 1)
     compliance = np.append(0.0, 2 * symbol(q) / (E * q))
-    return _solved(x, np.asarray(height(x), dtype=float), lambda p: np.fft.irfft(compliance * np.fft.rfft(p), n), load, h)
+    return _solved(x, _heights(height, x), lambda p: np.fft.irfft(compliance * np.fft.rfft(p), n), load, h)
 
 
-def judge_line(height: Callable[[Array], Any], window: tuple[float, float], E: float, rest: Callable[[Array], Array],
+def judge_line(height: Callable[..., Any], window: tuple[float, float], E: float, rest: Callable[..., Array],
                load: float, n: int = 1024) -> Judged:
     """A lone body in a window that holds its contact; rest: of the potential, beyond ln|lag|."""
     h = (window[1] - window[0]) / n
-    x = window[0] + h * (np.arange(n) + 0.5)
+    x = np.asarray(window[0] + h * (np.arange(n) + 0.5), dtype=np.float64)
     lag = np.arange(-n, n) * h
     edge = np.stack((lag - 0.5 * h, lag + 0.5 * h))
     whole = edge * (np.log(np.abs(edge)) - 1)
     potential = -2 / (np.pi * E) * (whole[1] - whole[0] + h * rest(lag))
     spectrum = np.fft.rfft(np.roll(potential, n))
-    return _solved(x, np.asarray(height(x), dtype=float), lambda p: np.fft.irfft(spectrum * np.fft.rfft(p, 2 * n), 2 * n)[:n], load, h)
+    return _solved(x, _heights(height, x), lambda p: np.fft.irfft(spectrum * np.fft.rfft(p, 2 * n), 2 * n)[:n], load, h)
 
 
 def _solved(x: Array, f: Array, displaced: Callable[[Array], Array], load: float, h: float, most: int = 20_000) -> Judged:

@@ -1,10 +1,10 @@
 """The stylus trace from a light load to nearly full contact: python -m contact.studies.measured_trace [--out FILE].
 
 Then one surface sampled ever more finely, at one load: what the knots in contact cost. FILE, for instance OUT/measured-trace.md, takes
-both tables as Markdown, and `python contact/studies/pages.py OUT` sets them in docs/many-zones.md. One thread: set OMP_NUM_THREADS=1.
+both tables as Markdown, and `python -m contact.studies.pages OUT` sets them in docs/many-zones.md. One thread: set OMP_NUM_THREADS=1.
 
-python -m contact.studies.measured_trace --kinds POINTS [--out FILE]: instead, traces of every kind of contact/studies/trace_kinds.py, so many points
-at uneven positions, at parts of the full load; of each kind the slowest.
+python -m contact.studies.measured_trace --kinds POINTS [--out FILE]: instead, traces of every kind of trace_kinds.py, so many
+points at uneven positions, at parts of the full load; of each kind the slowest.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from pathlib import Path
 import numpy as np
 
 import contact
-from contact.commands.terminal import show_table
+from contact.solution.terminal import show_table
 from contact.studies.bench.report import Table, markdown
 from contact.studies.trace_kinds import KINDS, drawn
 
-STYLUS = Path(__file__).parents[1] / "examples" / "data" / "stylus-profile.csv"
+STYLUS = Path(__file__).parents[2] / "examples" / "data" / "stylus-profile.csv"
 PARTS = (0.003, 0.01, 0.02, 0.03, 0.05, 0.1, 0.2, 0.5, 0.9, 0.99)
 POINTS = (2_000, 4_000, 8_000, 16_000, 32_000)
 HARMONICS, PART = 200, 0.12
@@ -48,7 +48,7 @@ def solved(profile: contact.Sampled, full: float, part: float) -> tuple[contact.
 
 
 def told(solution: contact.Solution, seconds: float) -> tuple[str, ...]:
-    widths = np.diff(solution.zones, axis=1) / solution.scene.profile.resolution
+    widths = np.diff(solution.zones, axis=1) / (solution.scene.profile.resolution or 1.0)
     by = "gaps" if "gaps" in solution.plan["zone ends"].reason else "zones"
     return (
         f"{len(solution.zones):,}", f"{solution.contact_fraction:.4f}", f"{_steps(widths.min())}, {_steps(widths.max())}",
@@ -65,7 +65,7 @@ COLUMNS = ("zones", "contact fraction", "narrowest, widest [steps]", "knots in c
 
 def smallest_full(profile: contact.Sampled) -> float:
     """The smallest mean pressure of full contact, E* = 1."""
-    return contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).mean_pressure
+    return float(contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).mean_pressure or 0.0)
 
 
 def tables() -> tuple[Table, Table, str]:

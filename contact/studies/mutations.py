@@ -1,4 +1,4 @@
-"""Breaks the package in named ways, one at a time, and shows that the tests notice: python contact/studies/mutations.py [NAME ...].
+"""Breaks the package in named ways, one at a time, and shows that the tests notice: python -m contact.studies.mutations [NAME ...].
 
 Each mutation replaces one piece of source in a temporary copy and runs the suite there, up to the first failure: the files that
 look at that part first, then a fast selection, then all others. A mutation that no test notices, or whose source is no longer
@@ -18,10 +18,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from contact.commands.terminal import show_table
+from contact.solution.terminal import show_table
 from contact.studies.bench.report import Table, markdown
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 # What is run on each broken copy after the files that are named with it, closed forms first; and then the rest.
 SUBSET = (
     "tests/contact/test_solve_exact.py", "tests/contact/test_gapped.py", "tests/sie/test_closed_forms.py",

@@ -1,4 +1,4 @@
-"""Sets measured tables and figures in the pages of docs: python contact/studies/pages.py OUT.
+"""Sets measured tables and figures in the pages of docs: python -m contact.studies.pages OUT.
 
 OUT/NAME.md takes the place of what stands in a page between `<!-- measured: NAME -->` and `<!-- end -->`; OUT/NAME.png becomes
 docs/images/bench-NAME.png. What was not measured stays as it is.
@@ -11,7 +11,7 @@ import shutil
 import sys
 from pathlib import Path
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 PAGES = ("benchmarks.md", "many-zones.md", "stability.md", "tests.md")
 PLACE = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 

@@ -1,6 +1,6 @@
 """Everything that docs/benchmarks.md and docs/stability.md show:
 
-    python contact/studies/run.py [--quick] [--peers] [--docs] OUT
+    python -m contact.studies.run [--quick] [--peers] [--docs] OUT
 
 Tables, CSV and figures go to OUT; --docs sets them, and what else is there (mutations.md), in the pages. Runs on one thread.
 """
@@ -11,10 +11,9 @@ import os
 import sys
 from pathlib import Path
 
-from pages import fill
-
-from contact.commands.terminal import Progress, show_table
+from contact.solution.terminal import Progress, show_table
 from contact.studies.bench import run
+from contact.studies.pages import fill
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _FLAGS = {"--quick", "--peers", "--docs"}
@@ -28,7 +27,8 @@ def main(arguments: list[str]) -> int:
         return 2
     if any(os.environ.get(name) != "1" for name in _THREADS):
         # numpy takes its number of threads when it is loaded: once more from the start.
-        os.execve(sys.executable, [sys.executable, *sys.argv], {**os.environ, **dict.fromkeys(_THREADS, "1")})
+        again = [sys.executable, "-m", "contact.studies.run", *sys.argv[1:]]
+        os.execve(sys.executable, again, {**os.environ, **dict.fromkeys(_THREADS, "1")})
     folder, quick = Path(names[0]), "--quick" in flags
     folder.mkdir(parents=True, exist_ok=True)
     with Progress() as progress:

@@ -3,7 +3,7 @@
 Hurst exponent 0.8, harmonics 4 ... kmax with random phases, rms slope 0.1, mean pressure 0.05 E* slope, tolerance 1e-8. Each size in
 a process of its own, on one thread, for its time and peak memory. Prints a table, the exponent fitted to processor time over the
 number of zones, and how far the smallest size is from a solution by a matrix to a tighter tolerance; FILE, for instance
-OUT/self-affine.md, takes it as Markdown, and `python contact/studies/pages.py OUT` sets it in docs/many-zones.md.
+OUT/self-affine.md, takes it as Markdown, and `python -m contact.studies.pages OUT` sets it in docs/many-zones.md.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 import contact
-from contact.commands.terminal import show_table
+from contact.solution.terminal import show_table
 from contact.studies.bench import machine
 from sie.collocation import fixed as engine
 

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 import contact
-from contact.commands.terminal import show_table
+from contact.solution.terminal import show_table
 from contact.studies.random_scenes import OutOfTime, limited
 from contact.studies.trace_kinds import KINDS, POSITIONS, drawn
 
@@ -37,7 +37,7 @@ def scene_of(profile: contact.Sampled, control: str) -> contact.Scene:
     name, value = control.split("_")
     if name == "load":
         full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0))
-        given = {"mean_pressure": float(value) * full.mean_pressure}
+        given = {"mean_pressure": float(value) * (full.mean_pressure or 0.0)}
     elif name == "approach":
         given = {"approach": float(value) * float(profile.heights.max() - profile.heights.mean())}
     else:
@@ -88,7 +88,7 @@ def survey(options: argparse.Namespace) -> Iterator[dict[str, Any]]:
 
 def worst(rows: list[dict[str, Any]]) -> list[tuple[str, ...]]:
     """Of each kind the slowest, and how many were not solved."""
-    out = []
+    out: list[tuple[str, ...]] = []
     for kind in dict.fromkeys(row["kind"] for row in rows):
         of_kind = [row for row in rows if row["kind"] == kind]
         slowest = max(of_kind, key=lambda row: float(row["seconds"]))

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from contact import lazy
+from contact.extras import require
 from contact.model.units import prefix
 from contact.solution.answer import Answer
 from contact.solution.sampling import peak_position, positions, window
@@ -24,8 +24,8 @@ _FLOOR = 1e-10
 
 def plot_comparison(attempts: list[Attempt]) -> Any:
     """A matplotlib Figure: pressures above, errors against the exact model and times below."""
-    figure = lazy.matplotlib_figure().Figure(figsize=(8.4, 7.0), layout="constrained")
-    lazy.matplotlib_agg().FigureCanvasAgg(figure)
+    figure = require("matplotlib.figure").Figure(figsize=(8.4, 7.0), layout="constrained")
+    require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
     top, errors, times = figure.subplot_mosaic([["p", "p"], ["e", "t"]], width_ratios=[1.8, 1.0]).values()
     colours = dict(zip((a.name for a in attempts[:-1]), _COLOURS, strict=False)) | {attempts[-1].name: _COLOURS[-1]}
     _draw_pressures(top, attempts, colours)

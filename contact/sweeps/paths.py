@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import sie
-from contact import lazy
 from contact.errors import NotConverged, SceneError, unwarned, warn
+from contact.extras import require
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.maxima import maximum
@@ -184,7 +184,7 @@ class _Path:
             known = {end: condition(end) for end in (low.load / load, high.load / load)}
             if not np.prod(np.sign(list(known.values()))) < 0:
                 return None
-            root = lazy.scipy_optimize().brentq(
+            root = require("scipy.optimize").brentq(
                 lambda at: known[at] if at in known else condition(at), *known, xtol=1e-300, rtol=4e-15, maxiter=100
             )
         except WrongTopology:

@@ -7,16 +7,32 @@ pressure follows its ends (`sie.Density.sensitivity`), and is off itself by the 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 import sie
+from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Control
-from contact.search.topology import Found
-from contact.verify.certificate import ROUNDING
+from contact.verify.certificate import ROUNDING, Certificate
 
 # Beside a singular end the pressure is several times the mean, to which its error is referred.
 _SINGULAR = 8
 _EPS = 2.2e-16
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Zones that passed: the Newton result, the load-controlled fields, the certificate, the rounds it took, the tolerance.
+    off: how far its control may have been missed, in ends over the width of their zones."""
+
+    free: sie.Free
+    fields: ZoneFields
+    certificate: Certificate
+    rounds: int
+    control: Control
+    tolerance: float = 0.0
+    off: float = 0.0
 
 
 def stated_error(found: Found, control: Control) -> float:

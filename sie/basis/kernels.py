@@ -135,3 +135,12 @@ def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
     for k in range(1, neighbours + 1):
         shifts += [-k * float(period), k * float(period)]
     return Kernel(tuple(shifts), None, datum=float(datum))
+
+
+def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
+    """Quadrature nodes a zone needs for the regular part: until the kernel's own coefficients have decayed."""
+    if not kernel.sure:
+        return m + 2
+    z = max(kernel.reach / half_width, 1.05)
+    rho = 1 / (z + math.sqrt(z * z - 1))
+    return max(4, math.ceil(math.log(1e-17) / math.log(rho)))

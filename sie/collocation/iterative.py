@@ -22,9 +22,10 @@ from sie.collocation import modes
 from sie.collocation.neighbours import felt
 from sie.collocation.symmetry import Folding
 from sie.collocation.system import System
-from sie.collocation.zone_sums import ZoneSums, reaches
+from sie.collocation.zone_sums import ZoneSums
 from sie.equation.conditions import Linear, asked, for_every_zone, speaks_of_levels
 from sie.equation.equation import Equation
+from sie.fast.far import reaches
 from sie.fast.hierarchical import Inverse
 from sie.fast.krylov import gmres
 from sie.jumps.forcing import Steps

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
-from sie.basis.kernels import Kernel
+from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import crowded
@@ -167,15 +167,6 @@ def fields(
             raise ValueError("a condition on potentials needs the regular kernel's potential")
         _add_regular(out, zones, kernel, regular, targets, layout, what == "potential")
     return out
-
-
-def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
-    """Quadrature nodes a zone needs for the regular part: until the kernel's own coefficients have decayed."""
-    if not kernel.sure:
-        return m + 2
-    z = max(kernel.reach / half_width, 1.05)
-    rho = 1 / (z + math.sqrt(z * z - 1))
-    return max(4, math.ceil(math.log(1e-17) / math.log(rho)))
 
 
 def _add_regular(

@@ -151,10 +151,3 @@ class ZoneSums:
             to_mean = -np.cos(0.5 * np.pi * k) / k
             mean[group] += zones.half[solved[group]] * (u[:, 1::2] @ to_mean)
         return rows, middle, mean
-
-
-def reaches(kernel: Kernel, zones: Zones) -> bool:
-    """Whether the sums of this module hold for the kernel: poles, and a regular part that is smooth across all zones."""
-    if kernel.regular is None:
-        return kernel.regular_potential is None
-    return kernel.sure and kernel.regular_potential is not None and kernel.reach >= zones.b[-1] - zones.a[0]

@@ -13,9 +13,9 @@ from sie.basis import chebyshev
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.collocation.zone_sums import reaches
 from sie.density.field import CHUNK, Sources, potential_at, quadrature, sum_of_powers, transform_at
 from sie.density.treecode import Everywhere
+from sie.fast.far import reaches
 from sie.jumps.forcing import LOG2, SERIES_REACH, Steps, of_zones
 
 Array = NDArray[np.float64]
@@ -277,14 +277,14 @@ class Density(Kept):
     def transform(self, x: ArrayLike) -> Array:
         """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end."""
         x = _float(x)
-        return transform_at(self, self.into_period(x).ravel()).reshape(x.shape)
+        return transform_at(self, self.into_period(x).ravel(), self.sources).reshape(x.shape)
 
     def potential(self, x: ArrayLike) -> Array:
         """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones."""
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
             raise ValueError("the regular kernel has no potential")
         x = _float(x)
-        return potential_at(self, self.into_period(x).ravel()).reshape(x.shape)
+        return potential_at(self, self.into_period(x).ravel(), self.sources).reshape(x.shape)
 
     def into_period(self, x: Array) -> Array:
         """x moved by periods to within half of one of the zones' middle, where the kernel's poles are the near ones."""

@@ -14,18 +14,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
-from sie.basis.kernels import Kernel, Regular
+from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.zones import Zones
-from sie.collocation.system import regular_size
-
-if TYPE_CHECKING:
-    from sie.density.density import Density
+from sie.density.series import Evaluated, Series
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -90,28 +86,27 @@ class Seen:
         return cls(left, right, root, rho, on, any_on)
 
 
-def transform_at(density: Density, x: Array) -> Array:
+def transform_at(density: Evaluated, x: Array, sources: Sources) -> Array:
     """(1/pi) PV int phi K dxi at points x (n,), by blocks."""
-    return _by_blocks(density, x, _transform, density.kernel.regular)
+    return _by_blocks(density, x, sources, _transform, density.kernel.regular)
 
 
-def potential_at(density: Density, x: Array) -> Array:
+def potential_at(density: Evaluated, x: Array, sources: Sources) -> Array:
     """(1/pi) int phi Lambda dxi at points x (n,), by blocks."""
-    return _by_blocks(density, x, _potential, density.kernel.regular_potential)
+    return _by_blocks(density, x, sources, _potential, density.kernel.regular_potential)
 
 
-def transform_from(density: Density, x: Array, sources: Sources) -> Array:
+def transform_from(density: Series, x: Array, sources: Sources) -> Array:
     """What some sources add to the transform at points x (n,)."""
     return _transform(density, x, sources)
 
 
-def potential_from(density: Density, x: Array, sources: Sources) -> Array:
+def potential_from(density: Series, x: Array, sources: Sources) -> Array:
     """What some sources add to the potential at points x (n,)."""
     return _potential(density, x, sources)
 
 
-def _by_blocks(density: Density, x: Array, what, regular: Regular | None) -> Array:  # type: ignore[no-untyped-def]
-    sources = density.sources
+def _by_blocks(density: Evaluated, x: Array, sources: Sources, what, regular: Regular | None) -> Array:  # type: ignore[no-untyped-def]
     if len(x) * len(sources) > (SOME_PAIRS if density.has_series else MANY_PAIRS) and density.everywhere is not None:
         here = density.everywhere
         return here.potential(x) if what is _potential else here.transform(x)
@@ -125,7 +120,7 @@ def _by_blocks(density: Density, x: Array, what, regular: Regular | None) -> Arr
     return out
 
 
-def _transform(density: Density, x: Array, sources: Sources) -> Array:
+def _transform(density: Series, x: Array, sources: Sources) -> Array:
     zone = sources.zone
     seen = Seen.of(x, sources, density.zones.half[zone])
     alpha, beta, u = density.bounded
@@ -148,7 +143,7 @@ def _transform(density: Density, x: Array, sources: Sources) -> Array:
     return np.asarray(value.sum(axis=1))
 
 
-def _potential(density: Density, x: Array, sources: Sources) -> Array:
+def _potential(density: Series, x: Array, sources: Sources) -> Array:
     zone, datum = sources.zone, density.kernel.datum
     w = density.zones.half[zone]
     seen = Seen.of(x, sources, w)
@@ -165,7 +160,7 @@ def _potential(density: Density, x: Array, sources: Sources) -> Array:
     return np.asarray(value @ w)
 
 
-def regular_at(density: Density, x: Array, regular: Regular) -> Array:
+def regular_at(density: Evaluated, x: Array, regular: Regular) -> Array:
     """The regular part of the kernel, by Gauss-Chebyshev quadrature on every zone."""
     out = np.zeros(x.shape)
     for xi, weights in density.quadrature:
@@ -175,7 +170,7 @@ def regular_at(density: Density, x: Array, regular: Regular) -> Array:
     return out
 
 
-def quadrature(density: Density) -> list[tuple[Array, Array]]:
+def quadrature(density: Series) -> list[tuple[Array, Array]]:
     """(nodes, weights times density) for the regular part, zones of equal size together."""
     zones, kernel = density.zones, density.kernel
     m = density.coefficients.shape[1] - 1

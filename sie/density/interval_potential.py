@@ -41,7 +41,7 @@ class LocalPotential:
         near = sources.chosen(distance < 0.5 * (hi - lo))
         t = chebyshev.gauss(_NODES)
         x = 0.5 * (lo + hi) + 0.5 * (hi - lo) * t
-        values = potential_at(density, x) - potential_from(density, x, near)
+        values = potential_at(density, x, density.sources) - potential_from(density, x, near)
         regular = density.kernel.regular_potential
         rough = regular if density.kernel.reach < hi - lo else None
         if rough is not None:

@@ -8,20 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis.zones import Zones
 from sie.density.field import sum_of_powers
+from sie.density.series import Series
 from sie.fast.far import FarSum, Nested
 from sie.fast.piecewise import clenshaw
 from sie.fast.tree import SEPARATION, TERMS, Tree
 from sie.jumps.forcing import of_zones
-
-if TYPE_CHECKING:
-    from sie.density.density import Density
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -33,7 +30,7 @@ _BLOCK = 400_000
 class Everywhere:
     """A density's series on all cells. Points are those of `Density.into_period`, or any if nothing repeats."""
 
-    def __init__(self, density: Density) -> None:
+    def __init__(self, density: Series) -> None:
         self.density = density
         zones, period = density.zones, density.kernel.period
         first, last = float(zones.a[0]), float(zones.b[-1])

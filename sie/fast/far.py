@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from sie.basis import chebyshev
 from sie.basis.kernels import Kernel
+from sie.basis.zones import Zones
 from sie.fast.tree import TERMS, Tree, interactions
 
 Array = NDArray[np.float64]
@@ -181,3 +182,10 @@ class FarSum:
             series[0] += self._regular[0] @ moments[0]
             middle[0] += float(self._regular[1] @ moments[0])
         return self.targets.downward(series, middle)
+
+
+def reaches(kernel: Kernel, zones: Zones) -> bool:
+    """Whether far sums hold for the kernel: poles, and a regular part that is smooth across all zones."""
+    if kernel.regular is None:
+        return kernel.regular_potential is None
+    return kernel.sure and kernel.regular_potential is not None and kernel.reach >= zones.b[-1] - zones.a[0]

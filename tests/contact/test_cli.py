@@ -17,7 +17,8 @@ pytest.importorskip("rich")
 
 from click.testing import CliRunner  # noqa: E402
 
-from contact.commands import cli, terminal  # noqa: E402
+from contact.commands import cli  # noqa: E402
+from contact.solution import terminal  # noqa: E402
 from contact.sweeps import compare as compare_module  # noqa: E402
 
 SCENE = """

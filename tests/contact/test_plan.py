@@ -236,7 +236,7 @@ class TestModulesAndMemory:
 
     def test_the_suite_of_measurements_is_loaded_by_no_solve_and_no_other_command(self):
         code = self.SCENE.format("c.Sinusoid(1e-3, 1.0)", "c.Periodic()", "mean_pressure=1e-3") + "\nimport contact.commands.cli"
-        assert loaded_after(code, ("contact.studies.bench", "contact.exact", "contact.inverse")) == set()
+        assert loaded_after(code, ("contact.studies.bench", "contact.reference.exact", "contact.reference.inverse")) == set()
 
     def test_a_given_zone_takes_less_memory_than_a_searched_one_and_both_take_little(self):
         given = peak(lambda: solve(WAVE, half_width=0.2))

@@ -229,7 +229,7 @@ def test_many_zones_by_fast_sums_have_the_same_holes(monkeypatch):
     problem = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(0.3), sie.EqualPotential()))
     zones = sie.Zones.of(table)
     direct = solve_zones(problem, zones)
-    monkeypatch.setattr("sie.solve.MANY_UNKNOWNS", 10)
+    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10)
     iterated = solve_zones(problem, zones)
     assert isinstance(iterated.solver, Iterative) and not isinstance(direct.solver, Iterative)
     size = np.abs(direct.density.coefficients).max()

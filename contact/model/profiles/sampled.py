@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 import sie
 from contact.errors import SceneError, warn
-from contact.lazy import scipy_interpolate
+from contact.extras import require
 from contact.model.checks import finite_array, increasing, positive_or_none, text
 from contact.model.profiles.base import Array, Profile
 from contact.model.registry import register_profile
@@ -168,7 +168,7 @@ class Sampled(Profile):
         depth = self.heights - self._top
         values = depth if self.period is None else np.append(depth, depth[0])
         kind = "not-a-knot" if self.period is None else "periodic"
-        return scipy_interpolate().CubicSpline(
+        return require("scipy.interpolate").CubicSpline(
             self._knots, values, bc_type=kind, extrapolate=self.period is not None
         )
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from math import nan
 from pathlib import Path
 
-from contact import lazy
 from contact.errors import SceneError
+from contact.extras import require
 
 Row = tuple[int, str]
 
@@ -68,7 +68,7 @@ def _bytes(path: str | Path) -> bytes:
     try:
         raw = Path(path).read_bytes()
         if raw.startswith(b"\x1f\x8b"):
-            raw = lazy.gzip().decompress(raw)
+            raw = require("gzip").decompress(raw)
     except (OSError, EOFError, TypeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise SceneError.of("file", str(path), f"a file that can be read ({reason})") from None

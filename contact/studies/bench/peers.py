@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact import lazy
+from contact.extras import require
 from contact.studies.bench import clock, truth
 from contact.studies.bench.cases import Case
 from contact.studies.bench.precision import Row
@@ -40,7 +40,7 @@ class Peer:
 
 
 def tamaas(heights: Array, case: Case, tolerance: float) -> tuple[Callable[[], None], Callable[[], Array | None]]:
-    tm = lazy.tamaas()
+    tm = require("tamaas")
     tm.set_log_level(tm.LogLevel.error)
     model = tm.ModelFactory.createModel(tm.model_type.basic_1d, [case.profile.period], [len(heights)])
     model.E, model.nu = case.E_star, 0.0
@@ -59,7 +59,7 @@ def tamaas(heights: Array, case: Case, tolerance: float) -> tuple[Callable[[], N
 def contact_mechanics(
     heights: Array, case: Case, tolerance: float
 ) -> tuple[Callable[[], None], Callable[[], Array | None]]:
-    cm, topography = lazy.contact_mechanics(), lazy.surface_topography()
+    cm, topography = require("ContactMechanics"), require("SurfaceTopography")
     n, length = len(heights), case.profile.period
     assert length is not None
     surface = topography.UniformLineScan(heights, length, periodic=True)
@@ -134,7 +134,7 @@ def time_to(rows_of_one: list[Row], error: float, measure: str = "at_x") -> floa
     return reached
 
 
-def require() -> None:
+def require_both() -> None:
     """MissingExtra, naming the extra, unless both codes are there."""
-    lazy.tamaas()
-    lazy.contact_mechanics()
+    require("tamaas")
+    require("ContactMechanics")

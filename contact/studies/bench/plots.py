@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contact import lazy
+from contact.extras import require
 from contact.studies.bench.precision import Row
 from contact.studies.bench.report import OURS, names, of
 from contact.studies.bench.scaling import Scaled, exponent, fitted
@@ -42,7 +42,7 @@ def _panels(rows: list[Row], label: str) -> tuple[Any, dict[str, Any]]:
     scenes = names(rows)
     across = min(3, len(scenes))
     down = -(-len(scenes) // across)
-    figure = lazy.matplotlib_figure().Figure(figsize=(3.1 * across, 2.6 * down + 0.7), layout="constrained")
+    figure = require("matplotlib.figure").Figure(figsize=(3.1 * across, 2.6 * down + 0.7), layout="constrained")
     grid = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
     for axis in grid.ravel()[len(scenes) :]:
         axis.set_visible(False)
@@ -72,7 +72,7 @@ def scaling(rows: list[Scaled], path: Path) -> None:
     series = list(dict.fromkeys(row.series for row in rows))
     across = min(2, len(series))
     down = -(-len(series) // across)
-    figure = lazy.matplotlib_figure().Figure(figsize=(4.4 * across, 3.4 * down), layout="constrained")
+    figure = require("matplotlib.figure").Figure(figsize=(4.4 * across, 3.4 * down), layout="constrained")
     for axis, name in zip(figure.subplots(down, across, squeeze=False).ravel(), series, strict=False):
         some = [row for row in rows if row.series == name]
         large = fitted(some)

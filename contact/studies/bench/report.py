@@ -24,7 +24,7 @@ class Table(NamedTuple):
     key: str
     title: str
     columns: Sequence[str]
-    rows: list[tuple[str, ...]]
+    rows: Sequence[tuple[str, ...]]
 
 
 OURS = "contact"

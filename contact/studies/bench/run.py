@@ -20,7 +20,7 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
     """Work and precision, peers, cost against size; files go to `folder`."""
     chosen: Sequence[peers.Peer] = peers.PEERS if with_peers else ()
     if with_peers:
-        peers.require()
+        peers.require_both()
     rows: list[Row] = []
     cases = suite(quick)
     for k, case in enumerate(cases):

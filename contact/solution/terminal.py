@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterable, Sequence
 from types import TracebackType
 from typing import Any
 
-from contact import lazy
 from contact.errors import MissingExtra
+from contact.extras import require
 
 # Without a terminal nothing is known of the reader's width: wide enough that no cell is broken.
 _WIDTH_OF_A_FILE = 200
@@ -20,14 +20,14 @@ def show_table(
 ) -> None:
     """One table on stdout; `numeric` are the columns that align to the right."""
     right = set(numeric)
-    table = lazy.rich_table().Table(title=title, title_justify="left", box=lazy.rich_box().SIMPLE_HEAD)
+    table = require("rich.table").Table(title=title, title_justify="left", box=require("rich.box").SIMPLE_HEAD)
     for place, name in enumerate(columns):
         table.add_column(name, justify="right" if place in right else "left", overflow="fold")
     for row in rows:
         table.add_row(*row)
     width = None if sys.stdout.isatty() else _WIDTH_OF_A_FILE
     # Square brackets in a reason or a unit are text here, not rich's markup.
-    lazy.rich_console().Console(file=sys.stdout, width=width, markup=False, highlight=False).print(table)
+    require("rich.console").Console(file=sys.stdout, width=width, markup=False, highlight=False).print(table)
 
 
 class Progress:
@@ -56,8 +56,8 @@ class Progress:
 
     def _start(self) -> None:
         try:
-            console = lazy.rich_console().Console(file=sys.stderr)
-            self._bar = lazy.rich_progress().Progress(console=console, transient=True)
+            console = require("rich.console").Console(file=sys.stderr)
+            self._bar = require("rich.progress").Progress(console=console, transient=True)
         except MissingExtra:  # a bar is not worth stopping for
             self._wanted = False
             return
