@@ -10,7 +10,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.formulation.problem import Control, Problem, Units
+from contact.formulation.controls import Control, Load
+from contact.formulation.problem import Problem
+from contact.formulation.units import Units
 from contact.search.coarse import Proposal, grid_height, propose
 from contact.search.scaling import Framed
 from contact.search.tilt import known_part
@@ -57,7 +59,7 @@ def proposed(
     if problem.moment is not None:
         return _by_moment(frame, problem, control, points)
     units, profile, interaction = problem.units, problem.profile, problem.interaction
-    by_load = control.kind == "load"
+    by_load = control.load is not None
     found = propose(
         partial(grid_height, profile) if by_load else profile.height, frame.cell, E=units.E_star,
         periodic=interaction.needs_period, datum=interaction.datum or 1.0, rest=problem.operator.rest,
@@ -74,7 +76,7 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     strip is cut there, or where it would leave the last one, and then follows its zones."""
     units, profile, interaction = problem.units, problem.profile, problem.interaction
     assert profile.period is not None and problem.period is not None
-    load = control.value * units.load if control.kind == "load" else whole.state.load
+    load = whole.state.load if control.load is None else control.load * units.load
     nominal = load / units.load / problem.period if problem.amplitude is None else problem.amplitude
     middle = _cut(whole, profile.x0, profile.period) + 0.5 * profile.period
     if held:
@@ -150,7 +152,7 @@ def load_of_width(frame: Framed, problem: Problem, width: float) -> float:
     points = 2 ** int(np.clip(np.ceil(np.log2(max(_PER_FEATURE * features, least))), 8, 17))
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
     for _ in range(60):
-        found = proposed(frame, problem, Control("load", load), points, _ROUGHLY).width / units.length
+        found = proposed(frame, problem, Load(load), points, _ROUGHLY).width / units.length
         if abs(found - width) < near_enough or high < _CLOSE_BY * low:
             break
         # Of what is in contact to what is not, the logarithm goes about straight with that of the load.

@@ -16,14 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
+from contact.formulation.controls import Control, scaled_control
 from contact.formulation.full import period_samples
 from contact.formulation.maxima import maximum
-from contact.formulation.problem import Control, Problem, Units
+from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
+from contact.formulation.units import Units
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
-from contact.search.coarse import find_window, grid_height
+from contact.search.coarse import NoWindow, find_window, grid_height
 from contact.search.tilt import Window, held_by, known_part, leaning, window_at_load
 
 Array = NDArray[np.float64]
@@ -102,9 +104,7 @@ def _window(scene: Scene, profile: Tilted) -> Window:
                 f"{deepest - level:.6g} m on"
             )
         return fixed or find(profile.height, scene.E_star, level=level + value)
-    except OutOfRange as failure:
-        if "no window" not in str(failure):
-            raise
+    except NoWindow as failure:
         raise OutOfRange(f"turned by {profile.tilt:.6g}, the body finds no hold: {failure}") from failure
 
 
@@ -206,22 +206,3 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
     # A flat punch, turned or not, bears its load by its corners.
     kind, value = scene.control
     return max(slope, value / (scene.E_star * length) if kind == "load" else 1.0)
-
-
-def scaled_control(scene: Scene, units: Units) -> Control:
-    """The scene's control in scaled variables."""
-    kind, value = scene.control
-    load = scene.given_load
-    if load is not None:
-        kind, value, unit = "load", load, units.load
-    elif kind == "contact_fraction":
-        assert scene.profile.period is not None
-        kind, value, unit = "width", value * scene.profile.period, units.length
-    else:
-        unit = units.height if kind == "approach" else units.length
-    scaled = value / unit if unit > 0.0 else math.inf
-    if not math.isfinite(scaled) or (scaled == 0.0 and value != 0.0):
-        raise OutOfRange(
-            f"{kind} {value:.6g} and the scene's own size, {unit:.6g}, lie farther apart than numbers reach: are the units those of SI?"
-        )
-    return Control(kind, scaled)
