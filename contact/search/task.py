@@ -71,8 +71,8 @@ class Task:
         rounds: int = ROUNDS,
     ) -> Found | Missed:
         """Zones that pass, from proposed ones."""
-        # Ends of a given half width are not searched for.
-        with self.plan.timed("zone ends") if control.half_width is None else nullcontext():
+        # Given ends are not searched for.
+        with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
             return settle(
                 problem, control, table, self.tolerance, self.progress, timed=self.plan.timed, near=near, value=value, steps=steps,
                 rounds=rounds,

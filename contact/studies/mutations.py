@@ -94,7 +94,7 @@ MUTATIONS = (
         "block[0] += power * zero", "block[0] += 0.0 * power * zero",
     ),
     Mutation(
-        "pressures one part in 1e9 too large", "contact/formulation/problem.py",
+        "pressures one part in 1e9 too large", "contact/formulation/units.py",
         "return 0.5 * self.E_star * self.slope", "return 0.5 * self.E_star * self.slope * (1 + 1e-9)",
     ),
     Mutation(
