@@ -59,7 +59,7 @@ CONTACT = """
     measured
     profiles.base exact.base
     profiles.declared profiles.* exact.*
-    exact.localized search testing inverse.profile
+    exact.dugdale exact.jkr exact.localized search testing inverse.profile
     exact.__init__ profiles.__init__ inverse.designed
     paper.one_zone paper.principle paper.two_zones
     paper.parabola paper.wave paper.wedge
