@@ -64,6 +64,7 @@ CONTACT = """
     paper.one_zone paper.principle paper.two_zones
     paper.parabola paper.wave paper.wedge
     paper.__init__
+    inverse.adhesive
     inverse.random
     inverse.__init__
     interactions.base

@@ -101,7 +101,7 @@ class Cohesive:
         scale = self.sin(c - a) * self.sin(c + a)
         square, rest = self.sin(e) * self.sin(x + a) / scale, np.abs(self.sin(f)) * self.sin(c + x) / scale
         if self.period is not None:
-            valley = np.maximum(sine(0.5 * self.period - x, self.period), 1e-300)
+            valley = np.maximum(sine(0.5 * self.period - x, self.period), 1e-100)
             square, rest = square * (self.cos(c) / valley) ** 2, rest * (self.cos(a) / valley) ** 2
         # artanh X = asinh(X/sqrt(1 - X^2)), and artanh(1/X) = asinh(1/sqrt(X^2 - 1)).
         return np.asarray(np.arcsinh(np.sqrt(np.minimum(square, 1.0) / np.maximum(rest, 1e-300))))

@@ -196,6 +196,6 @@ class JKRWave(_JKREquilibria):
         return 0.25 * pi * self.E_star * self.amplitude**2 - self.work * self.period
 
     def _samples(self) -> Array:
-        # Dense towards both ends in their logarithm: tan A from 1e-9 to 1e9.
-        tangent = np.geomspace(1e-9, 1e9, 400)
-        return self.period / pi * np.arctan(tangent)
+        # tan A from 1e-9 to 1e9, and where the two turning points of the load meet and vanish.
+        tangent = np.append(np.geomspace(1e-9, 1e9, 400), sqrt(0.6))
+        return self.period / pi * np.arctan(np.sort(tangent))

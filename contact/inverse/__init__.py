@@ -1,8 +1,18 @@
 """Inverse design: exact contact problems with any number of zones at any given places, to judge solvers
 by."""
 
+from contact.inverse.adhesive import AdhesiveDesign, adhesive_design
 from contact.inverse.designed import DesignedContact, design
 from contact.inverse.profile import DesignedProfile
-from contact.inverse.random import random_problem, random_zones
+from contact.inverse.random import random_adhesive_problem, random_problem, random_zones
 
-__all__ = ["DesignedContact", "DesignedProfile", "design", "random_problem", "random_zones"]
+__all__ = [
+    "AdhesiveDesign",
+    "DesignedContact",
+    "DesignedProfile",
+    "adhesive_design",
+    "design",
+    "random_adhesive_problem",
+    "random_problem",
+    "random_zones",
+]
