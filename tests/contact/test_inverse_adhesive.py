@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from contact import exact, inverse
@@ -29,11 +29,6 @@ def nodes(problem):
     return 200 + int(40 / np.sqrt(min(problem.nearness, 1.0)))
 
 
-# Every draw solves a design, some milliseconds.
-FEW = settings(max_examples=12, deadline=None)
-
-
-@FEW
 @given(designs())
 def test_the_pressure_solves_the_singular_integral_equation_and_carries_the_load(problem):
     assert reference.equation_error(problem, nodes=nodes(problem)) < TOL
@@ -41,7 +36,6 @@ def test_the_pressure_solves_the_singular_integral_equation_and_carries_the_load
     assert np.sum(problem.zone_loads) == pytest.approx(problem.load, rel=1e-12)
 
 
-@FEW
 @given(designs())
 def test_every_end_carries_the_intensity_and_the_gap_that_release_the_work_of_adhesion(problem):
     assert problem.is_admissible
@@ -59,7 +53,6 @@ def test_every_end_carries_the_intensity_and_the_gap_that_release_the_work_of_ad
         assert problem.gap(x) == pytest.approx(4.0 / problem.E_star * problem.intensity * np.sqrt(x - end), rel=1e-3)
 
 
-@FEW
 @given(designs(periodic=True))
 def test_the_displacement_is_the_logarithmic_potential_of_the_pressure(problem):
     """Ties the approach, the gaps between all zones and the heights to the pressure alone."""
@@ -82,7 +75,6 @@ class WithDatum:
         return self.problem.pressure_at(t, zone)
 
 
-@FEW
 @given(designs(periodic=False))
 def test_alone_all_zones_have_one_approach(problem):
     """u + f - gap is the same constant at the middle of every gap, and beyond."""
@@ -94,7 +86,6 @@ def test_alone_all_zones_have_one_approach(problem):
     assert np.ptp(level) < 1e-10 * scale
 
 
-@FEW
 @given(designs())
 def test_the_gap_closes_from_either_side(problem):
     """From either end the integral of the gap's slope agrees beside the middle, where the two meet."""
