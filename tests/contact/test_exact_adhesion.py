@@ -274,6 +274,26 @@ def test_the_wave_has_three_equilibria_between_pull_off_and_the_jump_into_full_c
         assert curve.at_approach(share * 0.02).approach == pytest.approx(share * 0.02, rel=1e-12)
 
 
+def test_loading_jumps_in_and_into_full_contact_and_unloading_comes_back_another_way():
+    wave = exact.JKRWave(**WAVE, work=2e-4)
+    jump = wave.jump_into_full_contact.load
+    assert wave.advancing(0.0).half_width == pytest.approx(wave.jump_in.half_width, rel=1e-12)
+    assert wave.advancing(0.99 * jump).half_width > wave.jump_in.half_width
+    assert wave.advancing(1.01 * jump) is None and wave.receding(0.0) is None
+    with pytest.raises(OutOfRange, match="pull-off is at"):
+        wave.advancing(1.01 * wave.pull_off().load)
+    assert replace(wave, work=1.01 * wave.self_closing_work).advancing(0.0) is None
+    soft = exact.DugdaleWave(**WAVE, work=2e-4, stress=0.05)
+    upper = soft._part("stable", np.inf)[1]
+    load = soft.at(upper).load
+    opening = soft.opening_mean_pressure * L
+    assert soft.advancing(0.5 * load).load == pytest.approx(0.5 * load, rel=1e-11)
+    jumped, closed = soft.advancing(1.001 * load), soft.receding(1.001 * load)
+    assert jumped is None if 1.001 * load > opening else jumped.half_width == pytest.approx(closed.half_width, rel=1e-11)
+    assert soft.receding(1.001 * opening) is None
+    assert soft.receding(0.999 * opening).half_width > soft.at(upper).half_width
+
+
 @pytest.mark.parametrize(
     ("jkr", "dugdale"),
     [
@@ -308,6 +328,32 @@ def test_weak_adhesion_tends_to_the_frictionless_zone(law):
             curve = exact.DugdaleWave(**WAVE, work=work, stress=1e-3)
             state = curve.at_load(zone.load)
             assert state.half_width == pytest.approx(zone.half_width, rel=1e-2)
+
+
+def test_gap_load_and_approach_of_a_cohesive_wave_are_those_of_its_tractions_by_mpmath():
+    state = exact.DugdaleZone(exact.Westergaard(0.02, L, E_STAR, 0.3 * L), 0.3, 0.45 * L)
+    with mpmath.workdps(20):
+        a, c = mpmath.mpf(state.half_width), mpmath.mpf(state.cohesive_end)
+        low, high = mpmath.pi * a / L, mpmath.pi * c / L
+
+        def pressure(u):
+            full = 2 * mpmath.pi * E_STAR * 0.02 / L * mpmath.cos(u) * mpmath.sqrt(mpmath.sin(low) ** 2 - mpmath.sin(u) ** 2)
+            ratio = (mpmath.sin(high) ** 2 - mpmath.sin(low) ** 2) / (mpmath.sin(low) ** 2 - mpmath.sin(u) ** 2)
+            return full - 0.6 / mpmath.pi * mpmath.atan(mpmath.cos(u) / mpmath.cos(high) * mpmath.sqrt(ratio))
+
+        def potential(at):
+            def both(u):
+                return mpmath.log(abs(4 * mpmath.sin(at - u) * mpmath.sin(at + u)))
+
+            total = mpmath.quad(lambda u: pressure(u) * both(u), [0, low]) - 0.3 * mpmath.quad(both, [low, high])
+            return -2 * total * L / (mpmath.pi**2 * E_STAR)
+
+        approach = potential(low) + 0.04 * mpmath.sin(low) ** 2
+        gap = potential(high) + 0.04 * mpmath.sin(high) ** 2 - approach
+        mean = (2 * mpmath.quad(pressure, [0, low]) - 0.6 * (high - low)) / mpmath.pi
+    assert state.approach == pytest.approx(float(approach), rel=1e-12)
+    assert state.end_gap == pytest.approx(float(gap), rel=1e-12)
+    assert state.mean_pressure == pytest.approx(float(mean), rel=1e-12)
 
 
 def test_the_cylinder_under_cohesion_is_baney_and_hui_s():

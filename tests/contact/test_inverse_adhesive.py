@@ -111,6 +111,26 @@ def test_one_zone_is_johnson_s_wave_or_the_cylinder():
     np.testing.assert_allclose(alone.profile.coefficients, [0.0, 0.0, 250.0], rtol=1e-12, atol=1e-18)
 
 
+@given(designs())
+def test_the_second_variation_is_symmetric_and_positive_where_the_design_is_stable(problem):
+    """Nothing in its making supposes the symmetry of second derivatives."""
+    matrix = inverse.second_variation(problem)
+    assert np.max(np.abs(matrix - matrix.T)) < 1e-10 * np.max(np.abs(matrix))
+    assert inverse.is_stable(problem)
+
+
+@pytest.mark.parametrize("share", (0.05, 0.25, 0.45))
+def test_ends_that_move_together_change_their_energy_as_the_load_tells(share):
+    """One zone: dG/da = 2 w (dP/da)/Q at a held load; and the same waves, counted as two in a period of twice the length."""
+    state = exact.JKRZone(exact.Westergaard(0.02, 2.0, 3.0, share * 2.0), 1e-3)
+    rate = exact.JKRWave(0.02, 2.0, 3.0, 1e-3)._rates(state.half_width)[0]
+    one = inverse.second_variation(inverse.adhesive_design(state.zones, 3.0, state.load, 1e-3, 2.0))
+    assert np.sum(one, axis=1) == pytest.approx(np.full(2, 2e-3 * rate / state.punch.load), rel=1e-10)
+    zones = np.concatenate([state.zones, state.zones + 2.0])
+    two = inverse.second_variation(inverse.adhesive_design(zones, 3.0, 2.0 * state.load, 1e-3, 4.0))
+    np.testing.assert_allclose(two[:2, :2] + two[:2, 2:], one, rtol=0.0, atol=1e-10 * np.max(np.abs(one)))
+
+
 def test_little_work_of_adhesion_leaves_the_frictionless_design():
     free = inverse.random_problem(np.random.default_rng(4), 5, 1.0)
     t = np.linspace(-0.9, 0.9, 9)

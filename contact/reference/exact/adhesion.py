@@ -4,7 +4,7 @@ Adhesion does not change the profile: the pressure is that of the frictionless z
 of a load that leaves the zone flat. A curve of equilibria at a fixed work of adhesion has turning points, where it loses its
 stability: with M the compliance of the machine between the control and the body (0: the approach is held, inf: the load),
 an equilibrium is stable where approach + M load grows along the curve in the direction of growing contact
-(K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9; derived in docs/adhesion.md).
+(K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9; with a machine, derived here).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite, one_of
 from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Array, IsolatedZone, PeriodicZone, SymmetricZone
 
-STABLE, NARROW, WIDE = "stable", "narrow", "wide"
+STABLE, NARROW, WIDE, LAST = "stable", "narrow", "wide", "last"
 
 
 class AdhesiveZone(SymmetricZone):
@@ -90,7 +90,8 @@ State = TypeVar("State", bound=AdhesiveZone)
 class Equilibria(Generic[State]):
     """The curve of equilibria of one profile at a given work, by a parameter s that grows with the contact.
 
-    `narrow` is the part before the curve first becomes stable, `stable` the first stable part, `wide` what follows.
+    `narrow` is the part before the curve first becomes stable, `stable` the first stable part, `wide` what follows, `last` the
+    part at the end of the curve.
     """
 
     def at(self, parameter: float) -> State:
@@ -124,14 +125,14 @@ class Equilibria(Generic[State]):
         return self.at(self._part(STABLE, machine_compliance)[0])
 
     def _part(self, branch: str, machine_compliance: float) -> tuple[float, float]:
-        one_of("branch", branch, (NARROW, STABLE, WIDE))
+        one_of("branch", branch, (NARROW, STABLE, WIDE, LAST))
         samples = self._samples()
         ends = [float(samples[0]), *self.turning_points(machine_compliance), float(samples[-1])]
         parts = list(zip(ends[:-1], ends[1:], strict=True))
         grows = [self._rate(0.5 * (lo + hi), machine_compliance) > 0.0 for lo, hi in parts]
         first = grows.index(True) if True in grows else len(parts)
-        number = {NARROW: first - 1, STABLE: first, WIDE: first + 1}[branch]
-        if first == len(parts) or not 0 <= number < len(parts):
+        number = {NARROW: first - 1, STABLE: first, WIDE: first + 1, LAST: len(parts) - 1}[branch]
+        if (first == len(parts) and branch != LAST) or not 0 <= number < len(parts):
             raise OutOfRange(f"the {branch} branch does not exist for this work of adhesion")
         return parts[number]
 
@@ -156,6 +157,40 @@ class Equilibria(Generic[State]):
                 f"{control} = {value:.6g} is out of range: the {branch} branch goes from {ends[0]:.6g} to {ends[1]:.6g}"
             )
         return self.at(float(brentq(miss, lo, hi, xtol=1e-300, rtol=1e-15)))
+
+    def _stable_parts(self) -> list[tuple[float, float, float, float]]:
+        """Parameters and loads at both ends of every part that is stable under a held load."""
+        samples = self._samples()
+        ends = [float(samples[0]), *self.turning_points(), float(samples[-1])]
+        parts = [(lo, hi) for lo, hi in zip(ends[:-1], ends[1:], strict=True) if self._rate(0.5 * (lo + hi), inf) > 0.0]
+        return [(lo, hi, self.at(lo).load, self.at(hi).load) for lo, hi in parts]
+
+    def advancing(self, load: float) -> State | None:
+        """The state reached from first touch without load by raising the load, or by lowering it from none; None: full contact.
+
+        OutOfRange past pull-off."""
+        load = finite("load", load)
+        parts = self._stable_parts()
+        reached = [i for i, part in enumerate(parts) if part[3] >= max(load, 0.0)]
+        return self._lowered(parts[: reached[0] + 1], load) if reached else self._lowered(None, load)
+
+    def receding(self, load: float) -> State | None:
+        """The state reached by lowering the load from the greatest contact; None: full contact. OutOfRange past pull-off."""
+        load = finite("load", load)
+        parts = self._stable_parts()
+        return self._lowered(None if self.stays_closed or not parts or load > parts[-1][3] else parts, load)
+
+    # Whether full contact, once reached, opens at no load.
+    stays_closed = False
+
+    def _lowered(self, parts: list[tuple[float, float, float, float]] | None, load: float) -> State | None:
+        """From the last of the parts down to the load; None (full contact) without parts."""
+        for lo, hi, least, most in reversed(parts or []):
+            if least <= load <= most:
+                return self.at(float(brentq(lambda s: self.at(s).load - load, lo, hi, xtol=1e-300, rtol=1e-15)))
+        if parts is None:
+            return None
+        raise OutOfRange(f"load = {load:.6g} N/m is out of range: pull-off is at {min(part[2] for part in parts):.6g} N/m")
 
     def all_at_load(self, load: float) -> list[State]:
         """Every equilibrium at a load, stable or not, in the order of the parameter."""

@@ -159,6 +159,9 @@ class JKRWave(_JKREquilibria):
     E_star: float
     work: float
 
+    # An opening of no width has no intensity: what is closed needs a flaw to open.
+    stays_closed = True
+
     def __post_init__(self) -> None:
         for name in ("amplitude", "period", "E_star", "work"):
             positive(name, getattr(self, name))

@@ -5,6 +5,7 @@ from contact.reference.inverse.adhesive import AdhesiveDesign, adhesive_design
 from contact.reference.inverse.designed import DesignedContact, design
 from contact.reference.inverse.profile import DesignedProfile
 from contact.reference.inverse.random import random_adhesive_problem, random_problem, random_zones
+from contact.reference.inverse.stability import is_stable, second_variation
 
 __all__ = [
     "AdhesiveDesign",
@@ -12,7 +13,9 @@ __all__ = [
     "DesignedProfile",
     "adhesive_design",
     "design",
+    "is_stable",
     "random_adhesive_problem",
     "random_problem",
     "random_zones",
+    "second_variation",
 ]
