@@ -319,12 +319,14 @@ class AdhesiveDesign:
 
     @cached_property
     def is_admissible(self) -> bool:
-        """Whether the surfaces keep apart outside the zones: by samples of the gap, beyond the zones of its slope."""
-        share = np.sin(0.25 * pi * (np.arange(2, 200) / 100.0)) ** 2
+        """Whether the surfaces keep apart outside the zones: by sums of the gap's slope over 400 angles from either end, beyond
+        the zones by the slope's sign."""
         ends = self._product.zones.ravel()
+        phi = pi * (np.arange(400) + 0.5) / 400
         for g in self._product.gaps:
             h = float(self._product.steps[g])
-            if np.any(self.gap(ends[g] + h * share) <= 0.0):
+            rise = np.sin(phi) * self._opening(g, h * np.sin(0.5 * phi) ** 2, h * np.cos(0.5 * phi) ** 2)
+            if min(np.min(np.cumsum(rise[:200])), np.min(np.cumsum(-rise[:199:-1]))) <= 0.0:
                 return False
         if self.period is None:
             hull = float(ends[-1] - ends[0])
