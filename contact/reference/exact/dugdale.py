@@ -84,12 +84,6 @@ class Cohesive:
         return float(self.sin(self.cohesive_end)) / self.root
 
     @property
-    def share_by_half_width(self) -> float:
-        """dB/da."""
-        a, c = self.half_width, self.cohesive_end
-        return -float(self.sin(a)) * self.cos(c) / (self.cos(a) * self.root)
-
-    @property
     def widening(self) -> float:
         """l."""
         a, c = self.half_width, self.cohesive_end
@@ -238,14 +232,10 @@ class DugdaleZone(_DugdaleState):
     def rates(self) -> tuple[float, float]:
         """d load/dc and d approach/dc along the curve of equilibria of this work (approach: nan without a datum)."""
         form, stress, modulus = self.cohesive, self.stress, self.E_star
-        length = self.cohesive_end - self.half_width
-        narrowed = float(self.zone.load_rate(np.array(self.half_width)))  # type: ignore[union-attr]
-        widened = narrowed - 2.0 * stress * form.share_by_half_width
-        slope = float(self.zone._gap_slope(np.array(length)))  # type: ignore[union-attr]
-        by_end = slope + self._unit * (form.widening * form.share_by_end - form.logarithm)
-        by_half_width = -2.0 / (pi * modulus) * form.widening * widened
-        a_rate = -by_end / by_half_width
-        load = widened * a_rate - 2.0 * stress * form.share_by_end
+        slope = float(self.zone._gap_slope(np.array(self.cohesive_end - self.half_width)))  # type: ignore[union-attr]
+        opened = slope + self._unit * (form.widening * form.share_by_end - form.logarithm)
+        # What a takes back from the gap at c it adds to the load: d g/da = -(2/pi E*) l d P/da.
+        load = 0.5 * pi * modulus * opened / form.widening - 2.0 * stress * form.share_by_end
         compliance = self.punch_compliance
         if compliance is None:
             return load, float("nan")

@@ -37,19 +37,18 @@ def second_variation(design: AdhesiveDesign) -> Array:
     others = product.end_factors()
     root = np.sqrt(others)
     k = outward * sigma * root * q  # X R ~ k/sqrt|factor| in the gap beside the end
-    poles, bends = _between(design)
-    eta = unit * 0.5 * np.sum(bends, axis=1)
+    poles = _between(design)
     modes = np.array([_slow(design, *_at_end(product, e)) for e in range(m)]).reshape(m, n - 1)
     strength = outward * others * q / (2.0 * unit)
     answers = _slow_parts(design, strength, unit)
     regular = np.array([_full(design, *_at_end(product, e)) for e in range(m)]) @ design._smooth.astype(float)
-    regular = regular + np.where(np.eye(m, dtype=bool), 0.0, poles) @ q
+    regular = regular + poles @ q
     change = np.empty((m, m))  # d k_i/d e_j
     for j in range(m):
         slow = modes @ answers[j]
         change[:, j] = sigma / root * (strength[j] * poles[:, j] + slow)
-        ell = sigma[j] * root[j] * (regular[j] + q[j] * eta[j])
-        change[j, j] = outward[j] * ell / (2.0 * unit) + sigma[j] / root[j] * (slow[j] - strength[j] * eta[j])
+        # The next power of X R at the end, half of which the moved root gives; the bend of the other factors cancels.
+        change[j, j] = sigma[j] * (outward[j] * root[j] * regular[j] / (2.0 * unit) + slow[j] / root[j])
     return np.asarray(2.0 * design.work * change / k[:, None] * outward, dtype=float)
 
 
@@ -66,20 +65,18 @@ def _at_end(product: Any, e: int) -> tuple[int, Array, Array]:
     return (i, np.zeros(1), step) if i == e else (i, step, np.zeros(1))
 
 
-def _between(design: AdhesiveDesign) -> tuple[Array, Array]:
-    """[i, j]: the pole of end j seen from end i, and the logarithmic derivative of its factor; 0 on the diagonal."""
+def _between(design: AdhesiveDesign) -> Array:
+    """[i, j]: the pole of end j seen from end i; 0 on the diagonal."""
     ends = design.zones.ravel()
     d = ends[:, None] - ends
     np.fill_diagonal(d, 1.0)
     if design.period is None:
-        poles, bends = float(design._product._unit) / d, 1.0 / d
+        poles = float(design._product._unit) / d
     else:
-        turn = pi / design.period
-        bends = turn / np.tan(turn * d)
-        poles = 0.5 / np.sin(turn * d) if len(ends) // 2 % 2 else 0.5 / np.tan(turn * d)
+        turned = pi / design.period * d
+        poles = 0.5 / np.sin(turned) if len(design.zones) % 2 else 0.5 / np.tan(turned)
     np.fill_diagonal(poles, 0.0)
-    np.fill_diagonal(bends, 0.0)
-    return poles, bends
+    return poles
 
 
 def _full(design: AdhesiveDesign, i: int, dl: Array, dr: Array) -> Array:
@@ -128,5 +125,5 @@ def _exact_slope(design: AdhesiveDesign, g: int, dl: Array, dr: Array, j: int, p
         turn = pi / design.period
         bends = turn / np.tan(turn * ahead)
         own = turn * ahead[:, j]
-        fall = -pole * turn / np.tan(own) if len(ends) // 2 % 2 else -0.5 * turn / np.sin(own) ** 2
+        fall = -pole * turn / np.tan(own) if len(design.zones) % 2 else -0.5 * turn / np.sin(own) ** 2
     return np.asarray(x_root * (0.5 * np.sum(bends, axis=1) * pole + fall))
