@@ -131,6 +131,53 @@ def test_ends_that_move_together_change_their_energy_as_the_load_tells(share):
     np.testing.assert_allclose(two[:2, :2] + two[:2, 2:], one, rtol=0.0, atol=1e-10 * np.max(np.abs(one)))
 
 
+def released(design, ends, terms=60):
+    """G at the given ends of the design's profile under its load: Chebyshev series over 1/sqrt(1 - t^2) in every zone, collocated,
+    with one level of u + f in the middles of all zones."""
+    zones = ends.reshape(-1, 2)
+    half, middle = 0.5 * np.diff(zones)[:, 0], zones.mean(axis=1)
+    k, psi = np.arange(terms), np.arange(1, terms) * np.pi / terms
+
+    def transform(zone, x):
+        s = (x - middle[zone]) / half[zone]
+        root = np.sign(s) * np.sqrt(s * s - 1.0)
+        return (1.0 / (s + root))[:, None] ** k / root[:, None]
+
+    def potential(zone, x):
+        s = (x - middle[zone]) / half[zone]
+        v = s + np.sign(s) * np.sqrt(s * s - 1.0) if abs(s) > 1.0 else 1j
+        series = np.append(-np.log(0.5 * half[zone] * abs(v)), (np.real(v ** -k[1:].astype(float)) / k[1:]))
+        return 2.0 / design.E_star * half[zone] * series
+
+    count = range(len(zones))
+    rows, right = [], []
+    for zone in count:
+        x = middle[zone] + half[zone] * np.cos(psi)
+        own = -np.sin(np.outer(psi, k)) / np.sin(psi)[:, None]
+        rows.append(np.hstack([own if other == zone else transform(other, x) for other in count]))
+        right.append(0.5 * design.E_star * design.slope(x))
+    level = np.array([np.hstack([potential(zone, x) for zone in count]) for x in middle])
+    load = np.hstack([np.where(k == 0, np.pi * h, 0.0) for h in half])
+    rows += [level[1:] - level[0], load[None]]
+    right += [design.height(middle[0]) - design.height(middle[1:]), [design.load]]
+    c = np.linalg.solve(np.vstack(rows), np.concatenate(right)).reshape(len(zones), terms)
+    tips = np.stack([c @ (-1.0) ** k, c.sum(axis=1)], axis=1) * np.sqrt(0.5 * half)[:, None]
+    return np.pi / design.E_star * tips.ravel() ** 2
+
+
+@pytest.mark.parametrize(("seed", "zones"), [(0, 1), (1, 2), (2, 3)])
+def test_the_second_variation_is_the_change_of_what_moved_ends_release_in_a_direct_solution(seed, zones):
+    problem = inverse.random_adhesive_problem(np.random.default_rng(seed), zones, None, spread=4.0)
+    ends, step = problem.zones.ravel(), 1e-3 * min(np.diff(problem.zones.ravel()))
+    assert released(problem, ends) == pytest.approx(np.full(2 * zones, problem.work), rel=1e-10)
+    matrix = inverse.second_variation(problem)
+    for j in range(2 * zones):
+        move = np.where(np.arange(2 * zones) == j, step if j % 2 else -step, 0.0)
+        near = [released(problem, ends + v * move) for v in (-2, -1, 1, 2)]
+        slope = (near[0] - 8.0 * near[1] + 8.0 * near[2] - near[3]) / (12.0 * step)
+        np.testing.assert_allclose(slope, matrix[:, j], rtol=0.0, atol=1e-8 * np.max(np.abs(matrix)))
+
+
 def test_little_work_of_adhesion_leaves_the_frictionless_design():
     free = inverse.random_problem(np.random.default_rng(4), 5, 1.0)
     t = np.linspace(-0.9, 0.9, 9)

@@ -10,12 +10,13 @@ load between a and c, all together -2 s B, where, with u = pi x/L, A = pi a/L, C
                 p = p_0 - (2s/pi) arctan((cos u/cos C) sqrt((sin^2 C - sin^2 A)/(sin^2 A - sin^2 u)))
     gap         g = g_0 + (4s/pi E*) int_a^x artanh(X or 1/X) dx,   X = sqrt((x^2 - a^2)/(c^2 - a^2)),
                 X = cos C sqrt(cos^2 A - cos^2 u)/(cos u sqrt(cos^2 A - cos^2 C))
-    at c        d g/dc = g_0' + (4s/pi E*)(l dB/dc - r),   d g/da = -(2/pi E*) l (P_0' - 2s dB/da)
-    approach    d_0 - 2s int C dB,   d/dc = -2s (K dB/dc - (2/pi E*) l),   d/da = K (P_0' - 2s dB/da)
+    at c        d g/dc = g_0' + (4s/pi E*)(l dB/dc - r),   d g/da = -(2/pi E*) l d P/da
+    approach    d_0 - 2s int K dB,   d/dc = -2s (K dB/dc - (2/pi E*) l),   d/da = K d P/da
 
-with K the punch's compliance at a. D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T;
-cylinder: J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997) 393-406, doi 10.1163/156856197X00778; row of waves: derived
-here. As c reaches L/2 the tension acts everywhere: what is left is the frictionless zone under a uniform tension.
+with K the compliance of the punch at a, in the integral of each one between a and c. D. Maugis, J. Colloid Interface Sci. 150
+(1992) 243-269, doi 10.1016/0021-9797(92)90285-T; cylinder: J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997) 393-406,
+derived again; row of waves: derived here. As c reaches L/2 the tension acts everywhere: what is left is the frictionless zone
+under a uniform tension.
 """
 
 from __future__ import annotations
