@@ -4,6 +4,7 @@
 from contact import interrupts  # noqa: F401  isort: skip
 from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
 from contact.interactions import Interaction, Isolated, Localized, Periodic
+from contact.laws import Frictionless, Law
 from contact.paths import Event, Path, path
 from contact.planning import Plan, plan
 from contact.profiles import (
@@ -17,16 +18,31 @@ from contact.profiles import (
     Sinusoid,
     Wedge,
 )
-from contact.registry import interaction, interactions, profile, profiles, register_interaction, register_profile
+from contact.registry import (
+    interaction,
+    interactions,
+    law,
+    laws,
+    profile,
+    profiles,
+    register_interaction,
+    register_law,
+    register_profile,
+    register_substrate,
+    substrate,
+    substrates,
+)
 from contact.scene import E_star, Scene
 from contact.scene_file import load_scene
 from contact.solution import Solution
 from contact.solver import solve
+from contact.substrates import HalfPlane, Substrate
 
 __all__ = [
-    "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Interaction", "Isolated", "Localized", "MissingExtra",
+    "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated",
+    "Law", "Localized", "MissingExtra",
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",
-    "Sinusoid", "Solution", "Wedge", "interaction", "interactions", "load_scene", "path", "plan", "profile", "profiles",
-    "register_interaction", "register_profile", "solve",
+    "Sinusoid", "Solution", "Substrate", "Wedge", "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",
+    "profiles", "register_interaction", "register_law", "register_profile", "register_substrate", "solve", "substrate", "substrates",
 ]

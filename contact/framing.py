@@ -54,7 +54,7 @@ def framed(scene: Scene, single: bool, tilt: float = 0.0) -> Framed:
         origin, length, cell = _isolated_frame(scene, single)
     length = 2.0 ** round(math.log2(length))
     units = Units(origin, length, _typical_slope(scene, profile, length, cell), scene.E_star)
-    problem = Problem(profile, scene.interaction, units, lowest(profile, cell))
+    problem = Problem(profile, scene.interaction, scene.substrate, scene.law, units, lowest(profile, cell))
     return Framed(problem, scaled_control(scene, units), cell)
 
 
@@ -83,7 +83,8 @@ def _frame_of(scene: Scene, profile: Profile, window: Window) -> Framed:
     units = Units(_middle_or_tip(profile, window), length, _typical_slope(scene, profile, length, window), scene.E_star)
     moment = None if scene.moment is None else scene.moment / units.moment
     level = lowest(profile, window) if _datum(scene) is None else _lowest_unturned(scene)
-    return Framed(Problem(profile, scene.interaction, units, level, moment=moment), scaled_control(scene, units), window)
+    problem = Problem(profile, scene.interaction, scene.substrate, scene.law, units, level, moment=moment)
+    return Framed(problem, scaled_control(scene, units), window)
 
 
 def _window(scene: Scene, profile: Tilted) -> Window:
@@ -121,8 +122,7 @@ def _lowest_unturned(scene: Scene) -> float:
 
 
 def _datum(scene: Scene) -> float | None:
-    datum: float | None = scene.interaction.datum
-    return datum
+    return scene.operator.datum
 
 
 def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
@@ -136,7 +136,8 @@ def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
         return 0.5 * (lo + hi), 0.5 * (hi - lo), (lo, hi)
     rest = scene.operator.rest
     if single and rest is None:
-        rough = Problem(profile, scene.interaction, Units(0.0, 1.0, 1.0, scene.E_star), float(profile.height(0.0)))
+        plain = Units(0.0, 1.0, 1.0, scene.E_star)
+        rough = Problem(profile, scene.interaction, scene.substrate, scene.law, plain, float(profile.height(0.0)))
         a = guess_half_width(rough, scaled_control(scene, rough.units))
         return 0.0, a, (-2 * a, 2 * a)
     datum = _datum(scene)

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 import sie
 from contact.conjugate import Conjugate, conjugate_of
 from contact.extrema import maximum
+from contact.laws.base import Law
 from contact.operator import Operator
 from contact.problem import Problem
 from contact.profiles.base import Profile
@@ -39,10 +40,10 @@ class FullLimit(sie.Kept):
     possible: whether some load reaches it, and the model tells what the pressure then is.
     """
 
-    def __init__(self, profile: Profile, E_star: float, operator: Operator) -> None:
-        self.profile, self.E_star, self.operator = profile, E_star, operator
+    def __init__(self, profile: Profile, E_star: float, operator: Operator, law: Law) -> None:
+        self.profile, self.E_star, self.operator, self.law = profile, E_star, operator, law
         self.approached = operator.is_periodic and profile.support is None
-        self.possible = self.approached and operator.has_inverse and not has_kinked_valley(profile)
+        self.possible = self.approached and operator.has_inverse and law.full_contact and not has_kinked_valley(profile)
 
     @cached_property
     def conjugate(self) -> Conjugate:
@@ -121,7 +122,7 @@ def period_samples(profile: Profile) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class FullFields(sie.Kept):
-    """Full contact of a periodic profile: p = pbar - (E*/2) R; no gap."""
+    """Full contact of a periodic profile: p = pbar - (E*/2) R; no gap. mean_height: mean f - min f [m]."""
 
     problem: Problem
     mean_pressure: float
@@ -130,8 +131,13 @@ class FullFields(sie.Kept):
 
     @property
     def approach(self) -> float:
-        """mean f - min f, at any load: the displacement has no mean."""
-        return self.mean_height
+        """mean f - min f and the mean displacement, which only a body with a base has."""
+        return self.mean_height + self._compressed * self.mean_pressure
+
+    @property
+    def _compressed(self) -> float:
+        """Mean displacement of a unit of mean pressure [m/Pa]."""
+        return 2 * (self.problem.operator.compression or 0.0) / self.problem.units.E_star
 
     def pressure(self, x: ArrayLike) -> Array:
         slope = self.relief(np.asarray(x, dtype=float))
@@ -142,7 +148,7 @@ class FullFields(sie.Kept):
 
     def displacement(self, x: ArrayLike) -> Array:
         height = np.asarray(self.problem.profile.height(x))
-        return np.asarray(self.mean_height + self.problem.lowest - height)
+        return np.asarray(self.approach + self.problem.lowest - height)
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         raise IndexError("full contact has no zones: use pressure(x)")
@@ -171,7 +177,8 @@ class FullFields(sie.Kept):
 
     @property
     def stiffness(self) -> float:
-        return np.inf
+        assert self.problem.profile.period is not None
+        return self.problem.profile.period / self._compressed if self._compressed else np.inf
 
     @property
     def mean_gap(self) -> float:

@@ -19,9 +19,11 @@ from numpy.typing import NDArray
 
 import sie
 from contact.interactions.base import Interaction
+from contact.laws.base import Law
 from contact.operator import Operator
 from contact.profiles.base import Profile
 from contact.profiles.tilted import Tilted
+from contact.substrates.base import Substrate
 
 Array = NDArray[np.float64]
 
@@ -49,6 +51,11 @@ class Units:
     @property
     def height(self) -> float:
         return self.slope * self.length
+
+    @property
+    def intensity(self) -> float:
+        """Of a pressure K / sqrt(d)."""
+        return self.pressure * self.length**0.5
 
     @property
     def moment(self) -> float:
@@ -89,12 +96,14 @@ class Control:
 
 @dataclass(frozen=True, eq=False)
 class Problem(sie.Kept):
-    """Profile and interaction in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
+    """Profile, interaction, substrate and law in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
     reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell.
     moment: scaled, about x = 0; None where the tilt of the profile is not an unknown."""
 
     profile: Profile
     interaction: Interaction
+    substrate: Substrate
+    law: Law
     units: Units
     lowest: float
     centre: float = 0.0
@@ -121,7 +130,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def operator(self) -> Operator:
-        return Operator(self.interaction, self.profile.period if self.interaction.needs_period else None)
+        return Operator(self.interaction, self.substrate, self.profile.period if self.interaction.needs_period else None)
 
     @cached_property
     def kernel(self) -> sie.Kernel:
@@ -195,7 +204,26 @@ class Problem(sie.Kept):
 
     @cached_property
     def columns(self) -> tuple[sie.Forcing, ...]:
-        return self.interaction.columns(self.period, self.centre)
+        return self.operator.columns(self.centre, self.units.length)
+
+    @cached_property
+    def compression(self) -> float:
+        """Displacement of a unit of scaled uniform pressure, in units of height; 0 where it is not counted."""
+        return (self.operator.compression or 0.0) / self.units.length
+
+    @cached_property
+    def end(self) -> sie.End:
+        """The kind of an end that is free to move, by the law."""
+        return sie.free_with_intensity(self._intensity)
+
+    @cached_property
+    def held_end(self) -> sie.End:
+        """The kind of an end whose place is given."""
+        return sie.End(moves=False, intensity=self._intensity)
+
+    @property
+    def _intensity(self) -> float:
+        return self.law.intensity(self.units.E_star) / self.units.intensity
 
     @property
     def _turning(self) -> tuple[sie.Forcing, ...]:

@@ -110,7 +110,7 @@ def _carried(problem: Problem, control: Control, a: Array) -> Array:
 
 def carried_by(problem: Problem, kind: str, a: float) -> float:
     """Load (scaled) or approach (scaled) of one zone of half width a, bounded at both ends: one linear solve."""
-    zones = sie.Zones.of([[-a, a]], sie.BOUNDED, sie.BOUNDED, symmetric=True)
+    zones = sie.Zones.of([[-a, a]], problem.held_end, problem.held_end, symmetric=True)
     state = sie.solve_fixed(problem.equation(Control("half_width", a)), zones, 1e-13)
     if kind == "load":
         return state.density.total

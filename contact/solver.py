@@ -129,7 +129,7 @@ class _Run:
         # Where both load and tilt are unknown, and where the grid does not find the approach.
         self.by_loads = scene.turned and scene.moment is not None and scene.approach is not None
         self.operator = scene.operator
-        self.full = FullLimit(scene.profile, scene.E_star, self.operator)
+        self.full = FullLimit(scene.profile, scene.E_star, self.operator, scene.law)
 
     def solution(self) -> Solution:
         start = time.perf_counter()
@@ -142,7 +142,7 @@ class _Run:
         kind, value = self.scene.control
         if kind == "contact_fraction" and value == 1.0:
             return self._full(self._full_pressure_or_refuse())
-        if self.operator.rest is None:
+        if self.operator.is_plain and self.scene.law.convex:
             refuse_below_plateau(self.scene)
         refuse_unbounded(self.scene)
         found: Found | Gapped | None = self._beside_near()
@@ -232,10 +232,10 @@ class _Run:
         reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
         if not reach > 0.0:
             raise OutOfRange(f"moment {moment:.6g} N: the whole body lies on the other side of x = 0")
-        guess = scene.E_star * (0.3 * abs(wanted) or 1e-3 * (scene.interaction.datum or 1.0))
+        guess = scene.E_star * (0.3 * abs(wanted) or 1e-3 * (scene.operator.datum or 1.0))
         first = guess if self.near is None else self.near.load
         bounded, largest = known is not None and scene.profile.support is None, -math.inf
-        concave = moment == 0.0 and self.operator.rest is None
+        concave = moment == 0.0 and self.operator.is_plain and scene.law.convex
         for here, off in nearer(self._on_the_way, approach, wanted, first, abs(moment) / reach, bounded, concave):
             if off <= nearness:
                 return here
@@ -378,9 +378,14 @@ class _Run:
         return self._settle(problem, self.control, table)
 
     def _mean_pressure(self) -> float:
+        """Of full contact, from a load or an approach [Pa]."""
         kind, value = self.scene.control
         period = self.scene.profile.period
         assert period is not None
+        if kind == "approach":
+            # Beyond the mean of the profile, the base of the substrate gives way to a uniform pressure.
+            assert self.operator.compression
+            return 0.5 * self.scene.E_star * (value - self._mean_height) / self.operator.compression
         return value if kind == "mean_pressure" else value / period
 
     # full contact ---------------------------------------------------------------------------------------------------
@@ -402,9 +407,7 @@ class _Run:
     def _full(self, mean_pressure: float) -> Solution:
         scene, profile = self.scene, self.scene.profile
         self._full_pressure_or_refuse()
-        units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
-        problem = Problem(profile, scene.interaction, units, lowest(profile))
-        fields = FullFields(problem, mean_pressure, self.full.relief, mean_shape(problem) * units.height)
+        fields = FullFields(self._of_period, mean_pressure, self.full.relief, self._mean_height)
         least = mean_pressure - self.full.pressure
         certificate = Certificate(
             smallest_pressure=least, smallest_gap=None, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
@@ -420,6 +423,19 @@ class _Run:
             why = f"rounding of the heights leaves an error of {error:.1e} in full contact, above the tolerance {self.tol:.1e}"
             raise NotConverged(why, (), solution)
         return solution
+
+    @property
+    def _of_period(self) -> Problem:
+        """The scene scaled by its period."""
+        scene, profile = self.scene, self.scene.profile
+        units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
+        return Problem(profile, scene.interaction, scene.substrate, scene.law, units, lowest(profile))
+
+    @property
+    def _mean_height(self) -> float:
+        """mean f - min f over the period [m]."""
+        problem = self._of_period
+        return mean_shape(problem) * problem.units.height
 
     # zones ----------------------------------------------------------------------------------------------------------
     def _found(self) -> Found | Gapped | None:
@@ -456,6 +472,8 @@ class _Run:
         """Zones from a start, if there is one; else, and where it does not lead on, from scratch. near: the start is a solution's, which
         is given up as soon as it turns out to be far off: from there the way may be longer than from scratch."""
         if control.kind == "approach":
+            if self._is_full(control):
+                return None
             self._below_full_approach(control)
         # A width that a closure looks at on its way is none of the scene's.
         if self.scene.contact_fraction is not None and not self.single:
@@ -489,7 +507,7 @@ class _Run:
 
     def _worth_gaps(self, problem: Problem, width: float) -> bool:
         """Whether contact of about this scaled width is better solved by its gaps."""
-        if not self.full.approached or not self.operator.is_half_plane or problem.period is None:
+        if not (self.full.approached and self.operator.is_half_plane and self.scene.law.by_gaps) or problem.period is None:
             return False
         return width > (_NEARLY_FULL if self.full.possible or self.single else _WITH_KINKS) * problem.period
 
@@ -530,23 +548,23 @@ class _Run:
         return found
 
     def _is_full(self, control: Control) -> bool:
-        """Whether the load is that of full contact or above."""
-        if control.kind != "load" or not self.full.possible:
+        """Whether the load, or the approach of a body with a base, is that of full contact or above."""
+        if not self.full.possible or not (control.kind == "load" or (control.kind == "approach" and self.operator.compression)):
             return False
         return self._mean_pressure() >= self.full.pressure
 
     def _below_full_approach(self, control: Control) -> None:
-        datum, support = getattr(self.scene.interaction, "datum", None), self.scene.profile.support
+        datum, support = self.operator.datum, self.scene.profile.support
         upright = self.scene.is_flat and not self.scene.turned
         # A punch as wide as four times the datum has that of a line load there: no load lowers it.
-        if datum is not None and support is not None and upright and support[1] - support[0] >= 4 * datum:
+        if datum is not None and self.operator.is_plain and support is not None and upright and support[1] - support[0] >= 4 * datum:
             raise OutOfRange(
                 f"approach {control.value * self.problem.units.height:.6g} m: a flat punch of width "
                 f"{support[1] - support[0]:.6g} m has none above zero with a datum of {datum:.6g} m"
             )
-        if not self.full.approached or (self.operator.has_inverse and not self.full.possible):
+        if not self.full.approached or (self.operator.has_inverse and not self.full.possible) or self.operator.compression:
             return
-        # u has no mean under any operator of a period: the mean gap is that of the profile less the approach.
+        # Without a base u has no mean: the mean gap is that of the profile less the approach.
         highest, units = mean_shape(self.problem), self.problem.units
         # Both are differences from the lowest point, rounded as heights are.
         rounding = 8.0 * float(np.finfo(np.float64).eps) * (highest + abs(self.problem.lowest) / units.height)
@@ -598,7 +616,7 @@ class _Run:
                 # Along the branch from zero load the controlled quantity grows with the width up to its maximum.
                 exact = single_half_width(problem, control)
                 if exact is None:
-                    if not self.scene.interaction.exact or not (self.operator.is_periodic or self.operator.rest):
+                    if not self.scene.interaction.exact or (self.operator.is_plain and not self.operator.is_periodic):
                         top = largest_single_load(problem, control)
                         units = problem.units
                         unit = units.load if control.kind == "load" else units.height

@@ -52,23 +52,23 @@ CONTACT = """
     axisymmetric.spot
     axisymmetric.levels
     axisymmetric.__init__
-    registry spectrum terminal trace_text trace_units inverse.product
+    registry line_kernel laws.base spectrum terminal trace_text trace_units inverse.product
     trace_header
     trace_readings
     trace_file
     measured
     profiles.base exact.base
     profiles.declared profiles.* exact.*
-    exact.localized search testing inverse.profile
+    exact.localized search inverse.profile
     exact.__init__ profiles.__init__ inverse.designed
     paper.one_zone paper.principle paper.two_zones
     paper.parabola paper.wave paper.wedge
     paper.__init__
     inverse.random
     inverse.__init__
-    interactions.base
-    interactions.*
-    turning operator
+    interactions.base substrates.base laws.frictionless strip
+    interactions.* substrates.half_plane substrates.declared laws.__init__
+    turning operator substrates.__init__ testing
     interactions.declared
     problem interactions.__init__ scene
     bounded fields planning single scene_file answer leaning

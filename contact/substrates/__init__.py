@@ -1,0 +1,6 @@
+"""The elastic bodies, one a file; importing this package registers them."""
+
+from contact.substrates.base import Substrate
+from contact.substrates.half_plane import HalfPlane
+
+__all__ = ["HalfPlane", "Substrate"]
