@@ -36,11 +36,11 @@ from contact.scene import E_star, Scene
 from contact.scene_file import load_scene
 from contact.solution import Solution
 from contact.solver import solve
-from contact.substrates import HalfPlane, Substrate
+from contact.substrates import HalfPlane, Layer, Substrate
 
 __all__ = [
     "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated",
-    "Law", "Localized", "MissingExtra",
+    "Law", "Layer", "Localized", "MissingExtra",
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",
     "Sinusoid", "Solution", "Substrate", "Wedge", "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",

@@ -10,7 +10,7 @@ where S is the influence of the pressure on the displacement u,
     isolated:  u(x) = -(2 / (pi E)) int p(xi) ln(|x - xi| / d) dxi, p constant on a cell, integral closed,
 
 and on other bodies u_k times their symbol, and u_0 = 2 p_0 c / E, c their compression; or, isolated, with what their potential has beyond
-the logarithm, a smooth `rest` of the lag x - xi.
+the logarithm, a smooth `rest` of the lag x - xi and the width of a cell.
 
 This is the problem of Polonsky & Keer (1999), Wear 231, 206-219, doi 10.1016/S0043-1648(99)00113-1, and like
 theirs the method is a conjugate gradient under FFTs. Two things differ, because here the iterations must not
@@ -40,7 +40,7 @@ from contact.errors import OutOfRange
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-Rest = Callable[[Array], Array]
+Rest = Callable[[Array, float], Array]
 Symbol = Callable[[Array], Array]
 
 _AS_GOOD_AS_FULL = (
@@ -86,7 +86,7 @@ class Influence:
         step = n if period is None else period / h
         kernel = sum((_log_cell(lag + j * step) for j in range(-images, images + 1)), np.zeros(n + 1))
         if rest is not None:
-            kernel = kernel + rest(np.asarray(h * lag))
+            kernel = kernel + rest(np.asarray(h * lag), h)
         circulant = np.concatenate((kernel, kernel[n - 1 : 0 : -1]))
         scale = -2.0 / (np.pi * E)
         compliance = scale * h * scipy.fft.rfft(circulant).real

@@ -35,6 +35,8 @@ from contact.substrates.base import Substrate
 Array = NDArray[np.float64]
 Potential = Callable[[Array, Array], Array]
 Symbol = Callable[[Array], Array]
+# Of lags and the width of a cell.
+Rest = Callable[[Array, float], Array]
 
 # Places over a period at which a kernel is compared with Hilbert's, and what rounding makes of no difference.
 _PLACES, _NOTHING = 4096, 1e-13
@@ -142,8 +144,12 @@ class Operator(sie.Kept):
         plain = sie.images(period, shifts, datum=scaled) if period is not None else sie.cauchy(scaled)
         if smooth.is_zero:
             return plain
-        raised = 0.0 if own or datum is None else -float(smooth.potential(np.array(datum)))
+        raised = self._raised(datum)
         return plain + sie.Smooth(_Lines(smooth.value, plain.poles, unit, unit), _Lines(smooth.potential, plain.poles, unit, 1.0, raised))
+
+    def _raised(self, datum: float | None) -> float:
+        """What makes the potential of a line load vanish in the datum [m], or far away from a body with a base."""
+        return 0.0 if self.compression is not None or datum is None else -float(self.smooth_part.potential(np.array(datum)))
 
     def _own_kernel(self, period: float | None, unit: float) -> sie.Kernel:
         interaction = self.interaction
@@ -188,13 +194,16 @@ class Operator(sie.Kept):
         return np.asarray(np.maximum(found, _SOFTEST), dtype=np.float64)
 
     @cached_property
-    def rest(self) -> Callable[[Array], Array] | None:
-        """Potential of the lag x - xi [m], less that of half-plane sources; None where there is nothing else, or only a strip."""
+    def rest(self) -> Rest | None:
+        """Potential of the lag x - xi [m], less that of half-plane sources, in the mean of cells of a width [m]; None where there is nothing
+        else, or only a strip."""
         if self.interaction.strip or (not self.is_own and self.is_plain):
             return None
         if self.period is None:
             kernel = self.kernel(1.0)
-            return None if kernel.regular is None else _Rest(kernel)
+            if self.is_own:
+                return None if kernel.regular is None else _Rest(kernel)
+            return _Cells(self.smooth_part.primitive, (0.0,), self._raised(self.datum))
         if self.is_half_plane:
             return None
         kernel = self.kernel(1.0)
@@ -203,10 +212,11 @@ class Operator(sie.Kept):
         return rest if float(np.abs(rest(lag)).max()) > _NOTHING else None
 
     @cached_property
-    def strip_rest(self) -> Callable[[Array], Array] | None:
+    def strip_rest(self) -> Rest | None:
         """The same of a strip and its images, up to a constant; None on a half-plane."""
-        potential = None if self.is_own else self.kernel(1.0).regular_potential
-        return None if potential is None else lambda lag: potential(lag, np.zeros(1))
+        if self.is_own or self.smooth_part.is_zero:
+            return None
+        return _Cells(self.smooth_part.primitive, self.kernel(1.0).poles)
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,6 +233,19 @@ class _Lines:
         lag = x - xi
         total = sum((self.of((lag - pole) * self.unit) for pole in self.poles), np.zeros(np.shape(lag)))
         return np.asarray(self.factor * total + len(self.poles) * self.raised)
+
+
+@dataclass(frozen=True, eq=False)
+class _Cells:
+    """The mean of a potential over a cell about the lag [m], by its primitive, summed over images: cells may be wider than it varies."""
+
+    primitive: Callable[[Array], Array]
+    poles: tuple[float, ...]
+    raised: float = 0.0
+
+    def __call__(self, lag: Array, width: float) -> Array:
+        rise = sum((self.primitive(lag - s + 0.5 * width) - self.primitive(lag - s - 0.5 * width) for s in self.poles), np.zeros(len(lag)))
+        return np.asarray(rise / width + self.raised)
 
 
 @dataclass(frozen=True, eq=False)
@@ -243,7 +266,7 @@ class _Rest:
     kernel: sie.Kernel
     period: float | None = None
 
-    def __call__(self, lag: Array) -> Array:
+    def __call__(self, lag: Array, width: float = 0.0) -> Array:
         if self.period is None:
             return smooth_potential(self.kernel, lag)
         lag = lag - np.round(lag / self.period) * self.period

@@ -158,6 +158,8 @@ def zone_is_given(scene: Scene) -> bool:
 
 
 def starts_from_one_zone(scene: Scene) -> bool:
-    """Whether the first guess is one zone about the tip of a symmetric asperity."""
+    """Whether the first guess is one zone about the tip of a symmetric asperity, as wide as on a half-plane."""
     summits = scene.profile.summits
+    if not scene.operator.is_plain:
+        return False
     return not scene.turned and bool(scene.profile.symmetric and summits is not None and len(summits) == 1 and summits[0] == 0.0)

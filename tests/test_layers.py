@@ -67,7 +67,7 @@ CONTACT = """
     inverse.random
     inverse.__init__
     interactions.base substrates.base laws.frictionless strip
-    interactions.* substrates.half_plane substrates.declared laws.__init__
+    interactions.* substrates.half_plane substrates.layer substrates.declared laws.__init__
     turning operator substrates.__init__ testing
     interactions.declared
     problem interactions.__init__ scene

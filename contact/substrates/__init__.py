@@ -2,5 +2,6 @@
 
 from contact.substrates.base import Substrate
 from contact.substrates.half_plane import HalfPlane
+from contact.substrates.layer import Layer
 
-__all__ = ["HalfPlane", "Substrate"]
+__all__ = ["HalfPlane", "Layer", "Substrate"]
