@@ -3,11 +3,9 @@
 # First: a command may be interrupted while the rest is imported.
 from contact import interrupts  # noqa: F401  isort: skip
 from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
-from contact.interactions import Interaction, Isolated, Localized, Periodic
-from contact.laws import Frictionless, Law
-from contact.paths import Event, Path, path
-from contact.planning import Plan, plan
-from contact.profiles import (
+from contact.model.interactions import Interaction, Isolated, Localized, Periodic
+from contact.model.laws import Frictionless, Law
+from contact.model.profiles import (
     Biquadratic,
     Flat,
     Fourier,
@@ -18,7 +16,7 @@ from contact.profiles import (
     Sinusoid,
     Wedge,
 )
-from contact.registry import (
+from contact.model.registry import (
     interaction,
     interactions,
     law,
@@ -32,11 +30,13 @@ from contact.registry import (
     substrate,
     substrates,
 )
-from contact.scene import E_star, Scene
-from contact.scene_file import load_scene
-from contact.solution import Solution
+from contact.model.scene import E_star, Scene
+from contact.model.scene_file import load_scene
+from contact.model.substrates import HalfPlane, Layer, Substrate
+from contact.solution.plan import Plan, plan
+from contact.solution.solution import Solution
 from contact.solver import solve
-from contact.substrates import HalfPlane, Layer, Substrate
+from contact.sweeps.paths import Event, Path, path
 
 __all__ = [
     "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated",

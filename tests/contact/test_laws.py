@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contact
-from contact import registry
+from contact.model import registry
 
 WAVE = contact.Sinusoid(0.01, 1.0)
 SCENE = contact.Scene(WAVE, 1.0, contact.Periodic(), mean_pressure=0.01)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import contact
-from benchmarks.grid_judge import judge_line, judge_period
-from contact import registry
-from contact.line_kernel import SmoothPart
+from contact.model import registry
+from contact.model.line_kernel import SmoothPart
+from contact.studies.grid_judge import judge_line, judge_period
 from contact.testing import SubstrateFault, check_substrate
 from tests.contact.judge import solve, true_error
 from tests.contact.test_own_operator import harmonic
@@ -252,7 +252,7 @@ def test_what_is_no_substrate_is_refused(wrong):
 def test_a_datum_beside_a_base_and_a_kernel_beside_a_substrate_are_refused():
     with pytest.raises(contact.SceneError, match="a base that displacements count from"):
         contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(datum=1.0), substrate=Grounded(), load=0.01)
-    from benchmarks.own_models import Bed
+    from contact.studies.own_models import Bed
 
     with pytest.raises(contact.SceneError, match="a kernel of its own"):
         contact.Scene(WAVE, 1.0, Bed(0.5, 0.1), substrate=Soft(), mean_pressure=0.01)

@@ -1,0 +1,63 @@
+"""What an interaction model is: how the rest of the surface acts on the zones that are solved.
+
+What a line load does is the substrate's; a model says whether it acts alone, with all periods, or with the images of a strip, and names
+right-hand-side terms of unknown amplitude and the conditions that close them. It works in scaled lengths: `period` and `unit` (metres per
+scaled length) are given to it.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.model.laws.base import CONTROLS
+
+Array = NDArray[np.float64]
+
+TURNING = ("tilt", "moment")
+
+
+class Interaction:
+    """Base of the interaction models. A model is a frozen dataclass in a file of its own.
+
+    needs_period: the model means nothing without one: all periods act, unless it has a `strip`. allows: the controls it
+    accepts. exact: nothing is approximated. datum, where nothing repeats: the distance [m] from a line load at which it displaces
+    nothing; without it a substrate without a base has no approach.
+    strip: the zones are those of one strip, cut from the period at its widest gap and centred on them; neighbours: how many copies of it
+    on each side are in its kernel.
+    turns: one body alone, which may be given a tilt or a moment.
+    follows_isolated: the amplitude of the first column is the mean isolated load of the same total width.
+    """
+
+    name: ClassVar[str]
+    needs_period: ClassVar[bool] = False
+    allows: ClassVar[tuple[str, ...]] = CONTROLS
+    exact: ClassVar[bool] = True
+    strip: ClassVar[bool] = False
+    turns: ClassVar[bool] = False
+    datum: Any = None
+    neighbours: Any = 0
+
+    @property
+    def follows_isolated(self) -> bool:
+        return False
+
+    def kernel(self, period: float | None, unit: float) -> sie.Kernel:
+        """A kernel of one's own in scaled lengths, of x - xi alone, in place of the substrate's; left out as a rule."""
+        raise NotImplementedError(f"{type(self).__name__} has no kernel of its own: that of the substrate acts")
+
+    def symbol(self, q: Array) -> Array:
+        """The symbol L(q) of one's own kernel, q [1/m], by which it has an inverse; of all periods it may stand in place of the kernel."""
+        raise NotImplementedError(f"{type(self).__name__} has no symbol of its own: that of the substrate acts")
+
+    def columns(self, period: float | None, centre: float) -> tuple[sie.Forcing, ...]:
+        """Terms of the right side with an unknown amplitude, about the centre of the strip. Left out, a model with a `strip` has one,
+        that of the nominal pressure beyond the strip."""
+        return ()
+
+    def side_conditions(self, period: float | None) -> tuple[sie.Condition, ...]:
+        """One condition for each column."""
+        return ()

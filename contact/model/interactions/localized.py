@@ -1,0 +1,53 @@
+"""The localization principle of Goryacheva & Tsukanov (2020, doi 10.3389/fmech.2020.00045), equation (13).
+
+The zones of one strip are solved exactly, with m copies of the strip on each side kept explicitly; beyond the width
+W = (2m + 1) L only the nominal pressure acts, which adds
+
+    (2 pbar / pi) artanh(2 (x - centre) / W)
+
+to the right side on a half-plane (contact.model.strip, for other substrates as well), and to the displacement what a uniform pressure on
+everything but the strip does.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sie
+from contact.errors import SceneError
+from contact.model.checks import integer, one_of
+from contact.model.interactions.base import Interaction
+from contact.model.registry import register_interaction
+
+CLOSURES = ("first-order", "self-consistent")
+
+
+@register_interaction("localized")
+@dataclass(frozen=True)
+class Localized(Interaction):
+    """One strip solved exactly, the rest of the surface as its nominal pressure, self-consistent or to first order.
+
+    closure: what pbar is. "first-order" takes the isolated load of the same total width over L, as the paper's worked
+    examples do; "self-consistent" takes the load itself. neighbours: m, self-consistent only if above 0.
+    """
+
+    closure: str = "first-order"
+    neighbours: int = 0
+    needs_period = True
+    allows = ("load", "mean_pressure", "approach", "half_width")
+    exact = False
+    strip = True
+
+    def __post_init__(self) -> None:
+        one_of("closure", self.closure, CLOSURES)
+        integer("neighbours", self.neighbours)
+        if self.neighbours and self.follows_isolated:
+            raise SceneError.of("neighbours", self.neighbours, "0 with closure 'first-order'; more are self-consistent")
+
+    @property
+    def follows_isolated(self) -> bool:
+        return self.closure == "first-order"
+
+    def side_conditions(self, period: float | None) -> tuple[sie.Condition, ...]:
+        assert period is not None
+        return (sie.Amplitude(0, per_total=1 / period),)
