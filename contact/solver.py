@@ -19,7 +19,6 @@ from contact.search.find import found
 from contact.search.full_contact import Full
 from contact.search.guesses import Outcome
 from contact.search.refine import refined
-from contact.search.scaling import lowest
 from contact.search.task import Task
 from contact.search.topology import Progress
 from contact.solution import made, validity
@@ -43,13 +42,18 @@ def solve(
         raise SceneError.of("tol", tol, "a number from 1e-13 to below 1")
     if near is not None and not isinstance(near, Solution):
         raise SceneError.of("near", near, "None, or a contact.Solution")
-    if near is not None and (near.scene.profile, near.scene.interaction) != (scene.profile, scene.interaction):
-        raise SceneError("near must be a solution of the same profile and interaction model", "near", near.scene)
+    if near is not None and _of(near.scene) != _of(scene):
+        raise SceneError("near must be a solution of the same profile, interaction model, substrate and law", "near", near.scene)
     of_scene = validity.of_scene(scene)
     warn(of_scene)
     solution = _solved(scene, float(tol), progress, near)
     warn(validity.of_solution(solution)[len(of_scene) :])
     return solution
+
+
+def _of(scene: Scene) -> tuple[object, ...]:
+    """All of a scene but its control and its modulus."""
+    return scene.profile, scene.interaction, scene.substrate, scene.law
 
 
 def _solved(scene: Scene, tol: float, progress: Progress | None, near: Solution | None) -> Solution:
@@ -63,6 +67,6 @@ def _solved(scene: Scene, tol: float, progress: Progress | None, near: Solution 
 
 def _solution(task: Task, outcome: Outcome) -> Solution:
     if isinstance(outcome, Full):
-        return made.of_full(task.scene, task.full, outcome.mean_pressure, lowest(task.scene.profile), task.plan, task.tol)
+        return made.of_full(task.scene, task.full, outcome.mean_pressure, task.plan, task.tol)
     make = made.of_gaps if isinstance(outcome, Gapped) else made.of_zones
     return make(task.scene, outcome, task.plan, task.tol)  # type: ignore[arg-type]

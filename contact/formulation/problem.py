@@ -21,9 +21,11 @@ import sie
 from contact.formulation.controls import Control
 from contact.formulation.units import Units
 from contact.model.interactions.base import Interaction
+from contact.model.laws.base import Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
+from contact.model.substrates.base import Substrate
 
 Array = NDArray[np.float64]
 
@@ -35,12 +37,14 @@ def minus_one(x: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Problem(sie.Kept):
-    """Profile and interaction in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
+    """Profile, interaction, substrate and law in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
     reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell.
     moment: scaled, about x = 0; None where the tilt of the profile is not an unknown."""
 
     profile: Profile
     interaction: Interaction
+    substrate: Substrate
+    law: Law
     units: Units
     lowest: float
     centre: float = 0.0
@@ -67,7 +71,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def operator(self) -> Operator:
-        return Operator(self.interaction, self.profile.period if self.interaction.needs_period else None)
+        return Operator(self.interaction, self.substrate, self.profile.period if self.interaction.needs_period else None)
 
     @cached_property
     def kernel(self) -> sie.Kernel:
@@ -141,7 +145,26 @@ class Problem(sie.Kept):
 
     @cached_property
     def columns(self) -> tuple[sie.Forcing, ...]:
-        return self.interaction.columns(self.period, self.centre)
+        return self.operator.columns(self.centre, self.units.length)
+
+    @cached_property
+    def compression(self) -> float:
+        """Displacement of a unit of scaled uniform pressure, in units of height; 0 where it is not counted."""
+        return (self.operator.compression or 0.0) / self.units.length
+
+    @cached_property
+    def end(self) -> sie.End:
+        """The kind of an end that is free to move, by the law."""
+        return sie.free_with_intensity(self._intensity)
+
+    @cached_property
+    def held_end(self) -> sie.End:
+        """The kind of an end whose place is given."""
+        return sie.End(moves=False, intensity=self._intensity)
+
+    @property
+    def _intensity(self) -> float:
+        return self.law.intensity(self.units.E_star) / self.units.intensity
 
     @property
     def _turning(self) -> tuple[sie.Forcing, ...]:

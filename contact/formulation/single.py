@@ -111,7 +111,7 @@ def _carried(problem: Problem, control: Control, a: Array) -> Array:
 
 def carried_by(problem: Problem, control: Control, a: float) -> float:
     """The controlled quantity, load or approach, of one zone of half width a, bounded at both ends: one linear solve."""
-    zones = sie.Zones.of([[-a, a]], sie.BOUNDED, sie.BOUNDED, symmetric=True)
+    zones = sie.Zones.of([[-a, a]], problem.held_end, problem.held_end, symmetric=True)
     state = sie.solve_fixed(problem.equation(HalfWidth(a)), zones, 1e-13)
     if control.load is not None:
         return state.density.total

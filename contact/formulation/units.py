@@ -35,6 +35,11 @@ class Units:
         return self.slope * self.length
 
     @property
+    def intensity(self) -> float:
+        """Of a pressure K / sqrt(d)."""
+        return self.pressure * self.length**0.5
+
+    @property
     def moment(self) -> float:
         return self.load * self.length
 

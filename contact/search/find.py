@@ -27,7 +27,7 @@ def found(task: Task) -> Outcome:
     scene = task.scene
     if scene.contact_fraction == 1.0:
         return smallest_full(task)
-    if task.operator.rest is None:
+    if task.operator.is_plain and scene.law.convex:
         refuse_below_plateau(scene)
     refuse_unbounded(scene)
     if scene.turned and scene.moment is not None and scene.approach is not None:

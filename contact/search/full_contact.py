@@ -12,6 +12,7 @@ from contact.formulation.controls import Control
 from contact.formulation.fields import mean_shape
 from contact.formulation.problem import Problem
 from contact.search.task import Task
+from contact.solution.made import mean_height
 
 
 @dataclass(frozen=True)
@@ -40,11 +41,18 @@ def no_inverse(task: Task, what: str) -> str:
 
 
 def full_under(task: Task, control: Control) -> Full | None:
-    """Full contact, if the load is that of it or above."""
-    period, load = task.scene.profile.period, task.scene.given_load
-    if control.load is None or load is None or period is None or not task.full.possible:
+    """Full contact, if the load, or the approach of a body with a base, is that of it or above."""
+    scene, compression = task.scene, task.operator.compression
+    period = scene.profile.period
+    if not task.full.possible or period is None:
         return None
-    mean_pressure = load / period if task.scene.mean_pressure is None else task.scene.mean_pressure
+    if control.load is not None and scene.given_load is not None:
+        mean_pressure = scene.given_load / period if scene.mean_pressure is None else scene.mean_pressure
+    elif control.approach is not None and scene.approach is not None and compression:
+        # Beyond the mean of the profile, the base of the substrate gives way to a uniform pressure.
+        mean_pressure = 0.5 * scene.E_star * (scene.approach - mean_height(scene)) / compression
+    else:
+        return None
     return Full(mean_pressure) if mean_pressure >= task.full.pressure else None
 
 
@@ -53,17 +61,17 @@ def refuse_full_approach(task: Task, problem: Problem, control: Control) -> None
     if control.approach is None:
         return
     scene, units = task.scene, problem.units
-    datum, support = getattr(scene.interaction, "datum", None), scene.profile.support
+    datum, support = task.operator.datum, scene.profile.support
     upright = scene.is_flat and not scene.turned
     # A punch as wide as four times the datum has that of a line load there: no load lowers it.
-    if datum is not None and support is not None and upright and support[1] - support[0] >= 4 * datum:
+    if datum is not None and task.operator.is_plain and support is not None and upright and support[1] - support[0] >= 4 * datum:
         raise OutOfRange(
             f"approach {control.approach * units.height:.6g} m: a flat punch of width {support[1] - support[0]:.6g} m has none above zero "
             f"with a datum of {datum:.6g} m"
         )
-    if not task.full.approached or (task.operator.has_inverse and not task.full.possible):
+    if not task.full.approached or (task.operator.has_inverse and not task.full.possible) or task.operator.compression:
         return
-    # u has no mean under any operator of a period: the mean gap is that of the profile less the approach.
+    # Without a base u has no mean: the mean gap is that of the profile less the approach.
     highest = mean_shape(problem)
     # Both are differences from the lowest point, rounded as heights are.
     rounding = 8.0 * float(np.finfo(np.float64).eps) * (highest + abs(problem.lowest) / units.height)

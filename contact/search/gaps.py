@@ -31,7 +31,7 @@ NOT_WIDE = Missed("the contact is not wide enough to be solved by its gaps, or t
 
 def worth_gaps(task: Task, problem: Problem, width: float) -> bool:
     """Whether contact of about this scaled width is better solved by its gaps."""
-    if not task.full.approached or not task.operator.is_half_plane or problem.period is None:
+    if not (task.full.approached and task.operator.is_half_plane and task.scene.law.by_gaps) or problem.period is None:
         return False
     return width > (_NEARLY_FULL if task.full.possible or task.single else _WITH_KINKS) * problem.period
 

@@ -44,6 +44,8 @@ _AT_STRIP = f"a contact zone reaches the border of the strip that the localized 
 
 def search(task: Task, frame: Framed, start: Array | None = None) -> Outcome:
     """The contact from the first guess that leads on. start: scaled zones of a solution near by."""
+    if frame.control.approach is not None and (full := full_under(task, frame.control)):
+        return full
     refuse_full_approach(task, frame.problem, frame.control)
     # A width that a closure looks at on its way is none of the scene's.
     if task.scene.contact_fraction is not None and not task.single:
@@ -115,7 +117,7 @@ def _one_zone(task: Task, frame: Framed, start: Array | None) -> Outcome | Misse
     with task.plan.timed("zone ends"):
         exact = single_half_width(problem, control)
         if exact is None:
-            if task.scene.interaction.exact and (task.operator.is_periodic or task.operator.rest is not None):
+            if task.scene.interaction.exact and (task.operator.is_periodic or not task.operator.is_plain):
                 return found
             half_width, highest = largest_single_load(problem, control)
             units = problem.units

@@ -52,10 +52,10 @@ def at_approach(task: Task, nearness: float) -> Solution:
     reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
     if not reach > 0.0:
         raise OutOfRange(f"moment {moment:.6g} N: the whole body lies on the other side of x = 0")
-    guess = scene.E_star * (0.3 * abs(wanted) or 1e-3 * (scene.interaction.datum or 1.0))
+    guess = scene.E_star * (0.3 * abs(wanted) or 1e-3 * (scene.operator.datum or 1.0))
     first = guess if task.near is None else task.near.load
     bounded, largest = known is not None and scene.profile.support is None, -math.inf
-    concave = moment == 0.0 and task.operator.rest is None
+    concave = moment == 0.0 and task.operator.is_plain and scene.law.convex
     for here, off in nearer(_on_the_way(task), approach, wanted, first, abs(moment) / reach, bounded, concave):
         if off <= nearness:
             return here

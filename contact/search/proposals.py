@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
+from contact.model.interactions.periodic import Periodic
 from contact.search.coarse import Proposal, grid_height, propose
 from contact.search.scaling import Framed
 from contact.search.tilt import known_part
@@ -59,10 +60,13 @@ def proposed(
     if problem.moment is not None:
         return _by_moment(frame, problem, control, points)
     units, profile, interaction = problem.units, problem.profile, problem.interaction
-    by_load = control.load is not None
+    operator, by_load = problem.operator, control.load is not None
+    # Of a strip the grid of the whole period tells where to cut.
+    whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
     found = propose(
         partial(grid_height, profile) if by_load else profile.height, frame.cell, E=units.E_star,
-        periodic=interaction.needs_period, datum=interaction.datum or 1.0, rest=problem.operator.rest,
+        periodic=interaction.needs_period, datum=operator.datum or 1.0, rest=None if interaction.needs_period else operator.rest,
+        symbol=None if operator.is_plain else whole.multiplier, compression=operator.compression or 0.0,
         resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height, tol=tol,
     )
@@ -86,8 +90,8 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
         assert column is not None
         found = propose(
             partial(grid_height, profile), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), E=units.E_star,
-            periodic=False, images=interaction.neighbours, resolution=profile.feature, points=points, load=load,
-            extra=partial(_beyond, units, nominal, column),
+            periodic=False, images=interaction.neighbours, rest=problem.operator.strip_rest, resolution=profile.feature,
+            points=points, load=load, extra=partial(_beyond, units, nominal, column),
         )
         before, middle = middle, 0.5 * float(found.zones[0, 0] + found.zones[-1, 1])
         if held or abs(middle - before) <= _CELLS * profile.period / found.points:

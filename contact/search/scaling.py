@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control, scaled_control
-from contact.formulation.full import period_samples
-from contact.formulation.maxima import maximum
+from contact.formulation.full import lowest
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
 from contact.formulation.units import Units
@@ -56,7 +55,7 @@ def framed(scene: Scene, single: bool, tilt: float = 0.0) -> Framed:
         origin, length, cell = _isolated_frame(scene, single)
     length = 2.0 ** round(math.log2(length))
     units = Units(origin, length, _typical_slope(scene, profile, length, cell), scene.E_star)
-    problem = Problem(profile, scene.interaction, units, lowest(profile, cell))
+    problem = Problem(profile, scene.interaction, scene.substrate, scene.law, units, lowest(profile, cell))
     return Framed(problem, scaled_control(scene, units), cell)
 
 
@@ -85,7 +84,8 @@ def _frame_of(scene: Scene, profile: Profile, window: Window) -> Framed:
     units = Units(_middle_or_tip(profile, window), length, _typical_slope(scene, profile, length, window), scene.E_star)
     moment = None if scene.moment is None else scene.moment / units.moment
     level = lowest(profile, window) if _datum(scene) is None else _lowest_unturned(scene)
-    return Framed(Problem(profile, scene.interaction, units, level, moment=moment), scaled_control(scene, units), window)
+    problem = Problem(profile, scene.interaction, scene.substrate, scene.law, units, level, moment=moment)
+    return Framed(problem, scaled_control(scene, units), window)
 
 
 def _window(scene: Scene, profile: Tilted) -> Window:
@@ -121,8 +121,7 @@ def _lowest_unturned(scene: Scene) -> float:
 
 
 def _datum(scene: Scene) -> float | None:
-    datum: float | None = scene.interaction.datum
-    return datum
+    return scene.operator.datum
 
 
 def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
@@ -136,7 +135,8 @@ def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
         return 0.5 * (lo + hi), 0.5 * (hi - lo), (lo, hi)
     rest = scene.operator.rest
     if single and rest is None:
-        rough = Problem(profile, scene.interaction, Units(0.0, 1.0, 1.0, scene.E_star), float(profile.height(0.0)))
+        plain = Units(0.0, 1.0, 1.0, scene.E_star)
+        rough = Problem(profile, scene.interaction, scene.substrate, scene.law, plain, float(profile.height(0.0)))
         a = guess_half_width(rough, scaled_control(scene, rough.units))
         return 0.0, a, (-2 * a, 2 * a)
     datum = _datum(scene)
@@ -180,19 +180,6 @@ def _middle_or_tip(profile: Profile, window: Window) -> float:
     tips = profile.kinks[profile.kinks[:, 1] > 0, 0]
     tips = tips[(window[0] < tips) & (tips < window[1])]
     return float(tips[np.argmin(profile.height(tips))]) if len(tips) else 0.5 * (window[0] + window[1])
-
-
-def lowest(profile: Profile, cell: Window | None = None) -> float:
-    """min f, over the period or, without one, over a window that holds the tip."""
-    if profile.summits is not None:
-        return float(np.min(profile.height(np.asarray(profile.summits))))
-    if profile.period is not None:
-        x = period_samples(profile)
-    else:
-        assert cell is not None
-        per_feature = 0.0 if profile.resolution is None else 4 * (cell[1] - cell[0]) / profile.resolution
-        x = np.linspace(*cell, int(np.clip(per_feature, 1025, 2**20)))
-    return -maximum(lambda points: -np.asarray(profile.height(points)), x)[1]
 
 
 def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) -> float:

@@ -52,7 +52,7 @@ class Task:
     @classmethod
     def of(cls, scene: Scene, tol: float, progress: Progress | None, near: Solution | None, under: Solver) -> Task:
         operator = scene.operator
-        full = FullLimit(scene.profile, scene.E_star, operator)
+        full = FullLimit(scene.profile, scene.E_star, operator, scene.law)
         return cls(scene, tol, plan(scene), operator, full, starts_from_one_zone(scene), max(0.1 * tol, LEAST), under, progress, near)
 
     def to(self, tolerance: float) -> Task:

@@ -170,11 +170,10 @@ def _is_error(free: sie.Free, certificate: Certificate) -> bool:
 
 
 def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
-    """Zones with the kinds of their ends: held at sharp corners and where the half width is given, else free."""
+    """Zones with the kinds of their ends: held at sharp corners and where the half width is given, else as the law says."""
     count = len(table)
-    left, right = [sie.FREE] * count, [sie.FREE] * count
-    if control.half_width is not None:
-        left, right = [sie.BOUNDED] * count, [sie.BOUNDED] * count
+    end = problem.end if control.half_width is None else problem.held_end
+    left, right = [end] * count, [end] * count
     lo, hi = problem.walls
     table = np.clip(table, lo, hi)
     symmetric = is_symmetric(problem, table)
@@ -203,8 +202,8 @@ def load_controlled(problem: Problem, control: Control, free: sie.Free, toleranc
         return ZoneFields(problem, free.state)
     zones = free.density.zones
     total = free.density.total if free.value is None else free.value
-    left = [sie.FREE if end == sie.BOUNDED else end for end in zones.left]
-    right = [sie.FREE if end == sie.BOUNDED else end for end in zones.right]
+    left = [problem.end if end == problem.held_end else end for end in zones.left]
+    right = [problem.end if end == problem.held_end else end for end in zones.right]
     ends = replace(zones, left=left, right=right)
     equation = problem.equation(Load(total))
     state = sie.solve_zones(equation, ends, max(0.1 * tolerance, 3e-16))

@@ -11,7 +11,7 @@ import sie
 from contact.errors import NotConverged
 from contact.formulation.controls import scaled_control
 from contact.formulation.fields import mean_shape
-from contact.formulation.full import FullFields, FullLimit, period_samples
+from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
 from contact.model.scene import Scene
@@ -60,12 +60,10 @@ def of_gaps(scene: Scene, found: Gapped, plan: Plan, tol: float) -> Solution:
     return _within(tol, solution, found.free, "gap")
 
 
-def of_full(scene: Scene, full: FullLimit, mean_pressure: float, lowest: float, plan: Plan, tol: float) -> Solution:
+def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol: float) -> Solution:
     """Full contact; NotConverged with it where rounding of the heights leaves an error above the tolerance."""
     profile = scene.profile
-    units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
-    problem = Problem(profile, scene.interaction, units, lowest)
-    fields = FullFields(problem, mean_pressure, full.relief, mean_shape(problem) * units.height)
+    fields = FullFields(of_period(scene), mean_pressure, full.relief, mean_height(scene))
     least = mean_pressure - full.pressure
     certificate = Certificate(
         smallest_pressure=least, smallest_gap=None, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
@@ -81,6 +79,19 @@ def of_full(scene: Scene, full: FullLimit, mean_pressure: float, lowest: float, 
         why = f"rounding of the heights leaves an error of {error:.1e} in full contact, above the tolerance {tol:.1e}"
         raise NotConverged(why, (), solution)
     return solution
+
+
+def of_period(scene: Scene) -> Problem:
+    """The scene scaled by its period."""
+    profile = scene.profile
+    units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
+    return Problem(profile, scene.interaction, scene.substrate, scene.law, units, lowest(profile))
+
+
+def mean_height(scene: Scene) -> float:
+    """mean f - min f over the period [m]."""
+    problem = of_period(scene)
+    return mean_shape(problem) * problem.units.height
 
 
 def in_cell(scene: Scene, table: Array) -> Array:

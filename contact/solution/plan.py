@@ -130,13 +130,13 @@ def plan(scene: Scene) -> Plan:
 
 def _inverse(scene: Scene) -> Part:
     """What the model's operator offers beyond its kernel: full contact, and nearly full contact by its gaps."""
-    operator, name = scene.operator, scene.interaction.name
+    operator, name = scene.operator, scene.interaction.name if scene.operator.is_own else scene.substrate.name
     if not operator.is_periodic:
-        return Part("inverse operator", False, f"{name} has no full contact")
+        return Part("inverse operator", False, f"{scene.interaction.name} has no full contact")
     if operator.is_half_plane:
         return Part("inverse operator", True, "half-plane: full contact, and gaps where contact is nearly full")
     if operator.has_inverse:
-        return Part("inverse operator", True, f"{name} declares its symbol: full contact; gaps on a half-plane only")
+        return Part("inverse operator", True, f"{name} has a symbol: full contact; gaps on a half-plane only")
     return Part("inverse operator", False, f"{name} declares no symbol: by its zones alone, no full contact")
 
 
@@ -161,6 +161,8 @@ def zone_is_given(scene: Scene) -> bool:
 
 
 def starts_from_one_zone(scene: Scene) -> bool:
-    """Whether the first guess is one zone about the tip of a symmetric asperity."""
+    """Whether the first guess is one zone about the tip of a symmetric asperity, as wide as on a half-plane."""
     summits = scene.profile.summits
+    if not scene.operator.is_plain:
+        return False
     return not scene.turned and bool(scene.profile.symmetric and summits is not None and len(summits) == 1 and summits[0] == 0.0)

@@ -84,6 +84,8 @@ def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress |
     """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
+    if not scene.law.convex:
+        raise SceneError.of("law", scene.law.name, "one under which contact only grows with the load: a path under others is not followed")
     values = finite_array("loads", loads)
     if np.any(values <= 0):
         raise SceneError.of("loads", loads, "positive")
@@ -200,7 +202,7 @@ def _changes(low: Solution, high: Solution) -> list[_Change]:
     if len(high.zones) == 0:
         return [] if len(low.zones) == 0 else [_Change("full", tuple(range(len(low.zones))), 0)]
     period = low.scene.period
-    if (low.scene.turned and low.scene.moment is not None) or low.scene.operator.rest is not None:
+    if (low.scene.turned and low.scene.moment is not None) or not low.scene.operator.is_plain:
         return [*_between(low, high, period), *(replace(change, back=True) for change in _between(high, low, period))]
     middles = low.zones.mean(axis=1)
     changes = []

@@ -44,7 +44,7 @@ def scaled(scene: Scene) -> Problem:
     assert profile.period is not None
     x = profile.x0 + profile.period * np.arange(1024) / 1024
     units = Units(profile.x0 + 0.5 * profile.period, profile.period, float(np.abs(profile.slope(x)).max()), scene.E_star)
-    return Problem(profile, scene.interaction, units, float(np.min(profile.height(x))))
+    return Problem(profile, scene.interaction, scene.substrate, scene.law, units, float(np.min(profile.height(x))))
 
 
 def _mean_pressure(scene: Scene) -> float:
