@@ -23,12 +23,13 @@ from sie.piecewise import PiecewiseTransform
 from sie.pierced import Pierced
 from sie.released import AnyDensity, AnyState, solve_zones
 from sie.solve import SingularSystem, State, solve_fixed
+from sie.solver import NotConverged, Solution, solve
 from sie.zones import Zones
 
 __all__ = [
     "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EqualPotential",
-    "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "PiecewiseTransform",
-    "Pierced", "SingularSystem", "Smooth", "State", "Total",
+    "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "NotConverged", "PiecewiseTransform",
+    "Pierced", "SingularSystem", "Smooth", "Solution", "State", "Total",
     "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "cauchy", "find_ends", "free_with_intensity", "hilbert",
-    "images", "moment", "solve_fixed", "solve_zones",
+    "images", "moment", "solve", "solve_fixed", "solve_zones",
 ]

@@ -15,6 +15,7 @@ from sie.fast import reaches
 from sie.field import CHUNK, Sources, potential_at, quadrature, sum_of_powers, transform_at
 from sie.kept import Kept
 from sie.kernels import Kernel
+from sie.plane import Plane, What
 from sie.steps import LOG2, SERIES_REACH, Steps, of_zones
 from sie.zones import Zones
 
@@ -274,13 +275,33 @@ class Density(Kept):
         out[inside] = self.integral_at(z, 2 * np.arctan2(np.sqrt(right), np.sqrt(left)))
         return out
 
-    def transform(self, x: ArrayLike) -> Array:
-        """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end."""
+    def transform(self, x: ArrayLike) -> NDArray[Any]:
+        """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end. At complex x what it is
+        continued to, F(x) (see `plane`); there a zero imaginary part is the upper side of the line."""
+        if np.iscomplexobj(x):
+            return self._in_plane(x, "transform")
         x = _float(x)
         return transform_at(self, self.into_period(x).ravel()).reshape(x.shape)
 
-    def potential(self, x: ArrayLike) -> Array:
-        """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones."""
+    def transform_slope(self, z: ArrayLike) -> NDArray[np.complex128]:
+        """F'(z), the derivative of `transform` at complex z (any shape)."""
+        return self._in_plane(z, "derivative")
+
+    def _in_plane(self, z: ArrayLike, what: What) -> NDArray[np.complex128]:
+        points = np.asarray(z, dtype=complex)
+        return self.plane(points.ravel(), what).reshape(points.shape)
+
+    @cached_property
+    def plane(self) -> Plane:
+        """The density at complex points."""
+        return Plane(self)
+
+    def potential(self, x: ArrayLike) -> NDArray[Any]:
+        """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones. At complex x the complex potential W, W' = F, whose real part
+        is the harmonic function that is the potential on the line: it is analytic in either half plane, real on the line right of all
+        zones (with a period: between the last zone and the next one), and W(conj x) = conj W(x)."""
+        if np.iscomplexobj(x):
+            return self._in_plane(x, "potential")
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
             raise ValueError("the regular kernel has no potential")
         x = _float(x)

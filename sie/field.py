@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -214,11 +214,11 @@ def power_sum(u: Array, rho: Array, zone: Index) -> Array:
     return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)
 
 
-def sum_of_powers(u: Array, rho: Array, zone: Index) -> Array:
-    """sum_k u[zone, k] rho^k pair by pair (n,), as far as rho^k is seen."""
+def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:
+    """sum_k u[zone, k] rho^k pair by pair (n,), rho real or complex, as far as rho^k is seen."""
     count = u.shape[1]
     if count == 0 or len(rho) == 0:
-        return np.zeros(rho.shape)
+        return np.zeros(rho.shape, dtype=rho.dtype)
     flat = np.abs(rho)
     with np.errstate(divide="ignore"):
         need = np.fmin(count, np.ceil(-40.0 / np.log(np.minimum(flat, 1 - 1e-12)))).astype(int)
@@ -226,11 +226,11 @@ def sum_of_powers(u: Array, rho: Array, zone: Index) -> Array:
     order = np.argsort(-need, kind="stable")
     point_rho, row = rho[order], zone[order]
     counts = need[order]
-    out = np.zeros(len(order))
+    out = np.zeros(len(order), dtype=rho.dtype)
     active = np.searchsorted(-counts, -np.arange(1, counts[0] + 1), side="right")
     for k in range(int(counts[0]) - 1, -1, -1):
         n = active[k]
         out[:n] = out[:n] * point_rho[:n] + u[row[:n], k]
-    result = np.empty(len(order))
+    result = np.empty(len(order), dtype=rho.dtype)
     result[order] = out
     return result

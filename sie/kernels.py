@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln, psi
+from scipy.special import gammaln, loggamma, psi
 
 Array = NDArray[np.float64]
 Regular = Callable[[Array, Array], Array]
@@ -109,7 +109,8 @@ class _HilbertPotentialRest:
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
-        return np.asarray(math.log(2 * math.pi) - gammaln(2 - d) - gammaln(2 + d))
+        log = loggamma if np.iscomplexobj(d) else gammaln
+        return np.asarray(math.log(2 * math.pi) - log(2 - d) - log(2 + d))
 
 
 def cauchy(datum: float = 1.0) -> Kernel:
