@@ -265,7 +265,7 @@ class Breaks(Steps):
         end = np.where(rho > 0, self.right[k], self.left[k])
         return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))
 
-    def _polynomial(self, k: Index, t: Array) -> Array:
+    def _polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
         q, s = self.order[k], self.s[k]
         second = -(t - 2 * s) * s - np.cos(2 * self.phi[k]) / 4
         return np.where(q == 0, 0.0, np.where(q == 1, -s, second))
@@ -345,7 +345,7 @@ class Breaks(Steps):
         """Its derivative by zeta."""
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
-    def polynomial(self, k: Index, zeta: Complex) -> tuple[Complex, Array]:
+    def polynomial(self, k: Index, zeta: Complex) -> tuple[NDArray[Any], NDArray[Any]]:
         """P_q and its derivative."""
         return self._polynomial(k, zeta), np.where(self.order[k] == 2, -self.s[k], 0.0)
 

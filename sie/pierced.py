@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +17,8 @@ from sie.field import Sources, potential_from, transform_from
 from sie.holes import Hole, Holes, beyond
 from sie.kept import Kept
 from sie.kernels import Kernel, cauchy
+from sie.plane import What
+from sie.slit_plane import at_points
 from sie.steps import Steps
 from sie.valleys import Valley
 from sie.zones import Zones
@@ -73,7 +76,8 @@ class Pierced(Kept):
     def sampling(self) -> Index:
         return self.smooth.sampling[self.cut.piece_zone]
 
-    def _valleys(self, here: Holes) -> list[tuple[int, Valley]]:
+    def valleys_of(self, here: Holes) -> list[tuple[int, Valley]]:
+        """The jumps in holes of one wide zone, by hole."""
         return here.valleys if self.forced else []
 
     # series of the holes --------------------------------------------------------------------------------------------
@@ -123,7 +127,7 @@ class Pierced(Kept):
                 values = hole.at_gauss(d) / hole.x_root**2
                 alpha[here.zone] += hole.half * float(np.mean(values * np.cos(hole.theta)))
                 beta[here.zone] += hole.half * float(np.mean(values))
-            for _, valley in self._valleys(here):
+            for _, valley in self.valleys_of(here):
                 alpha[here.zone] += valley.edge[0]
                 beta[here.zone] += valley.edge[1]
         return replace(self.smooth, parts=(alpha, beta, u), closed=self.closed)
@@ -169,7 +173,7 @@ class Pierced(Kept):
                 for side in (past, ~past):
                     added[side] += beyond(away[side] / hole.width, 1.0 if side is past else -1.0, d)
             out[on] += np.sqrt(from_left[on] * from_right[on]) * added
-            for k, valley in self._valleys(here):
+            for k, valley in self.valleys_of(here):
                 past = begin[p] >= here.b[k]
                 away = np.where(past, begin[p] - here.b[k] + lf[on] * half[on], here.a[k] - end[p] + rt[on] * half[on])
                 out[on] += valley.beside(from_left[on], from_right[on], away / here.holes[k].width, past)
@@ -218,7 +222,7 @@ class Pierced(Kept):
                 before, after = a - wide.a[here.zone], wide.b[here.zone] - b
                 left[here.zone] += scale * beyond(np.array([before / hole.width]), -1.0, d)[0]
                 right[here.zone] += scale * beyond(np.array([after / hole.width]), 1.0, d)[0]
-            for _, valley in self._valleys(here):
+            for _, valley in self.valleys_of(here):
                 left[here.zone] += scale * valley.edge_slopes[0]
                 right[here.zone] += scale * valley.edge_slopes[1]
         slopes_left, slopes_right = self._edges((left, right), self._sigma_slopes, (1.0, -1.0))
@@ -236,7 +240,7 @@ class Pierced(Kept):
         left, right = (part.copy() for part in self.sigma.edge_slopes)
         root_left, root_right = self.hole_roots
         for here in self.holes:
-            for k, valley in self._valleys(here):
+            for k, valley in self.valleys_of(here):
                 i, slope = here.which[k], valley.at_ends / np.pi * np.sqrt(2 / here.holes[k].width)
                 left[i] -= root_left[i] * slope
                 right[i] += root_right[i] * slope
@@ -347,13 +351,15 @@ class Pierced(Kept):
     def _in_valleys(self, place: Array) -> Iterator[tuple[Valley, float, NDArray[np.bool_], Array, Array]]:
         """For each jump in a hole: itself, the hole's half width, which places lie in it, and how far from its ends over that."""
         for here in self.holes:
-            for k, valley in self._valleys(here):
+            for k, valley in self.valleys_of(here):
                 a, b, width = here.a[k], here.b[k], here.holes[k].width
                 some = (place >= a) & (place <= b)
                 yield valley, width, some, (place[some] - a) / width, (b - place[some]) / width
 
-    def transform(self, x: ArrayLike) -> Array:
-        """(1/pi) PV int phi K dxi at x (any shape)."""
+    def transform(self, x: ArrayLike) -> NDArray[Any]:
+        """(1/pi) PV int phi K dxi at x (any shape), real or complex: see `Density.transform`."""
+        if np.iscomplexobj(x):
+            return self._in_plane(x, "transform")
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.transform(flat))
@@ -361,8 +367,18 @@ class Pierced(Kept):
         out -= self.slope_of_gap(self._into_wide(flat))
         return np.asarray(out.reshape(x.shape))
 
-    def potential(self, x: ArrayLike) -> Array:
-        """(1/pi) int phi Lambda dxi at x (any shape)."""
+    def transform_slope(self, z: ArrayLike) -> NDArray[np.complex128]:
+        """See `Density.transform_slope`."""
+        return self._in_plane(z, "derivative")
+
+    def _in_plane(self, z: ArrayLike, what: What) -> NDArray[np.complex128]:
+        points = np.asarray(z, dtype=complex)
+        return at_points(self, points.ravel(), what).reshape(points.shape)
+
+    def potential(self, x: ArrayLike) -> NDArray[Any]:
+        """(1/pi) int phi Lambda dxi at x (any shape), real or complex: see `Density.potential`."""
+        if np.iscomplexobj(x):
+            return self._in_plane(x, "potential")
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.potential(flat))
@@ -383,7 +399,7 @@ class Pierced(Kept):
         return out
 
     @cached_property
-    def _told_density(self) -> Density:
+    def told_density(self) -> Density:
         """s as what other zones see of it, on the wide zones that have holes."""
         some = np.array([here.zone for here in self.holes])
         count = max(self.whole.coefficients.shape[1], self.smooth.coefficients.shape[1])
@@ -401,7 +417,7 @@ class Pierced(Kept):
         x = self.smooth.into_period(x)
         order = np.argsort(x, kind="stable")
         ascending = x[order]
-        wide, sources = self.cut.wide, self._told_density.sources
+        wide, sources = self.cut.wide, self.told_density.sources
         for number, (here, row) in enumerate(zip(self.holes, self.series, strict=True)):
             w = wide.half[here.zone]
             for source in np.flatnonzero(sources.zone == number):
@@ -409,7 +425,7 @@ class Pierced(Kept):
                 first, last = np.searchsorted(ascending, [a - _TELLS * w, b + _TELLS * w])
                 for start in range(first, last, _BLOCK):
                     some = order[start : min(start + _BLOCK, last)]
-                    out[some] -= told_from(self._told_density, x[some], sources.chosen(np.array([source])))
+                    out[some] -= told_from(self.told_density, x[some], sources.chosen(np.array([source])))
                     left, right = (x[some] - a) / w, (b - x[some]) / w
                     off = (left < 0) | (right < 0)
                     sign = np.where(left[off] < 0, -1.0, 1.0)
@@ -426,7 +442,7 @@ class Pierced(Kept):
             for hole, d in zip(here.holes, row, strict=True):
                 away = excess[on] + (hole.rest if side > 0 else hole.start)
                 total[on] += beyond(away / hole.half, side, d)
-            for _, valley in self._valleys(here):
+            for _, valley in self.valleys_of(here):
                 left, right, _, weight = valley.seen
                 away = excess[on][:, None] + (right if side > 0 else left)
                 total[on] += side / np.pi * ((np.sqrt(left * right) / away) @ weight)
@@ -443,7 +459,7 @@ class Pierced(Kept):
         for hole, d in zip(here.holes, row, strict=True):
             values = hole.at_gauss(d) / hole.x_root / hole.nodes
             total -= 2 * hole.width * (angles(hole.theta) @ values)
-        for _, valley in self._valleys(here):
+        for _, valley in self.valleys_of(here):
             _, _, theta, weight = valley.seen
             total -= 2 / np.pi * here.w * (angles(theta) @ weight)
         return total

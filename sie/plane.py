@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from sie import chebyshev
 from sie.beyond import Beyond
 from sie.far import Nested
 from sie.field import sum_of_powers
@@ -161,9 +162,9 @@ class Plane:
         regular = self._regular(complex_of(place, y), what)
         out = out if regular is None else out + regular
         if what == "potential":
-            turns = float(sum(shift > 0 for shift in self.density.kernel.poles))
+            turns = np.full(len(x), float(sum(shift > 0 for shift in self.density.kernel.poles)))
             if self.density.kernel.period is not None:
-                turns = turns + np.round((x - place) / self.density.kernel.period)
+                turns += np.round((x - place) / self.density.kernel.period)
             out = out - 1j * self.total * turns
         return np.where(z.imag < 0, np.conj(out), out)
 
@@ -228,7 +229,9 @@ class Plane:
         if what == "potential":
             # Of T_l series the logarithm of w is in already.
             out[near] = w * (out[near] + self._of_jumps[zone, 0] * np.log(w / datum))
-        return out / w if what == "derivative" else out
+        elif what == "derivative":
+            out[near] /= w
+        return out
 
     @cached_property
     def _of_jumps(self) -> Array:
@@ -270,10 +273,17 @@ class Plane:
     def _quadrature(self, z: Complex, regular: Regular) -> Complex:
         """See `field.regular_at`."""
         out = np.zeros(z.shape, dtype=complex)
-        for xi, weights in self.density.quadrature:
+        for xi, weights in self._held if self.density.kernel.sure else self.density.quadrature:
             for here in pair_blocks(len(z), len(xi)):
                 out[here] += regular(z[here, None], xi) @ weights  # type: ignore[arg-type]
         return out
+
+    @cached_property
+    def _held(self) -> list[tuple[Array, Array]]:
+        """Nodes over the whole of the zones, with weights that have their moments: enough for what is smooth over a period."""
+        tree, half = self.nested.tree, self.nested.tree.half[0]
+        xi = 0.5 * (tree.lo[0] + tree.hi[0]) + half * chebyshev.gauss(TERMS)
+        return [(xi, chebyshev.t_matrix(TERMS, TERMS) @ self.series[0] * (half / TERMS))]
 
 
 def _look_at(regular: Regular, z: Complex, places: Array) -> None:

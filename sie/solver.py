@@ -244,7 +244,8 @@ def _why(found: Solution, tol: float) -> str:
         return reached + "zones lie too close to each other, to an image, or to what a column or the kernel's regular part does beside them"
     if search is not None and float(search.rounding.max(initial=0.0)) > 0.1 * tol:
         zone = int(search.rounding.max(axis=1).argmax())
-        return reached + f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {search.rounding[zone].max():.1e} of its width"
+        worst = float(search.rounding[zone].max())
+        return reached + f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {worst:.1e} of its width"
     if found.error < 1e-11:
         return reached + "that is what rounding leaves"
     return reached + "the right side is not smooth enough on a zone: jumps of it or of its derivatives are to be declared (sie.Forcing)"

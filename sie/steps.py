@@ -189,7 +189,7 @@ class Steps(Kept):
         found = dict(zip(zones.tolist(), np.split(order, first[1:]), strict=False))
         return {zone: np.zeros(0, np.intp) for zone in self.splines} | found
 
-    def _polynomial(self, k: Index, t: Array) -> Array:
+    def _polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
         """P_q(t) of jumps k at t (..., 1), for each jump along the last axis."""
         sine, q, s = self.sine[k], self.order[k], self.s[k]
         second = (t - 2 * s) * sine + np.sin(2 * self.phi[k]) / 4
@@ -502,7 +502,7 @@ class Steps(Kept):
         """Its derivative by zeta."""
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
-    def polynomial(self, k: Index, zeta: Complex) -> tuple[Complex, Array]:
+    def polynomial(self, k: Index, zeta: Complex) -> tuple[NDArray[Any], NDArray[Any]]:
         """P_q and its derivative."""
         return self._polynomial(k, zeta), np.where(self.order[k] == HIGHEST, self.sine[k], 0.0)
 
