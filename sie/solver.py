@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.equation import Equation
-from sie.free_boundary import Free, find_ends
-from sie.released import AnyDensity, AnyState, solve_zones
-from sie.solve import SingularSystem
-from sie.zones import Zones
+from sie.basis.zones import Zones
+from sie.collocation.fixed import SingularSystem
+from sie.equation.equation import Equation
+from sie.free_ends.newton import Free, find_ends
+from sie.slits.system import AnyDensity, AnyState, solve_zones
 
 Array = NDArray[np.float64]
 
