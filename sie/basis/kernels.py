@@ -31,6 +31,12 @@ class Kernel:
     sure: whether the reach alone tells how many nodes and modes the regular part needs, as it does where that part is no larger off
         the zones than on them. If not, as of a user's own, a zone's modes grow until they show it.
     datum: Lambda is log|(x - xi - s) / datum| summed over the poles.
+
+    Examples
+    --------
+    >>> import sie
+    >>> sie.hilbert(2.0).poles, sie.cauchy().period
+    ((0.0, -2.0, 2.0), None)
     """
 
     poles: tuple[float, ...] = (0.0,)
@@ -69,7 +75,16 @@ class Kernel:
 @dataclass(frozen=True)
 class Smooth:
     """A regular kernel value(x, xi), smooth on all zones; `potential` is its antiderivative in x, needed only by side
-    conditions on potentials."""
+    conditions on potentials.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> kernel = sie.cauchy() + sie.Smooth(lambda x, xi: np.sin(x - xi), lambda x, xi: -np.cos(x - xi))
+    >>> found = sie.solve(sie.Equation(kernel, sie.Forcing(lambda x: x), (sie.Total(1.0),)), sie.Zones.of([[-1.0, 1.0]]))
+    >>> found.error < 1e-10
+    True
+    """
 
     value: Regular
     potential: Regular | None = None
@@ -114,7 +129,14 @@ class _HilbertPotentialRest:
 
 
 def cauchy(datum: float = 1.0) -> Kernel:
-    """K = 1 / (x - xi), Lambda = log|(x - xi) / datum|."""
+    """K = 1 / (x - xi), Lambda = log|(x - xi) / datum|.
+
+    Examples
+    --------
+    >>> import sie
+    >>> sie.cauchy().poles
+    (0.0,)
+    """
     return Kernel(datum=float(datum))
 
 
@@ -123,6 +145,13 @@ def hilbert(period: float) -> Kernel:
 
     With the poles at 0 and +-L taken out, psi(2 - d/L) - psi(2 + d/L) over L remains, and in the potential
     log(2 pi) - log(Gamma(2 - d/L) Gamma(2 + d/L)), by the reflection formula (DLMF 5.5.3).
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> wave = sie.Equation(sie.hilbert(1.0), sie.Forcing(lambda x: np.sin(2 * np.pi * x)), (sie.Total(0.5),))
+    >>> sie.solve(wave, sie.Zones.of([[-0.2, 0.3]])).zones.table.round(9).tolist()
+    [[-0.25, 0.25]]
     """
     length = float(period)
     if not (math.isfinite(length) and length > 0):
@@ -131,7 +160,14 @@ def hilbert(period: float) -> Kernel:
 
 
 def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
-    """The pole and its images at +-L, ..., +-mL: sum over |k| <= m of 1 / (x - xi - k L)."""
+    """The pole and its images at +-L, ..., +-mL: sum over |k| <= m of 1 / (x - xi - k L).
+
+    Examples
+    --------
+    >>> import sie
+    >>> sie.images(1.0, 2).poles
+    (0.0, -1.0, 1.0, -2.0, 2.0)
+    """
     shifts = [0.0]
     for k in range(1, neighbours + 1):
         shifts += [-k * float(period), k * float(period)]

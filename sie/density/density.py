@@ -38,6 +38,18 @@ class Density(Kept):
 
     coefficients: smooth part (zones, n + 1). amplitudes: those of the equation's columns. closed: see `settled`. parts: what
     `bounded` is, where it is known to more digits than the coefficients tell.
+
+    Examples
+    --------
+    The density of a flat punch, 1 / (pi sqrt(1 - x^2)), on the zone, and its field 1 / sqrt(z^2 - 1) / pi off it.
+
+    >>> import numpy as np, sie
+    >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(np.pi),))
+    >>> density = sie.solve(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)).density
+    >>> density([0.0, 0.6, 2.0]).round(12).tolist(), density.transform(1.25).round(12).tolist()
+    ([1.0, 1.25, 0.0], 1.333333333333)
+    >>> density.transform(0.75j).round(12).tolist(), density.transform_slope(0.75j).round(12).tolist()
+    (-0.8j, (0.384+0j))
     """
 
     zones: Zones
@@ -290,7 +302,9 @@ class Density(Kept):
 
     def _in_plane(self, z: ArrayLike, what: What) -> NDArray[np.complex128]:
         points = np.asarray(z, dtype=complex)
-        return self.plane(points.ravel(), what).reshape(points.shape)
+        out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
+        out[finite] = self.plane(points[finite], what)
+        return out
 
     @cached_property
     def plane(self) -> Plane:

@@ -38,6 +38,15 @@ class Pierced(Kept):
 
     closed: whether the last traces of 1/sqrt(d) at free ends are taken out, as `Density.settled` does. forced: whether the right side
     stands behind it, with the kinks that it has in holes; not so for a response.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> wave = sie.Forcing(np.sin, lambda x: -np.cos(x))
+    >>> near = sie.Zones.of([[-1.0, -0.001], [0.001, 1.0]])
+    >>> density = sie.solve_zones(sie.Equation(sie.cauchy(), wave, (sie.Total(1.0), sie.EqualPotential())), near).density
+    >>> type(density).__name__, density.totals.round(9).tolist()
+    ('Pierced', [0.5, 0.5])
     """
 
     cut: Cut
@@ -373,7 +382,9 @@ class Pierced(Kept):
 
     def _in_plane(self, z: ArrayLike, what: What) -> NDArray[np.complex128]:
         points = np.asarray(z, dtype=complex)
-        return self.plane(points.ravel(), what).reshape(points.shape)
+        out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
+        out[finite] = self.plane(points[finite], what)
+        return out
 
     @cached_property
     def plane(self) -> SlitPlane:
