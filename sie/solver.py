@@ -47,7 +47,7 @@ class Solution:
     >>> import sie
     >>> crack = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: 1 + 0 * x), (sie.Total(0.0),))
     >>> found = sie.solve(crack, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
-    >>> float(round(found.density(0.6), 12)), found.error < 1e-10
+    >>> float(found.density(0.6).round(12)), found.error < 1e-10
     (-0.75, True)
     """
 

@@ -315,13 +315,13 @@ class Pierced(Kept):
             half, w = self.zones.half[piece], wide.half[zone]
             last, n, here = np.inf, 64, 0.0
             while n <= 16384:
-                theta = np.arange(1, n + 1) * np.pi / (n + 1)
+                theta = (np.arange(n) + 0.5) * np.pi / n
                 left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
                 value = self.at(piece, left, right)
                 if zone in kinks.by_zone:
                     value = value - kinks.density(zone, (before + half * left) / w, (after + half * right) / w)
                     value = np.where(np.isfinite(value), value, 0.0)
-                here = float(half) * np.pi / (n + 1) * float(value @ np.sin(theta))
+                here = float(half) * np.pi / n * float(value @ np.sin(theta))
                 if abs(here - last) <= 1e-13 * abs(here):
                     break
                 last, n = here, 2 * n
