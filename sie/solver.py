@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis.zones import Zones
+from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem
 from sie.equation.equation import Equation
 from sie.free_ends.newton import Free, find_ends
@@ -240,12 +241,16 @@ def _why(found: Solution, tol: float) -> str:
         which = [f"zone {i}" for i in search.lost] + [f"the gap after zone {i}" for i in search.met]
         return search.reason + (f" ({', '.join(which)}, counted from 0)" if which else "")
     reached = f"the error has come to {found.error:.1e}, not to {tol:.1e}: "
-    if state.unresolved:
-        return reached + "zones lie too close to each other, to an image, or to what a column or the kernel's regular part does beside them"
     if search is not None and float(search.rounding.max(initial=0.0)) > 0.1 * tol:
         zone = int(search.rounding.max(axis=1).argmax())
         worst = float(search.rounding[zone].max())
         return reached + f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {worst:.1e} of its width"
+    told = modes.decay(found.zones, state.equation.kernel) * modes.COUPLED_SIZES[-1]
+    if float(told.min()) < -math.log(_DECAY * tol):
+        zone = int(told.argmin())
+        return reached + f"zone {zone} (counted from 0) lies so close to another one, or to an image, that its modes do not show all of it"
+    if state.unresolved:
+        return reached + "a column or the kernel's regular part varies more than the modes of a zone show"
     if found.error < 1e-11:
         return reached + "that is what rounding leaves"
     return reached + "the right side is not smooth enough on a zone: jumps of it or of its derivatives are to be declared (sie.Forcing)"

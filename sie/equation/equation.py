@@ -133,7 +133,8 @@ class Equation:
     forcing : Forcing
         The right side g.
     conditions : tuple of Condition
-        Side conditions: one for each zone with two singular or two free ends, one less for each fixed bounded end, one more for each column.
+        Side conditions: one for each zone with two singular or two free ends, one less for each fixed bounded end, one more for each
+        column.
     columns : tuple of Forcing
         Functions of the right side whose amplitudes are unknown.
     end_conditions : tuple

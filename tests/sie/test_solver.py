@@ -74,7 +74,7 @@ ONE = sie.Zones.of([[-1.0, 1.0]])
         ((HERTZ, ONE, "fine"), "tol must be a number between 0 and 1, got 'fine'"),
         ((sie.Equation(sie.cauchy(), sie.Forcing(np.sin), ()), ONE), "1 side conditions are needed"),
         ((sie.Equation(sie.cauchy(), sie.Forcing(lambda x: 1.0), (sie.Total(1.0),)), ONE), "must return"),
-        ((sie.Equation(sie.cauchy(), sie.Forcing(1.0), (sie.Total(1.0),)), ONE), "the right side: value must be a function of x, got float"),
+        ((sie.Equation(sie.cauchy(), sie.Forcing(1.0), (sie.Total(1.0),)), ONE), "value must be a function of x, got float"),
         ((sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x * np.nan), (sie.Total(1.0),)), ONE), "not finite on the zones"),
         ((sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Level(0.0),)), ONE), "primitive"),
         ((sie.Equation(sie.hilbert(1.0), sie.Forcing(lambda x: x), (sie.Total(1.0),)), ONE), "the zones reach over 2, the period is 1"),
@@ -117,6 +117,13 @@ def test_a_jump_that_is_not_declared_is_suspected_in_words():
     rough = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: np.sign(x - 0.2)), (sie.Total(1.0),))
     with pytest.raises(sie.NotConverged, match="are to be declared"):
         sie.solve(rough, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+
+
+def test_zones_too_close_for_their_modes_are_named():
+    still = sie.Forcing(np.zeros_like)
+    close = sie.Zones.of([[-3.0, -2.0], [-1.0, 0.0], [1e-6, 1.0]], sie.SINGULAR, sie.SINGULAR)
+    with pytest.raises(sie.NotConverged, match=r"zone [12] \(counted from 0\) lies so close to another one"):
+        sie.solve(sie.Equation(sie.cauchy(), still, (sie.ZoneTotals((1.0, 1.0, -1.0)),)), close)
 
 
 def test_conditions_that_depend_on_each_other_are_wrong_input():
