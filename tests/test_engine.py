@@ -25,6 +25,11 @@ def test_an_exported_name_has_an_example_that_runs(name: str) -> None:
     assert doctest.DocTestRunner().run(found[0]).failed == 0
 
 
+@pytest.mark.parametrize("name", [name for name in NAMES if inspect.isfunction(getattr(sie, name))])
+def test_an_exported_function_says_what_it_returns(name: str) -> None:
+    assert "    Returns\n    -------\n" in (getattr(sie, name).__doc__ or "")
+
+
 def test_an_example_that_says_something_wrong_is_noticed(capsys: pytest.CaptureFixture[str]) -> None:
     wrong = doctest.DocTestParser().get_doctest(">>> import sie\n>>> len(sie.cauchy().poles)\n2\n", {}, "wrong", None, None)
     assert doctest.DocTestRunner().run(wrong).failed == 1

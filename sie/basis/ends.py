@@ -47,6 +47,15 @@ SINGULAR = End(moves=False, intensity=None)
 def free_with_intensity(intensity: float) -> End:
     """An end of unknown position at which the density is `intensity / sqrt(d)` (adhesion, a crack at its limit).
 
+    Parameters
+    ----------
+    intensity : float
+        K; zero is `FREE`.
+
+    Returns
+    -------
+    End
+
     Examples
     --------
     A line contact that adheres, K = -0.1, a = 1: load = pi a^2 / 2 + pi K sqrt(2 a) (M. Barquins, J. Adhesion 26, 1988, 1-12).

@@ -131,6 +131,20 @@ class _HilbertPotentialRest:
 def cauchy(datum: float = 1.0) -> Kernel:
     """K = 1 / (x - xi), Lambda = log|(x - xi) / datum|.
 
+    Parameters
+    ----------
+    datum : float
+        Length in which the potential is counted.
+
+    Returns
+    -------
+    Kernel
+
+    Raises
+    ------
+    ValueError
+        If the datum is no finite positive number.
+
     Examples
     --------
     >>> import sie
@@ -145,6 +159,20 @@ def hilbert(period: float) -> Kernel:
 
     With the poles at 0 and +-L taken out, psi(2 - d/L) - psi(2 + d/L) over L remains, and in the potential
     log(2 pi) - log(Gamma(2 - d/L) Gamma(2 + d/L)), by the reflection formula (DLMF 5.5.3).
+
+    Parameters
+    ----------
+    period : float
+        L.
+
+    Returns
+    -------
+    Kernel
+
+    Raises
+    ------
+    ValueError
+        If the period is no finite positive number.
 
     Examples
     --------
@@ -161,6 +189,19 @@ def hilbert(period: float) -> Kernel:
 
 def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
     """The pole and its images at +-L, ..., +-mL: sum over |k| <= m of 1 / (x - xi - k L).
+
+    Parameters
+    ----------
+    period : float
+        L, the distance of neighbouring images.
+    neighbours : int
+        m, how many images are kept on each side.
+    datum : float
+        Length in which the potential is counted.
+
+    Returns
+    -------
+    Kernel
 
     Examples
     --------

@@ -412,7 +412,29 @@ def solve_fixed(
 ) -> State:
     """Solve on given zones, with singular ends allowed at moving ends (their intensity is what a Newton step needs).
 
-    Raises CountError if conditions and index do not match, SingularSystem if the conditions are dependent.
+    Parameters
+    ----------
+    equation : Equation
+    zones : Zones
+        Free ends are taken where they are.
+    tolerance : float
+        Coefficients are asked for until they have fallen to this part of the largest.
+    sizes : Sizes or None
+        Modes to start from, kept from one solve to the next.
+    largest : int
+        Modes of a zone at the most.
+
+    Returns
+    -------
+    State
+        The density, and what its error is made of.
+
+    Raises
+    ------
+    ValueError
+        For functions that do not return what the equation is about; `CountError` if conditions and unknowns do not match.
+    SingularSystem
+        If the side conditions depend on each other, or something is not finite.
 
     Examples
     --------

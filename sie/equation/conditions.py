@@ -234,6 +234,17 @@ class Weighted(Condition):
 def moment(value: float, about: float = 0.0) -> Weighted:
     """Integral of (x - about) phi.
 
+    Parameters
+    ----------
+    value : float
+        What the moment is to be.
+    about : float
+        The place it is taken about.
+
+    Returns
+    -------
+    Weighted
+
     Examples
     --------
     >>> import numpy as np, sie

@@ -137,6 +137,16 @@ def find_ends(
     near: the zones are a guess worth no more than the few steps in which Newton's method ends beside a solution: as soon as a step shows
     that they are not so near, the search is given up, unconverged.
 
+    Returns
+    -------
+    Free
+        Whether the ends were found, where, and how well they are known.
+
+    Raises
+    ------
+    ValueError, SingularSystem
+        As `solve_fixed`.
+
     Examples
     --------
     >>> import numpy as np, sie

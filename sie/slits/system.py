@@ -457,6 +457,23 @@ def solve_zones(
 ) -> AnyState:
     """`solve_fixed`, with narrow gaps between zones as holes of the wide zones that span them.
 
+    Parameters
+    ----------
+    equation : Equation
+    zones : Zones
+    tolerance, sizes
+        As of `solve_fixed`.
+
+    Returns
+    -------
+    State or PiercedState
+        The second where narrow gaps were taken as slits.
+
+    Raises
+    ------
+    ValueError, SingularSystem
+        As `solve_fixed`.
+
     Examples
     --------
     >>> import numpy as np, sie
