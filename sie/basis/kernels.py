@@ -30,6 +30,7 @@ class Kernel:
         length.
     sure: whether the reach alone tells how many nodes and modes the regular part needs, as it does where that part is no larger off
         the zones than on them. If not, as of a user's own, a zone's modes grow until they show it.
+    regular_slope: derivative of the regular part by x, only asked for by derivatives at complex points.
     datum: Lambda is log|(x - xi - s) / datum| summed over the poles.
 
     Examples
@@ -46,6 +47,7 @@ class Kernel:
     reach: float = math.inf
     datum: float = 1.0
     sure: bool = False
+    regular_slope: Regular | None = None
 
     def __post_init__(self) -> None:
         poles = np.asarray(self.poles, dtype=float)
@@ -69,13 +71,16 @@ class Kernel:
         # Without one of the potentials there is none of the sum.
         lacking = other.potential is None or (self.regular is not None and self.regular_potential is None)
         potential = None if lacking else _summed(self.regular_potential, other.potential)
-        return Kernel(self.poles, self.period, _summed(self.regular, other.value), potential, 0.0, self.datum)
+        without = other.slope is None or (self.regular is not None and self.regular_slope is None)
+        slope = None if without else _summed(self.regular_slope, other.slope)
+        regular = _summed(self.regular, other.value)
+        return Kernel(self.poles, self.period, regular, potential, 0.0, self.datum, regular_slope=slope)
 
 
 @dataclass(frozen=True)
 class Smooth:
     """A regular kernel value(x, xi), smooth on all zones; `potential` is its antiderivative in x, needed only by side
-    conditions on potentials.
+    conditions on potentials, `slope` its derivative in x, only by derivatives at complex points.
 
     Examples
     --------
@@ -88,6 +93,7 @@ class Smooth:
 
     value: Regular
     potential: Regular | None = None
+    slope: Regular | None = None
 
 
 def _summed(first: Regular | None, second: Regular | None) -> Regular | None:
@@ -114,6 +120,34 @@ class _HilbertRest:
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
         return np.asarray((psi(2 - d) - psi(2 + d)) / self.period)
+
+
+@dataclass(frozen=True)
+class _HilbertSlopeRest:
+    """Derivative of `_HilbertRest`."""
+
+    period: float
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        d = (x - xi) / self.period
+        return np.asarray(-(_trigamma(2 - d) + _trigamma(2 + d)) / self.period**2)
+
+
+# Of the asymptotic series of psi', Bernoulli's numbers B_2, B_4, ...; beyond so many steps it is as good as rounding (DLMF 5.15.8).
+_BERNOULLI = (1 / 6, -1 / 30, 1 / 42, -1 / 30, 5 / 66, -691 / 2730, 7 / 6)
+_UP = 10
+
+
+def _trigamma(z: Array) -> Array:
+    """psi' at real or complex z, Re z >= 1."""
+    far = 1 / (z + _UP)
+    total = np.zeros_like(far)
+    for number in _BERNOULLI[::-1]:
+        total = (total + number) * far * far
+    out = far * (1 + 0.5 * far + total)
+    for k in range(_UP):
+        out = out + 1 / (z + k) ** 2
+    return np.asarray(out)
 
 
 @dataclass(frozen=True)
@@ -184,7 +218,8 @@ def hilbert(period: float) -> Kernel:
     length = float(period)
     if not (math.isfinite(length) and length > 0):
         raise ValueError(f"period must be a finite positive number, got {period!r}")
-    return Kernel((0.0, -length, length), length, _HilbertRest(length), _HilbertPotentialRest(length), length, datum=length, sure=True)
+    parts = _HilbertRest(length), _HilbertPotentialRest(length)
+    return Kernel((0.0, -length, length), length, *parts, length, datum=length, sure=True, regular_slope=_HilbertSlopeRest(length))
 
 
 def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:

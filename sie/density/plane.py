@@ -42,8 +42,6 @@ _OF_SPLINES = 8
 _PAIRS = 1 << 18
 # Gauss nodes on a piece of a spline, seen from farther than so many of its lengths.
 _GAUSS, _NEARBY = 8, 2.5
-# Points on a circle, and its radius over the period: what the derivative of the Hilbert kernel's regular part is taken from.
-_CIRCLE, _RADIUS = 24, 0.25
 
 
 class Plane:
@@ -164,20 +162,15 @@ class Plane:
     # the rest of the kernel -----------------------------------------------------------------------------------------
     def _regular(self, z: Complex, what: What) -> Complex | None:
         kernel = self.density.kernel
-        regular = kernel.regular_potential if what == "potential" else kernel.regular
         if kernel.regular is None:
             return None
+        parts = {"transform": kernel.regular, "derivative": kernel.regular_slope, "potential": kernel.regular_potential}
+        regular = parts[what]
         if regular is None:
-            raise ValueError("the regular kernel has no potential")
+            raise ValueError(f"the regular kernel has no {'slope' if what == 'derivative' else what}")
         if not kernel.sure:
-            if what == "derivative":
-                raise ValueError("the derivative of a transform is for the package's own kernels: of a regular part it is not known")
             _look_at(regular, z, self.density.zones.middle)
-        if what != "derivative":
-            return self._quadrature(z, regular)
-        radius = _RADIUS * float(kernel.reach)
-        turn = np.exp(2j * np.pi * np.arange(_CIRCLE) / _CIRCLE)
-        return np.asarray(sum(self._quadrature(z + radius * one, regular) / one for one in turn) / (radius * _CIRCLE))
+        return self._quadrature(z, regular)
 
     def _quadrature(self, z: Complex, regular: Regular) -> Complex:
         """See `field.regular_at`."""
