@@ -36,9 +36,9 @@ def of_zones(scene: Scene, found: Found, plan: Plan, tol: float) -> Solution:
     plan["kinks"].used = len(density.steps) > 0
     if plan["kinks"].used:
         plan["kinks"].reason = f"{len(density.steps)} jumps of the slope or its derivatives inside zones"
-    if isinstance(density, sie.Pierced):
+    if density.slits:
         plan["holes"].used, plan["holes"].reason = True, "narrow gaps between zones"
-        plan["holes"].detail = f"{len(density.cut.holes)} in {len(density.cut.wide)} wide zones"
+        plan["holes"].detail = f"{density.slits} in {len(zones) - density.slits} wide zones"
     else:
         plan["holes"].reason = "no narrow gaps between zones"
     _tell_sizes(plan, len(zones), found.free.state)
@@ -112,7 +112,7 @@ def _tell_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
         sums.used, sums.reason = True, "many unknowns: sums by trees, GMRES for the matrix"
         sums.detail = f"{sizes.iterations} iterations"
     plan.counts.update(
-        zones=zones, own_modes=int(sizes.own.sum()), coupled_unknowns=int(state.solver.size),
+        zones=zones, own_modes=int(sizes.own.sum()), coupled_unknowns=state.coupled,
         kernel_evaluations=sizes.kernel_evaluations, profile_evaluations=sizes.profile_evaluations, solves=sizes.solves,
     )
 

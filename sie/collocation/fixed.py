@@ -243,6 +243,11 @@ class State(Kept):
         return float(self.tails.max())
 
     @property
+    def coupled(self) -> int:
+        """How many unknowns are solved for together."""
+        return int(self.solver.size)
+
+    @property
     def unresolved(self) -> bool:
         """Whether the most modes that zones are given do not show what the columns do on them."""
         return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.COUPLED_SIZES[-1]

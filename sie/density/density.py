@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -15,6 +16,7 @@ from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.density.field import CHUNK, Sources, potential_at, quadrature, transform_at
+from sie.density.interval_potential import LocalPotential
 from sie.density.plane import Plane
 from sie.density.treecode import Everywhere
 from sie.fast.far import reaches
@@ -71,6 +73,16 @@ class Density(Kept):
         right = np.array([end.moves and end.intensity == 0.0 for end in zones.right])
         k_left, k_right = np.where(left, 0.0, alpha - beta), np.where(right, 0.0, alpha + beta)
         return 0.5 * (k_left + k_right), 0.5 * (k_right - k_left), u
+
+    @property
+    def slits(self) -> int:
+        """How many narrow gaps between the zones are taken as slits of wider ones; here none."""
+        return 0
+
+    def opening(self, x: ArrayLike) -> tuple[NDArray[np.bool_], Array]:
+        """(whether x lies in a slit, what has been released from the slit's left end to x); here nowhere, nothing."""
+        shape = np.shape(x)
+        return np.zeros(shape, dtype=bool), np.zeros(shape)
 
     def settled(self) -> Density:
         """The same density with the last traces of 1/sqrt(d) taken out at free ends, where the exact one has none.
@@ -321,6 +333,10 @@ class Density(Kept):
             raise ValueError("the regular kernel has no potential")
         x = _float(x)
         return potential_at(self, self.into_period(x).ravel(), self.sources).reshape(x.shape)
+
+    def potential_on(self, lo: float, hi: float) -> Callable[[Array], Array] | None:
+        """The potential on [lo, hi], an interval without zones in it, cheap at many points; None where nothing is gained."""
+        return LocalPotential.on(self, lo, hi)
 
     def into_period(self, x: Array) -> Array:
         """x moved by periods to within half of one of the zones' middle, where the kernel's poles are the near ones."""

@@ -306,6 +306,10 @@ class PiercedState(Kept):
         return self.wide.linear_error[self.cut.piece_zone]
 
     @property
+    def coupled(self) -> int:
+        return self.wide.coupled
+
+    @property
     def unresolved(self) -> bool:
         return self.wide.unresolved
 
