@@ -1,16 +1,17 @@
 r"""Nearly full contact by its gaps: the unknown is the slope of the gap on the few places without contact.
 
-With s the slope of the gap (zero in contact), u' = s - f', and p = pbar + (E*/2) H u', H the periodic Hilbert transform. No
-pressure in the gaps means
+With s the slope of the gap (zero in contact), u' = s - f', and on a body of symbol L the pressure is p = pbar + (E*/2) G u', G of
+symbol 1/L: on a half-plane H, the periodic Hilbert transform, else H and a smooth part. With R = G f' (contact.relief), no pressure in
+the gaps means
 
-    (1/pi) PV int_gaps s(xi) K(x - xi) dxi = H f'(x) - 2 pbar / E*     on the gaps,     int_gap s = 0 on each,
+    (1/pi) PV int_gaps s(xi) K(x - xi) dxi = R(x) - 2 pbar / E*     on the gaps,     int_gap s = 0 on each,
 
-the same equation as that of the zones, with the roles of contact and gap exchanged, bounded at free ends. Its unknowns are
-few where the contact is nearly full, however narrow the gaps (theory: derived here from (5); see docs/theory).
+K the kernel of G: the same equation as that of the zones, with the roles of contact and gap exchanged, bounded at free ends. Its
+unknowns are few where the contact is nearly full, however narrow the gaps (theory: derived here from (5); see docs/theory).
 
-Where f' jumps inside a gap so does s, by as much, and H f' has the logarithm of that (sie.breaks): a valley with a kink.
-About such a valley alone, H f' = R + (J/pi) ln|2 sin(pi y/L)|, J < 0, and R constant, the gap is |y| < w,
-w = (L/pi) exp(-pi (2 pbar/E* - R)/|J|): it never closes, and is narrower than any number soon.
+Where f' jumps inside a gap so does s, by as much, and R has the logarithm of that (sie.breaks): a valley with a kink.
+About such a valley alone, R = C + (J/pi) ln|2 sin(pi y/l)|, J < 0, and C constant, the gap is |y| < w,
+w = (l/pi) exp(-pi (2 pbar/E* - C)/|J|): it never closes, and is narrower than any number soon.
 """
 
 from __future__ import annotations
@@ -25,10 +26,10 @@ from numpy.typing import ArrayLike, NDArray
 import sie
 from contact import zone_loads
 from contact.certificate import ROUNDING, Certificate
-from contact.conjugate import ScaledConjugate
 from contact.extrema import maximum
 from contact.fields import mean_shape, moved_ends
 from contact.problem import Problem
+from contact.relief import ScaledRelief
 
 Array = NDArray[np.float64]
 
@@ -47,17 +48,17 @@ _BESIDE_TIPS = 0.01
 class GapFields(sie.Kept):
     """Fields of a periodic contact from the slope of its gaps; scaled inside, SI in the public methods.
 
-    mean: scaled mean pressure. conjugate: H f' over the unit slope, of scaled x. In pickles and copies the state with its matrices is
+    mean: scaled mean pressure. relief: R over the unit slope, of scaled x. In pickles and copies the state with its matrices is
     left out, and what it tells beyond the density is worked out before.
     """
 
     problem: Problem
     state: sie.AnyState = field(repr=False)
     mean: float
-    conjugate: ScaledConjugate
+    relief: ScaledRelief
 
     def __getstate__(self) -> dict[str, Any]:
-        kept = {"problem": self.problem, "mean": self.mean, "conjugate": self.conjugate}
+        kept = {"problem": self.problem, "mean": self.mean, "relief": self.relief}
         return kept | {"density": self.density, "stiffness": self.stiffness}
 
     @cached_property
@@ -79,14 +80,14 @@ class GapFields(sie.Kept):
 
     # scaled -----------------------------------------------------------------------------------------------------------
     def scaled_pressure(self, x: Array) -> Array:
-        """pbar - H f' + H s where there is contact, zero in the gaps."""
+        """pbar - R + G s where there is contact, zero in the gaps."""
         inside = self.density.locate(x)[2]
         with np.errstate(invalid="ignore"):
             return np.where(inside, 0.0, self.bearing(x))
 
     def bearing(self, x: Array) -> Array:
-        """pbar - H f' + H s wherever it is asked for."""
-        return np.asarray(self.mean - self.conjugate(x) + self.density.transform(x))
+        """pbar - R + G s wherever it is asked for."""
+        return np.asarray(self.mean - self.relief(x) + self.density.transform(x))
 
     def pressure_in(self, zone: int | NDArray[np.intp], left: Array, right: Array) -> Array:
         """Scaled pressure at distances over the half width from the ends of contact zones."""
@@ -137,11 +138,11 @@ class GapFields(sie.Kept):
     def loads(self) -> Array:
         """Load of each contact zone [N/m]."""
         rise = np.diff(self.density.potential(self.zones), axis=1)[:, 0]
-        return zone_loads.loads(self.mean, self.conjugate, self.zones, rise) * self.problem.units.load
+        return zone_loads.loads(self.mean, self.relief, self.zones, rise) * self.problem.units.load
 
     @cached_property
     def max_pressure(self) -> float:
-        tips = self.conjugate.at[self.conjugate.heights > 0]
+        tips = self.relief.at[self.relief.heights > 0]
         if not np.all(self.density.locate(tips)[2]):
             return np.inf
         x, value = self._samples
@@ -229,25 +230,25 @@ class Gapped:
         seen = np.minimum((gaps.b - gaps.a) / (_BESIDE * fields.period), 1.0) ** 2
         beside = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
         # Beside a kink the logarithms that cancel are several times the pressure.
-        rounding = (3 if len(fields.conjugate.at) else 1) * ROUNDING * (1 + abs(fields.mean) / unit)
+        rounding = (3 if len(fields.relief.at) else 1) * ROUNDING * (1 + abs(fields.mean) / unit) + fields.relief.rounding / unit
         on_zones = state.density_error * state.size / unit + rounding
         tips = float((np.maximum(shift[:, 1], np.roll(shift[:, 0], -1)) * self._steepest).max()) / unit
         return 2 * (ends + float(shift.max()) * slope + beside + tips) + on_zones
 
     @property
     def _adrift(self) -> Array:
-        """How far each gap may be from its place where its ends do not tell: on a smooth top of H f' of curvature k it may be anywhere
-        where H f' is within rounding r of the top, by sqrt(2 r / k). 0 for gaps wider than that, and for those over kinks."""
+        """How far each gap may be from its place where its ends do not tell: on a smooth top of R of curvature k it may be anywhere
+        where R is within rounding r of the top, by sqrt(2 r / k). 0 for gaps wider than that, and for those over kinks."""
         fields, profile = self.fields, self.fields.problem.profile
-        gaps, conjugate = fields.density.zones, fields.conjugate
+        gaps, relief = fields.density.zones, fields.relief
         out = np.zeros(len(gaps))
-        _, gap, inside = fields.density.locate(conjugate.at)
+        _, gap, inside = fields.density.locate(relief.at)
         narrow = np.flatnonzero(self.free.end_error.max(axis=1) > _UNCERTAIN)
-        some = np.setdiff1d(narrow, gap[inside & (conjugate.heights < 0)])
+        some = np.setdiff1d(narrow, gap[inside & (relief.heights < 0)])
         if len(some):
             step = (profile.resolution or fields.problem.units.length * fields.period) / fields.problem.units.length / 64
             middle = gaps.middle[some]
-            top, beside = conjugate(middle), 0.5 * (conjugate(middle - step) + conjugate(middle + step))
+            top, beside = relief(middle), 0.5 * (relief(middle - step) + relief(middle + step))
             curvature = 2 * np.maximum(top - beside, 0.0) / step**2
             rounding = 8 * float(np.finfo(np.float64).eps) * (abs(fields.mean) + np.abs(top))
             reach = np.sqrt(2 * rounding / np.maximum(curvature, 2 * rounding / step**2))
@@ -258,8 +259,8 @@ class Gapped:
     def _steepest(self) -> Array:
         """Slope of the pressure in each zone beside the largest of its tips, no nearer than stated (J / pi over the distance)."""
         fields = self.fields
-        zones, convex = fields.zones, fields.conjugate.heights > 0
-        at, heights = fields.conjugate.at[convex], fields.conjugate.heights[convex]
+        zones, convex = fields.zones, fields.relief.heights > 0
+        at, heights = fields.relief.at[convex], fields.relief.heights[convex]
         at = at - np.floor((at - zones[0, 0]) / fields.period) * fields.period
         zone = np.maximum(np.searchsorted(zones[:, 0], at, side="right") - 1, 0)
         count, largest = np.bincount(zone, minlength=len(zones)), np.zeros(len(zones))

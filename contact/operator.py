@@ -3,7 +3,7 @@
 Zones are found, and certified, by any model's own kernel. Everything else needs more than a kernel:
 
     full contact  p_q = -E* q f_q / 2 L(q) + mean       a model of all periods that declares its symbol L
-    by the gaps   the slope of the gap as the unknown   such a model with L = 1, the half-plane
+    by the gaps   the slope of the gap as the unknown   the same: its operator has the symbol 1 / L
     a maximum     u is harmonic below the surface       half-plane sources and nothing else: contact only grows with the load, and a
                                                         flat top is in contact as a whole
 
@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 import sie
 from contact.interactions.base import Interaction
-from contact.spectrum import excess
+from contact.spectrum import excess, kernel_of
 
 Array = NDArray[np.float64]
 Potential = Callable[[Array, Array], Array]
@@ -52,13 +52,23 @@ class Operator(sie.Kept):
 
     @property
     def has_inverse(self) -> bool:
-        """Whether the pressure of a given displacement is known: full contact."""
+        """Whether the pressure of a given displacement is known: full contact, and the gap formulation."""
         return self.excess is not None
+
+    @cached_property
+    def inverse_excess(self) -> Array | None:
+        """1 / L_n - 1, the same of the inverse operator."""
+        return None if self.excess is None else np.asarray(-self.excess / (1 + self.excess))
 
     @property
     def is_half_plane(self) -> bool:
-        """Whether the inverse is that of the half-plane: the gap formulation."""
+        """Whether L = 1."""
         return self.excess is not None and len(self.excess) == 0
+
+    def inverse_kernel(self, unit: float) -> sie.Kernel:
+        """The kernel of symbol 1 / L in scaled lengths: what the slope of the gap is to the pressure, as the pressure to that."""
+        assert self.period is not None and self.inverse_excess is not None
+        return kernel_of(self.inverse_excess, self.period / unit)
 
     def kernel(self, unit: float) -> sie.Kernel:
         """The kernel in scaled lengths; that of all periods with a potential that has no mean, so that u has none."""

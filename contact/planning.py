@@ -82,7 +82,7 @@ def plan(scene: Scene) -> Plan:
     profile, model = scene.profile, scene.interaction
     kind = scene.control[0]
     given = zone_is_given(scene)
-    single = starts_from_one_zone(scene)
+    single = is_guessed_in_closed_form(scene)
     derived = profile.slope_is_derived
     kinks = len(profile.kinks)
     closure = model.follows_isolated
@@ -130,10 +130,9 @@ def _inverse(scene: Scene) -> Part:
     operator, name = scene.operator, scene.interaction.name
     if not operator.is_periodic:
         return Part("inverse operator", False, f"{name} has no full contact")
-    if operator.is_half_plane:
-        return Part("inverse operator", True, "half-plane: full contact, and gaps where contact is nearly full")
     if operator.has_inverse:
-        return Part("inverse operator", True, f"{name} declares its symbol: full contact; gaps on a half-plane only")
+        body = "half-plane" if operator.is_half_plane else f"{name} declares its symbol"
+        return Part("inverse operator", True, f"{body}: full contact, and gaps where contact is nearly full")
     return Part("inverse operator", False, f"{name} declares no symbol: by its zones alone, no full contact")
 
 
@@ -161,3 +160,10 @@ def starts_from_one_zone(scene: Scene) -> bool:
     """Whether the first guess is one zone about the tip of a symmetric asperity."""
     summits = scene.profile.summits
     return not scene.turned and bool(scene.profile.symmetric and summits is not None and len(summits) == 1 and summits[0] == 0.0)
+
+
+def is_guessed_in_closed_form(scene: Scene) -> bool:
+    """Whether one zone of a half-plane tells about where it ends. How full the contact of another body is a grid tells, where the solver
+    may take it by its gaps and no width is given."""
+    operator = scene.operator
+    return starts_from_one_zone(scene) and (scene.contact_fraction is not None or operator.is_half_plane or not operator.has_inverse)

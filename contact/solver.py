@@ -16,7 +16,6 @@ from contact.accuracy import limit, of_positions, stated_error
 from contact.bounded import refuse_unbounded
 from contact.by_load import approach, contact_fraction, nearer
 from contact.certificate import Certificate
-from contact.conjugate import ScaledConjugate
 from contact.errors import NotConverged, OutOfRange, SceneError, warn
 from contact.fields import ZoneFields, mean_shape
 from contact.first_order import FirstOrder
@@ -30,6 +29,7 @@ from contact.planning import Plan
 from contact.plateau import refuse_below_plateau
 from contact.problem import Control, Problem, Units
 from contact.proposals import about, load_of_width, placed, proposed
+from contact.relief import ScaledRelief
 from contact.scene import Scene
 from contact.search import MOST_POINTS
 from contact.single import guess_half_width, largest_single_load, single_half_width
@@ -319,7 +319,7 @@ class _Run:
         fields = near.fields
         if isinstance(fields, GapFields):
             found = settle_gaps(
-                problem, control, fields.conjugate, fields.density.zones.table, fields.mean, _OF_GAPS * self.tolerance
+                problem, control, fields.relief, fields.density.zones.table, fields.mean, _OF_GAPS * self.tolerance
             )
             return self._tightened_gaps(problem, control, found)
         return settle(
@@ -473,7 +473,7 @@ class _Run:
         if control.kind == "half_width":
             a = control.value
             return self._settled(problem, control, np.array([[-a, a]]))
-        if self.single and problem.amplitude is None:
+        if self.single and problem.amplitude is None and planning.is_guessed_in_closed_form(self.scene):
             # Only wide zones can be near full contact, and only then is it worth finding out where it begins.
             with self.plan.timed("zone ends"):
                 guess = guess_half_width(problem, control)
@@ -489,7 +489,7 @@ class _Run:
 
     def _worth_gaps(self, problem: Problem, width: float) -> bool:
         """Whether contact of about this scaled width is better solved by its gaps."""
-        if not self.full.approached or not self.operator.is_half_plane or problem.period is None:
+        if not self.full.approached or not self.operator.has_inverse or problem.period is None:
             return False
         return width > (_NEARLY_FULL if self.full.possible or self.single else _WITH_KINKS) * problem.period
 
@@ -499,11 +499,11 @@ class _Run:
         """The contact solved by its gaps, where it is about as wide as that; None if it is not or that fails."""
         if control.kind == "half_width" or not self._worth_gaps(problem, width):
             return None
-        conjugate = ScaledConjugate.of(self.full.conjugate, problem)
+        relief = ScaledRelief.of(self.full.relief, problem)
         with self.plan.timed("zone ends"):
             try:
                 found = self._tightened_gaps(
-                    problem, control, find_gaps(problem, control, conjugate, _OF_GAPS * self.tolerance, width, zones, near)
+                    problem, control, find_gaps(problem, control, relief, _OF_GAPS * self.tolerance, width, zones, near)
                 )
             except WrongTopology:
                 return None
@@ -520,7 +520,7 @@ class _Run:
             fields = found.fields
             try:
                 better = settle_gaps(
-                    problem, control, fields.conjugate, fields.density.zones.table, fields.mean, tolerance, near=True
+                    problem, control, fields.relief, fields.density.zones.table, fields.mean, tolerance, near=True
                 )
             except WrongTopology:
                 break
@@ -657,8 +657,8 @@ class _Run:
         if full and self.operator.is_periodic and not self.operator.has_inverse:
             raise OutOfRange(self._no_inverse(f"in full contact, or nearer to it than a grid of {points} points tells"))
         narrow = "the gaps are narrower than the finest grid tells from full contact"
-        if self.operator.is_periodic and not self.operator.is_half_plane:
-            narrow += "; the gaps themselves are solved for on a half-plane only"
+        if self.operator.is_periodic and not self.operator.has_inverse:
+            narrow += "; the gaps themselves are solved for where the model declares its symbol"
             if failure is not None and width > _ALMOST_FULL * (problem.period or math.inf):
                 failure = WrongTopology(f"{failure}, and {narrow}", failure.free)
         raise self._not_converged(failure or WrongTopology(narrow, None))

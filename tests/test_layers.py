@@ -73,6 +73,7 @@ CONTACT = """
     problem interactions.__init__ scene
     bounded fields planning single scene_file answer leaning
     certificate conjugate sampling validity
+    relief
     full zone_loads
     export framing plateau plotting topology
     accuracy first_order gapped proposals solution

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import sie
-from contact.conjugate import ScaledConjugate, conjugate_of
 from contact.errors import NotConverged
 from contact.fields import ZoneFields
 from contact.gap_search import gap_equation
 from contact.gapped import GapFields
 from contact.problem import Control, Problem, Units
+from contact.relief import Relief, ScaledRelief
 from contact.scene import Scene
 from contact.solver import solve
 from contact.topology import settle
@@ -78,13 +78,13 @@ class ByGaps:
         gaps = np.column_stack((start[:, 1], np.append(start[1:, 0], start[0, 0] + problem.period)))
         gaps += _MOVED * np.minimum(np.diff(gaps, axis=1), np.diff(start, axis=1).min()) * [[-1.0, 1.0]]
 
-        conjugate = ScaledConjugate.of(conjugate_of(scene.profile), problem)
+        relief = ScaledRelief.of(Relief(scene.profile, scene.operator), problem)
         mean = _mean_pressure(scene) / units.pressure
-        equation = gap_equation(problem, Control("load", mean * problem.period), conjugate)
+        equation = gap_equation(problem, Control("load", mean * problem.period), relief)
         free = sie.find_ends(equation, sie.Zones.of(gaps), _TOLERANCE, _STEPS, signs=(1.0, -1.0))
         if not free.converged:
             raise NotConverged("the gaps' formulation does not converge from these zones")
-        fields = GapFields(problem, free.state, mean, conjugate)
+        fields = GapFields(problem, free.state, mean, relief)
         zones, order = _in_cell(np.asarray(units.x(fields.zones)), scene)
         return cls(fields, zones, order)
 
