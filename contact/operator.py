@@ -73,7 +73,8 @@ class Operator(sie.Kept):
     def kernel(self, unit: float) -> sie.Kernel:
         """The kernel in scaled lengths; that of all periods with a potential that has no mean, so that u has none."""
         period = None if self.period is None else self.period / unit
-        kernel = self.interaction.kernel(period, unit)
+        # Of the lag alone: declared or held (interactions.declared).
+        kernel = replace(self.interaction.kernel(period, unit), of_lag=True)
         if not self.is_periodic or self.is_half_plane or kernel.regular_potential is None:
             return kernel
         assert period is not None

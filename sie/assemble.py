@@ -26,6 +26,7 @@ from sie.crowded import coefficients as coefficients_between
 from sie.crowded import crowded
 from sie.equation import Equation
 from sie.kernels import Kernel
+from sie.panels import TERMS, Panels, Spread, panels_of
 from sie.steps import Steps
 from sie.zones import Zones
 
@@ -169,8 +170,10 @@ def fields(
     return out
 
 
-def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
+def regular_size(kernel: Kernel, half_width: float, m: int, panels: Panels | None = None) -> int:
     """Quadrature nodes a zone needs for the regular part: until the kernel's own coefficients have decayed."""
+    if panels is not None:
+        return int(panels.modes(np.array(half_width))) + 2
     if not kernel.sure:
         return m + 2
     z = max(kernel.reach / half_width, 1.05)
@@ -182,6 +185,11 @@ def _add_regular(
     out: Array, zones: Zones, kernel: Kernel, regular: Callable[[Array, Array], Array], targets: Targets,
     layout: Layout, over_width: bool,
 ) -> None:
+    panels = panels_over(kernel, zones)
+    if panels is not None:
+        moments = _panel_moments(zones, panels, layout, over_width)
+        out[:, : layout.coefficients] += panels.at(Spread.of(panels, targets.x), moments, over_width)
+        return
     sizes = np.array([regular_size(kernel, w, int(m)) for w, m in zip(zones.half, layout.m, strict=True)])
     for m in np.unique(layout.m):
         for q in np.unique(sizes[layout.m == m]):
@@ -194,6 +202,48 @@ def _add_regular(
                 block *= zones.half[sources][:, None]
             columns = layout.offset[sources][:, None] + np.arange(count)
             out[:, columns] += block
+
+
+def _panel_moments(zones: Zones, panels: Panels, layout: Layout, over_width: bool) -> Array:
+    """Moments of the panels by each unknown coefficient."""
+    out = np.zeros((panels.count * TERMS, layout.coefficients))
+    modes = panels.modes(zones.half)
+    for i in range(len(zones)):
+        q = int(modes[i]) + 2
+        count = min(int(layout.m[i]), int(modes[i])) + 1
+        xi = zones.middle[i] + zones.half[i] * chebyshev.gauss(q)
+        weights = chebyshev.t_matrix(q, count) * ((1.0 if over_width else zones.half[i]) / q)
+        out[:, layout.offset[i] : layout.offset[i] + count] = panels.moments(Spread.of(panels, xi), weights)
+    return out
+
+
+def panels_over(kernel: Kernel, zones: Zones) -> Panels | None:
+    """The panels of a kernel's regular part over all zones."""
+    return panels_of(kernel, float(zones.a[0]), float(zones.b[-1]))
+
+
+def moments_of(panels: Panels, zones: Zones, kernel: Kernel, table: Array, steps: Steps) -> Array:
+    """Moments of the panels of a density, see `quadrature`."""
+    nodes, weights = (np.concatenate(parts) for parts in zip(*quadrature(zones, kernel, table, steps), strict=True))
+    return panels.moments(Spread.of(panels, nodes), weights)
+
+
+def quadrature(zones: Zones, kernel: Kernel, table: Array, steps: Steps) -> list[tuple[Array, Array]]:
+    """(nodes, weights times density) for the regular part, of T coefficients (zones, n + 1) and jumps; zones of equal size together."""
+    m, panels = table.shape[1] - 1, panels_over(kernel, zones)
+    sizes = np.array([regular_size(kernel, w, m, panels) for w in zones.half])
+    found = []
+    for q in np.unique(sizes):
+        group = np.flatnonzero(sizes == q)
+        count = min(int(q), m + 1)
+        xi = zones.middle[group][:, None] + zones.half[group][:, None] * chebyshev.gauss(int(q))
+        c = table[group, :count]
+        if len(steps):
+            count = int(q)
+            c = np.pad(c, ((0, 0), (0, count - c.shape[1]))) + steps.t_coefficients(zones, count)[group]
+        weights = (c @ chebyshev.t_matrix(int(q), count).T) * (zones.half[group] / q)[:, None]
+        found.append((xi.ravel(), weights.ravel()))
+    return found
 
 
 class System:
@@ -235,7 +285,7 @@ class System:
         """(matrix, right side), the rows k = 1 ... m of each solved zone (even k only for a central symmetric one)."""
         layout, zones = self.layout, self.zones
         raw = fields(zones, self.equation.kernel, self.targets, layout, "transform")
-        if self.equation.kernel.grows:
+        if self.equation.kernel.grows and panels_over(self.equation.kernel, zones) is None:
             # A regular kernel of a user's own: its last coefficients in xi tell whether they are enough.
             last = layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)
             self.source_tails = np.abs(raw[:, last]).max(axis=(0, 1)) / max(1.0, np.abs(raw).max())
@@ -244,6 +294,7 @@ class System:
         if self.equation.grows:
             self.field_sizes = np.maximum.reduceat(np.abs(raw), self.starts[:-1], axis=0)
         blocks, rights = [], []
+        seen = self.unseen(self.targets.x, False)
         for place, i in enumerate(zones.solved):
             m = int(layout.m[i])
             if m == 0:
@@ -255,6 +306,8 @@ class System:
             g[:count] = self.lowest[i, 1 : count + 1]
             if len(self.steps):
                 g -= rows @ layout.flat(self.known)
+            if seen is not None:
+                g -= chebyshev.project_rows(seen[self.starts[place] + 1 : self.starts[place + 1] - 1, None])[:, 0]
             rows[k - 1, layout.offset[i] + k] -= 1.0
             step = 2 if zones.central and place == 0 else 1
             blocks.append(rows[step - 1 :: step])
@@ -262,6 +315,27 @@ class System:
         if not blocks:
             return np.zeros((0, layout.size)), np.zeros(0)
         return np.concatenate(blocks), np.concatenate(rights)
+
+    def unseen(self, x: Array, potential: bool) -> Array | None:
+        """What the regular part does at points through coefficients that are no unknowns, in closed form; None where that is nothing."""
+        if self._unseen is None:
+            return None
+        panels, moments = self._unseen
+        return panels.at(Spread.of(panels, x), moments, potential)
+
+    @cached_property
+    def _unseen(self) -> tuple[Panels, Array] | None:
+        """Panels, and moments of the coefficients beyond the coupled modes, as far as the regular part sees them."""
+        zones, panels = self.zones, panels_over(self.equation.kernel, self.zones)
+        if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):
+            return None
+        count = int(panels.modes(zones.half).max()) + 1
+        table, given = np.zeros((len(zones), count)), min(count, self.g.shape[1])
+        table[:, :given] = -self.g[:, :given]
+        if len(self.steps):
+            table += self.steps.t_coefficients(zones, count)
+        table = np.where(np.arange(count) > self.layout.m[:, None], table, 0.0)
+        return panels, moments_of(panels, zones, self.equation.kernel, table, Steps.none())
 
     @cached_property
     def diagonal(self) -> Index:
@@ -390,6 +464,9 @@ class System:
             w = zones.half[i]
             rows[place, layout.offset[i]] += w * math.log(w / (2 * kernel.datum))
         constants = rows @ layout.flat(self.known)
+        unseen = self.unseen(self.targets.x, True)
+        if unseen is not None:
+            constants = constants + self._means(unseen)
         for k, column in enumerate(self.equation.columns):
             rows[:, layout.coefficients + k] = -self._column_means(column.primitive)
         return rows, constants - self._forcing_means()
@@ -397,7 +474,10 @@ class System:
     def _column_means(self, primitive: Callable[[Array], Array] | None) -> Array:
         if primitive is None:
             raise ValueError("a condition on potentials needs the primitive of every column")
-        values = primitive(self.targets.x)
+        return self._means(primitive(self.targets.x))
+
+    def _means(self, values: Array) -> Array:
+        """Means over each solved zone of values at its nodes."""
         return np.array([
             (values[s:e].sum() - 0.5 * (values[s] + values[e - 1])) / (e - s - 1)
             for s, e in zip(self.starts[:-1], self.starts[1:], strict=True)

@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie import chebyshev
+from sie.assemble import moments_of, panels_over, quadrature
 from sie.everywhere import Everywhere
 from sie.fast import reaches
-from sie.field import CHUNK, Sources, potential_at, quadrature, sum_of_powers, transform_at
+from sie.field import CHUNK, Sources, potential_at, sum_of_powers, transform_at
 from sie.kept import Kept
 from sie.kernels import Kernel
+from sie.panels import Panels
 from sie.steps import LOG2, SERIES_REACH, Steps, of_zones
 from sie.zones import Zones
 
@@ -315,7 +317,13 @@ class Density(Kept):
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:
         """Nodes and weighted density for the regular part of the kernel."""
-        return quadrature(self)
+        return quadrature(self.zones, self.kernel, self.coefficients, self.steps)
+
+    @cached_property
+    def panel_moments(self) -> tuple[Panels, Array] | None:
+        """The panels of the regular part and this density's moments on them; None where it has none."""
+        panels = panels_over(self.kernel, self.zones)
+        return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.steps))
 
     def own_transform(self, zone: Index, left: Array, right: Array) -> Array:
         """-sum c_j U_{j-1}(t) on the zones, by the angle from the nearer end."""

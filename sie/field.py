@@ -19,9 +19,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from sie import chebyshev
-from sie.assemble import regular_size
 from sie.kernels import Kernel, Regular
+from sie.panels import Spread
 from sie.zones import Zones
 
 if TYPE_CHECKING:
@@ -114,14 +113,13 @@ def _by_blocks(density: Density, x: Array, what, regular: Regular | None) -> Arr
     sources = density.sources
     if len(x) * len(sources) > (SOME_PAIRS if density.has_series else MANY_PAIRS) and density.everywhere is not None:
         here = density.everywhere
-        return here.potential(x) if what is _potential else here.transform(x)
-    out = np.zeros(x.shape)
+        value = here.potential(x) if what is _potential else here.transform(x)
+        return value if regular is None or density.kernel.sure else np.asarray(value + regular_at(density, x, regular))
+    out = np.zeros(x.shape) if regular is None else regular_at(density, x, regular)
     block = max(1, CHUNK // len(sources))
     for s in range(0, len(x), block):
         part = x[s : s + block]
-        out[s : s + block] = what(density, part, sources)
-        if regular is not None:
-            out[s : s + block] += regular_at(density, part, regular)
+        out[s : s + block] += what(density, part, sources)
     return out
 
 
@@ -166,32 +164,17 @@ def _potential(density: Density, x: Array, sources: Sources) -> Array:
 
 
 def regular_at(density: Density, x: Array, regular: Regular) -> Array:
-    """The regular part of the kernel, by Gauss-Chebyshev quadrature on every zone."""
+    """The regular part of the kernel (or of its potential), by Gauss-Chebyshev quadrature on every zone; through its panels, where it
+    has some."""
+    if density.panel_moments is not None:
+        panels, moments = density.panel_moments
+        return panels.at(Spread.of(panels, x), moments, regular is not density.kernel.regular)
     out = np.zeros(x.shape)
     for xi, weights in density.quadrature:
         block = max(1, CHUNK // weights.size)
         for s in range(0, len(x), block):
             out[s : s + block] += regular(x[s : s + block, None], xi[None, :]) @ weights
     return out
-
-
-def quadrature(density: Density) -> list[tuple[Array, Array]]:
-    """(nodes, weights times density) for the regular part, zones of equal size together."""
-    zones, kernel = density.zones, density.kernel
-    m = density.coefficients.shape[1] - 1
-    sizes = np.array([regular_size(kernel, w, m) for w in zones.half])
-    found = []
-    for q in np.unique(sizes):
-        group = np.flatnonzero(sizes == q)
-        count = min(int(q), m + 1)
-        xi = zones.middle[group][:, None] + zones.half[group][:, None] * chebyshev.gauss(int(q))
-        c = density.coefficients[group, :count]
-        if len(density.steps):
-            count = int(q)
-            c = np.pad(c, ((0, 0), (0, count - c.shape[1]))) + density.steps.t_coefficients(zones, count)[group]
-        weights = (c @ chebyshev.t_matrix(int(q), count).T) * (zones.half[group] / q)[:, None]
-        found.append((xi.ravel(), weights.ravel()))
-    return found
 
 
 def power_sum(u: Array, rho: Array, zone: Index) -> Array:

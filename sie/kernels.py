@@ -12,17 +12,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln, psi
+
+from sie.kept import Kept
 
 Array = NDArray[np.float64]
 Regular = Callable[[Array, Array], Array]
 
 
 @dataclass(frozen=True)
-class Kernel:
+class Kernel(Kept):
     """poles: positions s of 1 / (x - xi - s), the first of them 0.
     period: the period of the kernel, None if it has none.
     regular, regular_potential: (x, xi) -> smooth rest of K and of Lambda (broadcast), or None.
@@ -31,6 +35,7 @@ class Kernel:
     sure: whether the reach alone tells how many nodes and modes the regular part needs, as it does where that part is no larger off
         the zones than on them. If not, as of a user's own, a zone's modes grow until they show it.
     datum: Lambda is log|(x - xi - s) / datum| summed over the poles.
+    of_lag: whether the regular part depends on x - xi alone: then it is summed fast, however many zones there are.
     """
 
     poles: tuple[float, ...] = (0.0,)
@@ -40,6 +45,7 @@ class Kernel:
     reach: float = math.inf
     datum: float = 1.0
     sure: bool = False
+    of_lag: bool = False
 
     def __post_init__(self) -> None:
         poles = np.asarray(self.poles, dtype=float)
@@ -56,6 +62,11 @@ class Kernel:
         """Whether modes must grow until they show all of the regular part."""
         return self.regular is not None and not self.sure
 
+    @cached_property
+    def kept_panels(self) -> dict[tuple[float, int, int], Any]:
+        """Panels of the regular part that have been looked at (`panels`)."""
+        return {}
+
     def __add__(self, other: Smooth) -> Kernel:
         """This kernel plus a user's regular kernel."""
         if not isinstance(other, Smooth):
@@ -63,16 +74,18 @@ class Kernel:
         # Without one of the potentials there is none of the sum.
         lacking = other.potential is None or (self.regular is not None and self.regular_potential is None)
         potential = None if lacking else _summed(self.regular_potential, other.potential)
-        return Kernel(self.poles, self.period, _summed(self.regular, other.value), potential, 0.0, self.datum)
+        of_lag = other.of_lag and (self.regular is None or self.of_lag)
+        return Kernel(self.poles, self.period, _summed(self.regular, other.value), potential, 0.0, self.datum, of_lag=of_lag)
 
 
 @dataclass(frozen=True)
 class Smooth:
     """A regular kernel value(x, xi), smooth on all zones; `potential` is its antiderivative in x, needed only by side
-    conditions on potentials."""
+    conditions on potentials. of_lag: whether it depends on x - xi alone."""
 
     value: Regular
     potential: Regular | None = None
+    of_lag: bool = False
 
 
 def _summed(first: Regular | None, second: Regular | None) -> Regular | None:
@@ -126,7 +139,8 @@ def hilbert(period: float) -> Kernel:
     length = float(period)
     if not (math.isfinite(length) and length > 0):
         raise ValueError(f"period must be a finite positive number, got {period!r}")
-    return Kernel((0.0, -length, length), length, _HilbertRest(length), _HilbertPotentialRest(length), length, datum=length, sure=True)
+    rest, potential = _HilbertRest(length), _HilbertPotentialRest(length)
+    return Kernel((0.0, -length, length), length, rest, potential, length, datum=length, sure=True, of_lag=True)
 
 
 def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
