@@ -1,0 +1,120 @@
+r"""Full contact of a periodic profile: p = pbar - (E*/2) R, R_q = q f_q / L(q), possible when the least of it is not negative.
+
+L is the symbol of the scene's operator (contact.model.operator): a model that declares none has no full contact that could be told. A
+valley with a kink makes R (contact.formulation.relief) infinite: no load brings such a profile into full contact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import sie
+from contact.formulation.maxima import maximum
+from contact.formulation.problem import Problem
+from contact.formulation.relief import Relief, period_samples
+from contact.model.operator import Operator
+from contact.model.profiles.base import Profile
+
+Array = NDArray[np.float64]
+
+
+def has_kinked_valley(profile: Profile) -> bool:
+    """A profile whose slope jumps down somewhere never comes into full contact."""
+    kinks = profile.kinks
+    return bool(len(kinks) and np.any(kinks[:, 1] < 0))
+
+
+class FullLimit(sie.Kept):
+    """Where full contact begins: the smallest mean pressure [Pa], inf if there is none, found when first asked for.
+
+    approached: whether growing loads come near to full contact, as they do to valleys with kinks but not past sharp corners.
+    possible: whether some load reaches it, and the model tells what the pressure then is.
+    """
+
+    def __init__(self, profile: Profile, E_star: float, operator: Operator) -> None:
+        self.profile, self.E_star, self.operator = profile, E_star, operator
+        self.approached = operator.is_periodic and profile.support is None
+        self.possible = self.approached and operator.has_inverse and not has_kinked_valley(profile)
+
+    @cached_property
+    def relief(self) -> Relief:
+        return Relief(self.profile, self.operator)
+
+    @property
+    def rounding(self) -> float:
+        """What rounding of the heights may do to the pressure [Pa]."""
+        return 0.5 * self.E_star * self.relief.rounding
+
+    @cached_property
+    def pressure(self) -> float:
+        if not self.possible:
+            return np.inf
+        return 0.5 * self.E_star * maximum(self.relief, period_samples(self.profile))[1]
+
+
+@dataclass(frozen=True, eq=False)
+class FullFields(sie.Kept):
+    """Full contact of a periodic profile: p = pbar - (E*/2) R; no gap."""
+
+    problem: Problem
+    mean_pressure: float
+    relief: Callable[[Array], Array]
+    mean_height: float
+
+    @property
+    def approach(self) -> float:
+        """mean f - min f, at any load: the displacement has no mean."""
+        return self.mean_height
+
+    def pressure(self, x: ArrayLike) -> Array:
+        slope = self.relief(np.asarray(x, dtype=float))
+        return np.asarray(self.mean_pressure - 0.5 * self.problem.units.E_star * slope)
+
+    def gap(self, x: ArrayLike) -> Array:
+        return np.zeros(np.shape(x))
+
+    def displacement(self, x: ArrayLike) -> Array:
+        height = np.asarray(self.problem.profile.height(x))
+        return np.asarray(self.mean_height + self.problem.lowest - height)
+
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
+        raise IndexError("full contact has no zones: use pressure(x)")
+
+    @property
+    def starts(self) -> Array:
+        return np.zeros(0)
+
+    @property
+    def load(self) -> float:
+        assert self.problem.profile.period is not None
+        return self.mean_pressure * self.problem.profile.period
+
+    @property
+    def loads(self) -> Array:
+        return np.zeros(0)
+
+    @cached_property
+    def max_pressure(self) -> float:
+        profile = self.problem.profile
+        return np.inf if len(profile.kinks) else maximum(self.pressure, period_samples(profile))[1]
+
+    @property
+    def contact_fraction(self) -> float:
+        return 1.0
+
+    @property
+    def stiffness(self) -> float:
+        return np.inf
+
+    @property
+    def mean_gap(self) -> float:
+        return 0.0
+
+    @property
+    def widening_rate(self) -> float:
+        return 0.0
