@@ -20,6 +20,7 @@ from sie.collocation.rounding import density_rounding, intensity_rounding
 from sie.collocation.symmetry import Folding
 from sie.collocation.system import Layout, System
 from sie.density.density import Density
+from sie.density.field import panels_over
 from sie.equation.checks import look_at
 from sie.equation.conditions import asked
 from sie.equation.equation import Equation
@@ -384,7 +385,10 @@ def residual_error(residuals: Array, size: float, coupled: Index, rounding: Arra
 
 def first_sizes(equation: Equation, zones: Zones) -> Sizes:
     """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for."""
-    least = 16 if equation.grows else max((column.modes or 0 for column in equation.columns), default=0)
+    least: int | Index = 16 if equation.grows else max((column.modes or 0 for column in equation.columns), default=0)
+    panels = panels_over(equation.kernel, zones)
+    if panels is not None and all(column.modes is not None for column in equation.columns):
+        least = np.minimum(panels.modes(zones.half), 16)
     return Sizes(np.full(len(zones), 16), least)
 
 
@@ -405,18 +409,19 @@ def solve_fixed(
     samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, largest)
     sizes.own = samples.own
     sizes.profile_evaluations += samples.evaluations
+    panels = None if any(column.modes is None for column in equation.columns) else panels_over(kernel, zones)
     while True:
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
         unknowns = int(np.sum(m + 1))
-        if unknowns > MANY_UNKNOWNS:
-            lacking = unfit(equation, zones)
-            if lacking is None:
-                return _solve_many(equation, zones, m, samples, steps, sizes)
-            if unknowns > MOST_UNKNOWNS:
-                raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
-        state = _solve_once(equation, zones, m, samples, steps, sizes)
-        # Each zone by itself: what one asks for would cost all of them too much.
-        few = (state.tails > tolerance * 10) & (m < modes.COUPLED_SIZES[-1])
+        lacking = unfit(equation, zones) if unknowns > MANY_UNKNOWNS else "too few of them"
+        if lacking and unknowns > MOST_UNKNOWNS:
+            raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
+        state = (_solve_once if lacking else _solve_many)(equation, zones, m, samples, steps, sizes)
+        # Each zone by itself: what one asks for would cost all of them too much. An iteration leaves its own error in all modes.
+        few = (state.tails > 10 * max(tolerance, 0.0 if lacking else sizes.linear)) & (m < modes.COUPLED_SIZES[-1])
+        if panels is not None:
+            # Of the regular part nothing is left beyond these.
+            few &= m < panels.modes(zones.half)
         if not equation.grows or not few.any():
             return state
         sizes.least = np.where(few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m)

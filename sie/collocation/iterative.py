@@ -93,8 +93,8 @@ class ManySystem(System):
         none = np.zeros(len(solved))
         self.known_field = self.sums(self.layout.flat(self.known)) if len(steps) else (np.zeros(len(k)), none, none)
         if self.unseen_moments is not None:
-            more = self.sums.of_panels(self.unseen_moments[1])
-            self.known_field = tuple(one + other for one, other in zip(self.known_field, more, strict=True))
+            rows, middle, mean = self.sums.of_panels(self.unseen_moments)
+            self.known_field = self.known_field[0] + rows, self.known_field[1] + middle, self.known_field[2] + mean
         self.equation_right = (g - self.known_field[0])[self.kept]
 
     def _projected(self, value: Callable[[Array], Array]) -> Array:
@@ -111,6 +111,10 @@ class ManySystem(System):
     def known_intensities(self) -> tuple[Array, Array]:
         """What is known of K at the left and right ends, without unknowns."""
         return self.intensities_of(self.beyond)
+
+    def of_panels(self, moments: Array) -> tuple[Array, Array]:
+        rows, middle, mean = self.sums.of_panels(moments)
+        return rows[self.kept], middle + mean
 
     # rows applied ---------------------------------------------------------------------------------------------------
     def applied(self, y: Array) -> tuple[Array, Applied]:

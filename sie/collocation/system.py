@@ -255,7 +255,6 @@ class System:
         if self.equation.grows:
             self.field_sizes = np.maximum.reduceat(np.abs(raw), self.starts[:-1], axis=0)
         blocks, rights = [], []
-        seen = self.unseen(self.targets.x, False)
         for place, i in enumerate(zones.solved):
             m = int(layout.m[i])
             if m == 0:
@@ -267,36 +266,56 @@ class System:
             g[:count] = self.lowest[i, 1 : count + 1]
             if len(self.steps):
                 g -= rows @ layout.flat(self.known)
-            if seen is not None:
-                g -= chebyshev.project_rows(seen[self.starts[place] + 1 : self.starts[place + 1] - 1, None])[:, 0]
             rows[k - 1, layout.offset[i] + k] -= 1.0
             step = 2 if zones.central and place == 0 else 1
             blocks.append(rows[step - 1 :: step])
             rights.append(g[step - 1 :: step])
         if not blocks:
             return np.zeros((0, layout.size)), np.zeros(0)
-        return np.concatenate(blocks), np.concatenate(rights)
-
-    def unseen(self, x: Array, potential: bool) -> Array | None:
-        """What the regular part does at points through coefficients that are no unknowns, in closed form; None where that is nothing."""
-        if self.unseen_moments is None:
-            return None
-        panels, moments = self.unseen_moments
-        return panels.at(Spread.of(panels, x), moments, potential)
+        right = np.concatenate(rights)
+        if self.unseen_moments is not None:
+            right -= self.of_panels(self.unseen_moments)[0]
+        return np.concatenate(blocks), right
 
     @cached_property
-    def unseen_moments(self) -> tuple[Panels, Array] | None:
-        """Panels, and moments of the coefficients beyond the coupled modes, as far as the regular part sees them."""
-        zones, panels = self.zones, panels_over(self.equation.kernel, self.zones)
-        if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):
+    def panels(self) -> Panels | None:
+        """Those of the kernel's regular part."""
+        return panels_over(self.equation.kernel, self.zones)
+
+    @cached_property
+    def unseen_moments(self) -> Array | None:
+        """Moments of the coefficients that are no unknowns, as far as the regular part sees them; None where it sees none."""
+        count = max(self.g.shape[1], 0 if self.panels is None else int(self.panels.modes(self.zones.half).max()) + 1)
+        table = np.zeros((len(self.zones), count))
+        table[:, : self.g.shape[1]] = -self.g
+        if self.panels is not None and len(self.steps):
+            table += self.steps.t_coefficients(self.zones, count)
+        return self.moments_beyond(table)
+
+    def moments_beyond(self, table: Array) -> Array | None:
+        """Moments of T coefficients (zones, n + 1) beyond the coupled modes, as far as the regular part sees them."""
+        if self.panels is None:
             return None
-        count = int(panels.modes(zones.half).max()) + 1
-        table, given = np.zeros((len(zones), count)), min(count, self.g.shape[1])
-        table[:, :given] = -self.g[:, :given]
-        if len(self.steps):
-            table += self.steps.t_coefficients(zones, count)
-        table = np.where(np.arange(count) > self.layout.m[:, None], table, 0.0)
-        return panels, moments_of(panels, zones, self.equation.kernel, table, Steps.none())
+        modes = self.panels.modes(self.zones.half)
+        if np.all(modes <= self.layout.m):
+            return None
+        k = np.arange(min(table.shape[1], int(modes.max()) + 1))
+        beyond = np.where(k > self.layout.m[:, None], table[:, : len(k)], 0.0)
+        return moments_of(self.panels, self.zones, self.equation.kernel, beyond, Steps.none())
+
+    def of_panels(self, moments: Array) -> tuple[Array, Array]:
+        """(rows of the equation, levels) of what has these moments on the panels."""
+        assert self.panels is not None
+        spread, solved = Spread.of(self.panels, self.targets.x), self.zones.solved
+        seen, rows = self.panels.at(spread, moments, False), [np.zeros(0)]
+        for place, i in enumerate(solved):
+            if self.layout.m[i]:
+                step = 2 if self.zones.central and place == 0 else 1
+                inner = seen[self.starts[place] + 1 : self.starts[place + 1] - 1, None]
+                rows.append(chebyshev.project_rows(inner)[step - 1 :: step, 0])
+        if self.equation.kernel.regular_potential is None:
+            return np.concatenate(rows), np.zeros(len(solved))
+        return np.concatenate(rows), self._means(self.panels.at(spread, moments, True))
 
     @cached_property
     def diagonal(self) -> Index:
@@ -425,9 +444,8 @@ class System:
             w = zones.half[i]
             rows[place, layout.offset[i]] += w * math.log(w / (2 * kernel.datum))
         constants = rows @ layout.flat(self.known)
-        unseen = self.unseen(self.targets.x, True)
-        if unseen is not None:
-            constants = constants + self._means(unseen)
+        if self.unseen_moments is not None:
+            constants = constants + self.of_panels(self.unseen_moments)[1]
         for k, column in enumerate(self.equation.columns):
             rows[:, layout.coefficients + k] = -self._column_means(column.primitive)
         return rows, constants - self._forcing_means()

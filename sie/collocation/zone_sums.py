@@ -24,8 +24,10 @@ from sie.basis import chebyshev
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
+from sie.density.field import panels_over
 from sie.fast import lazy
 from sie.fast.far import FarSum, Nested
+from sie.fast.panels import Panels, Spread
 from sie.fast.tree import TERMS, Pairs, Tree
 
 Array = NDArray[np.float64]
