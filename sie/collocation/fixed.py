@@ -409,7 +409,6 @@ def solve_fixed(
     samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, largest)
     sizes.own = samples.own
     sizes.profile_evaluations += samples.evaluations
-    panels = None if any(column.modes is None for column in equation.columns) else panels_over(kernel, zones)
     while True:
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
         unknowns = int(np.sum(m + 1))
@@ -417,14 +416,24 @@ def solve_fixed(
         if lacking and unknowns > MOST_UNKNOWNS:
             raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
         state = (_solve_once if lacking else _solve_many)(equation, zones, m, samples, steps, sizes)
-        # Each zone by itself: what one asks for would cost all of them too much. An iteration leaves its own error in all modes.
-        few = (state.tails > 10 * max(tolerance, 0.0 if lacking else sizes.linear)) & (m < modes.COUPLED_SIZES[-1])
-        if panels is not None:
-            # Of the regular part nothing is left beyond these.
-            few &= m < panels.modes(zones.half)
-        if not equation.grows or not few.any():
+        more = more_modes(state, state.tails, tolerance)
+        if more is None:
             return state
-        sizes.least = np.where(few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m)
+        sizes.least = more
+
+
+def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
+    """Coupled modes to solve with again, where their tails show that they are too few; None where they are enough, or need not tell.
+
+    Each zone by itself: what one asks for would cost all of them too much. An iteration leaves its own error in all modes."""
+    m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
+    few = (tails > 10 * max(tolerance, state.sizes.linear if state.iterated else 0.0)) & (m < modes.COUPLED_SIZES[-1])
+    if panels is not None and not any(column.modes is None for column in state.equation.columns):
+        # Of the regular part nothing is left beyond these.
+        few &= m < panels.modes(zones.half)
+    if not state.equation.grows or not few.any():
+        return None
+    return np.where(few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m)
 
 
 def _solve_once(
@@ -486,7 +495,7 @@ def _state(
     sizes.solves += 1
     top = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(system.known).max(axis=1, initial=0.0)
     truncation = samples.tail / np.where(top > 0, top, 1.0)
-    tail = np.maximum(_field_tails(system, y, density), system.source_tails)
+    tail = np.maximum(field_tails(system, y, density), system.source_tails)
     if system.zones.symmetric:
         tail = np.maximum(tail, tail[::-1])
     left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
@@ -541,7 +550,7 @@ def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[A
     return np.concatenate(rows) if rows else np.zeros((0, system.layout.size)), np.concatenate(values or [np.zeros(0)])
 
 
-def _field_tails(system: System, y: Array, density: Density) -> Array:
+def field_tails(system: System, y: Array, density: Density) -> Array:
     """Last coupled coefficients of what the other zones and the columns do, over the zone's largest one (Z,)."""
     layout, g = system.layout, system.lowest
     if layout.m.max() < 8:

@@ -199,7 +199,7 @@ def quadrature(zones: Zones, kernel: Kernel, table: Array, steps: Steps) -> list
         if len(steps):
             count = int(q)
             c = np.pad(c, ((0, 0), (0, count - c.shape[1]))) + steps.t_coefficients(zones, count)[group]
-        weights = (c @ chebyshev.t_matrix(int(q), count).T) * (zones.half[group] / q)[:, None]
+        weights = chebyshev.t_values(c, int(q)) * (zones.half[group] / q)[:, None]
         found.append((xi.ravel(), weights.ravel()))
     return found
 

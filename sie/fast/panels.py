@@ -29,13 +29,13 @@ Index = NDArray[np.intp]
 Function = Callable[[Array, Array], Array]
 
 TERMS = 24
-# Panels over the zones at the most: a kernel that varies over less is summed as it is.
+# Panels over the zones, and over half a period, at the most: a kernel that varies over less is summed as it is.
 _MOST = 512
 # Coefficients that have decayed, over the largest; and those that are the kernel's own rounding, if half the width leaves them.
 _DECAYED, _ROUNDING, _FALLS = 1e-15, 1e-12, 0.3
+# Pairs of points and nodes, and lags, handled at once.
+_BLOCK, _LAGS = 200_000, 64
 # A series that falls by _DECAYED in TERMS has no singularity nearer than so many widths of a panel, to the side of the line.
-# Pairs of points and nodes handled at once.
-_BLOCK = 200_000
 _REACH = 0.5 * math.sinh(-math.log(_DECAYED) / TERMS)
 
 
@@ -43,17 +43,18 @@ def panels_of(kernel: Kernel, lo: float, hi: float) -> Panels | None:
     """The panels of the kernel's regular part over [lo, hi]; None where it has none, is none of the lag, or varies over too little."""
     if kernel.regular is None or kernel.sure or not kernel.of_lag or not hi > lo:
         return None
-    step, before = 2.0 ** math.ceil(math.log2(hi - lo)), math.inf
+    step, before = 2.0 ** math.ceil(math.log2(max(hi - lo, kernel.period or 0.0))), math.inf
     while True:
         first = math.floor(lo / step)
         count = math.floor(hi / step) - first + 1
-        if count > _MOST:
-            return None
         # Of a period all that lies within half of one of their middle is asked for.
         away = 0.0 if kernel.period is None else 0.5 * (kernel.period + hi - lo)
+        farthest = max(count - 1, math.ceil(away / step))
+        if farthest >= _MOST:
+            return None
         key = step, first, count
         if key not in kernel.kept_panels:
-            kernel.kept_panels[key] = Panels(kernel, step, first, count, max(count - 1, math.ceil(away / step)))
+            kernel.kept_panels[key] = Panels(kernel, step, first, count, farthest)
         found: Panels = kernel.kept_panels[key]
         tail = found.tail
         if tail <= _DECAYED or (tail <= _ROUNDING and tail > _FALLS * before):
@@ -78,10 +79,9 @@ class Panels(Kept):
 
     @cached_property
     def tail(self) -> float:
-        """The last coefficients in either variable, over the largest."""
-        blocks = np.abs(self._table(False))
-        largest = float(blocks.max())
-        return 0.0 if largest == 0.0 else float(max(blocks[:, -2:].max(), blocks[:, :, -2:].max())) / largest
+        """The last coefficients in either variable, over the largest: of near panels, and if these have decayed of all."""
+        near = _tail(self._made(False, -min(1, self.farthest), min(1, self.farthest) + 1))
+        return _tail(self._table(False)) if near <= _ROUNDING else near
 
     def _made(self, potential: bool, low: int, high: int) -> Array:
         """K^(d), low <= d < high, (d, TERMS, TERMS)."""
@@ -91,9 +91,11 @@ class Panels(Kept):
         nodes, to_series = 0.5 * self.step * chebyshev.gauss(TERMS), _to_series()
         out = np.empty((high - low, TERMS, TERMS))
         with np.errstate(all="ignore"):  # too far off, until panels are short enough
-            for d in range(low, high):
-                values = np.asarray(function(nodes[:, None] + d * self.step, nodes))
-                out[d - low] = to_series.T @ values @ to_series
+            for start in range(low, high, _LAGS):
+                lags = np.arange(start, min(start + _LAGS, high))
+                x = (nodes + self.step * lags[:, None])[:, :, None]
+                values = np.asarray(function(x, np.broadcast_to(nodes, (len(lags), 1, TERMS))))
+                out[lags - low] = to_series.T @ values @ to_series
         return out
 
     @cached_property
@@ -108,14 +110,28 @@ class Panels(Kept):
 
     def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
         """Series on the panels low ... high, (panels, TERMS, n), by moments (count TERMS, n): a convolution over the panels."""
+        kernel, length = self._waves(potential, low, high)
         moments = moments.reshape(self.count, TERMS, -1)
-        wanted = high - low + 1
-        length = fft.next_fast_len(wanted + self.count - 1, real=True)
-        lag = np.arange(1 - self.count, wanted)
-        kernel = np.zeros((length, TERMS, TERMS))
-        kernel[lag % length] = self._table(potential)[lag + low - self.first + self.farthest]
-        waves = np.matmul(fft.rfft(kernel, axis=0), fft.rfft(moments, length, axis=0))
-        return np.asarray(fft.irfft(waves, length, axis=0)[:wanted])
+        waves = np.matmul(kernel, fft.rfft(moments, length, axis=0))
+        return np.asarray(fft.irfft(waves, length, axis=0)[: high - low + 1])
+
+    def _waves(self, potential: bool, low: int, high: int) -> tuple[NDArray[np.complex128], int]:
+        """(transform of K^(d) over the lags between all panels and low ... high, its length)."""
+        key = potential, low, high
+        if key not in self._transforms:
+            wanted = high - low + 1
+            length = int(fft.next_fast_len(wanted + self.count - 1, real=True))
+            lag = np.arange(1 - self.count, wanted)
+            kernel = np.zeros((length, TERMS, TERMS))
+            kernel[lag % length] = self._table(potential)[lag + low - self.first + self.farthest]
+            # Of the last one that was asked for: zones ask for the same again and again.
+            self._transforms.pop(next((k for k in self._transforms if k[0] == potential), key), None)
+            self._transforms[key] = np.asarray(fft.rfft(kernel, axis=0)), length
+        return self._transforms[key]
+
+    @cached_property
+    def _transforms(self) -> dict[tuple[bool, int, int], tuple[NDArray[np.complex128], int]]:
+        return {}
 
     def moments(self, spread: Spread, weights: Array) -> Array:
         """Moments (count TERMS, ...) of weights (n, ...) at points."""
@@ -153,6 +169,11 @@ class Panels(Kept):
         for s in range(0, len(x), block):
             out[s : s + block] = np.asarray(function(x[s : s + block, None], nodes)) @ weights
         return out
+
+
+def _tail(blocks: Array) -> float:
+    largest = float(np.abs(blocks).max())
+    return 0.0 if largest == 0.0 else float(max(np.abs(blocks[:, -2:]).max(), np.abs(blocks[:, :, -2:]).max())) / largest
 
 
 def _to_series() -> Array:
