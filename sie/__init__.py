@@ -12,6 +12,7 @@ from sie.equation.conditions import (
     Condition,
     EqualPotential,
     Level,
+    Rows,
     Total,
     TotalWidth,
     Weighted,
@@ -28,7 +29,7 @@ from sie.slits.system import AnyDensity, AnyState, solve_zones
 __all__ = [
     "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EqualPotential",
     "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "PiecewiseTransform",
-    "Pierced", "SingularSystem", "Smooth", "State", "Total",
+    "Pierced", "Rows", "SingularSystem", "Smooth", "State", "Total",
     "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "cauchy", "find_ends", "free_with_intensity", "hilbert",
     "images", "moment", "solve_fixed", "solve_zones",
 ]

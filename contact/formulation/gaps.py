@@ -165,8 +165,8 @@ class GapFields(sie.Kept):
 
     @cached_property
     def approach(self) -> float:
-        """min f = 0 and mean u = 0: the mean of f less the mean gap [m]."""
-        return mean_shape(self.problem) * self.problem.units.height - self.mean_gap
+        """min f = 0, and u has the mean of the compression: the mean of f less the mean gap, and that [m]."""
+        return (mean_shape(self.problem) + self.problem.compression * self.mean) * self.problem.units.height - self.mean_gap
 
     @property
     def mean_gap(self) -> float:
@@ -175,9 +175,9 @@ class GapFields(sie.Kept):
 
     @cached_property
     def stiffness(self) -> float:
-        """d load / d approach [N/m^2]: the gap's response to the mean pressure, ends held."""
+        """d load / d approach [N/m^2]: the gap's response to the mean pressure, ends held, and the compression's."""
         values = np.zeros(len(self.state.condition_scale))
         values[self.state.condition_index[0]] = 1.0
         response = self.state.response(values)
-        rate = response.moment() / self.period * self.problem.units.height
+        rate = (response.moment() / self.period + self.problem.compression) * self.problem.units.height
         return self.period * self.problem.units.load / rate

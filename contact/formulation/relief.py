@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 import sie
 from contact.formulation.conjugate import Conjugate, conjugate_of, log_sine, logarithms
-from contact.formulation.problem import Problem, Units
+from contact.formulation.problem import Problem
+from contact.formulation.units import Units
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum

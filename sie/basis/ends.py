@@ -1,7 +1,7 @@
 """Kinds of zone ends and what each does to the index of the singular integral equation.
 
 Near an end at distance d the density behaves as K / sqrt(d) + A sqrt(d). A *singular* end lets K be what it
-comes to; a *bounded* end asks K = 0 at a given place; a *free* end asks for a given K (zero, or a prescribed
+comes to; a *bounded* end asks K = 0 (or a prescribed K) at a given place; a *free* end asks for a given K (zero, or a prescribed
 intensity) at a place that is itself unknown. Each zone with two singular ends has index 1 and needs one side
 condition; each bounded end takes one away; a free end takes one away and brings one unknown, its position
 (Muskhelishvili, Singular Integral Equations, 1953, ch. 5).

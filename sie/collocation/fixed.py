@@ -537,16 +537,16 @@ def density_of(system: System, y: Array) -> Density:
 
 
 def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[Array, Array]:
-    """All side conditions, and intensity zero at fixed bounded ends, as rows and values."""
+    """All side conditions, and the intensity prescribed at ends that do not move, as rows and values."""
     rows, values = [], []
     for condition in equation.conditions:
         matrix, constants, wanted = asked(condition, system, system.layout.size)
         rows.append(matrix)
         values.append(wanted - constants)
     if any(zones.held):
-        for chosen, (matrix, constants) in zip(zones.held, system.intensities(), strict=True):
+        for ends, chosen, (matrix, constants) in zip((zones.left, zones.right), zones.held, system.intensities(), strict=True):
             rows.append(matrix[chosen])
-            values.append(-constants[chosen])
+            values.append(np.array([ends[zones.solved[p]].intensity for p in chosen]) - constants[chosen])
     return np.concatenate(rows) if rows else np.zeros((0, system.layout.size)), np.concatenate(values or [np.zeros(0)])
 
 

@@ -37,10 +37,13 @@ class Body(contact.Interaction):
 
 
 @dataclass(frozen=True)
-class KernelAlone(Body):
+class KernelAlone(contact.Interaction):
     """The same without its symbol: K = Hilbert's and a geometric series in closed form."""
 
+    eps: float
+    depth: float
     name = "kernel alone"
+    needs_period = True
 
     def kernel(self, period, unit):
         k, eps = 2 * np.pi / period, self.eps
@@ -50,9 +53,6 @@ class KernelAlone(Body):
             return k * eps * r * np.sin(k * (x - xi)) / (1 - 2 * r * np.cos(k * (x - xi)) + r * r)
 
         return sie.hilbert(period) + sie.Smooth(value, lambda x, xi: 0.5 * eps * np.log(1 - 2 * r * np.cos(k * (x - xi)) + r * r))
-
-    def symbol(self, q):
-        return None
 
 
 @dataclass(frozen=True)
@@ -172,6 +172,31 @@ class TestTheTwoFormulations:
         zones = solve(profile, KernelAlone(0.8, 0.1), tol=1e-9, load=gaps.load)
         assert isinstance(gaps.fields, GapFields) and isinstance(zones.fields, ZoneFields)
         assert true_error(zones, gaps) <= zones.error + gaps.error
+
+
+class TestCompression:
+    """A layer as a substrate: u has a mean, that of the uniform compression."""
+
+    def scene(self, share=None, **control):
+        scene = contact.Scene(TIPS, 1.0, contact.Periodic(), substrate=contact.Layer(0.1, 0.3), contact_fraction=1.0)
+        control = control or {"load": share * contact.solve(scene).load}
+        return replace(scene, contact_fraction=None, **control)
+
+    @pytest.mark.parametrize("share", [0.01, 0.3, 0.9, 0.999])
+    def test_the_gaps_know_it(self, share):
+        given = contact.solve(self.scene(share), tol=1e-10)
+        assert isinstance(given.fields, GapFields) == (share > 0.5) and given.certificate.holds
+        x = (np.arange(4096) + 0.5) / 4096 - 0.5
+        sunk = 2 * given.scene.substrate.compression * given.mean_pressure
+        assert np.mean(given.displacement(x)) == pytest.approx(sunk, rel=1e-6, abs=1e-7 * given.approach)
+        again = contact.solve(self.scene(approach=given.approach), tol=1e-8)
+        assert again.load == pytest.approx(given.load, rel=1e-7)
+
+    def test_the_stiffness_is_that_of_the_loads(self):
+        near = [contact.solve(self.scene(0.9 * (1 + h)), tol=1e-11) for h in (-1e-4, 0.0, 1e-4)]
+        assert isinstance(near[1].fields, GapFields)
+        rate = (near[2].load - near[0].load) / (near[2].approach - near[0].approach)
+        assert near[1].stiffness == pytest.approx(rate, rel=1e-6)
 
 
 class TestNarrowGaps:

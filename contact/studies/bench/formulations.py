@@ -2,7 +2,7 @@
 
 A periodic contact can be solved for the pressure p on its zones or for the slope s of the gap on its gaps (see contact.formulation.gaps),
 
-    (1/pi) PV int_zones p K = (E*/2) f'  on the zones,      (1/pi) PV int_gaps s K = H f' - 2 pbar/E*  on the gaps, int_gap s = 0:
+    (1/pi) PV int_zones p K = (E*/2) f'  on the zones,      (1/pi) PV int_gaps s K = R - 2 pbar/E*  on the gaps, int_gap s = 0:
 
 other unknowns, another right side, other intervals, other side conditions. Each starts from what `solve` found, with every end
 moved by a thousandth of its interval, so that it finds the ends by itself.
@@ -17,14 +17,17 @@ from numpy.typing import ArrayLike, NDArray
 
 import sie
 from contact.errors import NotConverged
+from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
-from contact.formulation.problem import Control, Problem, Units
+from contact.formulation.problem import Problem
 from contact.formulation.relief import Relief, ScaledRelief
+from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.search.gap_topology import gap_equation
 from contact.search.topology import settle
 from contact.solver import solve
+from contact.verify.accuracy import Found
 
 Array = NDArray[np.float64]
 
@@ -41,7 +44,7 @@ def scaled(scene: Scene) -> Problem:
     assert profile.period is not None
     x = profile.x0 + profile.period * np.arange(1024) / 1024
     units = Units(profile.x0 + 0.5 * profile.period, profile.period, float(np.abs(profile.slope(x)).max()), scene.E_star)
-    return Problem(profile, scene.interaction, units, float(np.min(profile.height(x))))
+    return Problem(profile, scene.interaction, scene.substrate, scene.law, units, float(np.min(profile.height(x))))
 
 
 def _mean_pressure(scene: Scene) -> float:
@@ -80,7 +83,7 @@ class ByGaps:
 
         relief = ScaledRelief.of(Relief(scene.profile, scene.operator), problem)
         mean = _mean_pressure(scene) / units.pressure
-        equation = gap_equation(problem, Control("load", mean * problem.period), relief)
+        equation = gap_equation(problem, Load(mean * problem.period), relief)
         free = sie.find_ends(equation, sie.Zones.of(gaps), _TOLERANCE, _STEPS, signs=(1.0, -1.0))
         if not free.converged:
             raise NotConverged("the gaps' formulation does not converge from these zones")
@@ -124,7 +127,8 @@ class ByZones:
         start = np.roll(start, -turn, axis=0)
         start = start + np.where(start[:, :1] < start[0, 0], problem.period, 0.0)
         load = _mean_pressure(scene) * problem.period * units.length / units.load
-        found = settle(problem, Control("load", load), start, _TOLERANCE)
+        found = settle(problem, Load(load), start, _TOLERANCE)
+        assert isinstance(found, Found)
         zones, order = _in_cell(np.asarray(units.x(found.free.density.zones.table)), scene)
         return cls(found.fields, zones, order)
 
