@@ -88,4 +88,4 @@ def kernel_of(excess: Array, period: float) -> sie.Kernel:
         return plain
     n = np.arange(1, len(excess) + 1)
     value, potential = (Sum.of(np.asarray(c, dtype=np.complex128)) for c in (-2j * np.pi / period * excess, -excess / n))
-    return plain + sie.Smooth(_Waves(value, period), _Waves(potential, period))
+    return plain + sie.Smooth(_Waves(value, period), _Waves(potential, period), of_lag=True)

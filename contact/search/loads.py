@@ -84,7 +84,7 @@ def by_fraction(task: Task, frame: Framed) -> Found | Gapped:
     """A width from a solution under about the load that has it, ever nearer ones until its zones lead on."""
     problem, control, goal = frame.problem, frame.control, task.scene.control[1]
     if task.near is None:
-        # What is open of a contact as full as this are tops of H f', of which no grid tells the load.
+        # What is open of a contact as full as this are tops of R, of which no grid tells the load.
         if 1 - goal < _LAST_OPEN:
             gapped = by_gaps(task, problem, control, control.value)
             if isinstance(gapped, Gapped):
@@ -143,7 +143,7 @@ def _from(task: Task, problem: Problem, control: Control, near: Solution) -> Fou
         value = near.load / problem.units.load
         return task.settle(problem, control, placed(problem, near.zones), value=value, steps=_FEW, rounds=_FEW_ROUNDS)
     with task.plan.timed("zone ends"):
-        found = settle_gaps(problem, control, fields.conjugate, fields.density.zones.table, fields.mean, OF_GAPS * task.tolerance)
+        found = settle_gaps(problem, control, fields.relief, fields.density.zones.table, fields.mean, OF_GAPS * task.tolerance)
         return found if isinstance(found, Missed) else tightened_gaps(task, found, control)
 
 

@@ -258,6 +258,8 @@ def _corrected(zones: sie.Zones, certificate: Certificate, problem: Problem) -> 
     for lo, hi in certificate.overlaps:
         middle, half = 0.5 * (lo + hi), 0.35 * (hi - lo)
         rows.append([middle - half, middle + half])
+    if not rows:
+        raise WrongTopology("all zones vanished", None)
     rows.sort()
     table = np.array(rows)
     keep = [0]

@@ -15,11 +15,20 @@ from sie.basis.half_plane import What, sum_of_powers
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.density.field import CHUNK, Sources, potential_at, quadrature, transform_at
+from sie.density.field import (
+    CHUNK,
+    Sources,
+    moments_of,
+    panels_over,
+    potential_at,
+    quadrature,
+    transform_at,
+)
 from sie.density.interval_potential import LocalPotential
 from sie.density.plane import Plane
 from sie.density.treecode import Everywhere
 from sie.fast.far import reaches
+from sie.fast.panels import Panels
 from sie.jumps.forcing import LOG2, SERIES_REACH, Steps, of_zones
 
 Array = NDArray[np.float64]
@@ -367,7 +376,13 @@ class Density(Kept):
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:
         """Nodes and weighted density for the regular part of the kernel."""
-        return quadrature(self)
+        return quadrature(self.zones, self.kernel, self.coefficients, self.steps)
+
+    @cached_property
+    def panel_moments(self) -> tuple[Panels, Array] | None:
+        """The panels of the regular part and this density's moments on them; None where it has none."""
+        panels = panels_over(self.kernel, self.zones)
+        return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.steps))
 
     def own_transform(self, zone: Index, left: Array, right: Array) -> Array:
         """-sum c_j U_{j-1}(t) on the zones, by the angle from the nearer end."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
+from sie.fast.panels import Panels
 from sie.jumps.forcing import Steps
 
 Array = NDArray[np.float64]
@@ -68,3 +69,5 @@ class Evaluated(Series, Protocol):
     def quadrature(self) -> list[tuple[Array, Array]]: ...
 
     def into_period(self, x: Array) -> Array: ...
+    @property
+    def panel_moments(self) -> tuple[Panels, Array] | None: ...

@@ -24,7 +24,9 @@ from sie.collocation.fixed import (
     Solver,
     State,
     density_of,
+    field_tails,
     first_sizes,
+    more_modes,
     residual_error,
     solve_fixed,
 )
@@ -48,6 +50,8 @@ _SLOW = 0.7
 _CORRECTIONS = 2
 # Tolerance of the wide zones' own solution by iteration, from which the holes' one starts.
 _START = 0.1
+# Coefficients of s at the most that a smooth part of the kernel sees.
+_MOST_TOLD = 1024
 _ROUNDING = 2.2e-16
 # What alternating may leave over the largest coefficient, to be stated as an error; more is no solution.
 _SETTLED = 1e-10
@@ -112,8 +116,10 @@ class Release(Kept):
         self.linear = linear if isinstance(base.solver, Iterative) else 0.0
         system = self.system
         modes = base.sizes.own[: len(cut.wide)]
+        # A smooth part of the kernel sees as many coefficients of s as it has itself on a wide zone.
+        told = np.full(len(cut.wide), TOLD) if system.panels is None else np.clip(system.panels.modes(cut.wide.half), TOLD, _MOST_TOLD)
         self.holes = tuple(
-            Holes(cut, int(i), int(max(modes[i], system.layout.m[i])), system.steps) for i in np.unique(cut.hole_zone)
+            Holes(cut, int(i), int(max(modes[i], system.layout.m[i])), system.steps, int(told[i])) for i in np.unique(cut.hole_zone)
         )
 
     @cached_property
@@ -220,7 +226,7 @@ class Release(Kept):
 
     def s_table(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """s_k of every wide zone."""
-        count = max(int(self.system.layout.m.max()), max(here.modes for here in self.holes), TOLD) + 1
+        count = max(int(self.system.layout.m.max()), max(here.told_to for here in self.holes)) + 1
         out = np.zeros((len(self.cut.wide), count))
         for here, one in zip(self.holes, d, strict=True):
             told = here.told @ one + (0.0 if homogeneous else here.told_by_valleys)
@@ -238,7 +244,12 @@ class Release(Kept):
         system, zones, base = self.system, self.cut.wide, self.base
         s = self.s_table(d, homogeneous)
         rows = -system.layout.flat(s)[system.diagonal]
-        view = Opened(zones, s, self.mean_openings(d, homogeneous), system.moments, system.layout.m, system.multiplicity())
+        openings, beyond = self.mean_openings(d, homogeneous), system.moments_beyond(s)
+        if beyond is not None:
+            seen, levels = system.of_panels(beyond)
+            rows -= seen
+            openings[zones.solved] += levels
+        view = Opened(zones, s, openings, system.moments, system.layout.m, system.multiplicity())
         constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
         return np.concatenate((rows, conditions))
@@ -262,6 +273,11 @@ class Release(Kept):
         left_over = base.solver.error if isinstance(base.solver, Iterative) else base.linear_error
         state = replace(base, folded_unknowns=folded, unknowns=y, density=whole, linear_error=left_over)
         return state, Pierced(self.cut, smooth, whole, self.holes, d, forced=not homogeneous)
+
+
+    def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
+        """See `State.tails`, of what stands in the rows beside s."""
+        return field_tails(self.system, wide.unknowns - self.system.layout.flat(self.s_table(d, False)), wide.density)
 
 
 @dataclass(frozen=True, eq=False)
@@ -497,19 +513,27 @@ def solve_zones(
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     # By iteration the wide zones alone are no more than a start.
-    inner.linear, inner.value = max(sizes.linear, _START), sizes.value
+    inner.linear = sizes.linear if equation.grows else max(sizes.linear, _START)
+    inner.value = sizes.value
     profile, kernel, iterations = inner.profile_evaluations, inner.kernel_evaluations, inner.iterations
-    state = solve_fixed(equation, found.wide, tolerance, inner)
-    release = Release(found, state, sizes.linear)
-    try:
-        folded, series, rest = release.solve()
-    except HolesUnsettled:
-        return solve_fixed(equation, zones, tolerance, sizes)
-    if isinstance(state.solver, Iterative):
-        more = state.solver.iterations - (inner.iterations - iterations)
-        inner.iterations += more
-        inner.kernel_evaluations += more * state.solver.system.sums.size
-    wide, density = release.density(folded, series)
+    while True:
+        before = inner.iterations
+        state = solve_fixed(equation, found.wide, tolerance, inner)
+        release = Release(found, state, sizes.linear)
+        try:
+            folded, series, rest = release.solve()
+        except HolesUnsettled:
+            return solve_fixed(equation, zones, tolerance, sizes)
+        if isinstance(state.solver, Iterative):
+            more = state.solver.iterations - (inner.iterations - before)
+            inner.iterations += more
+            inner.kernel_evaluations += more * state.solver.system.sums.size
+        wide, density = release.density(folded, series)
+        # What the slits do through a smooth part of the kernel may take more modes than there are.
+        least = more_modes(wide, release.tails(wide, series), tolerance)
+        if least is None:
+            break
+        inner.least = least
     if inner.carried is not None:
         inner.carried = Carried.of(inner.carried.punches, wide.system.layout, wide.unknowns)
     sizes.wide = inner
