@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 from sie.kept import Kept
 from sie.local_spline import MANY, LocalSpline
-from sie.zone_spline import NEAREST, ZoneSpline
+from sie.zone_spline import ZoneSpline
 from sie.zones import Zones
 
 Array = NDArray[np.float64]
@@ -102,22 +102,24 @@ class Steps(Kept):
 
     def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made) -> Any:  # type: ignore[no-untyped-def]
         """The same with splines of f, made of knots, their jumps and f, in every zone of many jumps of order 2 and no others."""
-        height, splines = self.height.copy(), {}
+        height, splines, more = self.height.copy(), {}, []
         for zone in np.flatnonzero(np.bincount(self.zone, minlength=1) >= MANY).tolist():
             k = self.by_zone[zone]
             if np.any(self.order[k] != HIGHEST):
                 continue
-            k = k[np.minimum(self.left[k], self.right[k]) > NEAREST]
             k = k[np.argsort(self.left[k])]
             found = made(self.left[k], height[k], lambda left, zone=zone: f(zones.a[zone] + zones.half[zone] * left))
             if found is not None:
-                splines[zone], height[k] = found
+                splines[zone], height[k], others = found
+                more.append(np.column_stack((np.full(others.shape[1], zone), others.T)))
         if not splines:
             return self
         keep = height != 0.0
+        zone, left, jump = np.concatenate(more).T
         return replace(
-            self, zone=self.zone[keep], left=self.left[keep], right=self.right[keep], height=height[keep], order=self.order[keep],
-            splines=splines,
+            self, zone=np.append(self.zone[keep], zone.astype(np.intp)), left=np.append(self.left[keep], left),
+            right=np.append(self.right[keep], 2.0 - left), height=np.append(height[keep], jump),
+            order=np.append(self.order[keep], np.full(len(zone), HIGHEST)), splines=splines,
         )
 
     def __len__(self) -> int:
@@ -404,7 +406,7 @@ class Steps(Kept):
         """What the right side has at points x beyond the values that the caller gives: nothing."""
         return np.zeros(x.shape)
 
-    def chosen(self, which: NDArray[np.bool_]) -> Steps:
+    def chosen(self, which: NDArray[np.bool_] | Index) -> Steps:
         """Those of the jumps alone."""
         return Steps(self.zone[which], self.left[which], self.right[which], self.height[which], self.order[which])
 
