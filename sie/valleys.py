@@ -13,8 +13,9 @@ Off the hole, with |z| = cosh u, they are ln(r/2) + u and r sgn(z) (|z| (ln(r/2)
 
 For q = 2, with t - m = r z, s - m = r zeta, b_k = bar((z - .)_+^k), psi = h r^2 ((z - zeta)_+^2 - b_2 + 2 zeta b_1 - (zeta^2 - 1/2) b_0),
 and (t - s)^2 kappa is spread as bar((t - .)^2 kappa) - 2 r zeta bar((t - .) kappa) + r^2 (zeta^2 - 1/2) bar(kappa),
-the mean of (z - .)^2 ln|z - .| being z^2 (3/2 - ln 2) + 1/4 - (ln 2)/2 on the hole, (z^2 + 1/2) (u - ln 2) + 2 |z| e^-u - e^-2u / 4 off it. The
-transforms of both differ by a polynomial, which X times another one makes up for; with D = phi - phi(.), y = t - m,
+the mean of (z - .)^2 ln|z - .| being z^2 (3/2 - ln 2) + 1/4 - (ln 2)/2 on the hole and, off it,
+(z^2 + 1/2) (u - ln 2) + 2 |z| e^-u - e^-2u / 4. The transforms of both differ by a polynomial, which X times another
+one makes up for; with D = phi - phi(.), y = t - m, that is
 
     -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)),   c = cos over the hole. (Derived here.)
 """
