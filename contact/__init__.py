@@ -3,25 +3,22 @@
 # First: a command may be interrupted while the rest is imported.
 from contact import interrupts  # noqa: F401  isort: skip
 from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
-from contact.interactions import Interaction, Isolated, Localized, Periodic
-from contact.paths import Event, Path, path
-from contact.planning import Plan, plan
-from contact.profiles import (
-    Biquadratic,
-    Flat,
-    Fourier,
-    Parabola,
-    Polynomial,
-    Profile,
-    Sampled,
-    Sinusoid,
-    Wedge,
+from contact.model.interactions import Interaction, Isolated, Localized, Periodic
+from contact.model.profiles import Biquadratic, Flat, Fourier, Parabola, Polynomial, Profile, Sampled, Sinusoid, Wedge
+from contact.model.registry import (
+    interaction,
+    interactions,
+    profile,
+    profiles,
+    register_interaction,
+    register_profile,
 )
-from contact.registry import interaction, interactions, profile, profiles, register_interaction, register_profile
-from contact.scene import E_star, Scene
-from contact.scene_file import load_scene
-from contact.solution import Solution
+from contact.model.scene import E_star, Scene
+from contact.model.scene_file import load_scene
+from contact.solution.plan import Plan, plan
+from contact.solution.solution import Solution
 from contact.solver import solve
+from contact.sweeps.paths import Event, Path, path
 
 __all__ = [
     "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Interaction", "Isolated", "Localized", "MissingExtra",

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import sys
 
-from contact import interrupts, lazy
+from contact import interrupts
 from contact.errors import MissingExtra
+from contact.extras import require
 
 
 def main() -> None:
@@ -13,7 +14,7 @@ def main() -> None:
     interrupts.install()
     try:
         try:
-            command_line = lazy.command_line()
+            command_line = require("contact.commands.cli")
         except MissingExtra as error:
             print(f"contact: {error}", file=sys.stderr)
             raise SystemExit(2) from None

@@ -11,31 +11,33 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact import planning, validity
-from contact.accuracy import limit, of_positions, stated_error
-from contact.bounded import refuse_unbounded
-from contact.by_load import approach, contact_fraction, nearer
-from contact.certificate import Certificate
-from contact.conjugate import ScaledConjugate
 from contact.errors import NotConverged, OutOfRange, SceneError, warn
-from contact.fields import ZoneFields, mean_shape
-from contact.first_order import FirstOrder
-from contact.framing import Framed, framed, framed_about, lowest
-from contact.full import FullFields, FullLimit, period_samples
-from contact.gap_search import find_gaps, settle_gaps
-from contact.gapped import GapFields, Gapped
-from contact.interactions.periodic import Periodic
-from contact.leaning import known_part
-from contact.planning import Plan
-from contact.plateau import refuse_below_plateau
-from contact.problem import Control, Problem, Units
-from contact.proposals import about, load_of_width, placed, proposed
-from contact.scene import Scene
-from contact.search import MOST_POINTS
-from contact.single import guess_half_width, largest_single_load, single_half_width
-from contact.solution import Solution, limit_of_approach
+from contact.formulation.conjugate import ScaledConjugate
+from contact.formulation.fields import ZoneFields, mean_shape
+from contact.formulation.full import FullFields, FullLimit, period_samples
+from contact.formulation.gaps import GapFields
+from contact.formulation.problem import Control, Problem, Units
+from contact.formulation.single import guess_half_width, largest_single_load, single_half_width
+from contact.model.interactions.periodic import Periodic
+from contact.model.scene import Scene
+from contact.search.bounded import refuse_unbounded
+from contact.search.by_load import approach, contact_fraction, nearer
+from contact.search.coarse import MOST_POINTS
+from contact.search.first_order import FirstOrder
+from contact.search.gap_topology import find_gaps, settle_gaps
+from contact.search.plateau import refuse_below_plateau
+from contact.search.proposals import about, load_of_width, placed, proposed
+from contact.search.scaling import Framed, framed, framed_about, lowest
+from contact.search.tilt import known_part
+from contact.search.topology import Progress, WrongTopology, same_end, settle
+from contact.solution import plan as planning
+from contact.solution import validity
+from contact.solution.plan import Plan
+from contact.solution.solution import Solution, limit_of_approach
 from contact.testing import check_profile
-from contact.topology import Found, Progress, WrongTopology, same_end, settle
+from contact.verify.accuracy import Found, limit, of_positions, stated_error
+from contact.verify.certificate import Certificate
+from contact.verify.gap_accuracy import Gapped
 
 Array = NDArray[np.float64]
 

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import ContactError, shown
-from contact.profiles.base import Profile
-from contact.profiles.derive import by_ladder
-from contact.profiles.one_sided import Seen, jumps_at
+from contact.model.profiles.base import Profile
+from contact.model.profiles.derive import by_ladder
+from contact.model.profiles.one_sided import Seen, jumps_at
 
 Array = NDArray[np.float64]
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 import contact
-from contact import exact
+from contact.reference import exact
 
 
 def main():

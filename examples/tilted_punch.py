@@ -1,7 +1,7 @@
 """A punch under a load off its middle: it turns, and from a quarter of its width on it lifts off at the other corner."""
 
 import contact
-from contact.exact.tilted import TiltedPunch
+from contact.reference.exact.tilted import TiltedPunch
 
 
 def main():

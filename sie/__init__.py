@@ -1,6 +1,13 @@
 """Singular integral equations with Cauchy and Hilbert kernels on any number of zones, fixed or with unknown ends."""
 
-from sie.conditions import (
+from sie.basis.ends import BOUNDED, FREE, SINGULAR, End, free_with_intensity
+from sie.basis.kept import Kept
+from sie.basis.kernels import Kernel, Smooth, cauchy, hilbert, images
+from sie.basis.zones import Zones
+from sie.collocation.fixed import SingularSystem, State, solve_fixed
+from sie.density.density import Density
+from sie.density.interval_potential import LocalPotential
+from sie.equation.conditions import (
     Amplitude,
     Condition,
     EqualPotential,
@@ -12,18 +19,11 @@ from sie.conditions import (
     ZoneTotals,
     moment,
 )
-from sie.density import Density
-from sie.ends import BOUNDED, FREE, SINGULAR, End, free_with_intensity
-from sie.equation import CountError, Equation, Forcing
-from sie.free_boundary import Free, find_ends
-from sie.kept import Kept
-from sie.kernels import Kernel, Smooth, cauchy, hilbert, images
-from sie.local import LocalPotential
-from sie.piecewise import PiecewiseTransform
-from sie.pierced import Pierced
-from sie.released import AnyDensity, AnyState, solve_zones
-from sie.solve import SingularSystem, State, solve_fixed
-from sie.zones import Zones
+from sie.equation.equation import CountError, Equation, Forcing
+from sie.fast.piecewise import PiecewiseTransform
+from sie.free_ends.newton import Free, find_ends
+from sie.slits.density import Pierced
+from sie.slits.system import AnyDensity, AnyState, solve_zones
 
 __all__ = [
     "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EqualPotential",

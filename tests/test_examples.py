@@ -33,7 +33,7 @@ def own_names():
     before = set(contact.profiles())
     yield
     for name in set(contact.profiles()) - before:
-        contact.registry.PROFILES.forget(name)
+        contact.model.registry.PROFILES.forget(name)
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda f: f.stem)

@@ -22,8 +22,8 @@ from contact.axisymmetric.derived import interpolated
 from contact.axisymmetric.profiles import AxisymmetricProfile
 from contact.axisymmetric.quadrature import panels
 from contact.axisymmetric.system import Surface
-from contact.checks import finite_array
 from contact.errors import OutOfRange, SceneError
+from contact.model.checks import finite_array
 
 Array = NDArray[np.float64]
 

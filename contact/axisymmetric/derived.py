@@ -15,7 +15,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
-from contact.profiles.derive import by_ladder
+from contact.model.profiles.derive import by_ladder
 
 Array = NDArray[np.float64]
 

@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.axisymmetric.profiles import as_profile
 from contact.axisymmetric.quadrature import FROM_LEFT, FROM_RIGHT, WEIGHT, panels
-from contact.checks import finite_array, positive
 from contact.errors import SceneError
+from contact.model.checks import finite_array, positive
 
 Array = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.checks import positive
 from contact.errors import SceneError
+from contact.model.checks import positive
 
 Array = NDArray[np.float64]
 Site = tuple[float, float]

@@ -26,8 +26,8 @@ from contact.axisymmetric.refine import NODES, first_radius, refined, settled
 from contact.axisymmetric.spot import one_control, ring_count
 from contact.axisymmetric.system import Kind, State, room, settle, total_load, touching_tip
 from contact.axisymmetric.system import approach as given_approach
-from contact.checks import finite, non_negative, positive
 from contact.errors import OutOfRange, SceneError
+from contact.model.checks import finite, non_negative, positive
 
 Array = NDArray[np.float64]
 

@@ -24,8 +24,8 @@ from scipy.special import elliprf
 import sie
 from contact.axisymmetric.derived import LogDerivative, Octaves
 from contact.axisymmetric.quadrature import panels, quarter
-from contact.checks import finite, positive
 from contact.errors import SceneError
+from contact.model.checks import finite, positive
 
 Array = NDArray[np.float64]
 

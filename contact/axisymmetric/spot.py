@@ -22,8 +22,8 @@ from contact.axisymmetric.neighbours import Surroundings, surroundings
 from contact.axisymmetric.profiles import AxisymmetricProfile, as_profile
 from contact.axisymmetric.refine import NODES, first_radius, refined, settled
 from contact.axisymmetric.system import Kind, Linear, State, closed_edge, force
-from contact.checks import integer, positive
 from contact.errors import OutOfRange, SceneError
+from contact.model.checks import integer, positive
 
 _ALONE = Surroundings(None, 0.0, 0.0)
 

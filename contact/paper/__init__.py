@@ -12,7 +12,6 @@ Plain names are the corrected equations. What the paper prints instead has `Prin
 solutions beside them are those of `contact.exact`.
 """
 
-from contact.exact.localized import FIRST_ORDER, SELF_CONSISTENT
 from contact.paper.parabola import LocalizedParabola
 from contact.paper.principle import (
     LocalizedShape,
@@ -26,6 +25,7 @@ from contact.paper.principle import (
 from contact.paper.two_zones import CubicPair, LocalizedPair, PrintedArtanhPair, PrintedCubicPair
 from contact.paper.wave import AlmostFullWave, LocalizedWave, PrintedWestergaard
 from contact.paper.wedge import LocalizedWedge, PrintedLocalizedWedge
+from contact.reference.exact.localized import FIRST_ORDER, SELF_CONSISTENT
 
 __all__ = [
     "FIRST_ORDER",

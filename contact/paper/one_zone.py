@@ -15,13 +15,13 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.checks import positive
-from contact.exact import LocalizedZone, PeriodicParabola, PeriodicWedge, Westergaard, localized_at_load
-from contact.exact.base import Array
-from contact.exact.localized import FIRST_ORDER
-from contact.exact.parabola import HertzLine
-from contact.exact.sinusoid import IsolatedSinusoid
-from contact.exact.wedge import IsolatedWedge
+from contact.model.checks import positive
+from contact.reference.exact import LocalizedZone, PeriodicParabola, PeriodicWedge, Westergaard, localized_at_load
+from contact.reference.exact.base import Array
+from contact.reference.exact.localized import FIRST_ORDER
+from contact.reference.exact.parabola import HertzLine
+from contact.reference.exact.sinusoid import IsolatedSinusoid
+from contact.reference.exact.wedge import IsolatedWedge
 
 Isolated = HertzLine | IsolatedWedge | IsolatedSinusoid
 Periodic = PeriodicParabola | PeriodicWedge | Westergaard

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contact.exact import HertzLine, PeriodicParabola
-from contact.exact.localized import FIRST_ORDER
 from contact.paper.one_zone import OneZone
+from contact.reference.exact import HertzLine, PeriodicParabola
+from contact.reference.exact.localized import FIRST_ORDER
 
 
 @dataclass(frozen=True)

@@ -18,10 +18,10 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.checks import between, one_of, positive
-from contact.exact import correction_load, correction_pressure
-from contact.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Array
-from contact.exact.localized import FIRST_ORDER, SELF_CONSISTENT
+from contact.model.checks import between, one_of, positive
+from contact.reference.exact import correction_load, correction_pressure
+from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Array
+from contact.reference.exact.localized import FIRST_ORDER, SELF_CONSISTENT
 
 Shape = Callable[[Array], Array]
 

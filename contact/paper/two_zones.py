@@ -20,12 +20,12 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.checks import one_of, positive
 from contact.errors import OutOfRange, SceneError
-from contact.exact import IsolatedBiquadratic, PeriodicBiquadratic
-from contact.exact.base import Array
-from contact.exact.localized import FIRST_ORDER, SELF_CONSISTENT
-from contact.exact.pair import EvenPair, pair_at_load
+from contact.model.checks import one_of, positive
+from contact.reference.exact import IsolatedBiquadratic, PeriodicBiquadratic
+from contact.reference.exact.base import Array
+from contact.reference.exact.localized import FIRST_ORDER, SELF_CONSISTENT
+from contact.reference.exact.pair import EvenPair, pair_at_load
 
 CENTRES = ("pair", "valley")
 

@@ -8,11 +8,11 @@ from math import pi, sqrt
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.exact import Westergaard
-from contact.exact.base import Array
-from contact.exact.localized import FIRST_ORDER
-from contact.exact.sinusoid import IsolatedSinusoid
 from contact.paper.one_zone import OneZone
+from contact.reference.exact import Westergaard
+from contact.reference.exact.base import Array
+from contact.reference.exact.localized import FIRST_ORDER
+from contact.reference.exact.sinusoid import IsolatedSinusoid
 
 
 @dataclass(frozen=True)

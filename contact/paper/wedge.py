@@ -8,11 +8,11 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.exact import PeriodicWedge
-from contact.exact.base import Array
-from contact.exact.localized import FIRST_ORDER
-from contact.exact.wedge import IsolatedWedge
 from contact.paper.one_zone import OneZone
+from contact.reference.exact import PeriodicWedge
+from contact.reference.exact.base import Array
+from contact.reference.exact.localized import FIRST_ORDER
+from contact.reference.exact.wedge import IsolatedWedge
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.scene import Scene
+from contact.model.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
-from contact.inverse import DesignedContact, design
+from contact.reference.inverse import DesignedContact, design
 
 PERIODS = (1.0, 2.0 * np.pi, 1e-4)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import dataclasses
 import importlib.util
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,16 +12,18 @@ import pytest
 from click.testing import CliRunner
 
 import contact
-from contact.bench import cases, clock, extremes, peers, report, required, run, scaling, stability, truth
-from contact.bench.harmonics import HarmonicZone
-from contact.bench.hyperbola import BluntedWedge, IsolatedBluntedWedge
-from contact.bench.one_gap import OneGap
-from contact.bench.one_zone import SymmetricZone
-from contact.bench.power import PowerPunch, Repeated
-from contact.bench.precision import Row, hierarchy, ours
-from contact.bench.truncated import IsolatedTruncatedWedge, TruncatedWedge
-from contact.cli import main
-from contact.exact import HertzLine, IsolatedWedge, Westergaard
+from contact.commands.cli import main
+from contact.reference import inverse
+from contact.reference.exact import HertzLine, IsolatedWedge, Westergaard
+from contact.studies import mutations, pages
+from contact.studies.bench import cases, clock, extremes, peers, report, required, run, scaling, stability, truth
+from contact.studies.bench.harmonics import HarmonicZone
+from contact.studies.bench.hyperbola import BluntedWedge, IsolatedBluntedWedge
+from contact.studies.bench.one_gap import OneGap
+from contact.studies.bench.one_zone import SymmetricZone
+from contact.studies.bench.power import PowerPunch, Repeated
+from contact.studies.bench.precision import Row, hierarchy, ours
+from contact.studies.bench.truncated import IsolatedTruncatedWedge, TruncatedWedge
 
 ROOT = Path(__file__).parents[2]
 T = np.linspace(-0.98, 0.98, 15)
@@ -115,7 +116,7 @@ class TestMeasures:
         assert truth.stated_measure(exact, exact) == 0.0
 
     def test_another_number_of_zones_is_no_solution(self):
-        two = contact.inverse.design([[0.0, 0.2], [0.4, 0.7]], 1.0, 1e-3, 1.0)
+        two = inverse.design([[0.0, 0.2], [0.4, 0.7]], 1.0, 1e-3, 1.0)
         assert truth.stated_measure(HertzLine(radius=1.0, E_star=1.0, half_width=1.0), two) == np.inf
 
     def test_times_to_an_error_are_for_good(self):
@@ -234,15 +235,6 @@ class TestRuns:
         assert report.markdown(report.Table("key", "title", ("a", "b"), [("|x|", "1")])).splitlines()[-1] == "| \\|x\\| | 1 |"
 
 
-def script(name, monkeypatch):
-    spec = importlib.util.spec_from_file_location(name, ROOT / "benchmarks" / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    # Dataclasses look their module up by name.
-    monkeypatch.setitem(sys.modules, name, module)
-    spec.loader.exec_module(module)
-    return module
-
-
 class TestRequired:
     CASES = [cases.wave(0.4), cases.biquadratic()]
     NAME = CASES[0].name
@@ -276,8 +268,7 @@ class TestRequired:
 
 
 class TestPages:
-    def test_a_table_takes_its_place_and_the_rest_of_the_page_stays(self, tmp_path, monkeypatch):
-        pages = script("pages", monkeypatch)
+    def test_a_table_takes_its_place_and_the_rest_of_the_page_stays(self, tmp_path):
         (tmp_path / "scaling.md").write_text("| new |\n", encoding="utf-8")
         page = "before\n<!-- measured: scaling -->\nold\n<!-- end -->\n<!-- measured: peers -->\nkept\n<!-- end -->\nafter"
         filled = pages.filled(page, tmp_path)
@@ -286,7 +277,6 @@ class TestPages:
         assert pages.filled(filled, tmp_path) == filled
 
     def test_every_place_in_the_pages_is_that_of_a_table_that_is_made_and_is_filled(self, monkeypatch):
-        pages = script("pages", monkeypatch)
         made = {
             "precision", "hierarchy", "peers", "scaling", "exponents", "single", "required", "machine", "stability", "mutations",
             "self-affine", "measured-trace",
@@ -300,7 +290,7 @@ class TestPages:
 
 
 def test_every_mutation_still_finds_its_source_once(monkeypatch):
-    module = script("mutations", monkeypatch)
+    module = mutations
     assert len(module.MUTATIONS) >= 10
     for mutation in module.MUTATIONS:
         assert (ROOT / mutation.file).read_text().count(mutation.old) == 1, mutation.name

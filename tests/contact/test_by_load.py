@@ -6,9 +6,9 @@ import pytest
 import contact
 import sie
 from contact import solver
-from contact.by_load import approach, contact_fraction, nearer
-from contact.framing import framed
-from contact.topology import settle
+from contact.search.by_load import approach, contact_fraction, nearer
+from contact.search.scaling import framed
+from contact.search.topology import settle
 
 TIPS = contact.Fourier(1e-4, [-1e-6, -0.3e-6, 0.2e-6], [0.1e-6, 0.25e-6, 0.0])
 

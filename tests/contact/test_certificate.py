@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import contact
-from contact.bench.formulations import scaled
-from contact.certificate import certify
-from contact.inverse import design
-from contact.problem import Control
-from contact.topology import settle
+from contact.formulation.problem import Control
+from contact.reference.inverse import design
+from contact.search.topology import settle
+from contact.studies.bench.formulations import scaled
+from contact.verify.certificate import certify
 
 ZONES = [[-0.4, -0.15], [-0.05, 0.0], [0.1, 0.4]]
 EXACT = design(ZONES, 1.0, 1e-3, 1.0)

@@ -17,8 +17,9 @@ pytest.importorskip("rich")
 
 from click.testing import CliRunner  # noqa: E402
 
-from contact import cli, terminal  # noqa: E402
-from contact import compare as compare_module  # noqa: E402
+from contact.commands import cli  # noqa: E402
+from contact.solution import terminal  # noqa: E402
+from contact.sweeps import compare as compare_module  # noqa: E402
 
 SCENE = """
 [profile]
@@ -279,7 +280,7 @@ class TestProgress:
 
 
 def test_importing_contact_loads_nothing_the_command_line_or_a_figure_needs():
-    heavy = ("click", "rich", "matplotlib", "xarray", "h5netcdf", "h5py", "pydantic", "contact.cli")
+    heavy = ("click", "rich", "matplotlib", "xarray", "h5netcdf", "h5py", "pydantic", "contact.commands.cli")
     code = f"import sys, contact; print([name for name in {heavy!r} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contact import exact
 from contact.errors import OutOfRange, SceneError
+from contact.reference import exact
 from tests.contact import reference
 
 L = 1e-4

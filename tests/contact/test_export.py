@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import contact
-from contact import export
-from contact.sampling import positions, window, zones_within
+from contact.solution import export
+from contact.solution.sampling import positions, window, zones_within
 from tests.contact.stand_in import StandIn
 
 L = 1e-4
@@ -118,7 +118,7 @@ class TestDescription:
     def test_a_described_scene_is_the_tables_of_a_file_that_gives_it_back(self):
         interaction = contact.Localized(closure="self-consistent", neighbours=1)
         scene = contact.Scene(contact.Wedge(0.02, L), E_star=1.1e11, interaction=interaction, load=3.0)
-        assert contact.scene_file.scene_from_tables(json.loads(json.dumps(export.describe(scene)))) == scene
+        assert contact.model.scene_file.scene_from_tables(json.loads(json.dumps(export.describe(scene)))) == scene
 
 
 class TestSampling:

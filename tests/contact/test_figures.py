@@ -9,11 +9,12 @@ import pytest
 from click.testing import CliRunner
 
 import contact
-from contact import exact, paper
-from contact.cli import main
+from contact import paper
+from contact.commands.cli import main
+from contact.reference import exact
 
 pytest.importorskip("matplotlib")
-figures = pytest.importorskip("contact.figures")
+figures = pytest.importorskip("contact.paper.figures")
 
 
 @pytest.fixture(scope="module")

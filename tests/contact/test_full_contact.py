@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contact
-from contact import exact
+from contact.reference import exact
 from tests.contact.judge import relative, solve
 
 PERIODIC = contact.Periodic()

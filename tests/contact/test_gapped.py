@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import contact
-from contact import exact, solver
-from contact.inverse import random_problem
+from contact import solver
+from contact.reference import exact
+from contact.reference.inverse import random_problem
 from tests.contact.judge import pressure_error, true_error
 from tests.tiers import quick
 

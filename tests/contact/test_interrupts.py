@@ -37,7 +37,7 @@ def interrupted(folder: Path, after: str, command: tuple[str, ...] = ("-m", "con
     return subprocess.CompletedProcess(arguments, process.returncode, out, "".join(said))
 
 
-@pytest.mark.parametrize("module", ["contact.interrupts", "numpy", "contact", "contact.terminal"])
+@pytest.mark.parametrize("module", ["contact.interrupts", "numpy", "contact", "contact.solution.terminal"])
 def test_a_command_is_interrupted_at_any_import(tmp_path: Path, module: str) -> None:
     done = interrupted(tmp_path, module)
     assert (done.returncode, done.stdout, done.stderr.strip()) == (130, "", "contact: interrupted")

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from contact import exact, inverse
 from contact.errors import SceneError
-from contact.profiles.base import Profile
+from contact.model.profiles.base import Profile
+from contact.reference import exact, inverse
 from tests.contact import reference
 from tests.contact.strategies import designed_contacts
 

@@ -9,9 +9,9 @@ import pytest
 
 import contact
 import sie
-from contact import exact
-from contact.inverse import design
-from contact.problem import Control
+from contact.formulation.problem import Control
+from contact.reference import exact
+from contact.reference.inverse import design
 from tests.contact.judge import relative, solve, true_error
 from tests.tiers import quick
 

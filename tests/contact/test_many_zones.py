@@ -8,10 +8,10 @@ import pytest
 
 import contact
 import sie
-from contact.exact import Westergaard
-from sie import cuts
-from sie import solve as engine
-from sie.many import Iterative
+from contact.reference.exact import Westergaard
+from sie.collocation import fixed as engine
+from sie.collocation.iterative import Iterative
+from sie.slits import merged as cuts
 
 T = np.array([-0.99, -0.6, 0.0, 0.4, 0.95])
 

@@ -9,7 +9,7 @@ import pytest
 
 import contact
 from contact import Sampled, SceneError
-from contact.measured import load_trace, read_columns, subtract_trend, taper_ends, to_uniform
+from contact.model.traces.prepare import load_trace, read_columns, subtract_trend, taper_ends, to_uniform
 
 STYLUS = Path(__file__).parents[2] / "examples" / "data" / "stylus-profile.csv"
 

@@ -16,8 +16,9 @@ pytest.importorskip("click")
 
 from click.testing import CliRunner  # noqa: E402
 
-from contact import cli, validity  # noqa: E402
-from contact import compare as compare_module  # noqa: E402
+from contact.commands import cli  # noqa: E402
+from contact.solution import validity  # noqa: E402
+from contact.sweeps import compare as compare_module  # noqa: E402
 
 PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated()
 L = 1e-4

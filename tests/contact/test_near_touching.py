@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contact
-from contact.inverse import design
+from contact.reference.inverse import design
 from tests.tiers import quick
 
 T = np.array([-0.9999, -0.99, -0.9, -0.5, 0.1, 0.77, 0.99, 0.9999])

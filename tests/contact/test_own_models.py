@@ -11,8 +11,9 @@ from scipy.special import i0, i1
 
 import contact
 import sie
-from contact import exact, registry
-from contact.interactions.base import Interaction
+from contact.model import registry
+from contact.model.interactions.base import Interaction
+from contact.reference import exact
 from contact.testing import check_profile
 from tests.contact.judge import solve, true_error
 

@@ -13,7 +13,7 @@ import pytest
 
 import contact
 import sie
-from benchmarks.own_models import Bed, Buried, Coated, Waves, fault, judge
+from contact.studies.own_models import Bed, Buried, Coated, Waves, fault, judge
 from tests.contact.judge import solve, true_error
 
 WAVE = contact.Sinusoid(0.01, 1.0)

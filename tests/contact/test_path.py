@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import contact
-from contact import exact, path
+from contact import path
+from contact.reference import exact
 
 BIQUADRATIC = contact.Biquadratic(radius=1.0, spacing=0.1)
 MERGING = exact.IsolatedBiquadratic(1.0, 0.1, 1.0, 1e-4).merging_load

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import contact
-from contact.inverse import design
+from contact.reference.inverse import design
 
 L, DELTA, E = 1.0, 1e-3, 1.0
 PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated()
@@ -235,8 +235,8 @@ class TestModulesAndMemory:
         assert loaded_after(code, self.OPTIONAL) <= {"scipy.interpolate", "scipy.optimize", "scipy.integrate"}
 
     def test_the_suite_of_measurements_is_loaded_by_no_solve_and_no_other_command(self):
-        code = self.SCENE.format("c.Sinusoid(1e-3, 1.0)", "c.Periodic()", "mean_pressure=1e-3") + "\nimport contact.cli"
-        assert loaded_after(code, ("contact.bench", "contact.exact", "contact.inverse")) == set()
+        code = self.SCENE.format("c.Sinusoid(1e-3, 1.0)", "c.Periodic()", "mean_pressure=1e-3") + "\nimport contact.commands.cli"
+        assert loaded_after(code, ("contact.studies.bench", "contact.reference.exact", "contact.reference.inverse")) == set()
 
     def test_a_given_zone_takes_less_memory_than_a_searched_one_and_both_take_little(self):
         given = peak(lambda: solve(WAVE, half_width=0.2))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import contact
-from contact.bench.truncated import IsolatedTruncatedWedge, TruncatedWedge
-from contact.plateau import lowest_stretches
+from contact.search.plateau import lowest_stretches
+from contact.studies.bench.truncated import IsolatedTruncatedWedge, TruncatedWedge
 
 E = 1e9
 # Shapes as steep and loads as high as the arithmetic bears.

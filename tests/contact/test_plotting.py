@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import contact
-from contact.units import prefix, quantity
+from contact.model.units import prefix, quantity
 from tests.contact.stand_in import StandIn
 
 matplotlib = pytest.importorskip("matplotlib")
-plotting = pytest.importorskip("contact.plotting")
+plotting = pytest.importorskip("contact.solution.plotting")
 
 L = 1e-4
 
@@ -105,7 +105,7 @@ def test_neither_pyplot_nor_a_setting_is_touched():
         # Reading the setting of the backend itself would load pyplot.
         "settings = lambda: {k: matplotlib.rcParams[k] for k in matplotlib.rcParams if k != 'backend'}\n"
         "before = settings()\n"
-        "from contact.plotting import plot\n"
+        "from contact.solution.plotting import plot\n"
         "wave = contact.Sinusoid(1e-6, 1e-4)\n"
         "plot(contact.solve(contact.Scene(wave, 1e11, contact.Periodic(), mean_pressure=1e8)))\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import contact
-from contact import SceneError, registry
-from contact.registry import Registry
+from contact import SceneError
+from contact.model import registry
+from contact.model.registry import Registry
 
 
 @pytest.fixture

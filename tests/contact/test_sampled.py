@@ -200,7 +200,7 @@ def test_the_points_are_copied_and_cannot_be_changed() -> None:
 
 def test_interpolation_is_loaded_by_the_first_spline_only() -> None:
     code = (
-        "import sys; from contact.profiles import Sampled, Sinusoid\n"
+        "import sys; from contact import Sampled, Sinusoid\n"
         "s = Sampled([0, 1, 2, 3], [0, 1, 0, 1]); Sinusoid(1.0, 1.0).height(0.3)\n"
         "assert 'scipy.interpolate' not in sys.modules\n"
         "s.height(0.5); assert 'scipy.interpolate' in sys.modules\n"

@@ -113,7 +113,7 @@ class TestWhatIsRead:
             )
             assert scene.profile == Quartic(2.0)
         finally:
-            contact.registry.PROFILES.forget("test quartic")
+            contact.model.registry.PROFILES.forget("test quartic")
 
 
 class TestWhatIsRefused:
@@ -234,7 +234,7 @@ class TestWhatIsRefused:
     @pytest.mark.parametrize("tables", [None, 3, "profile", ["profile"], b"x"], ids=str)
     def test_what_is_no_table_of_tables(self, tables):
         with pytest.raises(contact.SceneError, match="tables = .* a mapping"):
-            contact.scene_file.scene_from_tables(tables)
+            contact.model.scene_file.scene_from_tables(tables)
 
     def test_the_error_keeps_the_field_and_the_value(self, tmp_path):
         path = write(tmp_path, profile=textwrap.dedent('shape = "sinusoid"\namplitude = -1.0\nperiod = 1e-4'))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contact
-from contact import exact
+from contact.reference import exact
 from tests.contact.judge import end_error, pressure_error, relative, solve, true_error
 
 L, DELTA, E = 1e-4, 1e-6, 1.1e11

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 
 import contact
-from contact.inverse import design, random_problem
+from contact.reference.inverse import design, random_problem
 from tests.contact.judge import counterparts, relative, solve, true_error
 from tests.contact.strategies import designed_contacts
 from tests.tiers import quick
@@ -58,7 +58,7 @@ class TestInverseDesign:
             waves = 1e-3 * np.maximum(k, 4) ** -1.3 * np.exp(2j * np.pi * rng.uniform(size=64))
             scene = contact.Scene(contact.Fourier(1.0, waves.real, waves.imag), 1.0, PERIODIC, mean_pressure=2e-3)
         by_matrix = contact.solve(scene, tol=1e-9)
-        monkeypatch.setattr("sie.solve.MANY_UNKNOWNS", 50)
+        monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 50)
         by_sums = contact.solve(scene, tol=1e-9)
         assert by_sums.plan["fast sums"].used and not by_matrix.plan["fast sums"].used
         allowed = (by_sums.error + by_matrix.error) * by_matrix.zone_widths[:, None]

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import contact
-from contact.inverse import random_problem
+from contact.reference.inverse import random_problem
 from tests.contact.judge import relative, solve
 
 ISOLATED, PERIODIC = contact.Isolated(), contact.Periodic()

@@ -10,11 +10,12 @@ from numpy.polynomial import Polynomial
 
 import contact
 import sie
-from contact import exact, path
-from contact.framing import framed
-from contact.leaning import hull_edge
-from contact.profiles.tilted import Tilted
-from contact.turning import Lean, balanced
+from contact import path
+from contact.model.profiles.tilted import Tilted
+from contact.reference import exact
+from contact.search.scaling import framed
+from contact.search.tilt import hull_edge
+from contact.search.tilt_rate import Lean, balanced
 from tests.contact.judge import relative, solve, true_error
 from tests.contact.strategies import designed_contacts
 from tests.tiers import quick

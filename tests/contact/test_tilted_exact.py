@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from contact import exact
 from contact.errors import OutOfRange, SceneError
+from contact.reference import exact
 from tests.contact import reference
 
 E = 2.0

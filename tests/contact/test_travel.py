@@ -12,7 +12,8 @@ import pytest
 
 import contact
 import sie
-from contact import axisymmetric, exact
+from contact import axisymmetric
+from contact.reference import exact
 
 WAVE = contact.Sinusoid(1e-3, 1.0)
 PERIODIC = contact.Periodic()

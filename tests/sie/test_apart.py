@@ -6,11 +6,12 @@ import pytest
 
 import contact
 import sie
-from contact.inverse import random_problem
-from sie import free_boundary, modes
-from sie.apart import Moving
-from sie.neighbours import conformal_radius, felt
-from sie.steps import Steps
+from contact.reference.inverse import random_problem
+from sie.collocation import modes
+from sie.collocation.neighbours import conformal_radius, felt
+from sie.free_ends import newton as free_boundary
+from sie.free_ends.single import Moving
+from sie.jumps.forcing import Steps
 
 
 def equation(problem):

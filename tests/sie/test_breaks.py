@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 import sie
-from sie.breaks import Breaks
+from sie.jumps.density import Breaks
 from tests.sie import reference
 from tests.tiers import quick
 

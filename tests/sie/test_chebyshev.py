@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev as np_chebyshev
 
-from sie import chebyshev
+from sie.basis import chebyshev
 
 # Both sides of the size where products with a stored matrix become fast transforms.
 SIZES = [1, 2, 5, 16, 95, 96, 97, 300]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import sie
-from sie.checks import look_at
+from sie.equation.checks import look_at
 
 TWO = [[-1.0, -0.2], [0.3, 1.0]]
 MIRRORED = [[-1.0, -0.2], [0.2, 1.0]]

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sie import exact
-from tests.sie import reference
+from tests.sie import exact, reference
 
 FORMS = [
     exact.Flat(0.7, 2.0),

@@ -6,10 +6,10 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 import sie
-from sie import crowded as module
-from sie import modes
-from sie.assemble import System
-from sie.crowded import Stretches, coefficients, crowded
+from sie.collocation import modes
+from sie.collocation import spline_moments as module
+from sie.collocation.spline_moments import Stretches, coefficients, crowded
+from sie.collocation.system import System
 
 ZONES = sie.Zones.of(np.array([[-0.83, -0.1], [0.01, 0.7]]))
 M = np.array([12, 20])

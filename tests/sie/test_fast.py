@@ -4,17 +4,17 @@ import numpy as np
 import pytest
 
 import sie
-from sie import modes
-from sie.assemble import System
-from sie.everywhere import Everywhere
-from sie.fast import Nested, ZoneSums
-from sie.field import potential_at, transform_at
-from sie.folding import Folding
-from sie.hierarchical import Inverse, cross
-from sie.krylov import gmres
-from sie.many import ManySystem
-from sie.steps import Steps
-from sie.tree import SEPARATION, Tree, interactions
+from sie.collocation import modes
+from sie.collocation.iterative import ManySystem
+from sie.collocation.symmetry import Folding
+from sie.collocation.system import System
+from sie.collocation.zone_sums import Nested, ZoneSums
+from sie.density.field import potential_at, transform_at
+from sie.density.treecode import Everywhere
+from sie.fast.hierarchical import Inverse, cross
+from sie.fast.krylov import gmres
+from sie.fast.tree import SEPARATION, Tree, interactions
+from sie.jumps.forcing import Steps
 
 KERNELS = {"line": sie.cauchy(), "period": sie.hilbert(1.0), "images": sie.images(1.2, 2)}
 
@@ -108,8 +108,8 @@ def test_fields_anywhere_are_those_summed_zone_by_zone(kernel):
     x = np.concatenate(((zones.middle[:, None] + zones.half[:, None] * t).ravel(), rng.uniform(-0.5, 0.5, 400)))
     if kernel.period is None:
         x = np.concatenate((x, [-40.0, -1.7, -0.6, 0.7, 1.19, 90.0]))
-    assert everywhere.transform(x) == pytest.approx(transform_at(density, x), abs=2e-13)
-    assert everywhere.potential(x) == pytest.approx(potential_at(density, x), abs=2e-14)
+    assert everywhere.transform(x) == pytest.approx(transform_at(density, x, density.sources), abs=2e-13)
+    assert everywhere.potential(x) == pytest.approx(potential_at(density, x, density.sources), abs=2e-14)
 
 
 @pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
@@ -124,7 +124,7 @@ def test_few_zones_are_near_to_any_point_beside_a_cluster(kernel):
     assert np.diff(everywhere.start).max() <= 5
     assert np.all(np.diff(ends) > 0) and np.all(np.isin(density.zones.table, ends))
     x = np.concatenate((np.geomspace(1e-9, 0.2, 40) + density.zones.b[-1], -np.geomspace(1e-9, 0.2, 40)))
-    assert everywhere.transform(x) == pytest.approx(transform_at(density, x), rel=1e-13, abs=2e-13)
+    assert everywhere.transform(x) == pytest.approx(transform_at(density, x, density.sources), rel=1e-13, abs=2e-13)
 
 
 def test_closed_forms_evaluated_grow_with_the_zones_and_no_faster():

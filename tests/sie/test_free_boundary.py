@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import sie
-from sie import exact
+from tests.sie import exact
 
 T = np.cos(np.pi * np.arange(1, 39) / 39)
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import sie
-from contact.inverse import design
-from sie.cuts import cut
-from sie.holes import beyond
-from sie.many import Iterative
-from sie.released import PiercedState, solve_zones
+from contact.reference.inverse import design
+from sie.collocation.iterative import Iterative
+from sie.slits.merged import cut
+from sie.slits.slits import beyond
+from sie.slits.system import PiercedState, solve_zones
 from tests.tiers import quick
 
 T = np.array([-0.999, -0.9, -0.5, 0.1, 0.7, 0.999])
@@ -229,7 +229,7 @@ def test_many_zones_by_fast_sums_have_the_same_holes(monkeypatch):
     problem = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(0.3), sie.EqualPotential()))
     zones = sie.Zones.of(table)
     direct = solve_zones(problem, zones)
-    monkeypatch.setattr("sie.solve.MANY_UNKNOWNS", 10)
+    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10)
     iterated = solve_zones(problem, zones)
     assert isinstance(iterated.solver, Iterative) and not isinstance(direct.solver, Iterative)
     size = np.abs(direct.density.coefficients).max()

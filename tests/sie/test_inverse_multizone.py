@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import sie
-from contact import inverse
+from contact.reference import inverse
 
 EPS = np.finfo(float).eps
 T = np.linspace(-0.99, 0.99, 41)

@@ -7,8 +7,8 @@ import pytest
 from scipy.interpolate import BSpline
 
 import sie
-from sie.breaks import Breaks
-from sie.local_spline import MANY
+from sie.jumps.density import Breaks
+from sie.jumps.local_spline import MANY
 
 KERNEL = sie.cauchy()
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import sie
-from sie import chebyshev
-from sie.conditions import Condition
-from sie.released import PiercedState
+from sie.basis import chebyshev
+from sie.equation.conditions import Condition
+from sie.slits.system import PiercedState
 
 T = np.linspace(-0.97, 0.97, 15)
 WAVE = sie.Forcing(np.sin, lambda x: -np.cos(x))
@@ -73,9 +73,9 @@ def difference(one, other):
 
 
 def by_matrix_and_by_sums(monkeypatch, equation, zones):
-    monkeypatch.setattr("sie.solve.MANY_UNKNOWNS", 10**9)
+    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10**9)
     direct = sie.solve_zones(equation, zones)
-    monkeypatch.setattr("sie.solve.MANY_UNKNOWNS", 1)
+    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 1)
     iterated = sie.solve_zones(equation, zones)
     assert iterated.iterated and not direct.iterated
     assert np.all(iterated.intensity_noise < 1e-12)
@@ -110,8 +110,8 @@ def test_held_ends_are_solved_by_fast_sums_too(monkeypatch, sides, kernel):
 
 
 def test_what_is_too_large_for_a_matrix_and_has_no_fast_sums_is_refused_by_name(monkeypatch):
-    monkeypatch.setattr("sie.solve.MANY_UNKNOWNS", 10)
-    monkeypatch.setattr("sie.solve.MOST_UNKNOWNS", 100)
+    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10)
+    monkeypatch.setattr("sie.collocation.fixed.MOST_UNKNOWNS", 100)
     both = [sie.Total(1.0)] + [sie.Weighted(lambda x, k=k: x**k, 0.0) for k in range(1, 12)]
     with pytest.raises(sie.SingularSystem, match="every zone needs one condition of its own"):
         sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, tuple(both)), sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR))

@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 
 import sie
-from sie.steps import Steps
+from sie.jumps.forcing import Steps
 from tests.sie import reference
 from tests.tiers import quick
 
@@ -111,7 +111,7 @@ def test_a_kink_exactly_at_a_node_or_a_rounding_beside_it_is_no_trouble(n, zone)
     w = 0.5 * (b - a)
     t = np.linspace(-0.98, 0.98, 33)
     theta = np.arccos(t)
-    from_node = sie.chebyshev.lobatto(n)
+    from_node = sie.basis.chebyshev.lobatto(n)
     for k in (1, n // 3, n // 2, n):
         node = a + w * from_node[2][k] if from_node[2][k] <= from_node[1][k] else b - w * from_node[1][k]
         for at in (node, np.nextafter(node, np.inf), np.nextafter(node, -np.inf)):

@@ -7,8 +7,8 @@ import pytest
 from scipy.interpolate import BSpline
 
 import sie
-from sie.local_spline import MANY
-from sie.steps import Steps
+from sie.jumps.forcing import Steps
+from sie.jumps.local_spline import MANY
 
 
 def both(after: int = 10, seed: int = 5) -> tuple[Steps, Steps, sie.Zones]:

@@ -1,0 +1,347 @@
+"""The command line: `contact solve | plan | compare | figures | bench | stability | profiles | interactions`.
+
+Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but 0 stderr has one line, after a
+line for each warning.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+import sys
+import time
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NoReturn
+
+import click
+import numpy as np
+
+from contact import interrupts
+from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
+from contact.extras import require
+from contact.model.interactions.base import TURNING
+from contact.model.registry import interactions, profiles
+from contact.model.scene_file import load_scene
+from contact.model.units import quantity
+from contact.solution.answer import Answer
+from contact.solution.export import ZONE_COLUMNS, to_json, write_csv, write_netcdf, zone_table
+from contact.solution.plan import plan
+from contact.solution.plotting import plot
+from contact.solution.terminal import Progress, show_table
+from contact.solver import solve
+from contact.sweeps.compare import compare, refusals, table, total_width
+from contact.sweeps.compare_plot import plot_comparison
+
+BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, interrupts.STATUS
+
+# A table of more zones than this is for a file.
+_ZONES_SHOWN = 20
+
+_SCENE = click.argument("scene", type=click.Path(path_type=Path))
+_TOL = click.option("--tol", type=float, default=1e-8, show_default=True, help="Largest relative error.")
+
+
+class Commands(click.Group):
+    """A click group that ends every error of the package and of usage in its exit status and one line."""
+
+    def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
+        run: Callable[..., Any] = super().main
+        if not standalone_mode:
+            return run(*args, standalone_mode=False, **extra)
+        try:
+            with _warnings_in_lines():
+                status = run(*args, standalone_mode=False, **extra)
+        except NotConverged as error:
+            _stop(NOT_CONVERGED, str(error))
+        except BrokenPipeError:
+            # The reader of the pipe has seen enough; Python's own flush at exit must not complain either.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            sys.exit(1)
+        except (ContactError, OSError) as error:
+            _stop(BAD_INPUT, str(error))
+        except click.ClickException as error:
+            _stop(BAD_INPUT, error.format_message())
+        except ModelWarning as warning:  # where PYTHONWARNINGS makes errors of them
+            _stop(BAD_INPUT, str(warning))
+        except click.Abort:
+            _stop(INTERRUPTED, "interrupted")
+        sys.exit(status if isinstance(status, int) else 0)
+
+
+@contextmanager
+def _warnings_in_lines() -> Iterator[None]:
+    """Each warning of a command as one line on stderr, without the place in the code, and every one of the model's."""
+    with warnings.catch_warnings():
+        # After what the user asks of Python's own options.
+        warnings.filterwarnings("always", category=ModelWarning, append=True)
+        warnings.showwarning = _show_warning
+        yield
+
+
+def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
+    click.echo(f"contact: warning: {' '.join(str(message).split())}", err=True)
+
+
+def _stop(status: int, message: str) -> NoReturn:
+    click.echo(f"contact: {' '.join(message.split())}", err=True)
+    sys.exit(status)
+
+
+@click.group(cls=Commands, invoke_without_command=True)
+@click.pass_context
+def main(context: click.Context) -> None:
+    """Exact elastic contact of rough and wavy bodies, from scene files in TOML."""
+    if context.invoked_subcommand is None:
+        click.echo(context.get_help())
+
+
+@main.command("solve")
+@_SCENE
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+@click.option("--save", type=click.Path(path_type=Path), metavar="OUT.nc", help="Write zones and fields as netCDF.")
+@click.option("--csv", "table", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write the zones as CSV.")
+@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw the surfaces, p.")
+@_TOL
+def solve_command(
+    scene: Path, as_json: bool, save: Path | None, table: Path | None, figure: Path | None, tol: float
+) -> None:
+    """Solve a SCENE and print its zones, loads and what was checked."""
+    problem = load_scene(scene)
+    outputs = _outputs(save, table, figure)
+    start = time.perf_counter()
+    with Progress() as progress:
+        solution = solve(problem, tol=tol, progress=progress)
+    seconds = time.perf_counter() - start
+    for path, write in outputs.items():
+        write(solution, path)
+    if as_json:
+        click.echo(to_json(solution))
+        return
+    _show_solution(solution, seconds)
+    for path in outputs:
+        click.echo(f"written: {path}")
+
+
+@main.command("plan")
+@_SCENE
+@click.option("--solve", "run", is_flag=True, help="Solve it, and say what each part took.")
+@_TOL
+def plan_command(scene: Path, run: bool, tol: float) -> None:
+    """Say what a SCENE needs and what it leaves out, without solving it.
+
+    With --solve also the sizes, and where the time went.
+    """
+    problem = load_scene(scene)
+    if not run:
+        rows = [(row.name, "yes" if row.used else "no", row.reason, row.detail) for row in plan(problem).rows]
+        show_table("plan", ("part", "used", "reason", "detail"), rows)
+        return
+    with Progress() as progress:
+        done = solve(problem, tol=tol, progress=progress).plan
+    timed = [
+        (row.name, "yes" if row.used else "no", row.reason, row.detail, *_took(row.seconds, done.share(row))) for row in done.rows
+    ]
+    show_table("plan", ("part", "used", "reason", "detail", "time", "share"), timed, numeric=(4, 5))
+    sizes = [(name.replace("_", " "), str(count)) for name, count in done.counts.items()]
+    show_table("sizes", ("what", "number"), [*sizes, ("time in all", quantity(done.seconds, "s", 3))], numeric=(1,))
+
+
+def _took(seconds: float | None, share: float | None) -> tuple[str, str]:
+    return ("", "") if seconds is None or share is None else (quantity(seconds, "s", 3), f"{share:.0%}")
+
+
+@main.command("compare")
+@_SCENE
+@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw pressures and errors.")
+@_TOL
+def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
+    """Solve a SCENE as isolated, localized (with and without explicit neighbours) and exact contact, side by side."""
+    problem = load_scene(scene)
+    if figure is not None:
+        _checked_figure(figure)
+    with Progress() as progress:
+        attempts = compare(problem, tol, progress)
+    show_table("models", ("", *(a.name for a in attempts)), table(attempts), numeric=range(1, len(attempts) + 1))
+    for line in refusals(attempts):
+        click.echo(line)
+    if all(attempt.solution is None for attempt in attempts):
+        failures = [attempt.refusal for attempt in attempts if attempt.refusal is not None]
+        raise next((error for error in failures if isinstance(error, NotConverged)), failures[-1])
+    if figure is not None:
+        plot_comparison(attempts).savefig(figure, dpi=200)
+        click.echo(f"written: {figure}")
+
+
+@main.command("figures")
+@click.argument("numbers", nargs=-1, metavar="[N]...")
+@click.option("--out", type=click.Path(path_type=Path), default=Path("figures"), show_default=True, help="Folder, made.")
+def figures_command(numbers: tuple[str, ...], out: Path) -> None:
+    """Draw figures N (2A 2B 7 8 9 10 11 12 13; all if none is named) of the paper, with their numbers as CSV.
+
+    Each has the exact solution beside the paper's curves; see docs/paper.
+    """
+    figures = require("contact.paper.figures")
+    wanted = figures.chosen(numbers)
+    with Progress() as progress:
+        for done, number in enumerate(wanted):
+            progress(f"figure {number}", done, len(wanted))
+            for path in figures.write(number, out):
+                click.echo(f"written: {path}")
+
+
+@main.command("bench")
+@click.option("--quick", is_flag=True, help="Fewer and smaller scenes: about a minute.")
+@click.option("--peers", is_flag=True, help="Run tamaas and ContactMechanics on the same scenes (extra `peers`).")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder for tables, CSV and figures, made.")
+def bench_command(quick: bool, peers: bool, out: Path) -> None:
+    """Measure error against run time, and cost against size; see docs/benchmarks."""
+    suites = require("contact.studies.bench.run")
+    require("matplotlib.figure")
+    out.mkdir(parents=True, exist_ok=True)
+    with Progress() as progress:
+        tables = suites.bench(out, quick, peers, progress)
+    for measured in tables:
+        show_table(measured.title, measured.columns, measured.rows)
+    click.echo(f"written: {out}")
+
+
+@main.command("stability")
+@click.option("--quick", is_flag=True, help="Without the scenes that take more than a few seconds.")
+@click.option("--out", type=click.Path(path_type=Path), help="Folder for the table and a CSV, made.")
+def stability_command(quick: bool, out: Path | None) -> None:
+    """Solve stiff and extreme scenes and hold each error against what the scene's condition allows.
+
+    Exit status 3 if any fails that is not known to.
+    """
+    suites = require("contact.studies.bench.run")
+    if out is not None:
+        out.mkdir(parents=True, exist_ok=True)
+    with Progress() as progress:
+        found, failed = suites.extremes(out, quick, progress)
+    show_table(found.title, found.columns, found.rows)
+    if failed:
+        raise NotConverged(f"{failed} of {len(found.rows)} scenes fail")
+
+
+@main.command("profiles")
+def profiles_command() -> None:
+    """List the profile shapes a scene file can name, with their parameters."""
+    rows = [(name, _parameters(shape), _description(shape)) for name, shape in profiles().items()]
+    show_table("profiles", ("shape", "parameters", "what it is"), rows)
+
+
+@main.command("interactions")
+def interactions_command() -> None:
+    """List the interaction models a scene file can name, with their parameters and controls."""
+    rows = [
+        (name, _parameters(model), ", ".join(model.allows), _description(model))
+        for name, model in interactions().items()
+    ]
+    show_table("interactions", ("model", "parameters", "controls", "what it is"), rows)
+
+
+Write = Callable[[Answer, Path], None]
+
+
+def _outputs(save: Path | None, table: Path | None, figure: Path | None) -> dict[Path, Write]:
+    """The files asked for and how each is written; what cannot be written is refused before anything is solved."""
+    outputs: dict[Path, Write] = {}
+    if save is not None:
+        outputs[_checked("--save", save, (".nc",))] = write_netcdf
+        require("xarray"), require("h5netcdf"), require("h5py")
+    if table is not None:
+        outputs[_checked("--csv", table, (".csv",))] = write_csv
+    if figure is not None:
+        outputs[_checked_figure(figure)] = _write_figure
+    return outputs
+
+
+def _checked_figure(path: Path) -> Path:
+    known = require("matplotlib.backends.backend_agg").FigureCanvasAgg.get_supported_filetypes()
+    return _checked("--plot", path, [f".{kind}" for kind in known])
+
+
+def _checked(option: str, path: Path, endings: Iterable[str]) -> Path:
+    if path.suffix.lower() not in endings:
+        raise SceneError.of(option, str(path), f"a file name that ends in {', '.join(sorted(endings))}")
+    if not path.parent.is_dir():
+        raise SceneError.of(option, str(path), "in a folder that exists")
+    if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise SceneError.of(option, str(path), "a file that may be written")
+    return path
+
+
+def _write_figure(solution: Answer, path: Path) -> None:
+    plot(solution).savefig(path, dpi=200)
+
+
+def _show_solution(solution: Answer, seconds: float) -> None:
+    scene = solution.scene
+    fraction = solution.contact_fraction
+    show_table(
+        f"{scene.profile.name} profile, {scene.interaction.name} interaction",
+        ("quantity", "value"),
+        [
+            ("load", quantity(solution.load, "N/m", 10)),
+            ("mean pressure", quantity(solution.mean_pressure, "Pa", 10)),
+            ("max pressure", quantity(solution.max_pressure, "Pa", 10)),
+            ("approach", quantity(solution.approach, "m", 10)),
+            ("contact fraction", "not defined" if fraction is None else f"{fraction:.10g}"),
+            *_turning(solution),
+            ("zones", str(len(solution.zones)) if len(solution.zones) else "full contact"),
+            ("total width", quantity(total_width(solution), "m", 10)),
+            ("error, at most", f"{solution.error:.2g}"),
+            ("time", quantity(seconds, "s", 3)),
+        ],
+    )
+    checks = solution.certificate.to_dict().items()
+    show_table("checked", ("what", "value"), [(k.replace("_", " "), _told(v)) for k, v in checks if v != ""])
+    rows = zone_table(solution)
+    if not rows:
+        return
+    units = ("m", "m", "m", "N/m", "Pa")
+    shown = [
+        (str(place), *(quantity(value, unit, 10) for value, unit in zip(row, units, strict=True)))
+        for place, row in enumerate(rows[:_ZONES_SHOWN], start=1)
+    ]
+    names = ("zone", *(name.replace("_", " ") for name in ZONE_COLUMNS))
+    show_table("zones", names, shown, numeric=range(len(names)))
+    if len(rows) > _ZONES_SHOWN:
+        click.echo(f"{len(rows) - _ZONES_SHOWN} more zones: --csv writes them all")
+
+
+def _turning(solution: Answer) -> list[tuple[str, str]]:
+    """Rows of a scene that gives a tilt or a moment."""
+    if all(getattr(solution.scene, name) is None for name in TURNING):
+        return []
+    return [("tilt", f"{solution.tilt:.10g}"), ("moment", quantity(solution.moment, "N", 10))]
+
+
+def _told(value: Any) -> str:
+    """One entry of a certificate."""
+    if isinstance(value, Mapping):
+        return ", ".join(f"{name} {_told(item)}" for name, item in value.items())
+    if isinstance(value, (bool, np.bool_)):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.4g}"
+    return "not defined" if value is None else str(value)
+
+
+def _parameters(cls: Any) -> str:
+    """The arguments of a class as a scene file gives them: those with a default show it."""
+    told = _arguments(cls)
+    return f"{told}; or file, {_arguments(cls.from_file, but='path')}" if hasattr(cls, "from_file") else told
+
+
+def _arguments(function: Callable[..., Any], but: str = "") -> str:
+    parameters = [p for p in inspect.signature(function).parameters.values() if p.name != but]
+    return ", ".join(p.name if p.default in (p.empty, None) else f"{p.name} = {p.default!r}" for p in parameters)
+
+
+def _description(cls: type) -> str:
+    """The first paragraph of a class's documentation."""
+    return " ".join((inspect.getdoc(cls) or "").partition("\n\n")[0].split())

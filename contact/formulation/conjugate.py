@@ -1,0 +1,243 @@
+r"""H f' of a periodic profile, H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi (cos kx -> sin kx, sin kx -> -cos kx).
+
+The profile's own closed form where it has one. Else the declared jumps of f', f'' and f''' are taken out of f' as periodic
+Bernoulli polynomials, whose conjugates are, with u = (x - s)/L and J the jump,
+
+    q = 0   (J / pi) ln|2 sin(pi u)|,    q = 1   -(J L / 2 pi^2) Cl_2(2 pi u),    q = 2   (J L^2 / 4 pi^3) Cl_3(2 pi u),
+    Cl_2(y) = sum_k sin(ky)/k^2,         Cl_3(y) = sum_k cos(ky)/k^3,
+
+and what is left is smooth, a Fourier series. The logarithms are kept apart: beside a kink they must be taken at a distance
+that is known better than x (sie.jumps.density), and everything else is `smooth`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from math import pi
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import fft
+from scipy.special import zeta
+
+import sie
+from contact.formulation.problem import Problem, Units
+from contact.model.profiles.base import Profile
+from contact.model.profiles.trigonometric import Sum
+
+Array = NDArray[np.float64]
+
+_LARGEST = 2**18
+_LEAST = 256
+# (point, jump) pairs handled at once.
+_BLOCK = 1 << 20
+# Terms of the series of Clausen's functions: within half a turn each is a quarter of the one before.
+_2K = 2.0 * np.arange(1, 27)
+# |B_2k| / (2k (2k+1)!) and |B_2k| / (2k (2k+2)!), by |B_2k| = 2 (2k)! zeta(2k) / (2 pi)^2k (DLMF 25.6.2).
+_SECOND = 2 * zeta(_2K) / (2 * pi) ** _2K / (_2K * (_2K + 1))
+_THIRD = _SECOND / (_2K + 2)
+_ZETA3 = float(zeta(3))
+# Beside a kink a closed form with its logarithm taken off is a difference of large numbers: closer than this part of
+# the period it is continued by a straight line.
+_BESIDE = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Conjugate(sie.Kept):
+    """H f' of x [m] of a periodic profile, with its kinks (k, 2) as it declares them; breakpoints: the profile's others."""
+
+    profile: Profile
+
+    @cached_property
+    def kinks(self) -> Array:
+        return np.asarray(self.profile.kinks, dtype=float)
+
+    @cached_property
+    def breakpoints(self) -> Array:
+        return np.setdiff1d(np.asarray(self.profile.breakpoints, dtype=float), self.kinks[:, 0])
+
+    @property
+    def period(self) -> float:
+        assert self.profile.period is not None
+        return self.profile.period
+
+    @cached_property
+    def smooth(self) -> Callable[[Array], Array]:
+        """All of H f' but the logarithms (J / pi) ln|2 sin(pi (x - s) / L)| of the kinks."""
+        profile, length = self.profile, self.period
+        given = profile.slope_conjugate(np.array([profile.x0 + 0.4142 * length])) is not None
+        if given and len(self.kinks) == 0:
+            return lambda x: np.asarray(profile.slope_conjugate(x))
+        series, settled = _series(profile, length)
+        return _less_logarithms(profile, self.kinks, length) if given and not settled else series
+
+    def __call__(self, x: ArrayLike) -> Array:
+        x = np.asarray(x, dtype=float)
+        return np.asarray(self.smooth(x) + logarithms(x, self.kinks[:, 0], self.kinks[:, 1], self.period))
+
+
+@dataclass(frozen=True, eq=False)
+class ScaledConjugate:
+    """H f' over the unit of slope, of scaled x; the kinks' places are those of the problem, bit for bit."""
+
+    conjugate: Conjugate
+    units: Units
+    at: Array
+    heights: Array
+
+    @classmethod
+    def of(cls, conjugate: Conjugate, problem: Problem) -> ScaledConjugate:
+        return cls(conjugate, problem.units, *problem.forcing.kinks)
+
+    @property
+    def period(self) -> float:
+        return self.conjugate.period / self.units.length
+
+    @property
+    def breakpoints(self) -> Array:
+        """Scaled places beside which H f' is not smooth, of kinks those of the problem."""
+        return np.concatenate((self.at, self.units.scaled(self.conjugate.breakpoints)))
+
+    def without_own(self, kinks: NDArray[np.intp]) -> Array:
+        """H f' at some of the kinks themselves, less the logarithm of each."""
+        at, turns = self.at[kinks], (self.at[kinks, None] - self.at) / self.period
+        logs = _log_sine(turns - np.round(turns))
+        logs[np.arange(len(kinks)), kinks] = 0.0
+        return np.asarray(self.smooth(at) + logs @ (self.heights / pi))
+
+    def smooth(self, x: Array) -> Array:
+        return np.asarray(self.conjugate.smooth(self.units.x(x)) / self.units.slope)
+
+    def __call__(self, x: Array) -> Array:
+        return np.asarray(self.smooth(x) + logarithms(np.asarray(x), self.at, self.heights, self.period))
+
+
+def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
+    """sum of (J / pi) ln|2 sin(pi (x - s) / L)|."""
+    return _over_jumps(x, at, heights / pi, period, _log_sine)
+
+
+def conjugate_of(profile: Profile) -> Conjugate:
+    """H f' of a periodic profile."""
+    return Conjugate(profile)
+
+
+def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], bool]:
+    """(H f' less its logarithms, whether the Fourier series of what is left of f' has come to its end)."""
+    kinks, jumps = np.asarray(profile.kinks, dtype=float), np.asarray(profile.jumps, dtype=float)
+    orders = jumps[:, 1] - 1
+
+    def polynomials(x: Array) -> Array:
+        out = _over_jumps(x, kinks[:, 0], -kinks[:, 1], length, partial(_bernoulli, 0))
+        for q in (1, 2):
+            here = jumps[orders == q]
+            out = out + _over_jumps(x, here[:, 0], -here[:, 2] * length**q, length, partial(_bernoulli, q))
+        return np.asarray(out)
+
+    # The parts that are taken out may be much larger than their sum.
+    rounding = 2.2e-16 * float(np.abs(kinks[:, 1]).sum() + (np.abs(jumps[:, 2]) * length**orders).sum()) / 12
+    n = _LEAST
+    while True:
+        x = profile.x0 + length * (np.arange(n) + 0.5) / n
+        slope = np.asarray(profile.slope(x))
+        coefficients = np.asarray(fft.rfft(slope - polynomials(x))) / n
+        size = np.abs(coefficients)
+        scale = max(float(size.max()), float(np.abs(slope).max()))
+        settled = bool(size[-n // 16 :].max() <= max(1e-15 * scale, rounding))
+        if settled or n >= _LARGEST:
+            break
+        n *= 2
+    used = np.flatnonzero(size > max(1e-17 * scale, rounding))
+    k = np.arange(int(used[-1]) + 1 if len(used) else 1)
+    c = (2 * coefficients[: len(k)] * np.exp(-1j * pi * k / n))[1:]
+    # Im of the sum, since H takes cos to sin and sin to -cos: Re of -i times it.
+    left = Sum.of(-1j * c) if len(c) else None
+
+    def smooth(x: Array) -> Array:
+        x = np.asarray(x, dtype=float)
+        turns = (np.asarray(profile.wrap(x)) - profile.x0) / length
+        out = np.zeros(x.shape) if left is None else left(turns.ravel()).reshape(x.shape)
+        for q, factor, function in ((1, -length / (2 * pi**2), clausen2), (2, length**2 / (4 * pi**3), clausen3)):
+            here = jumps[orders == q]
+            out = out + _over_jumps(x, here[:, 0], factor * here[:, 2], length, function)
+        return np.asarray(out)
+
+    return smooth, settled
+
+
+def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[[Array], Array]:
+    """The profile's own H f' with the logarithms of its kinks taken off; straight next to each."""
+
+    def plain(x: Array) -> Array:
+        return np.asarray(profile.slope_conjugate(x)) - logarithms(x, kinks[:, 0], kinks[:, 1], length)
+
+    def smooth(x: Array) -> Array:
+        x = np.asarray(x, dtype=float)
+        near = _BESIDE * length
+        away = (x[..., None] - kinks[:, 0] + 0.5 * length) % length - 0.5 * length
+        which = np.argmin(np.abs(away), axis=-1)
+        nearest = np.take_along_axis(away, which[..., None], axis=-1)[..., 0]
+        beside = np.abs(nearest) < near
+        out = np.array(plain(np.where(beside, x - nearest + near, x)))
+        if np.any(beside):
+            share = 0.5 * (1 + nearest[beside] / near)
+            out[beside] = share * out[beside] + (1 - share) * plain((x - nearest - near)[beside])
+        return out
+
+    return smooth
+
+
+def _log_sine(u: Array) -> Array:
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.log(np.abs(2 * np.sin(pi * u))))
+
+
+def _over_jumps(x: Array, at: Array, weights: Array, length: float, function: Callable[[Array], Array]) -> Array:
+    """sum_k weights_k function(u_k), u_k = (x - s_k)/L in turns from -1/2 to 1/2, by blocks of bounded memory."""
+    x = np.asarray(x, dtype=float)
+    out = np.zeros(x.size)
+    if len(at) == 0:
+        return out.reshape(x.shape)
+    flat = x.ravel()
+    block = max(1, _BLOCK // len(at))
+    for s in range(0, flat.size, block):
+        u = (flat[s : s + block, None] - at) / length
+        out[s : s + block] = function(u - np.round(u)) @ weights
+    return out.reshape(x.shape)
+
+
+def _bernoulli(q: int, u: Array) -> Array:
+    """B_(q+1)(u) / (q+1)!, u in turns: minus its q-th derivative jumps by one at 0."""
+    u = u % 1.0
+    if q == 0:
+        return np.asarray(u - 0.5)
+    if q == 1:
+        return np.asarray(((u - 1) * u + 1 / 6) / 2)
+    return np.asarray(((u - 1.5) * u + 0.5) * u / 6)
+
+
+def clausen2(u: Array) -> Array:
+    """sum_k sin(k y)/k^2, y = 2 pi u, for |u| <= 1/2: y - y ln|y| + sum_k |B_2k| y^(2k+1) / (2k (2k+1)!)."""
+    angle = 2 * pi * u
+    square = angle * angle
+    with np.errstate(divide="ignore", invalid="ignore"):
+        own = np.where(angle == 0, 0.0, angle * (1 - np.log(np.abs(angle))))
+    return np.asarray(own + angle * square * _horner(_SECOND, square))
+
+
+def clausen3(u: Array) -> Array:
+    """sum_k cos(k y)/k^3, y = 2 pi u, |u| <= 1/2: zeta(3) + (y^2/2)(ln|y| - 3/2) - sum_k |B_2k| y^(2k+2) / (2k (2k+2)!)."""
+    angle = 2 * pi * u
+    square = angle * angle
+    with np.errstate(divide="ignore", invalid="ignore"):
+        own = np.where(angle == 0, 0.0, 0.5 * square * (np.log(np.abs(angle)) - 1.5))
+    return np.asarray(_ZETA3 + own - square * square * _horner(_THIRD, square))
+
+
+def _horner(coefficients: Array, x: Array) -> Array:
+    out = np.zeros_like(x)
+    for c in coefficients[::-1]:
+        out = out * x + c
+    return out

@@ -1,0 +1,426 @@
+"""Pressure, displacement and gap of a solution, and its numbers, from the density on its zones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import sie
+from contact.formulation.maxima import maximum, reaches
+from contact.formulation.problem import Control, Problem
+
+Array = NDArray[np.float64]
+
+# Zones from which on the potential of far ones is interpolated.
+_MANY = 8
+# Zones at the most that the highest pressure is looked for in, below the sampling.
+_PEAKS = 16
+# How far from the zones a half-line is looked at closely, and at all, in units of what the zones span.
+_FAR, _FARTHEST = 1e3, 1e12
+_FAR_POINTS = 512
+# Over what the error of a density makes of the gap on its zones; and over the shape, what nobody takes for a contradiction.
+_MARGIN, _OF_SHAPE = 100.0, 1e-6
+
+
+class Fields(Protocol):
+    """What a solution reads of its fields, SI; zones are counted as the fields have them, `starts` [m] their left ends."""
+
+    def pressure(self, x: ArrayLike) -> Array: ...
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array: ...
+    def gap(self, x: ArrayLike) -> Array: ...
+    def displacement(self, x: ArrayLike) -> Array: ...
+    @property
+    def starts(self) -> Array: ...
+    @property
+    def load(self) -> float: ...
+    @property
+    def loads(self) -> Array: ...
+    @property
+    def max_pressure(self) -> float: ...
+    @property
+    def approach(self) -> float | None: ...
+    @property
+    def contact_fraction(self) -> float: ...
+    @property
+    def stiffness(self) -> float | None: ...
+    @property
+    def mean_gap(self) -> float: ...
+    @property
+    def widening_rate(self) -> float: ...
+
+
+def moved_ends(state: sie.AnyState) -> Array:
+    """How far each end (2, Z) moves outward by a unit of the first condition's value: 2 K / A, as in a step of Newton's; 0 for ends
+    that are held."""
+    values = np.zeros(len(state.condition_scale))
+    values[state.condition_index[0]] = 1.0
+    zones = state.density.zones
+    moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+    k, a = np.array(state.response(values).intensities), np.array(state.density.edge_slopes)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(moves, 2 * k / a, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ZoneFields(sie.Kept):
+    """Fields of a load-controlled state on its zones; scaled inside, SI in `pressure`, `displacement`, `gap`.
+
+    In pickles and copies the state with its matrices is left out, and what it tells beyond the density is worked out before.
+    """
+
+    problem: Problem
+    state: sie.AnyState = field(repr=False)
+    amplitude_rate: float = 0.0
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {"problem": self.problem, "amplitude_rate": self.amplitude_rate, "density": self.density}
+        kept |= {"levels": self.levels, "stiffness": self.stiffness}
+        return kept if self.problem.moment is None else kept | {"rotational_stiffness": self.rotational_stiffness}
+
+    @cached_property
+    def density(self) -> sie.AnyDensity:
+        return self.state.density
+
+    @cached_property
+    def levels(self) -> Array:
+        """Potential less columns less F, on each solved zone; equal at a solution."""
+        zones = self.density.zones
+        if len(zones) == 1:
+            end = zones.b
+            return -(self._sunk(end) + self._shape(end))
+        return self.state.levels
+
+    @cached_property
+    def level(self) -> float:
+        return float(self.levels.mean())
+
+    @property
+    def approach(self) -> float | None:
+        """Approach [m], None for an isolated punch without a datum."""
+        if not self.problem.interaction.has_approach:
+            return None
+        return -self.level * self.problem.units.height
+
+    @cached_property
+    def stiffness(self) -> float | None:
+        """d load / d approach [N/m^2]: the ends may be held, since their motion does not change the density at first order.
+
+        Under the first-order closure the nominal pressure follows the load at `amplitude_rate`. At the tilt that is given, or at the
+        moment that is. None without an approach.
+        """
+        if self.approach is None:
+            return None
+        values = np.zeros(len(self.state.condition_scale))
+        index = self.state.condition_index
+        values[index[0]] = 1.0
+        if self.amplitude_rate:
+            values[index[2]] = self.amplitude_rate
+        rate = -float(self.state.level_rates(values).mean())
+        units = self.problem.units
+        return units.load / (units.height * rate)
+
+    @cached_property
+    def mean_gap(self) -> float:
+        """Mean gap over a period [m]: mean f - approach where the displacement has no mean, else by quadrature."""
+        units, period = self.problem.units, self.problem.period
+        assert period is not None
+        if self.problem.walls != (-np.inf, np.inf):
+            return np.inf
+        if not self.problem.interaction.strip:
+            return (mean_shape(self.problem) + self.level) * units.height
+        t, weights = np.polynomial.legendre.leggauss(24)
+        total = 0.0
+        for lo, hi, _, _ in self.strip_intervals():
+            cuts = self._cuts(lo, hi)
+            for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+                # The gap leaves an end as d^(3/2): s = sin^2 makes that smooth.
+                angle = np.pi / 4 * (1 + t)
+                x = a + (b - a) * np.sin(angle) ** 2
+                total += float(self.scaled_gap(x) @ (weights * np.pi / 4 * (b - a) * np.sin(2 * angle)))
+        return total / period * units.height
+
+    def strip_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
+        """Open intervals with the outermost one cut at the border of the strip, beyond which it is another strip's."""
+        period, centre = self.problem.period, self.problem.centre
+        assert period is not None
+        first, last = float(self.density.zones.a[0]), float(self.density.zones.b[-1])
+        lo, hi = centre - 0.5 * period, centre + 0.5 * period
+        if lo < first:
+            yield lo, first, False, True
+        for right, left in zip(self.density.zones.b[:-1], self.density.zones.a[1:], strict=True):
+            yield float(right), float(left), True, True
+        if hi > last:
+            yield last, hi, True, False
+
+    def _cuts(self, lo: float, hi: float) -> Array:
+        kinks = self.problem.forcing.kinks[0]
+        inner = kinks[(kinks > lo) & (kinks < hi)]
+        count = int(np.clip((hi - lo) / self.spacing * 2, 1, 4000))
+        return np.unique(np.concatenate((np.linspace(lo, hi, count + 1), inner)))
+
+    # scaled -----------------------------------------------------------------------------------------------------------
+    def inside(self, x: Array) -> NDArray[np.bool_]:
+        """Whether scaled points lie in a zone."""
+        return self.density.locate(x)[2]
+
+    def scaled_gap(self, x: Array) -> Array:
+        """F - V + lambda C + level, zero on the zones."""
+        return np.where(self.inside(x), 0.0, self.formal_gap(x))
+
+    def formal_gap(self, x: Array) -> Array:
+        """F - V + lambda C + level everywhere, rounding left as it is on the zones."""
+        gap = np.asarray(self._shape(x) + self.level + self._sunk(x))
+        if isinstance(self.density, sie.Pierced):
+            # In a narrow gap what opens it keeps digits that the difference has lost.
+            narrow, opening = self.density.opening(x)
+            gap = np.where(narrow, opening, gap)
+        return gap
+
+    def gap_between(self, lo: float, hi: float) -> Callable[[Array], Array]:
+        """The scaled gap as a function on an interval without contact; cheap at many points where zones are many."""
+        if len(self.density.zones) < _MANY or not isinstance(self.density, sie.Density):
+            return self.scaled_gap
+        potential = sie.LocalPotential.on(self.density, lo, hi)
+        return lambda x: self._shape(x) + self.level + self._raised(x, potential(x))
+
+    def _shape(self, x: Array) -> Array:
+        """F of the profile as it stands: turned on by what the first guess of the tilt missed."""
+        shape = self.problem.shape(x)
+        return shape if self.problem.moment is None else shape - self._missing_tilt * (x + self.problem.units.lever)
+
+    @property
+    def _missing_tilt(self) -> float:
+        return float(self.density.amplitudes[-1])
+
+    def _sunk(self, x: Array) -> Array:
+        """Displacement -V + lambda C; not less than its level on the zones."""
+        return self._raised(x, self.density.potential(x))
+
+    def _raised(self, x: Array, potential: Array) -> Array:
+        out = -potential
+        columns = self.problem.columns
+        for amplitude, column in zip(self.density.amplitudes[: len(columns)], columns, strict=True):
+            assert column.primitive is not None
+            out = out + amplitude * column.primitive(x)
+        return np.asarray(out)
+
+    @cached_property
+    def spacing(self) -> float:
+        """Scaled length over which the gap may vary."""
+        resolution = self.problem.profile.resolution
+        zones = self.density.zones
+        span = float(zones.b[-1] - zones.a[0])
+        if self.problem.period is not None:
+            span = self.problem.period
+        return span / 16 if resolution is None else resolution / self.problem.units.length
+
+    @cached_property
+    def tips(self) -> Array:
+        """Scaled places of sharp tips, ascending: there a gap is least without a level tangent. Of a period those beside the
+        zones, too."""
+        kinks, heights = self.problem.forcing.kinks
+        at = kinks[heights > 0]
+        period = self.problem.period
+        if period is not None and len(at):
+            at = at - np.floor((at - self.density.zones.a[0]) / period) * period
+            at = np.concatenate((at - period, at, at + period))
+        return np.sort(at)
+
+    @cached_property
+    def gap_rounding(self) -> float:
+        """What rounding may do to a scaled gap."""
+        ends = np.concatenate((self.density.zones.a, self.density.zones.b))
+        return 64 * 2.2e-16 * self._largest_shape + 8 * self.problem.shape_rounding(ends[:: max(1, len(ends) // 32)])
+
+    @cached_property
+    def _largest_shape(self) -> float:
+        """On the zones the displacement is the shape less the level: no more than both of them together."""
+        zones = self.density.zones
+        return float(np.abs(self.problem.shape(np.concatenate((zones.a, zones.b)))).max()) + abs(self.level)
+
+    @property
+    def gap_error(self) -> float:
+        """What the error of the density may make of the scaled gap on the zones, with a margin: more is another equation's."""
+        state, zones = self.state, self.density.zones
+        moved = state.density_error * state.size * float((zones.b - zones.a).sum())
+        return _MARGIN * (moved + self.gap_rounding) + _OF_SHAPE * self._largest_shape
+
+    def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
+        """Scaled intervals without contact: (from, to, starts at a zone, ends at a zone); half-lines up to far away."""
+        zones, problem = self.density.zones, self.problem
+        if problem.interaction.strip:
+            yield from self.strip_intervals()
+            return
+        for right, left in zip(zones.b[:-1], zones.a[1:], strict=True):
+            yield float(right), float(left), True, True
+        first, last = float(zones.a[0]), float(zones.b[-1])
+        if problem.period is not None:
+            if first + problem.period > last:
+                yield last, first + problem.period, True, True
+            return
+        reach = _FAR * (last - first)
+        lo, hi = self._known
+        lo, hi = lo if np.isfinite(lo) else first - reach, hi if np.isfinite(hi) else last + reach
+        if lo < first:
+            yield lo, first, False, True
+        if hi > last:
+            yield last, hi, True, False
+
+    @property
+    def _known(self) -> tuple[float, float]:
+        """Scaled limits of a profile that does not repeat, infinite without."""
+        problem = self.problem
+        return max(problem.borders[0], problem.walls[0]), min(problem.borders[1], problem.walls[1])
+
+    @property
+    def is_bounded(self) -> bool:
+        return self.problem.period is not None or bool(np.all(np.isfinite(self._known)))
+
+    def far_stretches(self) -> Iterator[Array]:
+        """Scaled points on half-lines beyond what `open_intervals` holds, evenly in the logarithm of the distance."""
+        if self.is_bounded:
+            return
+        zones, (lo, hi) = self.density.zones, self._known
+        first, last = float(zones.a[0]), float(zones.b[-1])
+        away = (last - first) * np.geomspace(_FAR, _FARTHEST, _FAR_POINTS)
+        if not np.isfinite(lo):
+            yield first - away[::-1]
+        if not np.isfinite(hi):
+            yield last + away
+
+    # SI ---------------------------------------------------------------------------------------------------------------
+    def _scaled(self, x: ArrayLike) -> Array:
+        problem = self.problem
+        scaled = problem.units.scaled(np.asarray(x, dtype=float))
+        if problem.period is not None:
+            # Into the period about the zones, so that the density, the strip and the kinks are met where they were solved.
+            zones = self.density.zones
+            middle = 0.5 * float(zones.a[0] + zones.b[-1])
+            scaled = scaled - np.floor((scaled - middle) / problem.period + 0.5) * problem.period
+        return np.asarray(scaled)
+
+    @property
+    def starts(self) -> Array:
+        return self.problem.units.x(self.density.zones.a)
+
+    @property
+    def load(self) -> float:
+        return self.density.total * self.problem.units.load
+
+    @cached_property
+    def loads(self) -> Array:
+        return self.density.totals * self.problem.units.load
+
+    @property
+    def tilt(self) -> float:
+        """By how much the body is turned [rad]."""
+        if self.problem.moment is None:
+            return self.problem.tilt
+        return self.problem.tilt + self._missing_tilt * self.problem.units.slope
+
+    @property
+    def scaled_moment(self) -> float:
+        """int p x dx about x = 0."""
+        return self.density.moment(about=-self.problem.units.lever)
+
+    @property
+    def moment(self) -> float:
+        """int p x dx about x = 0 [N]."""
+        return self.scaled_moment * self.problem.units.moment
+
+    @cached_property
+    def rotational_stiffness(self) -> float:
+        """d moment / d tilt at the given load [N]: 1 over the tilt that a unit of moment adds, the ends held as for `stiffness`."""
+        problem, density = self.problem, self.density
+        if problem.moment is None:
+            whole = replace(density.zones, symmetric=False)
+            equation = replace(problem, moment=self.scaled_moment).equation(Control("load", density.total))
+            state = sie.solve_zones(equation, whole, 1e-14)
+        else:
+            state = self.state
+        values = np.zeros(len(state.condition_scale))
+        values[-1] = 1.0
+        return problem.units.moment / (problem.units.slope * float(state.response(values).amplitudes[-1]))
+
+    @property
+    def contact_fraction(self) -> float:
+        assert self.problem.period is not None
+        zones = self.density.zones
+        return float((zones.b - zones.a).sum()) / self.problem.period
+
+    @cached_property
+    def widening_rate(self) -> float:
+        """d contact fraction / d load [m/N]."""
+        assert self.problem.period is not None
+        return float(moved_ends(self.state).sum()) / self.problem.period / self.problem.units.load
+
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
+        return self.density.at_t(zone, t) * self.problem.units.pressure
+
+    @cached_property
+    def max_pressure(self) -> float:
+        """Sampled on every zone, and followed below the sampling on those that may have the highest."""
+        density = self.density
+        if any(end.intensity is None for end in (*density.zones.left, *density.zones.right)):
+            left, right = density.intensities
+            if max(left.max(), right.max()) > 1e-12 * np.abs(density.coefficients).max():
+                return np.inf
+        if np.any((density.steps.height > 0) & (density.steps.order == 0)):
+            return np.inf
+        counts, reach, peak = density.sampling, np.empty(len(density.zones)), -np.inf
+        for n in np.unique(counts):
+            group = np.flatnonzero(counts == n)
+            theta = (np.arange(n) + 0.5) * np.pi / n
+            values = density.at(group[:, None], 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
+            reach[group], peak = reaches(values).max(axis=1), max(peak, float(values.max()))
+        zones = np.argsort(reach)[-_PEAKS:]
+        highest = max(self._highest_on(int(zone), int(counts[zone])) for zone in zones[reach[zones] >= peak])
+        return highest * self.problem.units.pressure
+
+    def _highest_on(self, zone: int, count: int) -> float:
+        def pressure(angle: Array) -> Array:
+            return self.density.at(zone, 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
+
+        return maximum(pressure, np.linspace(0, np.pi, count + 1), levels=7)[1]
+
+    def pressure(self, x: ArrayLike) -> Array:
+        return self.density(self._scaled(x)) * self.problem.units.pressure
+
+    def _beyond(self, x: Array) -> NDArray[np.bool_]:
+        lo, hi = self.problem.borders
+        return (x < lo) | (x > hi)
+
+    def gap(self, x: ArrayLike) -> Array:
+        scaled = self._scaled(x)
+        gap = self.scaled_gap(scaled) * self.problem.units.height
+        return np.where(self._beyond(scaled), np.inf, np.maximum(gap, 0.0))
+
+    def displacement(self, x: ArrayLike) -> Array:
+        scaled = self._scaled(x)
+        inside = self.inside(scaled)
+        shape = np.where(inside, self._shape(np.where(inside, scaled, self.density.zones.middle[0])), 0.0)
+        zero = self.level if self.approach is None else 0.0
+        u = np.where(inside, -self.level - shape, self._sunk(scaled)) + zero
+        return np.asarray(u * self.problem.units.height)
+
+
+def mean_shape(problem: Problem) -> float:
+    """Mean of F over the profile's period: Gauss-Legendre between its breakpoints, panels as short as its resolution."""
+    profile, units = problem.profile, problem.units
+    length = profile.period
+    assert length is not None
+    panels = int(np.clip(np.ceil(2 * length / (profile.resolution or length / 8)), 8, 2**16))
+    inner = np.asarray(profile.breakpoints)
+    cuts = np.unique(np.concatenate((
+        profile.x0 + length * np.arange(panels + 1) / panels, inner[(inner > profile.x0) & (inner < profile.x0 + length)]
+    )))
+    t, weights = np.polynomial.legendre.leggauss(12)
+    half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
+    x = middle[:, None] + half[:, None] * t
+    values = problem.shape(np.asarray(units.scaled(x.ravel()))).reshape(x.shape)
+    return float(half @ (values @ weights)) / length

@@ -1,0 +1,182 @@
+r"""Nearly full contact by its gaps: the unknown is the slope of the gap on the few places without contact.
+
+With s the slope of the gap (zero in contact), u' = s - f', and p = pbar + (E*/2) H u', H the periodic Hilbert transform. No
+pressure in the gaps means
+
+    (1/pi) PV int_gaps s(xi) K(x - xi) dxi = H f'(x) - 2 pbar / E*     on the gaps,     int_gap s = 0 on each,
+
+the same equation as that of the zones, with the roles of contact and gap exchanged, bounded at free ends. Its unknowns are
+few where the contact is nearly full, however narrow the gaps (theory: derived here from (5); see docs/theory).
+
+Where f' jumps inside a gap so does s, by as much, and H f' has the logarithm of that (sie.jumps.density): a valley with a kink.
+About such a valley alone, H f' = R + (J/pi) ln|2 sin(pi y/L)|, J < 0, and R constant, the gap is |y| < w,
+w = (L/pi) exp(-pi (2 pbar/E* - R)/|J|): it never closes, and is narrower than any number soon.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import sie
+from contact.formulation import zone_loads
+from contact.formulation.conjugate import ScaledConjugate
+from contact.formulation.fields import mean_shape, moved_ends
+from contact.formulation.maxima import maximum
+from contact.formulation.problem import Problem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class GapFields(sie.Kept):
+    """Fields of a periodic contact from the slope of its gaps; scaled inside, SI in the public methods.
+
+    mean: scaled mean pressure. conjugate: H f' over the unit slope, of scaled x. In pickles and copies the state with its matrices is
+    left out, and what it tells beyond the density is worked out before.
+    """
+
+    problem: Problem
+    state: sie.AnyState = field(repr=False)
+    mean: float
+    conjugate: ScaledConjugate
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {"problem": self.problem, "mean": self.mean, "conjugate": self.conjugate}
+        return kept | {"density": self.density, "stiffness": self.stiffness}
+
+    @cached_property
+    def density(self) -> sie.Density:
+        """Slope of the gap on the gaps."""
+        assert isinstance(self.state.density, sie.Density)
+        return self.state.density
+
+    @property
+    def period(self) -> float:
+        assert self.problem.period is not None
+        return self.problem.period
+
+    @cached_property
+    def zones(self) -> Array:
+        """Scaled contact zones, between the gaps."""
+        gaps = self.density.zones
+        return np.column_stack((gaps.b, np.append(gaps.a[1:], gaps.a[0] + self.period)))
+
+    # scaled -----------------------------------------------------------------------------------------------------------
+    def scaled_pressure(self, x: Array) -> Array:
+        """pbar - H f' + H s where there is contact, zero in the gaps."""
+        inside = self.density.locate(x)[2]
+        with np.errstate(invalid="ignore"):
+            return np.where(inside, 0.0, self.bearing(x))
+
+    def bearing(self, x: Array) -> Array:
+        """pbar - H f' + H s wherever it is asked for."""
+        return np.asarray(self.mean - self.conjugate(x) + self.density.transform(x))
+
+    def pressure_in(self, zone: int | NDArray[np.intp], left: Array, right: Array) -> Array:
+        """Scaled pressure at distances over the half width from the ends of contact zones."""
+        a, b = self.zones[zone].T
+        half = 0.5 * (b - a)
+        x = np.where(left <= right, a + half * left, b - half * right)
+        # Next to an end the pressure goes with the root of the distance, of which x has lost digits.
+        nearer, kept = half * np.minimum(left, right), np.where(left <= right, x - a, b - x)
+        return np.asarray(self.bearing(x) * np.sqrt(nearer / np.where(kept > 0, kept, np.inf)))
+
+    # SI ---------------------------------------------------------------------------------------------------------------
+    def pressure(self, x: ArrayLike) -> Array:
+        return self.scaled_pressure(self.problem.units.scaled(np.asarray(x, dtype=float))) * self.problem.units.pressure
+
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
+        t = np.asarray(t, dtype=float)
+        value = self.pressure_in(zone, 1 + t, 1 - t)
+        return np.where(np.abs(t) == 1, 0.0, value) * self.problem.units.pressure
+
+    def gap(self, x: ArrayLike) -> Array:
+        scaled = self.problem.units.scaled(np.asarray(x, dtype=float))
+        return np.maximum(self.density.integral(scaled), 0.0) * self.problem.units.height
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """u = approach - f + gap."""
+        height = np.asarray(self.problem.profile.height(x)) - self.problem.lowest
+        return np.asarray(self.approach - height + self.gap(x))
+
+    @property
+    def starts(self) -> Array:
+        return self.problem.units.x(self.zones[:, 0])
+
+    @property
+    def contact_fraction(self) -> float:
+        gaps = self.density.zones
+        return 1.0 - float((gaps.b - gaps.a).sum()) / self.period
+
+    @cached_property
+    def widening_rate(self) -> float:
+        """d contact fraction / d load [m/N]: what the gaps lose."""
+        return -float(moved_ends(self.state).sum()) / self.period**2 / self.problem.units.load
+
+    @property
+    def load(self) -> float:
+        return self.mean * self.period * self.problem.units.load
+
+    @cached_property
+    def loads(self) -> Array:
+        """Load of each contact zone [N/m]."""
+        rise = np.diff(self.density.potential(self.zones), axis=1)[:, 0]
+        return zone_loads.loads(self.mean, self.conjugate, self.zones, rise) * self.problem.units.load
+
+    @cached_property
+    def max_pressure(self) -> float:
+        tips = self.conjugate.at[self.conjugate.heights > 0]
+        if not np.all(self.density.locate(tips)[2]):
+            return np.inf
+        x, value = self._samples
+        return maximum(self.scaled_pressure, x, value=value)[1] * self.problem.units.pressure
+
+    @cached_property
+    def _samples(self) -> tuple[Array, Array]:
+        """(places over the period, closer than the profile varies, the scaled pressure there)."""
+        resolution = self.problem.profile.resolution or self.problem.units.length * self.period / 16
+        n = int(np.clip(16 * self.period * self.problem.units.length / resolution, 256, 2**17))
+        x = self.period * (np.arange(n + 1) / n) + self.density.zones.a[0]
+        return x, self.scaled_pressure(x)
+
+    @cached_property
+    def steepest(self) -> float:
+        """Largest slope of the scaled pressure between samples, but for those beside the ends of zones, where it is a root that moves
+        with the end, and those of tips, where it is infinite."""
+        x, value = self._samples
+        bears = value > 0
+        inner = bears[:-3] & bears[1:-2] & bears[2:-1] & bears[3:]
+        with np.errstate(invalid="ignore"):
+            slopes = np.abs(np.diff(value) / np.diff(x))[1:-1]
+        return float(slopes[inner & np.isfinite(slopes)].max(initial=0.0))
+
+    @cached_property
+    def unit_pressure(self) -> float:
+        """What errors are referred to: the peak pressure, or the mean contact pressure where the peak is infinite [Pa]."""
+        if np.isfinite(self.max_pressure):
+            return self.max_pressure
+        return self.mean / self.contact_fraction * self.problem.units.pressure
+
+    @cached_property
+    def approach(self) -> float:
+        """min f = 0 and mean u = 0: the mean of f less the mean gap [m]."""
+        return mean_shape(self.problem) * self.problem.units.height - self.mean_gap
+
+    @property
+    def mean_gap(self) -> float:
+        """The gap vanishes at the ends, so its integral is minus the moment of its slope [m]."""
+        return -self.density.moment() / self.period * self.problem.units.height
+
+    @cached_property
+    def stiffness(self) -> float:
+        """d load / d approach [N/m^2]: the gap's response to the mean pressure, ends held."""
+        values = np.zeros(len(self.state.condition_scale))
+        values[self.state.condition_index[0]] = 1.0
+        response = self.state.response(values)
+        rate = response.moment() / self.period * self.problem.units.height
+        return self.period * self.problem.units.load / rate

@@ -1,0 +1,236 @@
+"""A scene as a scaled integral equation.
+
+Lengths are counted in `length`, slopes in `slope`, pressures in E* slope / 2, so that (5) and (6) become
+(1/pi) PV int phi K = f' / slope =: g. With F = f / (slope length), the potential V of phi and the columns' C,
+
+    V - lambda C - F = level on every zone,    level = -approach / (slope length).
+
+Where the moment is given, the tilt is one of the unknown amplitudes: F is that of the profile at a first guess of it, and the
+column C = -x, of slope -1, turns the body by what is missing. x counts from x = 0, where the approach is taken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.model.interactions.base import Interaction
+from contact.model.operator import Operator
+from contact.model.profiles.base import Profile
+from contact.model.profiles.tilted import Tilted
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Units:
+    """origin and length [m], slope [1], and what follows for pressure and load; E_star [Pa].
+
+    The length is a power of two: counted in it, places lose no digit.
+    """
+
+    origin: float
+    length: float
+    slope: float
+    E_star: float
+
+    @property
+    def pressure(self) -> float:
+        return 0.5 * self.E_star * self.slope
+
+    @property
+    def load(self) -> float:
+        return self.pressure * self.length
+
+    @property
+    def height(self) -> float:
+        return self.slope * self.length
+
+    @property
+    def moment(self) -> float:
+        return self.load * self.length
+
+    @property
+    def lever(self) -> float:
+        """The origin's own place, scaled: x = length (lever + scaled x)."""
+        return self.origin / self.length
+
+    def x(self, scaled: Array) -> Array:
+        return self.origin + self.length * scaled
+
+    def scaled(self, x: Array) -> Array:
+        return np.asarray((x - self.origin) / self.length)
+
+    def placed(self, scaled: Array) -> Array:
+        """Where scaled places come to stand by the rounding of x."""
+        return self.scaled(self.x(scaled))
+
+    def minus_place(self, scaled: Array) -> Array:
+        """-x, scaled."""
+        return np.asarray(-(scaled + self.lever))
+
+
+def minus_one(x: Array) -> Array:
+    """-1 at all places: the slope of a column that turns, or of a load that presses everywhere."""
+    return np.full(np.shape(x), -1.0)
+
+
+@dataclass(frozen=True)
+class Control:
+    """What is given, scaled: "load", "approach" (minus the level), "half_width" or "width" (of all zones together)."""
+
+    kind: str
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
+class Problem(sie.Kept):
+    """Profile and interaction in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
+    reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell.
+    moment: scaled, about x = 0; None where the tilt of the profile is not an unknown."""
+
+    profile: Profile
+    interaction: Interaction
+    units: Units
+    lowest: float
+    centre: float = 0.0
+    amplitude: float | None = None
+    reference: bool = False
+    moment: float | None = None
+
+    @property
+    def tilt(self) -> float:
+        """By how much the profile is turned; where the moment is given, a first guess of it."""
+        return self.profile.tilt if isinstance(self.profile, Tilted) else 0.0
+
+    @property
+    def period(self) -> float | None:
+        """Scaled period of the solution, None where nothing repeats."""
+        if not self.interaction.needs_period or self.profile.period is None:
+            return None
+        return self.profile.period / self.units.length
+
+    @property
+    def cell(self) -> float | None:
+        """Scaled width of the profile's own cell, None for a profile on the whole line."""
+        return None if self.profile.period is None else self.profile.period / self.units.length
+
+    @cached_property
+    def operator(self) -> Operator:
+        return Operator(self.interaction, self.profile.period if self.interaction.needs_period else None)
+
+    @cached_property
+    def kernel(self) -> sie.Kernel:
+        return self.operator.kernel(self.units.length)
+
+    @cached_property
+    def walls(self) -> tuple[float, float]:
+        """Scaled sharp corners beyond which the profile ends; infinite without."""
+        if self.profile.support is None:
+            return -np.inf, np.inf
+        lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
+        return lo, hi
+
+    @cached_property
+    def borders(self) -> tuple[float, float]:
+        """Scaled limits that no zone may reach: of one isolated cell, or of a measured trace; infinite without."""
+        profile = self.profile
+        if self.period is not None or self.reference:
+            return -np.inf, np.inf
+        if profile.period is not None:
+            known: tuple[float, float] | None = (profile.x0, profile.x0 + profile.period)
+        else:
+            known = profile.extent
+        if known is None:
+            return -np.inf, np.inf
+        lo, hi = (float(self.units.scaled(np.array(s))) for s in known)
+        return lo, hi
+
+    @cached_property
+    def forcing(self) -> sie.Forcing:
+        units, profile = self.units, self.profile
+        kinks, jumps = profile.kinks, profile.jumps
+        at = np.asarray(units.scaled(np.concatenate((kinks[:, 0], jumps[:, 0]))))
+        # A jump of f^(n) is one of the slope's derivative of order n - 1.
+        orders = np.concatenate((np.zeros(len(kinks), dtype=np.intp), jumps[:, 1].astype(np.intp) - 1))
+        heights = np.concatenate((kinks[:, 1], jumps[:, 2])) * units.length**orders / units.slope
+        repeat = self.cell if self.reference else self.period
+        if repeat is not None and len(at):
+            at = at - np.round((at - self.centre) / repeat) * repeat
+
+        resolution = None if profile.resolution is None else profile.resolution / units.length
+        return sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed)
+
+    def slope(self, x: Array) -> Array:
+        """f' over the unit of slope."""
+        return np.asarray(self.profile.slope(self.units.x(x))) / self.units.slope
+
+    def shape(self, x: Array) -> Array:
+        """F = (f - min f) / (slope length)."""
+        at = self._on_support(self.units.x(x))
+        with np.errstate(over="ignore"):  # far outside heights may overflow to inf: nothing touches there
+            return np.asarray((np.asarray(self.profile.height(at)) - self.lowest) / self.units.height)
+
+    def _on_support(self, at: Array) -> Array:
+        """Places [m] with those that rounding has put just beyond a sharp corner moved back onto it."""
+        if self.profile.support is None:
+            return at
+        lo, hi = self.profile.support
+        slack = 4 * np.finfo(float).eps * (hi - lo + np.abs(at))
+        return np.where((at > hi) & (at <= hi + slack), hi, np.where((at < lo) & (at >= lo - slack), lo, at))
+
+    def shape_rounding(self, x: Array) -> float:
+        """What rounding does to F at scaled points: its departure from straight lines over a few units in the last digit."""
+        at = self.units.x(x)
+        near = at[:, None] + 4 * np.spacing(np.abs(at))[:, None] * np.arange(-4, 5)
+        height = np.asarray(self.profile.height(near)) / self.units.height
+        with np.errstate(invalid="ignore"):
+            bend = 0.5 * np.abs(np.diff(height, 2, axis=1))
+            least = np.finfo(float).eps * np.abs(height)
+        return float(max(np.max(a[np.isfinite(a)], initial=0.0) for a in (bend, least)))
+
+    @cached_property
+    def columns(self) -> tuple[sie.Forcing, ...]:
+        return self.interaction.columns(self.period, self.centre)
+
+    @property
+    def _turning(self) -> tuple[sie.Forcing, ...]:
+        """The column of the tilt that is missing, in units of the slope; none where the tilt is given."""
+        if self.moment is None:
+            return ()
+        return (sie.Forcing(minus_one, self.units.minus_place, modes=1),)
+
+    def equation(self, control: Control) -> sie.Equation:
+        """The integral equation with the side conditions of the control."""
+        if self.interaction.follows_isolated:
+            closure: tuple[sie.Condition, ...] = (sie.Amplitude(0, self.amplitude or 0.0),)
+        else:
+            closure = self.interaction.side_conditions(self.period)
+        ends: tuple[sie.TotalWidth, ...] = ()
+        conditions: tuple[sie.Condition, ...]
+        if control.kind == "load":
+            conditions = (sie.Total(control.value), sie.EqualPotential())
+        elif control.kind == "approach":
+            conditions = (sie.Level(-control.value),)
+        elif control.kind == "width":
+            conditions, ends = (sie.Total(None), sie.EqualPotential()), (sie.TotalWidth(control.value),)
+        else:
+            conditions = ()
+        if self.moment is not None:
+            closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
+        return sie.Equation(self.kernel, self.forcing, (*conditions, *closure), (*self.columns, *self._turning), ends)
+
+    def with_amplitude(self, amplitude: float) -> Problem:
+        return replace(self, amplitude=amplitude)
+
+    def about(self, centre: float) -> Problem:
+        return replace(self, centre=centre)
+
+    def turned_to(self, tilt: float) -> Problem:
+        """The problem from another first guess of the tilt."""
+        assert isinstance(self.profile, Tilted)
+        return replace(self, profile=replace(self.profile, tilt=tilt))

@@ -1,0 +1,156 @@
+"""One symmetric zone about the origin: its half width in closed form up to quadrature, and the branch from zero load.
+
+Isolated, with xi = a t, and periodic, with sin(pi xi/L) = sin(pi a/L) t, both by Gauss-Chebyshev in t:
+
+    P = int g(xi) xi / sqrt(a^2 - xi^2) dxi                       level = (P/pi) ln(a / 2d) - mean F
+    P = int g(xi) sin u / sqrt(sin^2 A - sin^2 u) dxi             level = (P/pi) ln sin A - mean F,   u = pi xi/L, A = pi a/L
+
+The first is Shtaerman's (1949); the second follows from it by the map tan u, which turns the Hilbert kernel into Cauchy's; the
+levels from the equilibrium measure of the zone. Localization adds its correction (16). Newton has little left to do.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.errors import OutOfRange
+from contact.extras import require
+from contact.formulation.problem import Control, Problem
+
+Array = NDArray[np.float64]
+
+_T = np.cos((np.arange(8) + 0.5) * np.pi / 16)  # the positive half of 16 Gauss nodes
+_SCAN = 40
+_WITHIN = np.geomspace(1e-10, 1.0, 41)  # half widths over the widest possible one
+_ANYWHERE = np.geomspace(1e-12, 1e12, 97)
+
+
+def guess_half_width(problem: Problem, control: Control) -> float:
+    """Scaled half width at which one zone would carry about the control; the widest that still gains if none does."""
+    if control.kind == "half_width":
+        return control.value
+    if control.kind == "width":
+        return 0.5 * control.value
+    limit = widest(problem)
+    a = limit * _WITHIN if math.isfinite(limit) else _ANYWHERE
+    value = _carried(problem, control, a)
+    above = np.flatnonzero(value >= control.value)
+    if len(above) == 0:
+        # A maximum between two of them may still reach it.
+        k = int(np.clip(np.argmax(value), 1, len(a) - 2))
+        top = require("scipy.optimize").minimize_scalar(
+            lambda x: -float(_carried(problem, control, np.array([x]))[0]), bounds=(float(a[k - 1]), float(a[k + 1])),
+            method="bounded", options={"xatol": 1e-9 * float(a[k])},
+        )
+        if -top.fun < control.value:
+            return float(top.x)
+        a, value = np.array([a[k - 1], top.x]), np.array([value[k - 1], -top.fun])
+        above = np.array([1])
+    k = int(above[0])
+    if k == 0:
+        return float(a[0])
+    low, high, at_low, at_high = float(a[k - 1]), float(a[k]), float(value[k - 1]), float(value[k])
+    if at_low <= 0:
+        return low * math.sqrt(high / low)
+    # Secant steps in the logarithms, where a power law is straight; what leaves the bracket is brought back to its middle.
+    goal, bounds = math.log(control.value), (math.log(low), math.log(high))
+    old, at_old, new, at_new = bounds[0], math.log(at_low) - goal, bounds[1], math.log(at_high) - goal
+    for _ in range(12):
+        step = new - at_new * (new - old) / (at_new - at_old) if at_new != at_old else new
+        if not bounds[0] < step < bounds[1]:
+            step = 0.5 * (bounds[0] + bounds[1])
+        old, at_old, new = new, at_new, step
+        carried = float(_carried(problem, control, np.array([math.exp(step)]))[0])
+        at_new = math.log(carried) - goal if carried > 0 else -math.inf
+        if abs(at_new) < 2e-15 * max(1.0, abs(goal)) or not math.isfinite(at_new) or abs(new - old) < 1e-15:
+            break
+        bounds = (step, bounds[1]) if at_new < 0 else (bounds[0], step)
+    return math.exp(new)
+
+
+def widest(problem: Problem) -> float:
+    """Scaled half width that no zone about the origin exceeds; inf where nothing limits it."""
+    cell = 0.4999 * problem.cell if problem.cell is not None else math.inf
+    return min(cell, problem.borders[1], problem.walls[1])
+
+
+def _carried(problem: Problem, control: Control, a: Array) -> Array:
+    """The controlled quantity of half widths a, -inf beyond its first maximum."""
+    period = problem.period
+    repeats = period is not None and len(problem.kernel.poles) > 1
+    if repeats:
+        assert period is not None
+        sine = np.sin(np.pi * a / period)
+        u = np.arcsin(sine[:, None] * _T)
+        x, weight, size = u * period / np.pi, _T / np.cos(u), sine * period / np.pi
+    else:
+        x, weight, size = a[:, None] * _T, _T, a
+    with np.errstate(over="ignore", invalid="ignore"):
+        g = problem.forcing.value(x.ravel()).reshape(x.shape)
+        value = size * np.pi / len(_T) * (g * weight).sum(axis=1)
+        if period is not None and not repeats:
+            root = np.sqrt(np.maximum(1 - (2 * a / period) ** 2, 1e-300))
+            value = value * (2 - root) if problem.interaction.follows_isolated else value / root
+        if control.kind == "approach":
+            shape = problem.shape(x.ravel()).reshape(x.shape).mean(axis=1)
+            half = np.sin(np.pi * a / period) if period is not None else 0.5 * a / problem.kernel.datum
+            value = shape - value / np.pi * np.log(half)
+    value = np.where(np.isfinite(value), value, -np.inf)
+    falls = np.flatnonzero(value[1:] < value[:-1])
+    if len(falls):
+        value[falls[0] + 1 :] = -np.inf
+    if value.max() == -np.inf:
+        raise OutOfRange("the profile is not finite where the first contact is looked for")
+    return np.asarray(value)
+
+
+def carried_by(problem: Problem, kind: str, a: float) -> float:
+    """Load (scaled) or approach (scaled) of one zone of half width a, bounded at both ends: one linear solve."""
+    zones = sie.Zones.of([[-a, a]], sie.BOUNDED, sie.BOUNDED, symmetric=True)
+    state = sie.solve_fixed(problem.equation(Control("half_width", a)), zones, 1e-13)
+    if kind == "load":
+        return state.density.total
+    matrix, constants = state.system.levels()
+    return -float((matrix @ state.unknowns + constants)[0])
+
+
+def single_half_width(problem: Problem, control: Control) -> float | None:
+    """The half width that carries the control on the branch from zero load, to rounding; None if none does."""
+    top, highest = largest_single_load(problem, control)
+    if control.value > highest:
+        return None
+    low = top
+    while carried_by(problem, control.kind, low) > control.value:
+        low *= 0.5
+        if low < 1e-300:
+            return None
+    if low == top:
+        return top
+    root = require("scipy.optimize").brentq(
+        lambda a: carried_by(problem, control.kind, a) - control.value, low, top, xtol=1e-15 * top, rtol=1e-14
+    )
+    return float(root)
+
+
+def largest_single_load(problem: Problem, control: Control) -> tuple[float, float]:
+    """(half width, value) of the first maximum of the controlled quantity along the branch from zero load."""
+    limit = widest(problem)
+    if not math.isfinite(limit):
+        limit = 1e3 * guess_half_width(problem, control)
+    # Even steps where the period limits the width, geometric ones where nothing does.
+    a = limit * (np.linspace(0, 1, _SCAN + 1)[1:] if problem.cell is not None else np.geomspace(1e-4, 1, _SCAN))
+    values = [carried_by(problem, control.kind, float(x)) for x in a]
+    falls = np.flatnonzero(np.diff(values) < 0)
+    if len(falls) == 0:
+        return float(a[-1]), float(values[-1])
+    k = int(falls[0])
+    low, high = float(a[max(k - 1, 0)]), float(a[k + 1])
+    best = require("scipy.optimize").minimize_scalar(
+        lambda x: -carried_by(problem, control.kind, x), bounds=(low, high), method="bounded",
+        options={"xatol": 1e-9 * high},
+    )
+    return float(best.x), float(-best.fun)

@@ -1,0 +1,98 @@
+r"""Loads of the zones of a nearly full contact, p = pbar - H f' + H s.
+
+The load of a zone [a, b] is pbar (b - a) - int H f' + V(b) - V(a), V the potential of s, a closed form (V' = H s): all that the gaps
+bring, the roots of the pressure at the zone's ends with it. H f' does not know of the gaps. Its logarithms at kinks have the
+integral
+
+    (J / pi) int ln|2 sin(pi (x - s)/L)| dx = -(J L / 2 pi^2) Cl_2(2 pi (x - s)/L),
+
+and what is left is as smooth as f' between breakpoints, and like y^q ln|y|, q >= 1, beside them. Panels from breakpoint to breakpoint,
+x = u^3 (10 - 15 u + 6 u^2), make that y^q ln|y| as smooth as u^(3 q + 2) ln u, and Gauss's rule good to rounding; panels where the
+series of the integrand has not come to its end are halved. So the number of places goes with that of the breakpoints.
+
+Rounding leaves about 1e-16 of the mean pressure times a zone's width, and of the potential, which is of the size of the gaps' height:
+a zone of a millionth of its neighbours' gaps loses some ten digits of its load.
+"""
+
+from __future__ import annotations
+
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.formulation.conjugate import ScaledConjugate, clausen2
+
+Array = NDArray[np.float64]
+
+_NODES = 16
+# Of the largest H f' on a panel's length: what the last coefficients may be. Gauss's rule is good to about the square.
+_TAIL = 1e-7
+_HALVINGS = 40
+# Even panels of a period at the least.
+_LEAST = 16
+_BLOCK = 1 << 20
+
+
+def loads(mean: float, conjugate: ScaledConjugate, zones: Array, rise: Array) -> Array:
+    """Scaled loads of zones (n, 2), which follow each other within a period; rise: V(b) - V(a) of each."""
+    return np.asarray(mean * (zones[:, 1] - zones[:, 0]) - integrals(conjugate, zones) + rise)
+
+
+def integrals(conjugate: ScaledConjugate, zones: Array) -> Array:
+    """int H f' over each zone."""
+    start, period = float(zones[0, 0]), conjugate.period
+    breaks = np.concatenate((conjugate.breakpoints, start + period * np.arange(_LEAST) / _LEAST))
+    cuts = np.unique(np.concatenate((breaks - np.floor((breaks - start) / period) * period, zones.ravel())))
+    lo, hi = cuts[:-1], cuts[1:]
+    zone = np.searchsorted(zones[:, 0], lo, side="right") - 1
+    inside = lo < zones[zone, 1]
+    lo, hi, zone = lo[inside], hi[inside], zone[inside]
+    out = np.bincount(zone, _panels(conjugate, lo, hi), len(zones))
+    return np.asarray(out + _of_logarithms(conjugate, zones))
+
+
+def _panels(conjugate: ScaledConjugate, lo: Array, hi: Array) -> Array:
+    """int over each panel of H f' less its logarithms."""
+    node, weight = np.polynomial.legendre.leggauss(_NODES)
+    u, v = 0.5 * (1 + node), 0.5 * (1 - node)
+    # Distances from the nearer end over the length keep their digits.
+    left, right = u**3 * (10 - 15 * u + 6 * u**2), v**3 * (10 - 15 * v + 6 * v**2)
+    growth = 15 * weight * (u * v) ** 2
+    last = weight[:, None] * np.polynomial.legendre.legvander(node, _NODES - 1)[:, -3:]
+    out = np.zeros(len(lo))
+    panel, largest = np.arange(len(lo)), 0.0
+    for _ in range(_HALVINGS):
+        length = (hi - lo)[:, None]
+        x = np.where(left < right, lo[:, None] + length * left, hi[:, None] - length * right)
+        value = conjugate.smooth(x.ravel()).reshape(x.shape)
+        largest = max(largest, float(np.abs(value).max(initial=0.0)))
+        tail = np.abs((value * growth / weight) @ last).max(axis=1)
+        rough = tail > _TAIL * largest
+        np.add.at(out, panel[~rough], ((hi - lo)[:, None] * value)[~rough] @ growth)
+        if not rough.any():
+            break
+        middle = 0.5 * (lo + hi)[rough]
+        panel = np.repeat(panel[rough], 2)
+        lo, hi = np.column_stack((lo[rough], middle)).ravel(), np.column_stack((middle, hi[rough])).ravel()
+    else:
+        np.add.at(out, panel, _last(conjugate, lo, hi))
+    return out
+
+
+def _last(conjugate: ScaledConjugate, lo: Array, hi: Array) -> Array:
+    """Panels halved down to rounding, by their middles."""
+    return np.asarray((hi - lo) * conjugate.smooth(0.5 * (lo + hi)))
+
+
+def _of_logarithms(conjugate: ScaledConjugate, zones: Array) -> Array:
+    out, period = np.zeros(len(zones)), conjugate.period
+    if len(conjugate.at) == 0:
+        return out
+    factor = -conjugate.heights * period / (2 * pi**2)
+    block = max(1, _BLOCK // len(conjugate.at))
+    for s in range(0, len(zones), block):
+        turns = (zones[s : s + block, :, None] - conjugate.at) / period
+        values = clausen2(turns - np.round(turns)) @ factor
+        out[s : s + block] = values[:, 1] - values[:, 0]
+    return out

@@ -1,0 +1,23 @@
+"""The profile families, one a file; importing this package registers them."""
+
+from contact.model.profiles.base import Profile
+from contact.model.profiles.biquadratic import Biquadratic
+from contact.model.profiles.flat import Flat
+from contact.model.profiles.fourier import Fourier
+from contact.model.profiles.parabola import Parabola
+from contact.model.profiles.polynomial import Polynomial
+from contact.model.profiles.sampled import Sampled
+from contact.model.profiles.sinusoid import Sinusoid
+from contact.model.profiles.wedge import Wedge
+
+__all__ = [
+    "Biquadratic",
+    "Flat",
+    "Fourier",
+    "Parabola",
+    "Polynomial",
+    "Profile",
+    "Sampled",
+    "Sinusoid",
+    "Wedge",
+]

@@ -1,0 +1,158 @@
+"""What a profile is: the gap f(x) at zero load, its slope f'(x), and what else is known of it.
+
+Only `height` must be given. f grows away from contact (a punch pointing down); any constant offset is
+irrelevant to zones and pressures. A periodic profile repeats the cell [x0, x0 + L).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from collections.abc import Mapping
+from functools import cached_property
+from math import inf
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import sie
+from contact.model.profiles.derive import slope_of
+from contact.model.registry import construct
+
+Array = NDArray[np.float64]
+
+
+class Profile(sie.Kept):
+    """Base of all profiles; subclasses are frozen dataclasses that check their fields when made."""
+
+    name: ClassVar[str] = ""
+    period: float | None = None
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        # A field `period: float` is meant to be required; the None above must not become its default.
+        if "period" in inspect.get_annotations(cls) and "period" not in cls.__dict__:
+            cls.period = dataclasses.field()
+
+    def height(self, x: ArrayLike) -> Array:
+        """f(x), the gap at zero load up to a constant [m]; any array shape; periodic if the profile is."""
+        raise NotImplementedError(f"{type(self).__name__} must define height(x)")
+
+    def slope(self, x: ArrayLike) -> Array:
+        """f'(x), derived numerically from the height: give it in closed form where you can."""
+        return slope_of(self.height, np.asarray(x, dtype=np.float64), self._length())
+
+    @property
+    def slope_is_derived(self) -> bool:
+        """Whether f' is the numerical derivative of f rather than the author's own."""
+        return type(self).slope is Profile.slope
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether f(-x) = f(x)."""
+        return False
+
+    @property
+    def kinks(self) -> Array:
+        """Slope jumps in the cell, one a row: position, f'(s+) - f'(s-)."""
+        return np.empty((0, 2))
+
+    @property
+    def jumps(self) -> Array:
+        """Jumps of f^(n), n = 2 or 3, in the cell, one a row: position, n, f^(n)(s+) - f^(n)(s-).
+
+        None need be declared; those that are cost no accuracy and few modes.
+        """
+        return np.empty((0, 3))
+
+    @property
+    def support(self) -> tuple[float, float] | None:
+        """The interval beyond which f = +inf (a sharp-cornered punch); None if there is no such end."""
+        return None
+
+    @property
+    def extent(self) -> tuple[float, float] | None:
+        """The interval within which f is known (a measured trace just ends); None: known everywhere."""
+        return None
+
+    @property
+    def x0(self) -> float:
+        """Left end of the periodic cell; -inf without a period."""
+        return -inf if self.period is None else -0.5 * self.period
+
+    @property
+    def summits(self) -> Array | None:
+        """The tips in the cell (local minima of f); None if they must be searched for."""
+        return None
+
+    @property
+    def resolution(self) -> float | None:
+        """Smallest length over which the shape varies; None if unknown."""
+        return None
+
+    @property
+    def feature(self) -> float | None:
+        """Length over which most of the shape varies: as closely as this asks for a first guess looks at it."""
+        return self.resolution
+
+    @property
+    def breakpoints(self) -> Array:
+        """Positions in the cell where f or one of its derivatives jumps."""
+        return np.unique(np.concatenate((self.kinks[:, 0], self.jumps[:, 0])))
+
+    def slope_conjugate(self, x: ArrayLike) -> Array | None:
+        """H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi over a period; None if not known."""
+        return None
+
+    def wrap(self, x: ArrayLike) -> Any:
+        """x moved by whole periods into [x0, x0 + L), bit for bit the same if already there."""
+        given = np.asarray(x)
+        if self.period is None:
+            return given
+        lo = self.x0
+        # The real part alone decides: complex arguments come from the complex-step derivative.
+        turns = np.floor((given.real - lo) / self.period)
+        moved = given - self.period * turns
+        # Rounding can leave the result a hair outside on either side.
+        moved = np.where(moved.real < lo, lo + (moved - moved.real), moved)
+        return np.where(moved.real >= lo + self.period, lo + (moved - moved.real), moved)
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
+        """The profile of a scene file's table without its `shape`; files are looked for from `directory`."""
+        return construct(cls, f"profile {cls.name!r}", table)
+
+    def parameters(self) -> dict[str, Any]:
+        """What to give the class, by name, to make this profile again."""
+        if not dataclasses.is_dataclass(self):
+            return {}
+        return {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.init}
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What copies and pickles hold: not what was worked out on the way, which is large and worked out again."""
+        cls = type(self)
+        return {name: value for name, value in vars(self).items() if not isinstance(getattr(cls, name, None), cached_property)}
+
+    def _length(self) -> float | None:
+        """A length typical of the shape, for the steps of numerical differences."""
+        if self.resolution is not None:
+            return self.resolution
+        if self.support is not None:
+            return self.support[1] - self.support[0]
+        return self.period
+
+    def _fields(self) -> tuple[Any, ...]:
+        return tuple(getattr(self, f.name) for f in dataclasses.fields(self) if f.compare)  # type: ignore[arg-type]
+
+    # Equality and hash for dataclasses made with eq=False because a field is an array.
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self) or not dataclasses.is_dataclass(self):
+            return self is other if type(other) is type(self) else NotImplemented
+        return all(np.array_equal(a, b) for a, b in zip(self._fields(), other._fields(), strict=True))
+
+    def __hash__(self) -> int:
+        if not dataclasses.is_dataclass(self):
+            return id(self)
+        return hash((type(self), *(v.tobytes() if isinstance(v, np.ndarray) else v for v in self._fields())))

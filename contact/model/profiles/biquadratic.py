@@ -1,0 +1,72 @@
+"""Two parabolic asperities: f(x) = x^4/(8 R c^2) - x^2/(4R) + c^2/(8R).
+
+Goryacheva & Tsukanov 2020, eq. (31), raised so that the tips are at height 0.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.errors import SceneError
+from contact.model.checks import positive, positive_or_none
+from contact.model.profiles.base import Array, Profile
+from contact.model.registry import register_profile
+
+
+@register_profile("biquadratic")
+@dataclass(frozen=True)
+class Biquadratic(Profile):
+    """f = (x^2 - c^2)^2/(8 radius c^2), spacing = 2c: two tips of that radius, `spacing` apart."""
+
+    radius: float
+    spacing: float
+    period: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", positive("radius", self.radius))
+        object.__setattr__(self, "spacing", positive("spacing", self.spacing))
+        object.__setattr__(self, "period", positive_or_none("period", self.period))
+        if self.period is not None and self.period <= self.spacing:
+            raise SceneError.of(
+                "period", self.period, f"larger than the spacing {self.spacing!r}: both tips lie in a cell"
+            )
+
+    def height(self, x: ArrayLike) -> Array:
+        c = self.spacing / 2
+        w = self.wrap(x)
+        return np.asarray(((w - c) * (w + c) / c) ** 2 / (8 * self.radius))
+
+    def slope(self, x: ArrayLike) -> Array:
+        c = self.spacing / 2
+        w = np.asarray(self.wrap(x), dtype=np.float64)
+        return np.asarray(w / c * (w - c) / c * (w + c) / (2 * self.radius))
+
+    @property
+    def symmetric(self) -> bool:
+        return True
+
+    @property
+    def kinks(self) -> Array:
+        if self.period is None:
+            return np.empty((0, 2))
+        # By symmetry the slope changes sign at the border: the jump is twice its value on the right of it.
+        return np.array([[self.x0, 2 * float(self.slope(self.x0))]])
+
+    @property
+    def jumps(self) -> Array:
+        """The third derivative, 3x/(R c^2), is odd and jumps where the cells meet; the even ones do not."""
+        if self.period is None:
+            return np.empty((0, 3))
+        c = self.spacing / 2
+        return np.array([[self.x0, 3.0, 6 * self.x0 / c / c / self.radius]])
+
+    @property
+    def summits(self) -> Array:
+        return np.array([-self.spacing / 2, self.spacing / 2])
+
+    @property
+    def resolution(self) -> float:
+        return self.spacing

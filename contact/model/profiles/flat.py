@@ -1,0 +1,58 @@
+"""Flat punch with sharp corners (Sadowsky 1928): f = 0 for |x| <= width/2 and +inf beyond."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.errors import SceneError
+from contact.model.checks import positive, positive_or_none
+from contact.model.profiles.base import Array, Profile
+from contact.model.registry import register_profile
+
+
+@register_profile("flat")
+@dataclass(frozen=True)
+class Flat(Profile):
+    """A punch of that width; with a period, one in each cell."""
+
+    width: float
+    period: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "width", positive("width", self.width))
+        object.__setattr__(self, "period", positive_or_none("period", self.period))
+        if self.period is not None and self.period <= self.width:
+            raise SceneError.of("period", self.period, f"larger than the width {self.width!r}")
+
+    def height(self, x: ArrayLike) -> Array:
+        x = np.asarray(x, dtype=np.float64)
+        # A corner reached by arithmetic (middle + half width, a whole period on) still belongs to the punch.
+        slack = 4 * np.finfo(np.float64).eps * (self.width + np.abs(x))
+        return np.where(np.abs(self.wrap(x)) <= self.width / 2 + slack, 0.0, np.inf)
+
+    def slope(self, x: ArrayLike) -> Array:
+        """0 on the punch; beyond it there is no surface, and 0 stands there too."""
+        return np.zeros(np.shape(x))
+
+    @property
+    def symmetric(self) -> bool:
+        return True
+
+    @property
+    def support(self) -> tuple[float, float]:
+        return -self.width / 2, self.width / 2
+
+    @property
+    def breakpoints(self) -> Array:
+        return np.array(self.support)
+
+    @property
+    def summits(self) -> Array:
+        return np.array([0.0])
+
+    @property
+    def resolution(self) -> float:
+        return self.width

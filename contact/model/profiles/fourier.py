@@ -1,0 +1,120 @@
+"""Any smooth periodic shape: f(x) = sum_k cosine[k-1] cos(2 pi k x/L) + sine[k-1] sin(2 pi k x/L)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, pi, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact.errors import SceneError
+from contact.model.checks import finite_array, positive
+from contact.model.profiles.base import Array, Profile
+from contact.model.profiles.trigonometric import Sum, in_turns
+from contact.model.registry import register_profile
+
+_LONG = 256  # harmonics from which on sums go through a grid
+_BLOCK = 1 << 20  # entries of the largest table of powers held at a time (16 MB)
+
+
+@register_profile("fourier")
+@dataclass(frozen=True, eq=False, repr=False)
+class Fourier(Profile):
+    """Harmonics 1, 2, ... of the period; the shorter list of `cosine` and `sine` is filled up with zeros."""
+
+    period: float
+    cosine: ArrayLike
+    sine: ArrayLike = ()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "period", positive("period", self.period))
+        cosine, sine = (finite_array(field, getattr(self, field), least=0) for field in ("cosine", "sine"))
+        used = np.flatnonzero(_used(cosine, sine))
+        if used.size == 0:
+            raise SceneError.of(
+                "cosine, sine", (self.cosine, self.sine), "amplitudes of which at least one is not zero"
+            )
+        for field, values in (("cosine", cosine), ("sine", sine)):
+            padded = np.zeros(int(used[-1]) + 1)
+            kept = values[: padded.size]
+            padded[: kept.size] = kept
+            padded.setflags(write=False)
+            object.__setattr__(self, field, padded)
+
+    def __repr__(self) -> str:
+        return f"Fourier(period={self.period!r}, {self._amplitudes.size} harmonics)"
+
+    def height(self, x: ArrayLike) -> Array:
+        return self._series(x, self._amplitudes) if self._amplitudes.size < _LONG else self._long(x, self._height_sum)
+
+    def slope(self, x: ArrayLike) -> Array:
+        c = 1j * self._wavenumbers * self._amplitudes
+        return self._series(x, c) if c.size < _LONG else self._long(x, self._slope_sum)
+
+    def slope_conjugate(self, x: ArrayLike) -> Array:
+        """H takes cos to sin and sin to -cos: a factor -i for every k > 0."""
+        c = self._wavenumbers * self._amplitudes
+        return self._series(x, c) if c.size < _LONG else self._long(x, self._conjugate_sum)
+
+    @property
+    def symmetric(self) -> bool:
+        return not np.any(self.sine)
+
+    @property
+    def resolution(self) -> float:
+        return self.period / self._amplitudes.size
+
+    @cached_property
+    def _amplitudes(self) -> NDArray[np.complex128]:
+        # f = Re sum c_k exp(2 pi i k x/L)
+        return np.asarray(self.cosine) - 1j * np.asarray(self.sine)
+
+    @cached_property
+    def _wavenumbers(self) -> Array:
+        return np.asarray(2 * pi / self.period * np.arange(1, self._amplitudes.size + 1))
+
+    @cached_property
+    def _height_sum(self) -> Sum:
+        return Sum.of(self._amplitudes)
+
+    @cached_property
+    def _slope_sum(self) -> Sum:
+        return Sum.of(1j * self._wavenumbers * self._amplitudes)
+
+    @cached_property
+    def _conjugate_sum(self) -> Sum:
+        return Sum.of(self._wavenumbers * self._amplitudes)
+
+    def _long(self, x: ArrayLike, series: Sum) -> Array:
+        wrapped = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
+        return series(*in_turns(wrapped.ravel(), self.period)).reshape(wrapped.shape)
+
+    def _series(self, x: ArrayLike, c: NDArray[np.complex128]) -> Array:
+        """Re sum_k c_k z^k, z = exp(2 pi i x/L), by k = r + s q: a matrix product and sqrt(N) terms more.
+
+        Each power is an exponential of its own, so no rounding builds up as in a recurrence.
+        """
+        turns = np.asarray(self.wrap(np.asarray(x, dtype=np.float64))) / self.period
+        flat = turns.ravel()
+        s = max(1, ceil(sqrt(c.size)))
+        table = np.zeros(s * ceil(c.size / s), dtype=np.complex128)
+        table[: c.size] = c
+        by_rows = table.reshape(-1, s)
+        low, high = np.arange(1, s + 1), s * np.arange(by_rows.shape[0])
+        out = np.empty(flat.size)
+        step = max(1, _BLOCK // s)
+        for i in range(0, flat.size, step):
+            part = flat[i : i + step, None]
+            inner = np.exp(2j * pi * (part * low)) @ by_rows.T
+            out[i : i + step] = np.einsum("pq,pq->p", inner, np.exp(2j * pi * (part * high))).real
+        return out.reshape(turns.shape)
+
+
+def _used(a: Array, b: Array) -> NDArray[np.bool_]:
+    """Where either list has an amplitude that is not zero."""
+    any_ = np.zeros(max(a.size, b.size), dtype=bool)
+    any_[: a.size] |= a != 0
+    any_[: b.size] |= b != 0
+    return any_

@@ -1,0 +1,56 @@
+"""Parabolic asperity (Hertz line contact), alone or in a row: f(x) = x^2/(2R)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.model.checks import positive, positive_or_none
+from contact.model.profiles.base import Array, Profile
+from contact.model.registry import register_profile
+
+
+@register_profile("parabola")
+@dataclass(frozen=True)
+class Parabola(Profile):
+    """f = x^2/(2 radius) on the cell; with a period the cells meet in a corner at the border."""
+
+    radius: float
+    period: float | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", positive("radius", self.radius))
+        object.__setattr__(self, "period", positive_or_none("period", self.period))
+
+    def height(self, x: ArrayLike) -> Array:
+        return np.asarray(self.wrap(x) ** 2 / (2 * self.radius))
+
+    def slope(self, x: ArrayLike) -> Array:
+        return np.asarray(self.wrap(x) / self.radius, dtype=np.float64)
+
+    def slope_conjugate(self, x: ArrayLike) -> Array | None:
+        """-(L/(pi R)) ln(2 |cos(pi x/L)|), the conjugate of a saw-tooth: +inf at the border."""
+        if self.period is None:
+            return None
+        turn = pi * np.asarray(self.wrap(x)) / self.period
+        with np.errstate(divide="ignore"):
+            return np.asarray(-self.period / (pi * self.radius) * np.log(2 * np.abs(np.cos(turn))))
+
+    @property
+    def symmetric(self) -> bool:
+        return True
+
+    @property
+    def kinks(self) -> Array:
+        return np.empty((0, 2)) if self.period is None else np.array([[self.x0, -self.period / self.radius]])
+
+    @property
+    def summits(self) -> Array:
+        return np.array([0.0])
+
+    @property
+    def resolution(self) -> float | None:
+        return self.period

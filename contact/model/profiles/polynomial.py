@@ -1,0 +1,98 @@
+"""Polynomial profile: f(x) = sum_k coefficients[k] x^k, lowest power first, on the cell if it is periodic."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.errors import SceneError
+from contact.model.checks import finite_array, positive_or_none
+from contact.model.profiles.base import Array, Profile
+from contact.model.registry import register_profile
+
+_ROUNDING = 1e-12  # of the sum of the terms' sizes: a smaller mismatch at the border is rounding
+
+
+@register_profile("polynomial")
+@dataclass(frozen=True, eq=False)
+class Polynomial(Profile):
+    """f = c0 + c1 x + c2 x^2 + ...; with a period the heights at both borders agree, the slopes need not."""
+
+    coefficients: ArrayLike
+    period: float | None = None
+
+    def __post_init__(self) -> None:
+        c = finite_array("coefficients", self.coefficients)
+        if not c[1:].any():
+            raise SceneError.of(
+                "coefficients", self.coefficients, "lowest power first, with one beyond the constant not zero"
+            )
+        object.__setattr__(self, "coefficients", c)
+        object.__setattr__(self, "period", positive_or_none("period", self.period))
+        if self.period is None:
+            return
+        half = self.period / 2
+        step = _horner(c, half) - _horner(c, -half)
+        if abs(step) > _ROUNDING * float(_horner(np.abs(c) * (np.arange(c.size) > 0), half)):
+            raise SceneError.of(
+                "coefficients",
+                self.coefficients,
+                f"of equal height at both borders of the period (they differ by {step:.3g})",
+            )
+
+    def height(self, x: ArrayLike) -> Array:
+        return np.asarray(_horner(self._c, self.wrap(x)))
+
+    def slope(self, x: ArrayLike) -> Array:
+        return np.asarray(
+            _horner(self._c[1:] * np.arange(1, self._c.size), np.asarray(self.wrap(x), dtype=np.float64))
+        )
+
+    @property
+    def _c(self) -> Array:
+        return np.asarray(self.coefficients, dtype=np.float64)
+
+    @property
+    def symmetric(self) -> bool:
+        return not self._c[1::2].any()
+
+    @property
+    def kinks(self) -> Array:
+        if self.period is None:
+            return np.empty((0, 2))
+        d = self._c[1:] * np.arange(1, self._c.size)
+        jump = float(_horner(d, self.x0) - _horner(d, -self.x0))
+        size = float(_horner(np.abs(d), -self.x0))
+        return np.array([[self.x0, jump]]) if abs(jump) > _ROUNDING * size else np.empty((0, 2))
+
+    @property
+    def jumps(self) -> Array:
+        """Where the cells meet, the second and the third derivative jump too."""
+        if self.period is None:
+            return np.empty((0, 3))
+        found, d = [], self._c[1:] * np.arange(1, self._c.size)
+        for order in (2, 3):
+            d = d[1:] * np.arange(1, d.size)
+            jump = float(_horner(d, self.x0) - _horner(d, -self.x0))
+            if abs(jump) > _ROUNDING * float(_horner(np.abs(d), -self.x0)):
+                found.append((self.x0, order, jump))
+        return np.array(found, dtype=np.float64).reshape(-1, 3)
+
+    @property
+    def breakpoints(self) -> Array:
+        # Even with equal slopes some higher derivative jumps where the cells meet.
+        return np.empty(0) if self.period is None else np.array([self.x0])
+
+    @property
+    def resolution(self) -> float | None:
+        return None if self.period is None else self.period / int(np.flatnonzero(self._c)[-1])
+
+
+def _horner(c: Array, x: Any) -> Any:
+    total = np.zeros_like(x, dtype=np.result_type(x, np.float64))
+    for coefficient in c[::-1]:
+        total = total * x + coefficient
+    return total

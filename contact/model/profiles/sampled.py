@@ -1,0 +1,212 @@
+"""A measured profile: the interpolating cubic spline through its points, f = max(height) - height(x).
+
+C2 at the points and between; periodic, or with the not-a-knot condition at both ends (de Boor, A Practical
+Guide to Splines).
+No smoothing: what was measured is what is pressed.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+import sie
+from contact.errors import SceneError, warn
+from contact.extras import require
+from contact.model.checks import finite_array, increasing, positive_or_none, text
+from contact.model.profiles.base import Array, Profile
+from contact.model.registry import register_profile
+from contact.model.traces.prepare import load_trace
+
+_FEWEST = 4  # a not-a-knot cubic has four coefficients
+_MOSTLY = 0.25  # this part of the points lie closer than what a first guess must see
+_SAME = 1e-9  # relative: positions and heights of a repeated end point that agree this far are one point
+_ROUNDING = 4 * float(np.finfo(np.float64).eps)  # relative: heights this near one another are one height
+
+
+@register_profile("sampled")
+@dataclass(frozen=True, init=False, repr=False, eq=False)
+class Sampled(Profile):
+    """Points (x, height), heights upwards positive, x increasing; with a period, one period of the surface.
+
+    A last point one period after the first is accepted if it repeats the first height, and dropped. Without a
+    period the profile is known between its first and last point only (`extent`): outside it is nan. The
+    parameter `height` is kept as `heights` because `height(x)` is f for every profile; `history` says what
+    was done to a file's points on the way, `warnings` what is doubtful about them.
+    """
+
+    x: Array
+    heights: Array
+    period: float | None = None
+    history: tuple[str, ...] = field(default=(), compare=False, repr=False)
+    warnings: tuple[str, ...] = field(default=(), compare=False, repr=False)
+
+    def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:
+        points = increasing("x", x, _FEWEST)
+        heights = finite_array("height", height, 1, _FEWEST)
+        if heights.size != points.size:
+            raise SceneError.of(
+                "height", height, f"as many as there are x ({points.size}, not {heights.size})"
+            )
+        length = positive_or_none("period", period)
+        if length is not None:
+            points, heights = _one_period(points, heights, length)
+        if not np.ptp(heights) > _ROUNDING * np.max(np.abs(heights)):
+            raise SceneError.of("height", height, "not the same everywhere")
+        for name, value in (("x", points), ("heights", heights), ("period", length), ("history", ()), ("warnings", ())):
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_file(
+        cls,
+        path: str | Path,
+        columns: Sequence[int | str] = (),
+        units: str | Sequence[str] | None = None,
+        detrend: str = "none",
+        regrid: bool | int | None = None,
+        taper: float | None = None,
+        period: bool | float | None = None,
+        *,
+        pitch: float | None = None,
+        decimal: str | None = None,
+        delimiter: str | None = None,
+    ) -> Sampled:
+        """The trace of a text file; contact.model.traces.prepare says what each argument does, and in which order."""
+        trace = load_trace(
+            path, columns, units, detrend, regrid, taper, period, pitch=pitch, decimal=decimal, delimiter=delimiter
+        )
+        try:
+            made = cls(trace.x, trace.height, trace.period)
+        except SceneError as error:
+            raise SceneError(f"file {str(path)!r}: {error}", error.field, error.value, error.allowed) from error
+        object.__setattr__(made, "history", trace.history)
+        object.__setattr__(made, "warnings", trace.warnings)
+        warn(trace.warnings)
+        return made
+
+    @classmethod
+    def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
+        """A scene's table: points as `x` and `height`, or a `file` with the arguments of `from_file`."""
+        if not isinstance(table, Mapping):
+            raise SceneError.of("table", table, "a mapping of parameters")
+        if "file" not in table:
+            return super().from_table(table, directory)
+        rest = {key: value for key, value in table.items() if key != "file"}
+        known = ["file", *(k for k in inspect.signature(cls.from_file).parameters if k != "path")]
+        for key in rest:
+            if key not in known:
+                raise SceneError.unknown("parameter of profile 'sampled' with a file", key, known)
+        return cls.from_file(Path(directory) / text("file", table["file"]), **rest)
+
+    def __repr__(self) -> str:
+        return (
+            f"Sampled({self.x.size} points from {self.x[0]:.6g} to {self.x[-1]:.6g}, period={self.period!r})"
+        )
+
+    def parameters(self) -> dict[str, Any]:
+        return {"x": self.x, "height": self.heights, "period": self.period}
+
+    def height(self, x: ArrayLike) -> Array:
+        return np.asarray(-self._spline(self._inside(x)))
+
+    def slope(self, x: ArrayLike) -> Array:
+        return np.asarray(-self._spline(self._inside(x), 1))
+
+    def slope_conjugate(self, x: ArrayLike) -> Array | None:
+        """Exact; None without a period."""
+        if self._conjugate is None:
+            return None
+        return self._conjugate(np.asarray(self.wrap(np.asarray(x, dtype=np.float64))))
+
+    @property
+    def x0(self) -> float:
+        return float(self.x[0])
+
+    @property
+    def extent(self) -> tuple[float, float] | None:
+        return None if self.period is not None else (float(self.x[0]), float(self.x[-1]))
+
+    @property
+    def breakpoints(self) -> Array:
+        """The knots: the third derivative jumps there (not-a-knot: not at the ends and their neighbours)."""
+        return np.array(self.x if self.period is not None else self.x[2:-2])
+
+    @property
+    def jumps(self) -> Array:
+        """The jumps of the third derivative of f at the knots: between them f is a cubic."""
+        third = -6.0 * self._spline.c[0]
+        at = self._knots[:-1] if self.period is not None else self._knots[1:-1]
+        jump = np.diff(third, prepend=third[-1:]) if self.period is not None else np.diff(third)
+        return np.column_stack((at, np.full(at.size, 3.0), jump))
+
+    @property
+    def resolution(self) -> float:
+        return float(np.min(np.diff(self._knots)))
+
+    @property
+    def feature(self) -> float:
+        return float(np.quantile(np.diff(self._knots), _MOSTLY))
+
+    @property
+    def _top(self) -> float:
+        return float(self.heights.max())
+
+    @property
+    def _knots(self) -> Array:
+        return self.x if self.period is None else np.append(self.x, self.x[0] + self.period)
+
+    @cached_property
+    def _spline(self) -> Any:
+        # Counted from the highest point, so that an offset of the instrument's zero costs no digits.
+        depth = self.heights - self._top
+        values = depth if self.period is None else np.append(depth, depth[0])
+        kind = "not-a-knot" if self.period is None else "periodic"
+        return require("scipy.interpolate").CubicSpline(
+            self._knots, values, bc_type=kind, extrapolate=self.period is not None
+        )
+
+    @cached_property
+    def _conjugate(self) -> sie.PiecewiseTransform | None:
+        if self.period is None:
+            return None
+        third, second, first, _ = self._spline.c
+        jumps = self.jumps
+        slope = -np.column_stack((first, 2 * second, 3 * third))
+        return sie.PiecewiseTransform(sie.hilbert(self.period), self._knots, slope, jumps[:, 0], jumps[:, 2])
+
+    def _inside(self, x: ArrayLike) -> Array:
+        w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
+        if self.period is not None:
+            return w
+        # An end reached by arithmetic still belongs to the trace; beyond it the spline answers nan.
+        lo, hi = self.x[0], self.x[-1]
+        slack = 8 * np.finfo(np.float64).eps * max(abs(lo), abs(hi), hi - lo)
+        return np.where((w < lo) & (w >= lo - slack), lo, np.where((w > hi) & (w <= hi + slack), hi, w))
+
+
+def _one_period(x: Array, heights: Array, period: float) -> tuple[Array, Array]:
+    """The points without a repeated last one."""
+    length = float(x[-1] - x[0])
+    if abs(length - period) <= _SAME * period:
+        step = float(heights[-1] - heights[0])
+        if abs(step) > _SAME * float(np.ptp(heights)):
+            raise SceneError.of(
+                "height",
+                heights,
+                f"equal at both ends if the last point is one period after the first (off by {step:.3g})",
+            )
+        x, heights = x[:-1].copy(), heights[:-1].copy()
+        x.setflags(write=False)
+        heights.setflags(write=False)
+    elif length > period:
+        raise SceneError.of("period", period, f"at least as long as the points reach ({length!r})")
+    if x.size < _FEWEST:
+        raise SceneError.of("x", x, f"at least {_FEWEST} points in a period")
+    return x, heights

@@ -1,0 +1,67 @@
+"""A body turned by a small angle about x = 0: the gap at zero load becomes f(x) - tilt x, so that x > 0 comes down for tilt > 0."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.model.profiles.base import Array, Profile
+
+
+@dataclass(frozen=True)
+class Tilted(Profile):
+    """f(x) - tilt x of another profile; of a periodic one its cell alone, since what is turned does not repeat."""
+
+    profile: Profile
+    tilt: float
+    name: ClassVar[str] = "tilted"
+
+    def height(self, x: ArrayLike) -> Array:
+        x = np.asarray(x)
+        return np.asarray(np.asarray(self.profile.height(x)) - self.tilt * x)
+
+    def slope(self, x: ArrayLike) -> Array:
+        return np.asarray(np.asarray(self.profile.slope(x)) - self.tilt)
+
+    @property
+    def slope_is_derived(self) -> bool:
+        return self.profile.slope_is_derived
+
+    @property
+    def kinks(self) -> Array:
+        return self._within(self.profile.kinks)
+
+    @property
+    def jumps(self) -> Array:
+        return self._within(self.profile.jumps)
+
+    @property
+    def breakpoints(self) -> Array:
+        return self._within(np.asarray(self.profile.breakpoints)[:, None])[:, 0]
+
+    @property
+    def support(self) -> tuple[float, float] | None:
+        return self.profile.support
+
+    @property
+    def extent(self) -> tuple[float, float] | None:
+        length, x0 = self.profile.period, self.profile.x0
+        return self.profile.extent if length is None else (x0, x0 + length)
+
+    @property
+    def resolution(self) -> float | None:
+        return self.profile.resolution
+
+    @property
+    def feature(self) -> float | None:
+        return self.profile.feature
+
+    def _within(self, rows: Array) -> Array:
+        """Those of the cell that do not stand on its border, beyond which there is another cell no more."""
+        if self.profile.period is None:
+            return rows
+        lo, hi = self.profile.x0, self.profile.x0 + self.profile.period
+        return np.asarray(rows[(rows[:, 0] > lo) & (rows[:, 0] < hi)])

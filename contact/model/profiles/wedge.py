@@ -1,0 +1,69 @@
+"""Blunt wedge, alone or in a row: f(x) = slope |x| (Goryacheva & Tsukanov 2020, eq. 24-26)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.model.checks import positive, positive_or_none
+from contact.model.profiles.base import Array, Profile
+from contact.model.registry import register_profile
+
+
+@register_profile("wedge")
+@dataclass(frozen=True, init=False, repr=False)
+class Wedge(Profile):
+    """f = slope |x| on the cell: a tip at 0 and, with a period, a valley with a corner at its border.
+
+    The parameter is called `slope`; it is kept as `tangent` because `slope(x)` is f' for every profile.
+    """
+
+    tangent: float
+    period: float | None = None
+
+    def __init__(self, slope: float, period: float | None = None) -> None:
+        object.__setattr__(self, "tangent", positive("slope", slope))
+        object.__setattr__(self, "period", positive_or_none("period", period))
+
+    def __repr__(self) -> str:
+        return f"Wedge(slope={self.tangent!r}, period={self.period!r})"
+
+    def parameters(self) -> dict[str, Any]:
+        return {"slope": self.tangent, "period": self.period}
+
+    def height(self, x: ArrayLike) -> Array:
+        return np.asarray(self.tangent * np.abs(self.wrap(x)), dtype=np.float64)
+
+    def slope(self, x: ArrayLike) -> Array:
+        return np.where(self.wrap(x) < 0, -self.tangent, self.tangent)
+
+    def slope_conjugate(self, x: ArrayLike) -> Array | None:
+        """(2 slope/pi) ln|tan(pi x/L)|: -inf at the tip, +inf at the valley."""
+        if self.period is None:
+            return None
+        turn = pi * np.asarray(self.wrap(x)) / self.period
+        with np.errstate(divide="ignore"):
+            return np.asarray(
+                2 * self.tangent / pi * (np.log(np.abs(np.sin(turn))) - np.log(np.abs(np.cos(turn))))
+            )
+
+    @property
+    def symmetric(self) -> bool:
+        return True
+
+    @property
+    def kinks(self) -> Array:
+        tip = [0.0, 2 * self.tangent]
+        return np.array([tip] if self.period is None else [[self.x0, -2 * self.tangent], tip])
+
+    @property
+    def summits(self) -> Array:
+        return np.array([0.0])
+
+    @property
+    def resolution(self) -> float | None:
+        return self.period

@@ -1,0 +1,146 @@
+"""Names for profiles and interactions: `@register_profile("cosh")` makes a class known to scene files.
+
+Classes of other installed packages come through the entry-point groups `contact.profiles` and
+`contact.interactions`, loaded on the first look-up of a name that is not built in, or when all names are
+listed; one that fails is warned about and skipped.
+"""
+
+from __future__ import annotations
+
+import inspect
+import warnings
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+from contact.errors import SceneError
+from contact.extras import entry_points
+
+C = TypeVar("C", bound=type)
+
+
+class Registry:
+    """Classes of one kind by name; `must_have` lists the methods without which a class is refused."""
+
+    def __init__(self, kind: str, group: str, must_have: tuple[str, ...] = ()) -> None:
+        self.kind = kind
+        self.group = group
+        self.must_have = must_have
+        self._classes: dict[str, Any] = {}
+        self._plugins_loaded = False
+
+    def register(self, name: str) -> Callable[[C], C]:
+        """Class decorator that sets `cls.name` and makes the class known under it."""
+        if not isinstance(name, str) or not name.strip():
+            raise SceneError.of(f"{self.kind} name", name, "a non-empty string")
+
+        def enter(cls: C) -> C:
+            self._enter(name, cls)
+            return cls
+
+        return enter
+
+    def _enter(self, name: str, cls: Any) -> None:
+        if not isinstance(cls, type):
+            raise SceneError.of(f"{self.kind} {name!r}", cls, "a class")
+        missing = [m for m in self.must_have if not hasattr(cls, m)]
+        if missing:
+            raise SceneError.of(f"{self.kind} {name!r}", cls, f"a class with {', '.join(missing)}")
+        if name in self._classes:
+            raise SceneError.of(
+                f"{self.kind} name", name, f"new (it already stands for {self._classes[name].__qualname__})"
+            )
+        cls.name = name  # type: ignore[attr-defined]
+        self._classes[name] = cls
+
+    def forget(self, name: str) -> None:
+        """Take a name out again: for tests and for running a notebook cell twice."""
+        self._classes.pop(name, None)
+
+    def find(self, name: str, key: str | None = None) -> Any:
+        """The class of a name; SceneError with the nearest known name if there is none, about the `key` it was written under."""
+        if isinstance(name, str) and name not in self._classes:
+            self._load_plugins()
+        if not isinstance(name, str) or name not in self._classes:
+            raise SceneError.unknown(key or self.kind, name, self._classes)
+        return self._classes[name]
+
+    def all(self) -> dict[str, Any]:
+        """Every name with its class, in alphabetical order."""
+        self._load_plugins()
+        return dict(sorted(self._classes.items()))
+
+    def _load_plugins(self) -> None:
+        if self._plugins_loaded:
+            return
+        self._plugins_loaded = True
+        for point in entry_points(self.group):
+            try:
+                cls = point.load()
+                # Loading a module runs its decorators; a class without one gets the entry point's name.
+                if not any(cls is known for known in self._classes.values()):
+                    self._enter(point.name, cls)
+            except Exception as error:  # whatever a third-party module raises must not stop the others
+                warnings.warn(
+                    f"{self.kind} {point.name!r} of entry-point group {self.group} is skipped: "
+                    f"{type(error).__name__}: {error}",
+                    RuntimeWarning,
+                    stacklevel=3,
+                )
+
+
+def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> Any:
+    """`cls(**params)` with unknown and missing parameters refused by name."""
+    accepted = inspect.signature(cls).parameters.values()
+    known = [p.name for p in accepted if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
+    anything = any(p.kind is p.VAR_KEYWORD for p in accepted)
+    for key in params:
+        if key not in known and not anything:
+            raise SceneError.unknown(f"parameter of {what}", key, known)
+    for p in accepted:
+        if p.name in known and p.default is p.empty and p.name not in params:
+            raise SceneError(
+                f"{what} needs the parameter {p.name!r}; its parameters are {', '.join(known)}",
+                p.name,
+                None,
+                "given",
+            )
+    return cls(**params)
+
+
+PROFILES = Registry("profile", "contact.profiles", ("height", "from_table"))
+INTERACTIONS = Registry("interaction", "contact.interactions")
+
+
+def register_profile(name: str) -> Callable[[C], C]:
+    """Class decorator: make a profile known by name."""
+    return PROFILES.register(name)
+
+
+def register_interaction(name: str) -> Callable[[C], C]:
+    """Class decorator: make an interaction known by name."""
+    return INTERACTIONS.register(name)
+
+
+def profile(name: str, **params: Any) -> Any:
+    """The profile of that name with these parameters, as a scene file would give them."""
+    return PROFILES.find(name).from_table(params)
+
+
+def interaction(name: str, **params: Any) -> Any:
+    """The interaction of that name with these parameters."""
+    return interaction_from_table(name, params)
+
+
+def interaction_from_table(name: str, params: Mapping[str, Any], key: str | None = None) -> Any:
+    """The same; `key` is what a scene file calls the name."""
+    return construct(INTERACTIONS.find(name, key), f"interaction {name!r}", params)
+
+
+def profiles() -> dict[str, Any]:
+    """Every known profile: name to class."""
+    return PROFILES.all()
+
+
+def interactions() -> dict[str, Any]:
+    """Every known interaction: name to class."""
+    return INTERACTIONS.all()

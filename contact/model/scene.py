@@ -1,0 +1,205 @@
+"""A contact scene: a profile, a material, an interaction and one control.
+
+The material enters through the reduced modulus alone, equation (2) of Goryacheva & Tsukanov (2020),
+
+    1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2,
+
+and the control is the one quantity that is given, of load [N/m], mean pressure [Pa], approach [m], half width [m]
+and contact fraction [1]. A body alone on a half-plane may also be turned: by a given `tilt` [rad], which makes the gap at
+zero load f(x) - tilt x, or by as much as a given `moment` of the pressure, int p x dx [N], asks for. SI units throughout.
+Everything is checked when the scene is made, so that the solver need not check it again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY, dataclass
+
+import numpy as np
+
+from contact.errors import SceneError
+from contact.model.checks import finite, finite_or_none, positive
+from contact.model.interactions.base import CONTROLS, TURNING, Interaction
+from contact.model.interactions.declared import require_elastic
+from contact.model.operator import Operator
+from contact.model.profiles.base import Profile
+from contact.model.profiles.declared import require_declared
+
+
+def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = None) -> float:
+    """The reduced modulus E* [Pa] of two bodies by (2); a counter-body left out is rigid."""
+    compliance = _plane_compliance("E1", E1, "nu1", nu1)
+    if E2 is not None or nu2 is not None:
+        if E2 is None:
+            raise SceneError.of("E2", E2, "given with nu2, or both left out for a rigid counter-body")
+        if nu2 is None:
+            raise SceneError.of("nu2", nu2, "given with E2, or both left out for a rigid counter-body")
+        compliance += _plane_compliance("E2", E2, "nu2", nu2)
+    return positive("E_star", 1.0 / compliance)
+
+
+def _plane_compliance(modulus_name: str, modulus: float, ratio_name: str, ratio: float) -> float:
+    """(1 - nu^2)/E of one body."""
+    modulus = positive(modulus_name, modulus)
+    ratio = finite(ratio_name, ratio)
+    if not -1.0 < ratio <= 0.5:
+        raise SceneError.of(ratio_name, ratio, "a Poisson ratio, more than -1 and at most 0.5")
+    return (1.0 - ratio**2) / modulus
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One contact problem in full. Exactly one of the five controls is given, the others stay None.
+
+    tilt [rad]: the gap at zero load is f(x) - tilt x: where it is positive, the body is turned so that x > 0 comes down.
+    moment [N]: int p x dx, about x = 0 and per unit thickness, positive where more of the load is at x > 0; the tilt is then
+    unknown. At most one of the two, and only under a model that lets the body turn (`isolated`); without either the tilt is 0.
+    """
+
+    profile: Profile
+    E_star: float
+    interaction: Interaction
+    _: KW_ONLY
+    load: float | None = None
+    mean_pressure: float | None = None
+    approach: float | None = None
+    half_width: float | None = None
+    contact_fraction: float | None = None
+    tilt: float | None = None
+    moment: float | None = None
+
+    def __post_init__(self) -> None:
+        _require_instance("profile", self.profile, Profile, "Sinusoid(amplitude=1e-6, period=1e-4)")
+        if not type(self.profile).__module__.startswith("contact."):
+            require_declared(self.profile)
+        _require_instance("interaction", self.interaction, Interaction, "Periodic()")
+        object.__setattr__(self, "E_star", positive("E_star", self.E_star))
+
+        for turning in TURNING:
+            object.__setattr__(self, turning, finite_or_none(turning, getattr(self, turning)))
+        name, value = self._the_one_control()
+        # A turned body touches at some other place than its lowest: there the approach counts from there.
+        value = finite(name, value) if name == "approach" and self.turned else positive(name, value)
+        object.__setattr__(self, name, value)
+        if name == "contact_fraction" and value > 1.0:
+            raise SceneError.of(name, value, "above 0 and at most 1")
+
+        self._check_period()
+        if not type(self.interaction).__module__.startswith("contact."):
+            ends, resolution = self.profile.support, self.profile.resolution
+            require_elastic(self.interaction, self.period, resolution or (ends[1] - ends[0] if ends else self.profile.period or 1.0))
+        self._check_control_suits_interaction(name)
+        self._check_turning(name)
+        if name == "half_width":
+            self._check_half_width()
+        if name == "contact_fraction" or self.interaction.follows_isolated:
+            self._check_zone_tells_load(name)
+
+    @property
+    def control(self) -> tuple[str, float]:
+        """Name and value of the quantity that is given."""
+        return self._the_one_control()
+
+    @property
+    def given_load(self) -> float | None:
+        """The load [N/m] that the control gives, as such or by the mean pressure; None if it gives none."""
+        if self.mean_pressure is not None and self.profile.period is not None:
+            return self.mean_pressure * self.profile.period
+        return self.load
+
+    @property
+    def turned(self) -> bool:
+        """Whether the body stands at an angle, given or unknown; that no moment turns a symmetric one needs no solving."""
+        if self.moment is not None:
+            return self.moment != 0.0 or not self.profile.symmetric
+        return self.tilt is not None and self.tilt != 0.0
+
+    @property
+    def period(self) -> float | None:
+        """The period of the solution; None where nothing repeats, as with one cell of a profile taken alone."""
+        return self.profile.period if self.interaction.needs_period else None
+
+    @property
+    def operator(self) -> Operator:
+        """What the pressure does to the surface."""
+        return Operator(self.interaction, self.period)
+
+    def _the_one_control(self) -> tuple[str, float]:
+        given = {name: value for name in CONTROLS if (value := getattr(self, name)) is not None}
+        if len(given) != 1:
+            raise SceneError.of("control", tuple(given) or None, f"exactly one of {', '.join(CONTROLS)}")
+        return next(iter(given.items()))
+
+    def _check_period(self) -> None:
+        if self.interaction.needs_period and self.profile.period is None:
+            allowed = f"a model without a period, as the {self.profile.name} profile has none"
+            raise SceneError.of("interaction", self.interaction.name, allowed)
+
+    def _check_control_suits_interaction(self, name: str) -> None:
+        model = self.interaction
+        if name == "mean_pressure" and self.profile.period is None:
+            raise SceneError.of(name, self.mean_pressure, "left out: without a period there is no mean pressure")
+        if name == "approach" and not model.has_approach:
+            allowed = f"left out, or {model.name} given a datum: without one a half-plane has no approach"
+            raise SceneError.of(name, self.approach, allowed)
+        if name not in model.allows:
+            allowed = f"left out: the controls of {model.name} are {', '.join(model.allows)}"
+            raise SceneError.of(name, getattr(self, name), allowed)
+
+    def _check_turning(self, name: str) -> None:
+        given = {turning: value for turning in TURNING if (value := getattr(self, turning)) is not None}
+        if not given:
+            return
+        if len(given) > 1:
+            raise SceneError.of(" and ".join(TURNING), tuple(given.values()), "one of them: the other is part of the solution")
+        turning, value = next(iter(given.items()))
+        if not self.interaction.turns:
+            allowed = f"left out: a body that repeats, as {self.interaction.name} takes it, does not turn"
+            raise SceneError.of(turning, value, allowed)
+        if name == "half_width" and self.turned:
+            raise SceneError.of(turning, value, "0 or left out with half_width, which means one zone about x = 0")
+
+    def _check_half_width(self) -> None:
+        half_width, profile = self.control[1], self.profile
+        if not profile.symmetric:
+            allowed = f"left out: it means one zone about x = 0, and {profile.name} is not known to be symmetric"
+            raise SceneError.of("half_width", half_width, allowed)
+        if profile.period is not None and not half_width < 0.5 * profile.period:
+            allowed = f"less than half the period, {0.5 * profile.period:.17g}"
+            raise SceneError.of("half_width", half_width, allowed)
+        if profile.support is None:
+            return
+        reach = profile.support[1]
+        if half_width > reach:
+            raise SceneError.of("half_width", half_width, f"at most the profile's own, {reach:.17g}")
+        if self._is_flat(-half_width, half_width):
+            allowed = f"left out: {profile.name} has no slope, any load has its half width {reach:.17g}; give a load"
+            raise SceneError.of("half_width", half_width, allowed)
+
+    def _check_zone_tells_load(self, name: str) -> None:
+        """The contact fraction, and the isolated load of the same width, are those of zones with ends that move."""
+        if not self.is_flat:
+            return
+        if name == "contact_fraction":
+            allowed = f"left out: {self.profile.name} has no slope, any load has its width; give a load"
+            raise SceneError.of(name, self.contact_fraction, allowed)
+        allowed = f"another model or closure: every isolated load has the width of a {self.profile.name} profile"
+        raise SceneError.of("interaction", self.interaction, allowed)
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether the profile is a punch without slope between sharp corners."""
+        return self.profile.support is not None and self._is_flat(*self.profile.support)
+
+    def _is_flat(self, lo: float, hi: float) -> bool:
+        """With f' = 0 up to sharp corners every load gives the same zone, and no load a narrower one."""
+        height = self.profile.height(np.linspace(lo, hi, 17))
+        return float(np.ptp(height[np.isfinite(height)])) == 0.0
+
+
+def _require_instance(field: str, value: object, kind: type, example: str) -> None:
+    if isinstance(value, kind):
+        return
+    shown = value.__name__ if isinstance(value, type) else value
+    if isinstance(value, type) and issubclass(value, kind):
+        raise SceneError.of(field, shown, f"an object, not its class: write {shown}(...)")
+    raise SceneError.of(field, shown, f"a contact.{kind.__name__}, such as {example}")

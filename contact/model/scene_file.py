@@ -1,0 +1,132 @@
+"""Scenes from TOML files: four tables, [profile], [material], [interaction] and [control], and nothing else.
+
+The keys of a table are the arguments of the Python object it stands for, in the same units, so that a profile or
+an interaction is readable from a file as soon as it is registered. File names are relative to the scene file.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Collection, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any, TypeVar
+
+from contact.errors import SceneError
+from contact.model.checks import text
+from contact.model.interactions.base import CONTROLS, TURNING, Interaction
+from contact.model.profiles.base import Profile
+from contact.model.registry import PROFILES, interaction_from_table
+from contact.model.scene import E_star, Scene
+
+Table = Mapping[str, Any]
+T = TypeVar("T")
+
+TABLES = ("profile", "material", "interaction", "control")
+MODULI = ("E_star", "E1", "nu1", "E2", "nu2")
+
+
+def load_scene(path: str | PathLike[str]) -> Scene:
+    """Read a scene file. A fault in it is a SceneError that names the file, the table and the key."""
+    if not isinstance(path, (str, PathLike)):
+        raise SceneError.of("path", path, "the name of a scene file")
+    path = Path(path)
+    try:
+        with path.open("rb") as stream:
+            tables = tomllib.load(stream)
+    except (OSError, ValueError) as error:
+        if isinstance(error, (tomllib.TOMLDecodeError, UnicodeDecodeError)):
+            raise SceneError(f"{path}: is not a TOML file: {error}") from error
+        raise SceneError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    return _under(f"{path}:", lambda: scene_from_tables(tables, path.parent))
+
+
+def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Scene:
+    """The scene of tables already read; files they name are looked for from `directory`."""
+    if not isinstance(tables, Mapping):
+        raise SceneError.of("tables", tables, f"a mapping with the keys {', '.join(TABLES)}")
+    _require_known("table", tables, TABLES)
+    missing = [f"[{name}]" for name in TABLES if name not in tables]
+    if missing:
+        raise SceneError(f"{' and '.join(missing)} missing: a scene has the tables {', '.join(TABLES)}")
+    for name in TABLES:
+        if not isinstance(tables[name], Mapping):
+            raise SceneError.of(name, tables[name], f"a table, written [{name}]")
+    profile = _under("[profile]", lambda: _read_profile(tables["profile"], Path(directory)))
+    modulus = _under("[material]", lambda: _read_material(tables["material"]))
+    model = _under("[interaction]", lambda: _read_interaction(tables["interaction"]))
+    control = _under("[control]", lambda: _read_control(tables["control"]))
+    try:
+        return Scene(profile, modulus, model, **control)
+    except SceneError as error:
+        raise _placed(error, tables) from error
+
+
+def _read_profile(table: Table, directory: Path) -> Profile:
+    shape, parameters = _named(table, "shape")
+    profile: Profile = PROFILES.find(shape, "shape").from_table(parameters, directory)
+    return profile
+
+
+def _read_material(table: Table) -> float:
+    _require_known("key", table, MODULI)
+    if "E_star" in table:
+        if len(table) > 1:
+            others = ", ".join(name for name in table if name != "E_star")
+            raise SceneError(f"E_star and {others} are given: give E_star, or the moduli it is made of")
+        modulus: float = table["E_star"]
+        return modulus
+    for name in ("E1", "nu1"):
+        if name not in table:
+            raise SceneError(f"{name} is missing: give E_star, or E1 and nu1, and E2, nu2 of an elastic counter-body")
+    return E_star(**table)
+
+
+def _read_interaction(table: Table) -> Interaction:
+    model, parameters = _named(table, "model")
+    built: Interaction = interaction_from_table(model, parameters, "model")
+    return built
+
+
+def _read_control(table: Table) -> dict[str, float]:
+    _require_known("key", table, (*CONTROLS, *TURNING))
+    controls = [name for name in table if name in CONTROLS]
+    if len(controls) != 1:
+        given = " and ".join(controls) or "nothing"
+        raise SceneError(f"{given} given: give exactly one of {', '.join(CONTROLS)}")
+    return dict(table)
+
+
+def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:
+    """What `table[key]` names, and the rest of the table."""
+    if key not in table:
+        raise SceneError(f"{key} is missing: it names what the other keys are parameters of")
+    rest = dict(table)
+    return text(key, rest.pop(key)), rest
+
+
+def _require_known(what: str, given: Collection[str], known: Collection[str]) -> None:
+    for name in given:
+        if name not in known:
+            raise SceneError.unknown(what, name, known)
+
+
+def _placed(error: SceneError, tables: Table) -> SceneError:
+    """A fault of the scene as a whole, by the table and the key that it was written under."""
+    table = next((name for name in TABLES if error.field == name or error.field in tables[name]), None)
+    if table is None or error.allowed is None:
+        return error
+    key, value = {"profile": ("shape", None), "interaction": ("model", None)}.get(table, (error.field, error.value))
+    if value is None:
+        value = tables[table].get(key)
+    assert key is not None
+    named = SceneError.of(key, value, error.allowed)
+    return SceneError(f"[{table}] {named}", error.field, error.value, error.allowed)
+
+
+def _under(place: str, read: Callable[[], T]) -> T:
+    """Run `read`, putting the place of the fault before the message of a SceneError."""
+    try:
+        return read()
+    except SceneError as error:
+        raise SceneError(f"{place} {error}", error.field, error.value, error.allowed) from error

@@ -1,0 +1,74 @@
+r"""The symbol L(q) of an elastic body over the harmonics of a period, and the kernel that has it.
+
+A pressure p_q exp(iqx) displaces the surface by u_q = 2 L(q) p_q / (E* q): L is the surface compliance over that of the half-plane and
+tends to 1 for waves that are short. With L_n = L(2 pi n / l), the kernel of a period l is Hilbert's plus the smooth
+
+    K = (2 pi / l) sum_n (L_n - 1) sin(2 pi n d / l),    Lambda = -sum_n (L_n - 1) cos(2 pi n d / l) / n,    d = x - xi,
+
+since (1/pi) int cos(k xi) ln|2 sin(pi d / l)| dxi = -cos(kx) / k.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.errors import SceneError
+from contact.model.profiles.trigonometric import Sum
+
+Array = NDArray[np.float64]
+
+# Harmonics looked at, first and at the most, and what is taken for L = 1.
+_FIRST, _MOST = 2**12, 2**16
+_ONE = 1e-15
+
+
+def excess(symbol: Callable[[Array], Array | None], period: float) -> Array | None:
+    """L_n - 1, n = 1, 2, ..., up to the last that is not zero; None where there is no symbol. SceneError where it is none of a body."""
+    count = _FIRST
+    while True:
+        q = np.asarray(2 * np.pi / period * np.arange(1, count + 1), dtype=np.float64)
+        value = symbol(q)
+        if value is None:
+            return None
+        found = np.asarray(value)
+        if found.dtype.kind not in "iuf" or found.shape != q.shape or not np.all(np.isfinite(found)):
+            raise SceneError.of("interaction.symbol(q)", value, "real, finite, and of the shape of q")
+        if not np.all(found > 0):
+            lifts = f"above 0: at q = {q[np.argmin(found)]:.6g} 1/m pressure would lift the surface"
+            raise SceneError.of("interaction.symbol(q)", float(found.min()), lifts)
+        off = np.asarray(found - 1.0, dtype=np.float64)
+        seen = np.flatnonzero(np.abs(off) > _ONE)
+        if len(seen) == 0 or seen[-1] < 0.9 * count:
+            return off[: seen[-1] + 1] if len(seen) else np.zeros(0)
+        if count >= _MOST:
+            raise SceneError.of(
+                "interaction.symbol(q)", float(found[-1]), f"1 for short waves: to {_ONE:.0e} from harmonic {_MOST} of the period on"
+            )
+        count *= 4
+
+
+@dataclass(frozen=True, eq=False)
+class _Waves:
+    """A trigonometric sum of x - xi."""
+
+    sum: Sum
+    period: float
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        turns = np.asarray((x - xi) / self.period)
+        return self.sum(turns.ravel()).reshape(turns.shape)
+
+
+def kernel_of(excess: Array, period: float) -> sie.Kernel:
+    """The kernel of a scaled period."""
+    plain = sie.hilbert(period)
+    if len(excess) == 0:
+        return plain
+    n = np.arange(1, len(excess) + 1)
+    value, potential = (Sum.of(np.asarray(c, dtype=np.complex128)) for c in (-2j * np.pi / period * excess, -excess / n))
+    return plain + sie.Smooth(_Waves(value, period), _Waves(potential, period))

@@ -1,0 +1,239 @@
+"""Measured traces: from a text file of an instrument to points a spline may go through.
+
+In this order: read two columns, to metres; regrid (uniform positions); detrend (subtract the least-squares
+line or parabola); taper (bring both ends to one height, so that one length is a period). What was done is
+said in `Trace.history`, what is doubtful in `Trace.warnings`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil, log10
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import SceneError
+from contact.model.checks import finite, integer, one_of, positive
+from contact.model.traces.file import FEWEST, in_metres, read_table
+from contact.model.traces.text import at
+from contact.model.units import quantity
+
+Array = NDArray[np.float64]
+
+_TRENDS = {"none": -1, "line": 1, "quadratic": 2}
+_ROUNDING_SEEN_FROM = 32  # points: with fewer, coarse positions may well be meant as they stand
+# Heights that agree this far, relative to the highest before anything was subtracted, are one height.
+_ROUNDING = 1e-12
+# Points that regrid may make of fewer: straight lines between what was measured add corners and time, and no knowledge.
+_MOST_REGRID = 20_000
+# [m]: from a few atoms to the longest guides and roads that a trace of one scan is taken of; and an atom.
+_LENGTHS, _PITCHES, _SHALLOWEST = (1e-9, 1.0), (1e-12, 1e-3), 1e-11
+
+# A period so many times longer than the trace leaves most of it to a spline through nothing.
+_MOST_BEYOND = 1.5
+
+
+@dataclass(frozen=True)
+class Trace:
+    """Positions and heights [m], the period if there is one, what was done to get them, and what is doubtful about them."""
+
+    x: Array
+    height: Array
+    period: float | None = None
+    history: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def load_trace(
+    path: str | Path,
+    columns: Sequence[int | str] = (),
+    units: str | Sequence[str] | None = None,
+    detrend: str = "none",
+    regrid: bool | int | None = None,
+    taper: float | None = None,
+    period: bool | float | None = None,
+    *,
+    pitch: float | None = None,
+    decimal: str | None = None,
+    delimiter: str | None = None,
+) -> Trace:
+    """Read a file and prepare it.
+
+    columns: two indices from 0, or names of the header; may be left out where the file has two columns of numbers only. units: one
+    for both or two; left out, those of the header, else m. detrend: none, line or quadratic. regrid: a number of uniform points, or
+    True for as many as there are. taper: fraction of the length at each end. period: a length [m], or True for the measured length,
+    whose end heights must then agree (a taper makes them). pitch: distance of the points [m], of a file with heights alone.
+    decimal: "." or ","; delimiter: ";", ",", "tab" or "blank"; both are found where there is one reading only.
+    """
+    one_of("detrend", detrend, _TRENDS)
+    count = _count(regrid)
+    fraction = None if taper is None else _fraction(taper)
+    length = _period(period)
+    step = None if pitch is None else positive("pitch", pitch)
+    table = read_table(path, columns, decimal, delimiter, 2 if step is None else 1)
+    values, said = in_metres(path, table, units)
+    height, lines = values[:, -1], table.lines
+    x: Array = values[:, 0] if step is None else step * np.arange(height.size, dtype=float)
+    _refuse_backwards(path, x, height, lines)
+    history = [f"{x.size} points of {Path(path).name}, read in {said}"]
+    if count is None:
+        again = np.flatnonzero(np.diff(x) <= 0)
+        if again.size:
+            raise at(
+                path,
+                lines[again[0] + 1],
+                "a position is repeated: give regrid if the file's positions are rounded",
+            )
+    else:
+        x, height, note = to_uniform(x, height, x.size if count is True else _bounded(count, x.size))
+        history.append(note)
+    size = float(np.max(np.abs(height)))
+    if detrend != "none":
+        height = subtract_trend(x, height, detrend)
+        history.append(f"least-squares {detrend} subtracted")
+    if float(np.ptp(height)) <= _ROUNDING * size:
+        after = "" if detrend == "none" else f", once its {detrend} is subtracted"
+        raise SceneError(f"file {str(path)!r}: the heights are the same everywhere{after}", "file", str(path))
+    if fraction is not None:
+        height = taper_ends(x, height, fraction)
+        history.append(f"ends tapered to one height over {fraction:g} of the length each")
+    if length is True:
+        length = float(x[-1] - x[0])
+        difference = float(height[-1] - height[0])
+        if abs(difference) > 1e-9 * float(np.ptp(height)):
+            raise SceneError.of(
+                "period",
+                True,
+                f"a number, or true with end heights that agree (they differ by {difference:.3g} m: give taper)",
+            )
+        history.append(f"period {length:.9g} m, the measured length")
+    return Trace(x, height, length, tuple(history), _doubts(Path(path).name, x, height, length, said))
+
+
+def read_columns(
+    path: str | Path, columns: Sequence[int | str] = (), units: str | Sequence[str] | None = None
+) -> tuple[Array, Array, NDArray[np.int64]]:
+    """Position and height [m] of a text file, and the line of each."""
+    table = read_table(path, columns)
+    values, _ = in_metres(path, table, units)
+    _refuse_backwards(path, values[:, 0], values[:, 1], table.lines)
+    return values[:, 0], values[:, 1], table.lines
+
+
+def _doubts(name: str, x: Array, height: Array, period: float | None, said: str) -> tuple[str, ...]:
+    """What the lengths of a file say against its units, and against a period."""
+    length, depth = float(x[-1] - x[0]), float(np.ptp(height))
+    pitch = length / (x.size - 1)
+    told = f"{name}, read in {said}, is a trace {quantity(length, 'm')} long with a pitch of {quantity(pitch, 'm')}"
+    if not (_LENGTHS[0] <= length <= _LENGTHS[1] and _PITCHES[0] <= pitch <= _PITCHES[1]):
+        return (f"{told}, which is not that of a surface: units says what the numbers of the file are in",)
+    if depth < _SHALLOWEST:
+        return (f"{told} and heights within {quantity(depth, 'm')}, less than an atom: units may be two, of positions and of heights",)
+    if period is not None and period > _MOST_BEYOND * length:
+        return (f"{told}, a small part of the period of {quantity(period, 'm')}: period is in metres, as all lengths but the file's",)
+    return ()
+
+
+def _refuse_backwards(path: str | Path, x: Array, height: Array, lines: NDArray[np.int64]) -> None:
+    if x[0] == x[-1] and not np.ptp(x) > 0:
+        raise at(path, lines[0], f"all positions are {x[0]:g} m: columns says which column holds them")
+    back = np.flatnonzero(np.diff(x) < 0)
+    if back.size:
+        i = back[0]
+        other = "; the heights increase throughout: are the columns the other way round?" if np.all(np.diff(height) > 0) else ""
+        raise at(path, lines[i + 1], f"positions must increase, {x[i + 1]:g} m follows {x[i]:g} m{other}")
+
+
+def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
+    """Heights at `count` uniform positions, and a sentence on how.
+
+    Positions printed with too few digits (0.0, 0.2, 0.3, 0.5 for a pitch of 0.156) make a spline invent
+    slopes. If rounding explains every deviation from an even pitch, the points are taken as even and their
+    heights stay as measured.
+    """
+    note = "positions as in the file"
+    pitch = _pitch_behind_rounding(x)
+    if pitch is not None:
+        moved = x[0] + pitch * np.arange(x.size)
+        far = float(np.max(np.abs(moved - x)))
+        note = (
+            f"positions taken as even, pitch {pitch:.9g} m: rounding explains their shifts (<= {far:.2g} m)"
+        )
+        x = moved
+    elif np.any(np.diff(x) <= 0):
+        i = int(np.flatnonzero(np.diff(x) <= 0)[0])
+        raise SceneError.of(
+            "x", x, f"increasing (element {i + 1} repeats {x[i]:.9g}, and rounding does not explain it)"
+        )
+    even = np.linspace(x[0], x[-1], count)
+    if count == x.size and float(np.max(np.abs(even - x))) <= 1e-9 * (x[-1] - x[0]) / (count - 1):
+        return x if pitch is not None else even, height, note
+    return even, np.interp(even, x, height), f"{note}; interpolated linearly at {count} even positions"
+
+
+def subtract_trend(x: Array, height: Array, kind: str) -> Array:
+    """Heights less their least-squares line or parabola ("none": as they are)."""
+    degree = _TRENDS[one_of("detrend", kind, _TRENDS)]
+    t = (2 * x - x[0] - x[-1]) / (x[-1] - x[0])
+    basis = t[:, None] ** np.arange(degree + 1)
+    coefficients = np.linalg.lstsq(basis, height, rcond=None)[0]
+    return np.asarray(height - basis @ coefficients)
+
+
+def taper_ends(x: Array, height: Array, fraction: float) -> Array:
+    """Heights blended at both ends into their mean there by w = (1 - cos(pi s))/2; end slopes are 0."""
+    length = x[-1] - x[0]
+    s = np.minimum(1.0, np.minimum(x - x[0], x[-1] - x) / (_fraction(fraction) * length))
+    common = float(np.mean(height[s < 1]))
+    return np.asarray(common + (height - common) * (1 - np.cos(np.pi * s)) / 2)
+
+
+def _pitch_behind_rounding(x: Array) -> float | None:
+    """The even pitch whose positions, rounded to a decimal place, are these; None if there is none."""
+    n = x.size
+    length = float(x[-1] - x[0])
+    if n < _ROUNDING_SEEN_FROM or length <= 0:
+        return None
+    slope = float(np.polyfit(np.arange(n) - (n - 1) / 2, x, 1)[0])
+    index = np.arange(n)
+    fitted = slope * index + float(np.mean(x - slope * index))
+    for power in range(ceil(log10(slope)) + 2, ceil(log10(slope)) - 7, -1):
+        place = 10.0**power
+        off = np.abs(x / place - np.rint(x / place))
+        if np.max(off) <= 1e-6:
+            # Half a place for the rounding, and what the fit itself is off by.
+            allowed = place * (0.5 + 1 / np.sqrt(n))
+            return slope if float(np.max(np.abs(x - fitted))) <= allowed else None
+    return None
+
+
+def _count(regrid: Any) -> int | bool | None:
+    if regrid is None or regrid is False:
+        return None
+    return True if regrid is True else integer("regrid", regrid, FEWEST)
+
+
+def _bounded(count: int, points: int) -> int:
+    most = max(_MOST_REGRID, points)
+    if count > most:
+        allowed = f"at most {most}: between the {points} points of the file there are but straight lines, and nothing more to be known"
+        raise SceneError.of("regrid", count, allowed)
+    return count
+
+
+def _fraction(taper: Any) -> float:
+    allowed = "a fraction of the length > 0 and <= 0.5"
+    fraction = finite("taper", taper, allowed)
+    if not 0 < fraction <= 0.5:
+        raise SceneError.of("taper", taper, allowed)
+    return fraction
+
+
+def _period(period: Any) -> float | bool | None:
+    if period is None or period is False:
+        return None
+    return True if period is True else positive("period", period)

@@ -1,0 +1,109 @@
+"""A text file as numbered rows, and a row as cells and numbers: encodings, line ends, delimiters, quotes, decimal marks."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import nan
+from pathlib import Path
+
+from contact.errors import SceneError
+from contact.extras import require
+
+Row = tuple[int, str]
+
+_COMMA_NUMBER = re.compile(r"[+-]?(\d+|\d*,\d+)([eE][+-]?\d+)?")
+_COMMA_DECIMALS = re.compile(r"[+-]?\d+,\d+(?:[eE][+-]?\d+)?")
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What stands between the columns (None: white space), what marks decimals, and whether quotes keep the two apart."""
+
+    delimiter: str | None
+    decimal: str
+    quoted: bool = False
+
+    def cells(self, line: str) -> list[str]:
+        """The cells of a row, without what is empty behind the last."""
+        if '"' in line:
+            parts = unquoted(line, self.delimiter)
+        elif self.delimiter == self.decimal and not self.quoted:
+            parts = _COMMA_DECIMALS.findall(line) if _is_decimals(line) else []
+        else:
+            parts = line.split(self.delimiter)
+        parts = [part.strip() for part in parts]
+        while parts and not parts[-1]:
+            parts.pop()
+        return parts
+
+    def number(self, cell: str) -> float | None:
+        """A cell as a number, nan and inf among them; None if it is none."""
+        if self.decimal == ",":
+            if not _COMMA_NUMBER.fullmatch(cell):
+                return nan if cell.lower() == "nan" else None
+            cell = cell.replace(",", ".")
+        try:
+            return None if "_" in cell else float(cell.replace("\u2212", "-"))
+        except ValueError:
+            return None
+
+    def numbers(self, cells: list[str], places: Sequence[int]) -> list[float] | None:
+        """The numbers in some places of a row; None if one of them has none."""
+        if len(cells) <= max(places):
+            return None
+        found = [self.number(cells[place]) for place in places]
+        return None if None in found else [value for value in found if value is not None]
+
+
+def rows_of(path: str | Path) -> list[Row]:
+    """Numbered lines that are not empty; any line ending, also the doubled CR that some instruments write."""
+    text = _text(path, _bytes(path))
+    return [(i, line) for i, line in enumerate(re.split("\r*\n|\r", text), 1) if line.strip()]
+
+
+def _bytes(path: str | Path) -> bytes:
+    try:
+        raw = Path(path).read_bytes()
+        if raw.startswith(b"\x1f\x8b"):
+            raw = require("gzip").decompress(raw)
+    except (OSError, EOFError, TypeError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise SceneError.of("file", str(path), f"a file that can be read ({reason})") from None
+    except Exception as error:  # zlib has an error of its own
+        raise SceneError.of("file", str(path), f"a file that can be read (not a whole gzip file: {error})") from None
+    return raw
+
+
+def _text(path: str | Path, raw: bytes) -> str:
+    try:
+        if raw.startswith((b"\xff\xfe", b"\xfe\xff")):
+            return raw.decode("utf-16")
+        if raw.startswith(b"PK\x03\x04"):
+            raise SceneError.of("file", str(path), "a text file, not a spreadsheet or an archive: save its table as CSV")
+        if b"\0" in raw:
+            raise SceneError.of("file", str(path), "a text file, with a table of numbers (this one is binary)")
+        return raw.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return raw.decode("latin-1")
+
+
+def unquoted(line: str, delimiter: str | None) -> list[str]:
+    if delimiter is not None:
+        try:
+            return next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+        except csv.Error:
+            pass
+    return [part.strip('"') for part in line.split(delimiter)]
+
+
+def _is_decimals(line: str) -> bool:
+    """Whether all commas of a row can be told apart: every number has its decimals."""
+    return re.fullmatch(rf"\s*{_COMMA_DECIMALS.pattern}(\s*,\s*{_COMMA_DECIMALS.pattern})*[\s,]*", line) is not None
+
+
+def at(path: str | Path, line: int, what: str) -> SceneError:
+    """The error of one line of a file."""
+    return SceneError(f"file {str(path)!r}, line {int(line)}: {what}", "file", str(path))

@@ -1,0 +1,44 @@
+"""The figures of the paper, each from scenes, with its numbers, and with what the paper lacked: the exact solutions.
+
+One function a figure; `contact figures` writes them. docs/paper says what they show.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from contact.errors import SceneError
+from contact.paper.figures.base import Figure
+from contact.paper.figures.parabola import figure_11, figure_12
+from contact.paper.figures.spots import figure_2a, figure_2b
+from contact.paper.figures.two_zones import figure_13
+from contact.paper.figures.wave import figure_7, figure_8
+from contact.paper.figures.wedge import figure_9, figure_10
+
+__all__ = ["FIGURES", "Figure", "chosen", "write"]
+
+FIGURES: dict[str, Callable[[], Figure]] = {
+    "2A": figure_2a,
+    "2B": figure_2b,
+    "7": figure_7,
+    "8": figure_8,
+    "9": figure_9,
+    "10": figure_10,
+    "11": figure_11,
+    "12": figure_12,
+    "13": figure_13,
+}
+
+
+def chosen(numbers: Iterable[str]) -> list[str]:
+    """The figures asked for, in the paper's order; all if none is."""
+    wanted = {str(number).upper() for number in numbers}
+    for number in sorted(wanted - set(FIGURES)):
+        raise SceneError.unknown("figure", number, FIGURES)
+    return [number for number in FIGURES if not wanted or number in wanted]
+
+
+def write(number: str, folder: Path) -> list[Path]:
+    """Draw one figure and write its numbers."""
+    return FIGURES[number]().write(folder)

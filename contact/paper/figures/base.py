@@ -1,0 +1,121 @@
+"""What a figure is here: numbers in columns, the words that say what they are, and a drawing of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import OutOfRange
+from contact.extras import require
+from contact.model.interactions import Interaction, Isolated, Localized, Periodic
+from contact.model.profiles import Profile
+from contact.model.scene import Scene
+from contact.solution.solution import Solution
+from contact.solver import solve
+
+Array = NDArray[np.float64]
+
+# Exact to the eye many times over; the closed forms are compared at the same tolerance.
+TOL = 1e-9
+
+EXACT, FIRST, SELF, ONE, ALONE = "exact", "first-order", "self-consistent", "m = 1", "isolated"
+MODELS: dict[str, Interaction] = {
+    EXACT: Periodic(),
+    FIRST: Localized(),
+    SELF: Localized(closure="self-consistent"),
+    ONE: Localized(closure="self-consistent", neighbours=1),
+    ALONE: Isolated(),
+}
+STYLE: dict[str, dict[str, Any]] = {
+    EXACT: {"color": "black", "linewidth": 1.8},
+    FIRST: {"color": "#b3261e", "linestyle": "--"},
+    SELF: {"color": "#d98e04", "linestyle": "-."},
+    ONE: {"color": "#2f7fb5", "linestyle": ":", "linewidth": 1.8},
+    ALONE: {"color": "#7a7a7a", "linestyle": (0, (1, 1))},
+}
+
+
+@dataclass(frozen=True)
+class Figure:
+    """number and title as in the paper; notes: parameters, choices, what was measured; columns: name to numbers, of one
+    length, nan where a model has none; draw: puts it onto a matplotlib figure."""
+
+    number: str
+    title: str
+    notes: tuple[str, ...]
+    columns: dict[str, Array]
+    draw: Callable[[Any], None]
+    size: tuple[float, float] = (8.4, 4.2)
+
+    def write(self, folder: Path) -> list[Path]:
+        """figure-N.png and figure-N.csv in the folder, which is made."""
+        folder.mkdir(parents=True, exist_ok=True)
+        picture, numbers = folder / f"figure-{self.number}.png", folder / f"figure-{self.number}.csv"
+        figure = require("matplotlib.figure").Figure(figsize=self.size, layout="constrained")
+        require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
+        self.draw(figure)
+        figure.suptitle(f"Figure {self.number}. {self.title}", fontsize=10)
+        figure.savefig(picture, dpi=160)
+        head = [f"# Figure {self.number}. {self.title}", *(f"# {note}" for note in self.notes), ",".join(self.columns)]
+        rows = np.column_stack(list(self.columns.values()))
+        lines = [",".join("" if np.isnan(v) else f"{v:.12g}" for v in row) for row in rows]
+        numbers.write_text("\n".join([*head, *lines]) + "\n", encoding="utf-8")
+        return [picture, numbers]
+
+
+def solved(profile: Profile, model: str, **control: float) -> Solution | None:
+    """The scene under one of MODELS with E* = 1; None where the model has no contact at this control."""
+    try:
+        return solve(Scene(profile, 1.0, MODELS[model], **control), tol=TOL)
+    except OutOfRange:
+        return None
+
+
+def alone_or_period(profile: Profile, model: str, mean_pressure: float) -> Solution | None:
+    """As `solved`, at the load that is the mean pressure times the period, for the isolated model too."""
+    assert profile.period is not None
+    return solved(profile, model, load=mean_pressure * profile.period)
+
+
+def on_cell(solutions: list[Solution | None], half: float, points: int = 401) -> Array:
+    """Positions in [-half, half] that show every solution: even ones, and closer at the ends of each one's zones."""
+    x = [np.linspace(-half, half, points)]
+    angles = np.linspace(0.0, np.pi, 121)
+    for solution in solutions:
+        for left, right in [] if solution is None else solution.zones:
+            x.append(0.5 * (left + right) - 0.5 * (right - left) * np.cos(angles))
+    joined = np.unique(np.round(np.concatenate(x), 14))
+    return np.asarray(joined[np.abs(joined) <= half])
+
+
+def pressures(solution: Solution | None, x: Array) -> Array:
+    """p(x); nan where there is no solution or p is infinite."""
+    if solution is None:
+        return np.full(x.shape, np.nan)
+    p = solution.pressure(x)
+    return np.asarray(np.where(np.isfinite(p), p, np.nan))
+
+
+def curve(axes: Any, x: Array, y: Array, model: str, label: str | None = None) -> None:
+    """One line in its model's style."""
+    axes.plot(x, y, label=label, **STYLE[model])
+
+
+def label_panel(axes: Any, x: str, y: str, legend: bool = True) -> None:
+    """Names of the axes, ticks inside, a legend without a frame."""
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    axes.tick_params(direction="in", top=True, right=True)
+    if legend:
+        axes.legend(frameon=False, fontsize=8)
+
+
+def worst(a: Array, b: Array) -> float:
+    """Largest |a - b| over the largest |b|, where both are numbers."""
+    both = np.isfinite(a) & np.isfinite(b)
+    return float(np.max(np.abs(a - b)[both]) / np.max(np.abs(b[both])))

@@ -1,0 +1,118 @@
+"""Figures 2A and 2B: spherical asperities on a hexagonal lattice, by (1)-(4) and with the neighbours in their places."""
+
+from __future__ import annotations
+
+from math import inf, pi
+from typing import Any
+
+import numpy as np
+
+from contact.axisymmetric import Hexagonal, Sphere, Spot, own_radius, solve_spot
+from contact.errors import OutOfRange
+from contact.paper.figures.base import Array, Figure, label_panel
+
+# E* = 1, R = 1. The caption's 0.0044 is pi P/2E*R^2, a load per spot.
+LOAD = 0.0044 * 2.0 / pi
+SPACINGS_A = (1.0, 0.25, 0.2)
+SPACINGS_B = (1.0, 0.5, 0.2)
+_SPHERE = Sphere(1.0)
+_COLOURS = ("#2f7fb5", "#d98e04", "#b3261e")
+_ALL = "all neighbours"
+
+
+def _solved(spacing: float, rings: float, **control: float) -> Spot | None:
+    try:
+        return solve_spot(_SPHERE, 1.0, Hexagonal(spacing), rings=rings, **control)
+    except OutOfRange:
+        return None
+
+
+def figure_2a() -> Figure:
+    """Pressure on one of many equal spots under a given load per spot."""
+    alone = solve_spot(_SPHERE, 1.0, load=LOAD)
+    first = {s: _solved(s, 0, load=LOAD) for s in SPACINGS_A}
+    refined = {s: _solved(s, inf, load=LOAD) for s in SPACINGS_A}
+    radii = [alone.radius, *(s.radius for s in (*first.values(), *refined.values()) if s is not None)]
+    r = np.unique(np.concatenate([a * np.sin(np.linspace(0.0, 0.5 * pi, 81)) for a in radii]))
+    columns: dict[str, Array] = {"r/R": r, "p/E* Hertz": alone.pressure(r)}
+    said = [f"Hertz: a/R = {alone.radius:.6f}, peak {float(alone.pressure(0.0)):.6f} E*"]
+    for name, spots in (("(1)-(4)", first), (_ALL, refined)):
+        for spacing, spot in spots.items():
+            columns[f"p/E* {name} l/R={spacing}"] = np.full(r.shape, np.nan) if spot is None else spot.pressure(r)
+            if spot is None:
+                said.append(f"{name}, l/R = {spacing}: none, the spots would grow into one another")
+            else:
+                said.append(
+                    f"{name}, l/R = {spacing}: a/R = {spot.radius:.6f}, a/A = {spot.radius / spot.circle:.4f}, peak "
+                    f"{float(spot.pressure(0.0)):.6f} E*"
+                )
+
+    def draw(figure: Any) -> None:
+        axes = figure.subplots()
+        axes.plot(r, columns["p/E* Hertz"], color="#7a7a7a", linestyle=(0, (1, 1)), label="Hertz")
+        for spacing, colour in zip(SPACINGS_A, _COLOURS, strict=True):
+            axes.plot(r, columns[f"p/E* (1)-(4) l/R={spacing}"], color=colour, label=f"(1)-(4), l/R = {spacing}")
+            if refined[spacing] is not None:
+                name = f"{_ALL}, l/R = {spacing}"
+                axes.plot(r, columns[f"p/E* {_ALL} l/R={spacing}"], color=colour, linestyle="--", label=name)
+        axes.set_xlim(0.0, None)
+        axes.set_ylim(0.0, None)
+        label_panel(axes, "r/R", "p/E*")
+
+    notes = (
+        "Spheres of radius R, hexagonal lattice of spacing l; pi P/2E*R^2 = 0.0044 is read as a load per spot, not a pressure.",
+        "(1)-(4) with E*/4pi and A = (pi N)^(-1/2), self-consistent P_s; all neighbours: every spot of the lattice in its place.",
+        *said,
+    )
+    return Figure("2A", "Pressure on a spherical asperity among others", notes, columns, draw, (6.4, 4.4))
+
+
+def figure_2b() -> Figure:
+    """Radius of the spots against the nominal pressure."""
+    shares = np.concatenate([np.linspace(0.02, 0.9, 45), np.linspace(0.91, 0.95, 5)])
+    columns: dict[str, Array] = {"a/A": shares}
+    said = []
+    unit = {}
+    for name, rings in (("(1)-(4)", 0), (_ALL, inf)):
+        spots = [_solved(1.0, rings, spot_radius=float(a)) for a in shares * own_radius(Hexagonal(1.0).density)]
+        unit[name] = np.array([np.nan if s is None else s.nominal_pressure for s in spots])
+    for spacing in SPACINGS_B:
+        lattice = Hexagonal(spacing)
+        a = shares * own_radius(lattice.density)
+        columns[f"a/R l/R={spacing}"] = a
+        columns[f"p/E* Hertz l/R={spacing}"] = 4.0 / 3.0 * a**3 * lattice.density
+        # Heights grow as the square of lengths: p R/E* l is the same function of a/A for every l.
+        for name, pressure in unit.items():
+            columns[f"p/E* {name} l/R={spacing}"] = spacing * pressure
+    for share in (0.2, 0.5, 0.8):
+        i = int(np.argmin(np.abs(shares - share)))
+        off = columns["p/E* (1)-(4) l/R=0.5"][i] / columns[f"p/E* {_ALL} l/R=0.5"][i] - 1.0
+        hertz = columns["p/E* Hertz l/R=0.5"][i] / columns[f"p/E* {_ALL} l/R=0.5"][i] - 1.0
+        said.append(f"a/A = {shares[i]:.2f}: pressure by (1)-(4) {100 * off:+.3g} %, by Hertz {100 * hertz:+.3g} %")
+
+    def draw(figure: Any) -> None:
+        left, right = figure.subplots(1, 2)
+        for axes in (left, right):
+            for label, line in ((_ALL, "--"), ("Hertz", (0, (1, 1)))):
+                axes.plot([], [], color="black", linestyle=line, label=label)
+            for spacing, colour in zip(SPACINGS_B, _COLOURS, strict=True):
+                a = columns[f"a/R l/R={spacing}"]
+                axes.plot(columns[f"p/E* (1)-(4) l/R={spacing}"], a, color=colour, label=f"(1)-(4), l/R = {spacing}")
+                axes.plot(columns[f"p/E* {_ALL} l/R={spacing}"], a, color=colour, linestyle="--")
+                axes.plot(columns[f"p/E* Hertz l/R={spacing}"], a, color=colour, linestyle=(0, (1, 1)))
+            label_panel(axes, r"$\bar p$/E*", "a/R", legend=axes is right)
+        left.set_xlim(0.0, 0.2)
+        left.set_ylim(0.0, 0.5)
+        right.set_xscale("log")
+        right.set_yscale("log")
+        right.set_xlim(1e-5, 1.0)
+        right.set_ylim(1e-2, 0.6)
+
+    notes = (
+        "Spheres of radius R, hexagonal lattice of spacing l; p is the nominal pressure. The paper's range of p is not given.",
+        "Solid (1)-(4) with E*/4pi and A = (pi N)^(-1/2), self-consistent; dashed every neighbour in its place; dotted Hertz.",
+        "Solved for l = R: p R/E* l is the same function of a/A for every l. Spots touch at a = l/2, a/A = 0.952.",
+        "Against all neighbours, at any l/R:",
+        *said,
+    )
+    return Figure("2B", "Radius of the spots against the nominal pressure", notes, columns, draw)

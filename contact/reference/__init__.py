@@ -1,0 +1,1 @@
+"""Exact solutions and inverse design; nothing here imports the solver."""

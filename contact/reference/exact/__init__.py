@@ -1,0 +1,42 @@
+"""Exact solutions in closed form, one file a family. Nothing here knows the solver: they are what it is
+judged by.
+
+Conventions: (1/pi) PV int p(xi) K(x - xi) dxi = (E*/2) f'(x), K = 1/(x - xi), or (pi/L) cot(pi (x - xi)/L)
+with a period L; p >= 0 in compression, f grows away from contact, the load is per unit thickness. Equation
+numbers are those of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+"""
+
+from contact.reference.exact.base import SymmetricZone
+from contact.reference.exact.biquadratic import IsolatedBiquadratic
+from contact.reference.exact.flat import IsolatedPunch, PeriodicPunch
+from contact.reference.exact.localized import LocalizedZone, correction_load, correction_pressure, localized_at_load
+from contact.reference.exact.pair import EvenPair, PeriodicBiquadratic
+from contact.reference.exact.parabola import HertzLine, PeriodicParabola
+from contact.reference.exact.sinusoid import FullContactSinusoid, IsolatedSinusoid, Westergaard, sinusoid
+from contact.reference.exact.tilted import TiltedParabola, TiltedPunch, TiltedWedge, TiltedZone
+from contact.reference.exact.wedge import IsolatedWedge, PeriodicWedge
+
+__all__ = [
+    "EvenPair",
+    "FullContactSinusoid",
+    "HertzLine",
+    "IsolatedBiquadratic",
+    "IsolatedPunch",
+    "IsolatedSinusoid",
+    "IsolatedWedge",
+    "LocalizedZone",
+    "PeriodicBiquadratic",
+    "PeriodicParabola",
+    "PeriodicPunch",
+    "PeriodicWedge",
+    "SymmetricZone",
+    "TiltedParabola",
+    "TiltedPunch",
+    "TiltedWedge",
+    "TiltedZone",
+    "Westergaard",
+    "correction_load",
+    "correction_pressure",
+    "localized_at_load",
+    "sinusoid",
+]

@@ -1,0 +1,196 @@
+"""Two asperities of one isolated punch, f = x^4/8Rc^2 - x^2/4R + c^2/8R = (x^2 - c^2)^2/8Rc^2: eq. (31)-(33).
+
+G. M. L. Gladwell, Contact Problems in the Classical Theory of Elasticity (1980), as given by Goryacheva &
+Tsukanov (2020), doi 10.3389/fmech.2020.00045. The one-zone regime, gap and approach are derived: in y = x^2
+the two zones are one Hertz zone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import log, pi, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.errors import SceneError
+from contact.model.checks import positive, positive_or_none
+from contact.reference.exact.base import Array, arcosh1p, sinh_minus, zone_potential
+
+
+@dataclass(frozen=True)
+class IsolatedBiquadratic:
+    """Zones a <= |x| <= b, a^2 + b^2 = 2c^2, h = (b^2 - a^2)/2, while the load of both P < pi E* c^2/8R:
+
+    (32) p = (E*/4Rc^2) |x| sqrt((x^2 - a^2)(b^2 - x^2)),   (33) P = pi E* h^2/8Rc^2 (half of it a zone),
+    gap = (1/8Rc^2)(v sqrt(v^2 - h^2) - h^2 arcosh(v/h)), v = |x^2 - c^2|;
+    approach = (h^2/8Rc^2)(ln(2d^2/h) + 1/2).
+
+    Above that load one zone |x| <= b:   p = (E*/8Rc^2) sqrt(b^2 - x^2)(2x^2 + b^2 - 2c^2),
+    P = pi E* b^2 (3b^2 - 4c^2)/32Rc^2. `spacing` is 2c; the approach needs the `datum` d.
+    """
+
+    radius: float
+    spacing: float
+    E_star: float
+    load: float
+    datum: float | None = None
+    period = None
+    mean_pressure = None
+    contact_fraction = None
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "spacing", "E_star", "load"):
+            positive(name, getattr(self, name))
+        positive_or_none("datum", self.datum)
+
+    @classmethod
+    def from_inner_end(cls, inner_end: float, **shape: float) -> IsolatedBiquadratic:
+        """The two-zone solution whose zones begin at |x| = a."""
+        c = 0.5 * shape["spacing"]
+        h = (c - inner_end) * (c + inner_end)
+        if not (h > 0.0 and inner_end > 0.0):
+            raise SceneError.of("inner_end", inner_end, "above 0 and below half the spacing")
+        return cls(load=pi * shape["E_star"] * h * h / (8.0 * shape["radius"] * c * c), **shape)
+
+    @property
+    def _c(self) -> float:
+        return 0.5 * self.spacing
+
+    @property
+    def _unit(self) -> float:
+        """1/8Rc^2."""
+        return 1.0 / (8.0 * self.radius * self._c**2)
+
+    @property
+    def merging_load(self) -> float:
+        """pi E* c^2/8R: the load at which the two zones become one."""
+        return pi * self.E_star * self._c**2 / (8.0 * self.radius)
+
+    @property
+    def merged(self) -> bool:
+        return self.load >= self.merging_load
+
+    @property
+    def _h(self) -> float:
+        return self._c**2 * sqrt(self.load / self.merging_load)
+
+    @property
+    def outer_end(self) -> float:
+        """b."""
+        if not self.merged:
+            return sqrt(self._c**2 + self._h)
+        # 3b^4 - 4b^2c^2 = 4c^4 P/P_merging
+        return self._c * sqrt((2.0 + sqrt(4.0 + 12.0 * self.load / self.merging_load)) / 3.0)
+
+    @property
+    def inner_end(self) -> float:
+        """a; 0 once the zones have merged."""
+        return 0.0 if self.merged else sqrt(self._c**2 - self._h)
+
+    @property
+    def zones(self) -> Array:
+        a, b = self.inner_end, self.outer_end
+        return np.array([[-b, b]]) if self.merged else np.array([[-b, -a], [a, b]])
+
+    @property
+    def zone_widths(self) -> Array:
+        return np.diff(self.zones, axis=1)[:, 0]
+
+    @property
+    def zone_loads(self) -> Array:
+        n = len(self.zones)
+        return np.full(n, self.load / n)
+
+    @property
+    def max_pressure(self) -> float:
+        """At x^2 = (3b^2 + 2c^2)/6 in one zone; in two at x^2 - c^2 = h^2/(c^2 + sqrt(c^4 + 3h^2))."""
+        c2, h = self._c**2, self._h
+        one = (3.0 * self.outer_end**2 + 2.0 * c2) / 6.0
+        y = one if self.merged else c2 + h * h / (c2 + sqrt(c2 * c2 + 3.0 * h * h))
+        return float(self.pressure(sqrt(y)))
+
+    def height(self, x: ArrayLike) -> Array:
+        """f(x) [m], 0 at the two tips."""
+        x = np.asarray(x, dtype=float)
+        return self._unit * ((x - self._c) * (x + self._c)) ** 2
+
+    def slope(self, x: ArrayLike) -> Array:
+        """f'(x)."""
+        x = np.asarray(x, dtype=float)
+        return 4.0 * self._unit * x * (x - self._c) * (x + self._c)
+
+    def _pressure(self, r: Array, from_inner: Array, from_outer: Array) -> Array:
+        b = self.outer_end
+        if self.merged:
+            shape = 2.0 * r * r + (b * b - 2.0 * self._c**2)
+            return self.E_star * self._unit * np.sqrt(from_outer * (b + r)) * shape
+        product = from_inner * (r + self.inner_end) * from_outer * (b + r)
+        return 2.0 * self.E_star * self._unit * r * np.sqrt(product)
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its ends."""
+        if zone not in range(len(self.zones)):
+            raise SceneError.of("zone", zone, f"0 to {len(self.zones) - 1}")
+        t = np.asarray(t, dtype=float)
+        b = self.outer_end
+        if self.merged:
+            return self._pressure(b * np.abs(t), t, b * (1.0 - np.abs(t)))
+        outward = t if zone == 1 else -t
+        # The zone's width from h, not from b - a, which cancels in narrow zones.
+        half = self._h / (b + self.inner_end)
+        inner = half * (1.0 + outward)
+        return self._pressure(self.inner_end + inner, inner, half * (1.0 - outward))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """p(x) [Pa], 0 outside the zones."""
+        r = np.abs(np.asarray(x, dtype=float))
+        a, b = self.inner_end, self.outer_end
+        inside = (r < b) & ((r > a) | self.merged)
+        r = np.where(inside, r, 0.5 * (a + b))
+        return np.where(inside, self._pressure(r, r - a, b - r), 0.0)
+
+    def gap(self, x: ArrayLike) -> Array:
+        """u + f - approach [m], 0 in the zones."""
+        r = np.abs(np.asarray(x, dtype=float))
+        a, b, h = self.inner_end, self.outer_end, self._h
+        e = np.maximum(r - b, 0.0)
+        if self.merged:
+            eta = arcosh1p(e / b)
+            quartic = b**4 / 16.0 * sinh_minus(4.0 * eta)
+            return (
+                2.0
+                * self._unit
+                * (quartic + 0.25 * b * b * (b * b - 2.0 * self._c**2) * sinh_minus(2.0 * eta))
+            )
+        inner = np.maximum(a - r, 0.0)
+        beyond = e * (r + b) + inner * (r + a)  # v - h
+        return self._unit * h * h * zone_potential(beyond / h)
+
+    @property
+    def approach(self) -> float | None:
+        """min f = 0 and u measured from the datum; None without it."""
+        if self.datum is None:
+            return None
+        c, d = self._c, self.datum
+        if not self.merged:
+            return self._unit * self._h**2 * (log(2.0 * d * d / self._h) + 0.5)
+        # (2/pi E*) int_0^b P'(s) ln(2d/s) ds + f(0), P'(s) of the one-zone formula continued to s = 0
+        b = self.outer_end
+        ramp = self._unit * b * b * (3.0 * b * b - 8.0 * c * c) / 8.0
+        return 2.0 * self.load / (pi * self.E_star) * log(2.0 * d / b) + ramp + self._unit * c**4
+
+    @property
+    def stiffness(self) -> float | None:
+        """d load/d approach [Pa], that of flat punches on the same zones; None without the datum."""
+        if self.datum is None:
+            return None
+        d, b = self.datum, self.outer_end
+        return pi * self.E_star / (2.0 * log(2.0 * d / b) if self.merged else log(2.0 * d * d / self._h))
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """u(x) [m] into the body."""
+        approach = self.approach
+        if approach is None:
+            raise SceneError.of("datum", None, "a length > 0 where u of an isolated zone is asked for")
+        return approach - self.height(x) + self.gap(x)

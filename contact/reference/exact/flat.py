@@ -1,0 +1,95 @@
+"""Flat punch with sharp corners, alone and in a row of period L.
+
+Alone: M. A. Sadowsky (1928); K. L. Johnson, Contact Mechanics (1985), sec. 2.8. In a row: derived, with
+the substitution tan(pi x/L).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, pi
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.reference.exact.base import Array, SymmetricZone, arcosh1p, sine
+
+
+class _Punch(SymmetricZone):
+    """What the two share: the profile, and a load that the half-width does not set."""
+
+    def _height(self, r: Array) -> Array:
+        return np.where(r <= self.half_width, 0.0, inf)
+
+    def _slope(self, r: Array) -> Array:
+        return np.zeros_like(r)
+
+    def _gap(self, e: Array) -> Array:
+        return np.full_like(e, inf)
+
+    def _fall(self, e: Array) -> Array:
+        """(approach - u) pi E*/2P at the distance e from the punch."""
+        raise NotImplementedError
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """u(x) [m]: the approach in contact, falling outside."""
+        approach = self.approach
+        if approach is None:
+            return super().displacement(x)
+        e = np.maximum(np.abs(self._reduced(x)) - self.half_width, 0.0)
+        return approach - 2.0 * self.load / (pi * self.E_star) * self._fall(e)
+
+    def _approach(self) -> float:
+        return self.load * (self.punch_compliance or 0.0)
+
+
+@dataclass(frozen=True)
+class IsolatedPunch(_Punch):
+    """Sadowsky (1928): p = P/(pi sqrt(a^2 - x^2)), approach = (2P/pi E*) ln(2d/a);
+
+    outside u = approach - (2P/pi E*) arcosh(|x|/a). The gap outside is infinite, as the profile is.
+    """
+
+    half_width: float
+    E_star: float
+    load: float
+    datum: float | None = None
+    period = None
+
+    def __post_init__(self) -> None:
+        self._check("load")
+
+    def _pressure(self, r: Array, d: Array) -> Array:
+        with np.errstate(divide="ignore"):
+            return self.load / (pi * np.sqrt(d * (self.half_width + r)))
+
+    def _fall(self, e: Array) -> Array:
+        return arcosh1p(e / self.half_width)
+
+
+@dataclass(frozen=True)
+class PeriodicPunch(_Punch):
+    """A row of punches (derived), v = pi x/L, A = pi a/L: p = (P/L) cos v/sqrt(sin^2 A - sin^2 v),
+
+    approach = -(2P/pi E*) ln sin A; outside u = approach - (2P/pi E*) arcosh(sin v/sin A).
+    """
+
+    half_width: float
+    period: float
+    E_star: float
+    load: float
+    datum = None
+
+    def __post_init__(self) -> None:
+        self._check("load")
+
+    def _pressure(self, r: Array, d: Array) -> Array:
+        cosine = sine(0.5 * self.period - self.half_width + d, self.period)
+        root = np.sqrt(sine(d, self.period) * sine(self.half_width + r, self.period))
+        with np.errstate(divide="ignore"):
+            return self.load / self.period * cosine / root
+
+    def _fall(self, e: Array) -> Array:
+        # sin u/sin A - 1 = 2 cos((u + A)/2) sin((u - A)/2)/sin A
+        valley = sine(0.5 * self.period - self.half_width - 0.5 * e, self.period)
+        return arcosh1p(2.0 * np.maximum(valley, 0.0) * sine(0.5 * e, self.period) / self._sine())

@@ -1,0 +1,179 @@
+"""Localization of one zone in a period: the isolated solution plus the pressure that balances the neighbours'
+nominal one.
+
+I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045, eq. (13)-(17),
+(23)-(30). The nominal pressure P_s/L acts outside the strip of width L, so that (1/pi) PV int p/(x-xi) =
+(E*/2) f' + (2 P_s/pi L) artanh(2x/L).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan2, pi, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq, minimize_scalar
+
+from contact.errors import OutOfRange, SceneError
+from contact.model.checks import between, one_of, positive
+from contact.reference.exact.base import Array, SymmetricZone, abel_gap
+from contact.reference.exact.parabola import HertzLine
+from contact.reference.exact.sinusoid import IsolatedSinusoid
+from contact.reference.exact.wedge import IsolatedWedge
+
+FIRST_ORDER = "first-order"
+SELF_CONSISTENT = "self-consistent"
+
+
+def correction_pressure(x: ArrayLike, half_width: float, period: float, nominal_load: float) -> Array:
+    """Second term of (17): (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)), |x| <= a."""
+    r = np.minimum(np.abs(np.asarray(x, dtype=float)), half_width)
+    return _correction(r, half_width - r, half_width, period, nominal_load)
+
+
+def correction_load(half_width: float, period: float, nominal_load: float) -> float:
+    """Second term of (16): P_s (L - sqrt(L^2 - 4a^2))/L."""
+    root = sqrt((period - 2.0 * half_width) * (period + 2.0 * half_width))
+    return nominal_load * 4.0 * half_width**2 / (period * (period + root))
+
+
+def _correction(r: Array, d: Array, a: float, period: float, nominal_load: float) -> Array:
+    reach = 2.0 * np.sqrt(d * (a + r))
+    rest = sqrt((period - 2.0 * a) * (period + 2.0 * a))
+    return 2.0 * nominal_load / (pi * period) * np.arctan2(reach, rest)
+
+
+@dataclass(frozen=True)
+class LocalizedZone(SymmetricZone):
+    """An isolated solution in a period L with the neighbours' nominal load P_s taken over by the correction
+    of (17).
+
+    `first-order` (the paper's examples (23), (27), (30)): P_s is the isolated load P0, P = P0 (2 - sqrt(L^2 -
+    4a^2)/L). `self-consistent` ((16) solved): P_s = P = P0 L/sqrt(L^2 - 4a^2).
+    """
+
+    isolated: HertzLine | IsolatedWedge | IsolatedSinusoid
+    period: float
+    closure: str = FIRST_ORDER
+    datum = None
+
+    def __post_init__(self) -> None:
+        one_of("closure", self.closure, (FIRST_ORDER, SELF_CONSISTENT))
+        if not isinstance(self.isolated, (HertzLine, IsolatedWedge, IsolatedSinusoid)):
+            raise SceneError.of(
+                "isolated", self.isolated, "a HertzLine, an IsolatedWedge or an IsolatedSinusoid"
+            )
+        positive("period", self.period)
+        between("half_width", self.half_width, 0.0, 0.5 * self.period)
+        if isinstance(self.isolated, IsolatedSinusoid) and self.isolated.wavelength != self.period:
+            raise SceneError.of("wavelength", self.isolated.wavelength, f"the period {self.period:.17g}")
+        if float(self.load_rate(np.array(self.half_width))) < 0.0:
+            raise OutOfRange(f"half_width = {self.half_width:.6g} m is out of range: p < 0 at the ends")
+
+    @property
+    def half_width(self) -> float:  # type: ignore[override]
+        return self.isolated.half_width
+
+    @property
+    def E_star(self) -> float:  # type: ignore[override]
+        return self.isolated.E_star
+
+    @property
+    def _rest(self) -> float:
+        """sqrt(L^2 - 4a^2)/L."""
+        a = self.half_width
+        return sqrt((self.period - 2.0 * a) * (self.period + 2.0 * a)) / self.period
+
+    @property
+    def nominal_load(self) -> float:
+        """P_s, the load per period that acts outside the strip."""
+        return self.isolated.load if self.closure == FIRST_ORDER else self.load
+
+    @property
+    def load(self) -> float:
+        if self.closure == FIRST_ORDER:
+            return self.isolated.load + correction_load(self.half_width, self.period, self.isolated.load)
+        return self.isolated.load / self._rest
+
+    @property
+    def max_pressure(self) -> float:
+        angle = atan2(2.0 * self.half_width, self._rest * self.period)
+        return self.isolated.max_pressure + 2.0 * self.nominal_load / (pi * self.period) * angle
+
+    def load_rate(self, s: Array) -> Array:
+        """d(load)/da at a = s with the nominal load held: the superposition's P'(s)."""
+        s = np.asarray(s)
+        z = 2.0 * s / self.period
+        # s may round to L/2, where the rate is infinite but its integral is not.
+        root = np.sqrt(np.maximum(1.0 - z, 1e-16) * (1.0 + z))
+        return self.isolated.load_rate(s) + 2.0 * self.nominal_load / self.period * z / root
+
+    def _height(self, r: Array) -> Array:
+        return self.isolated.height(r)
+
+    def _slope(self, r: Array) -> Array:
+        return self.isolated.slope(r)
+
+    def _pressure(self, r: Array, d: Array) -> Array:
+        extra = _correction(r, d, self.half_width, self.period, self.nominal_load)
+        return self.isolated._pressure(r, d) + extra
+
+    def _gap(self, e: Array) -> Array:
+        return abel_gap(
+            self.load_rate, self.half_width, np.minimum(e, 0.5 * self.period - self.half_width), self.E_star
+        )
+
+    @property
+    def approach(self) -> float | None:
+        """None: the closures do not fix a common level of u."""
+        return None
+
+    @property
+    def stiffness(self) -> float | None:
+        """None, as the approach."""
+        return None
+
+
+def localized_at_load(
+    family: type[HertzLine] | type[IsolatedWedge] | type[IsolatedSinusoid],
+    load: float,
+    period: float,
+    closure: str = FIRST_ORDER,
+    **shape: Any,
+) -> LocalizedZone:
+    """The localized solution of a family at a load per period, on the branch that starts at zero load.
+
+    Past the load's maximum on that branch (the first-order sinusoid has one near a/L = 0.44) it is
+    OutOfRange.
+    """
+    positive("load", load)
+    positive("period", period)
+    one_of("closure", closure, (FIRST_ORDER, SELF_CONSISTENT))
+    if family is IsolatedSinusoid:
+        shape = {"wavelength": period, **shape}
+
+    def at(a: float) -> float:
+        zone = family(half_width=a, **shape)
+        rest = sqrt((period - 2.0 * a) * (period + 2.0 * a)) / period
+        return zone.load * (2.0 - rest) if closure == FIRST_ORDER else zone.load / rest
+
+    # The samples run into the maximum from below; the bracket about the first fall is refined.
+    widths = 0.5 * period * np.linspace(0.0, 1.0, 258)[1:-1]
+    falling = np.flatnonzero(np.diff([at(a) for a in widths]) < 0.0)
+    last = 0.5 * period * (1.0 - 1e-12)
+    if falling.size:
+        i = int(falling[0])
+        bracket = float(widths[max(i - 1, 0)]), float(widths[i + 1])
+        last = float(minimize_scalar(lambda a: -at(a), bounds=bracket, method="bounded").x)
+    most = at(last)
+    if load > most:
+        raise OutOfRange(
+            f"load = {load:.6g} N/m is out of range: the {closure} load is at most {most:.6g} N/m"
+        )
+    first = 0.25 * period
+    while at(first) > load:
+        first *= 0.5
+    a = float(brentq(lambda w: at(w) - load, min(first, last), last, xtol=1e-300, rtol=1e-15))
+    return LocalizedZone(family(half_width=a, **shape), period, closure)

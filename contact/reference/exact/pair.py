@@ -1,0 +1,253 @@
+"""Two zones a <= |x| <= b under an even pressure, alone or once in every period: one zone in another variable.
+
+With v = x and no period, v = tan(pi x/L) with one (the Hilbert kernel is then the Cauchy kernel in v, since the pressure
+is even), and y = v^2 = m + h cos(theta), the odd slope h'(x) of the gap to be closed is v G(y),
+G = sum g_n cos(n theta), and (34) with its boundary conditions becomes
+
+    bounded at all four ends   g_0 = 0,
+    p = (E* |v|/2) sum g_n sin(n theta),
+    P = pi E* h g_1/4 alone,   P = (E* L/2) |sum g_n rho^n| with a period,
+
+rho = -1/(z + sqrt(z^2 - 1)), z = (1 + m)/h. For G linear in y this is (32) and (33) of Goryacheva & Tsukanov (2020),
+doi 10.3389/fmech.2020.00045. The rest is derived here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from math import atan, ceil, exp, inf, log, pi, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.fft import dct
+from scipy.optimize import brentq
+
+from contact.errors import OutOfRange, SceneError
+from contact.model.checks import positive
+from contact.reference.exact.base import Array
+
+# The terms of a series that falls as rho^n: up to rounding, and what that takes where a zone all but ends at a singularity.
+_DIGITS = 38.0
+_FEWEST, _MOST = 32, 8192
+
+Ratio = Callable[[Array, float, float], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class EvenPair:
+    """Zones of given m and h, and the coefficients g_n of G on them; see the head of this file."""
+
+    middle: float
+    half: float
+    ratio: Array
+    E_star: float
+    period: float | None = None
+
+    @classmethod
+    def on(
+        cls, middle: float, half: float, ratio: Ratio, E_star: float, limit: float, period: float | None = None
+    ) -> EvenPair:
+        """The pair whose G is ratio(y, m, h), by its values at the Chebyshev nodes; G is singular at y = limit."""
+        g = dct(_values(ratio, middle, half, limit), type=2) / _nodes(middle, half, limit)
+        g[0] *= 0.5
+        return cls(middle, half, g, E_star, period)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """a and b."""
+        inner, outer = sqrt(self.middle - self.half), sqrt(self.middle + self.half)
+        if self.period is None:
+            return inner, outer
+        return self.period / pi * atan(inner), self.period / pi * atan(outer)
+
+    @property
+    def zones(self) -> Array:
+        a, b = self.ends
+        return np.array([[-b, -a], [a, b]])
+
+    @cached_property
+    def load(self) -> float:
+        """P of both zones together [N/m]."""
+        if self.period is None:
+            return float(0.25 * pi * self.E_star * self.half * self.ratio[1])
+        z = (1.0 + self.middle) / self.half
+        rho = -1.0 / (z + sqrt((z - 1.0) * (z + 1.0)))
+        return float(0.5 * self.E_star * self.period * abs(np.polynomial.polynomial.polyval(rho, self.ratio)))
+
+    def at_angle(self, theta: ArrayLike) -> Array:
+        """p at y = m + h cos(theta) [Pa]."""
+        theta = np.asarray(theta, dtype=float)
+        v = np.sqrt((self.middle - self.half) + 2.0 * self.half * np.cos(0.5 * theta) ** 2)
+        return np.asarray(0.5 * self.E_star * v * (np.sin(theta[..., None] * np.arange(len(self.ratio))) @ self.ratio))
+
+    def angle(self, x: ArrayLike) -> Array:
+        """theta at positions in a zone; 0 and pi outside."""
+        v = self._variable(x)
+        inner, outer = np.sqrt(self.middle - self.half), np.sqrt(self.middle + self.half)
+        share = (outer - v) * (outer + v) / (2.0 * self.half)
+        from_inner = (v - inner) * (v + inner) / (2.0 * self.half)
+        # The smaller of the two distances keeps the digits.
+        by_outer = 2.0 * np.arcsin(np.sqrt(np.clip(share, 0.0, 1.0)))
+        by_inner = pi - 2.0 * np.arcsin(np.sqrt(np.clip(from_inner, 0.0, 1.0)))
+        return np.asarray(np.where(share < 0.5, by_outer, by_inner))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """p(x) [Pa], 0 outside the zones."""
+        return self.at_angle(self.angle(x))
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        """p at the normalised position t in [-1, 1] of a zone."""
+        if zone not in (0, 1):
+            raise SceneError.of("zone", zone, "0 or 1")
+        a, b = self.ends
+        outward = np.asarray(t, dtype=float) * (1.0 if zone == 1 else -1.0)
+        return self.pressure(0.5 * (a + b) + 0.5 * (b - a) * outward)
+
+    @cached_property
+    def max_pressure(self) -> float:
+        """Peak pressure [Pa]: the best of many angles, its parabola's top taken."""
+        theta = np.linspace(0.0, pi, 2001)
+        for _ in range(6):
+            p = self.at_angle(theta)
+            best = int(np.clip(np.argmax(p), 1, len(theta) - 2))
+            theta = np.linspace(theta[best - 1], theta[best + 1], 41)
+        return float(np.max(self.at_angle(theta)))
+
+    def _variable(self, x: ArrayLike) -> Array:
+        r = np.abs(np.asarray(x, dtype=float))
+        if self.period is None:
+            return np.asarray(r)
+        return np.asarray(np.abs(np.tan(pi / self.period * (r - self.period * np.round(r / self.period)))))
+
+
+def _nodes(middle: float, half: float, limit: float) -> int:
+    """How many Chebyshev nodes G takes: by its distance from y = -1, where arctan v branches, and from the limit."""
+    nearest = min(1.0 + middle, limit - middle) / half
+    rate = log(nearest + sqrt(max((nearest - 1.0) * (nearest + 1.0), 0.0))) if nearest > 1.0 else 0.0
+    return _MOST if rate * _MOST < _DIGITS else max(_FEWEST, ceil(_DIGITS / rate))
+
+
+def _values(ratio: Ratio, middle: float, half: float, limit: float) -> Array:
+    n = _nodes(middle, half, limit)
+    # y from the inner end: m - h is small where the zones are close to merging.
+    y = (middle - half) + 2.0 * half * np.cos(0.5 * pi * (np.arange(n) + 0.5) / n) ** 2
+    return ratio(y, middle, half)
+
+
+def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
+    """m at which g_0 = 0 for a given h, m + h < limit; None where the zones would have met (m <= h)
+    or left the strip.
+
+    g_0 grows with m: G is negative where the tip lies further out, positive where it lies further in.
+    """
+
+    def miss(middle: float) -> float:
+        return float(np.mean(_values(ratio, middle, half, limit)))
+
+    if 2.0 * half >= limit or miss(half) >= 0.0:
+        return None
+    if limit < inf:
+        high = (1.0 - 1e-12) * (limit - half)
+        if high <= half or miss(high) <= 0.0:
+            return None
+    else:
+        high = 2.0 * half
+        while miss(high) <= 0.0:
+            high *= 2.0
+    return float(brentq(miss, half, high, xtol=1e-300, rtol=1e-15))
+
+
+def pair_at_load(
+    ratio: Ratio, load: float, E_star: float, limit: float, period: float | None = None, middle: float | None = None
+) -> EvenPair:
+    """The pair that carries the load, m by `bounded_middle` or, given, held: the root of P(h), which grows with h.
+
+    limit: what y stays below. OutOfRange past the load at which the zones meet.
+    """
+
+    def at(half: float) -> EvenPair | None:
+        m = bounded_middle(ratio, half, limit) if middle is None else (middle if half < middle else None)
+        return None if m is None else EvenPair.on(m, half, ratio, E_star, limit, period)
+
+    def miss(log_half: float) -> float:
+        pair = at(exp(log_half))
+        # Past the meeting the load is above any other.
+        return inf if pair is None else log(pair.load / load)
+
+    low = log(limit if np.isfinite(limit) else 1.0) - 1.0
+    while miss(low) > 0.0:
+        low -= 2.0
+    step = 1.0
+    while (ahead := miss(low + step)) <= 0.0 or ahead == inf:
+        if ahead == inf:
+            step *= 0.5
+        else:
+            low += step
+        if step < 1e-13:
+            raise OutOfRange(f"load = {load:.6g} N/m is out of range: the two zones have merged")
+    pair = at(exp(float(brentq(miss, low, low + step, xtol=1e-15, rtol=1e-15))))
+    assert pair is not None
+    return pair
+
+
+@dataclass(frozen=True)
+class PeriodicBiquadratic:
+    """f = (x^2 - c^2)^2/8Rc^2 repeated with the period L, while each tip has its own zone: exact, by (34) in
+    v = tan(pi x/L). The series of G = f'(x(v))/v is the only thing that is not elementary. `spacing` is 2c."""
+
+    radius: float
+    spacing: float
+    period: float
+    E_star: float
+    mean_pressure: float
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "spacing", "period", "E_star", "mean_pressure"):
+            positive(name, getattr(self, name))
+        if not self.spacing < self.period:
+            raise SceneError.of("spacing", self.spacing, f"below the period {self.period:.17g}")
+
+    @cached_property
+    def pair(self) -> EvenPair:
+        c, length = 0.5 * self.spacing, self.period
+
+        def ratio(y: Array, middle: float, half: float) -> Array:
+            v = np.sqrt(y)
+            x = length / pi * np.arctan(v)
+            return x * (x - c) * (x + c) / (2.0 * self.radius * c * c * v)
+
+        return pair_at_load(ratio, self.load, self.E_star, inf, length)
+
+    load = property(lambda self: self.mean_pressure * self.period)
+    zones = property(lambda self: self.pair.zones)
+    zone_widths = property(lambda self: np.diff(self.pair.zones, axis=1)[:, 0])
+    zone_loads = property(lambda self: np.full(2, 0.5 * self.load))
+    max_pressure = property(lambda self: self.pair.max_pressure)
+    contact_fraction = property(lambda self: float(np.sum(self.zone_widths)) / self.period)
+
+    @property
+    def inner_end(self) -> float:
+        """a."""
+        return self.pair.ends[0]
+
+    @property
+    def outer_end(self) -> float:
+        """b."""
+        return self.pair.ends[1]
+
+    def slope(self, x: ArrayLike) -> Array:
+        """f'(x)."""
+        x = np.asarray(x, dtype=float)
+        x = x - self.period * np.round(x / self.period)
+        c = 0.5 * self.spacing
+        return np.asarray(x * (x - c) * (x + c) / (2.0 * self.radius * c * c))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """p(x) [Pa], 0 outside the zones."""
+        return self.pair.pressure(x)
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone."""
+        return self.pair.pressure_at(t, zone)

@@ -1,0 +1,146 @@
+"""Parabola f = x^2/2R, alone (Hertz) and in a row of period L (Kuznetsov; a sharp valley at L/2).
+
+H. Hertz (1882); K. L. Johnson, Contact Mechanics (1985), sec. 4.2. Ye. A. Kuznetsov, "Periodic contact
+problem for half-plane allowing for forces of friction", Sov. Appl. Mech. 12 (1976), and Kuznetsov (1978) for
+the load (28).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, expm1, log, log1p, pi, sqrt
+
+import numpy as np
+from scipy.special import spence
+
+from contact.reference.exact.base import (
+    FROM_LEFT,
+    WEIGHT,
+    Array,
+    IsolatedZone,
+    PeriodicZone,
+    arccos1m,
+    arcosh1p,
+    half_width_from_sine,
+    sine,
+    zone_potential,
+)
+
+
+@dataclass(frozen=True)
+class HertzLine(IsolatedZone):
+    """Hertz (1882): p = (E*/2R) sqrt(a^2 - x^2), P = pi E* a^2/4R,
+
+    gap = (1/2R)(x sqrt(x^2 - a^2) - a^2 arcosh(x/a)), approach = (a^2/2R)(ln(2d/a) + 1/2) (greatest at 2d).
+    """
+
+    radius: float
+    E_star: float
+    half_width: float
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        self._check("radius")
+
+    @classmethod
+    def _half_width_for(cls, load: float, **shape: float) -> float:
+        return sqrt(4.0 * load * shape["radius"] / (pi * shape["E_star"]))
+
+    def _height(self, r: Array) -> Array:
+        return r * r / (2.0 * self.radius)
+
+    def _slope(self, r: Array) -> Array:
+        return r / self.radius
+
+    def _pressure(self, r: Array, d: Array) -> Array:
+        return self.E_star / (2.0 * self.radius) * np.sqrt(d * (self.half_width + r))
+
+    def load_rate(self, s: Array) -> Array:
+        """dP/da at a = s."""
+        return pi * self.E_star / (2.0 * self.radius) * s
+
+    def _gap(self, e: Array) -> Array:
+        return self.half_width**2 / (2.0 * self.radius) * zone_potential(e / self.half_width)
+
+    @property
+    def load(self) -> float:
+        return pi * self.E_star * self.half_width**2 / (4.0 * self.radius)
+
+    @property
+    def max_pressure(self) -> float:
+        return self.E_star * self.half_width / (2.0 * self.radius)
+
+    def _approach(self) -> float:
+        assert self.datum is not None
+        return self.half_width**2 / (2.0 * self.radius) * (log(2.0 * self.datum / self.half_width) + 0.5)
+
+
+@dataclass(frozen=True)
+class PeriodicParabola(PeriodicZone):
+    """Kuznetsov's load (28), P = -(L^2 E*/2 pi R) ln cos A, and by the superposition of punches in closed
+    form (derived here):
+
+    p = (L E*/2 pi R) arcosh(cos u/cos A),   gap slope = (L/pi R) arccos(cos u/cos A),
+    u = pi x/L, A = pi a/L,
+    approach = (L^2/4 pi^2 R)(Li_2(sin^2 A) + ln sin^2 A ln cos^2 A), which tends to the mean height L^2/24R.
+    """
+
+    radius: float
+    period: float
+    E_star: float
+    half_width: float
+
+    def __post_init__(self) -> None:
+        self._check("radius")
+
+    @classmethod
+    def _half_width_for(cls, load: float, **shape: float) -> float:
+        y = 2.0 * pi * load * shape["radius"] / (shape["period"] ** 2 * shape["E_star"])
+        return half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
+
+    def _height(self, r: Array) -> Array:
+        return r * r / (2.0 * self.radius)
+
+    def _slope(self, r: Array) -> Array:
+        return r / self.radius
+
+    def _pressure(self, r: Array, d: Array) -> Array:
+        # cos u - cos A = 2 sin((A + u)/2) sin((A - u)/2)
+        y = 2.0 * sine(0.5 * (self.half_width + r), self.period) * sine(0.5 * d, self.period) / self._cosine()
+        return self.period * self.E_star / (2.0 * pi * self.radius) * arcosh1p(y)
+
+    def _gap(self, e: Array) -> Array:
+        # The integral of arccos(cos u/cos A) is not elementary; the rule gives it to rounding.
+        step = e[..., None] * FROM_LEFT
+        y = (
+            2.0
+            * sine(self.half_width + 0.5 * step, self.period)
+            * sine(0.5 * step, self.period)
+            / self._cosine()
+        )
+        total = np.sum(e[..., None] * WEIGHT * arccos1m(y), axis=-1)
+        return self.period / (pi * self.radius) * total
+
+    def _log_cosine(self) -> float:
+        s, c = self._sine(), self._cosine()
+        return log(c) if c < s else 0.5 * log1p(-s * s)
+
+    @property
+    def load(self) -> float:
+        return -(self.period**2) * self.E_star / (2.0 * pi * self.radius) * self._log_cosine()
+
+    @property
+    def max_pressure(self) -> float:
+        c = self._cosine()
+        y = 2.0 * float(sine(0.5 * self.half_width, self.period)) ** 2 / c
+        return self.period * self.E_star / (2.0 * pi * self.radius) * float(arcosh1p(y))
+
+    def _approach(self) -> float:
+        square = self._sine() ** 2
+        if square < 0.25:  # Li_2 by its series: scipy's loses relative accuracy for small arguments
+            k = np.arange(1, 31)
+            dilogarithm = float(np.sum(square**k / k**2.0))
+        else:
+            dilogarithm = float(spence(self._cosine() ** 2))
+        unit = (self.period / pi) ** 2 / (4.0 * self.radius)
+        return unit * (dilogarithm + 4.0 * self._log_sine() * self._log_cosine())

@@ -1,0 +1,227 @@
+"""Sinusoid f = Delta (1 - cos(2 pi x/L)): Westergaard's periodic contact, full contact, and one wave alone.
+
+H. M. Westergaard, "Bearing pressures and cracks", J. Appl. Mech. 6 (1939) A49-A53. One wave: I. Tsukanov
+(2018a), as given by Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045, eq. (18)-(22); the factor of
+(18) is misprinted there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, log, pi, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+from scipy.special import itj0y0, j0, j1, jn_zeros, jv
+
+from contact.errors import OutOfRange
+from contact.model.checks import positive
+from contact.reference.exact.base import (
+    Array,
+    IsolatedZone,
+    PeriodicZone,
+    abel_gap,
+    half_width_from_sine,
+    refuse_load,
+    sine,
+    zone_potential,
+)
+
+
+@dataclass(frozen=True)
+class Westergaard(PeriodicZone):
+    """Westergaard (1939), with p* = pi E* Delta/L and u = pi x/L, A = pi a/L:
+
+    (18) p = sqrt2 p* cos u sqrt(cos 2u - cos 2A),   (19) mean pressure = p* sin^2 A,
+    approach = Delta sin^2 A (1 - ln sin^2 A),
+    gap = 2 Delta (s q - sin^2 A arcosh(s/sin A)), s = sin u, q^2 = s^2 - sin^2 A.
+    """
+
+    amplitude: float
+    period: float
+    E_star: float
+    half_width: float
+
+    def __post_init__(self) -> None:
+        self._check("amplitude")
+
+    @property
+    def full_contact_pressure(self) -> float:
+        """p*, the smallest mean pressure of full contact."""
+        return pi * self.E_star * self.amplitude / self.period
+
+    @classmethod
+    def _half_width_for(cls, load: float, **shape: float) -> float:
+        most = pi * shape["E_star"] * shape["amplitude"]
+        refuse_load(load, most, "contact is full (use FullContactSinusoid)")
+        return half_width_from_sine(sqrt(load / most), sqrt((most - load) / most), shape["period"])
+
+    def _height(self, r: Array) -> Array:
+        return 2.0 * self.amplitude * sine(r, self.period) ** 2
+
+    def _slope(self, r: Array) -> Array:
+        return 2.0 * pi * self.amplitude / self.period * sine(2.0 * r, self.period)
+
+    def _pressure(self, r: Array, d: Array) -> Array:
+        # cos 2u - cos 2A = 2 sin(A - u) sin(A + u); cos u from the distance to L/2.
+        cosine = sine(0.5 * self.period - self.half_width + d, self.period)
+        root = np.sqrt(sine(d, self.period) * sine(self.half_width + r, self.period))
+        return 2.0 * self.full_contact_pressure * cosine * root
+
+    def _gap(self, e: Array) -> Array:
+        s, half = self._sine(), 0.5 * e
+        # sin u/sin A - 1 = 2 cos((u + A)/2) sin((u - A)/2)/sin A
+        z = 2.0 * sine(0.5 * self.period - self.half_width - half, self.period) * sine(half, self.period) / s
+        return 2.0 * self.amplitude * s * s * zone_potential(np.maximum(z, 0.0))
+
+    @property
+    def load(self) -> float:
+        return pi * self.E_star * self.amplitude * self._sine() ** 2
+
+    @property
+    def max_pressure(self) -> float:
+        return 2.0 * self.full_contact_pressure * self._sine()
+
+    def _approach(self) -> float:
+        return self.amplitude * self._sine() ** 2 * (1.0 - 2.0 * self._log_sine())
+
+
+@dataclass(frozen=True)
+class FullContactSinusoid:
+    """Full contact of the sinusoid, mean pressure >= p* = pi E* Delta/L: p = mean + p* cos(2 pi x/L)."""
+
+    amplitude: float
+    period: float
+    E_star: float
+    mean_pressure: float
+
+    def __post_init__(self) -> None:
+        for name in ("amplitude", "period", "E_star", "mean_pressure"):
+            positive(name, getattr(self, name))
+        if self.mean_pressure < self.full_contact_pressure:
+            raise OutOfRange(
+                f"mean_pressure = {self.mean_pressure:.6g} Pa is out of range: full contact begins at "
+                f"{self.full_contact_pressure:.6g} Pa"
+            )
+
+    @property
+    def full_contact_pressure(self) -> float:
+        """p*."""
+        return pi * self.E_star * self.amplitude / self.period
+
+    zones = property(lambda self: np.empty((0, 2)))
+    contact_fraction = property(lambda self: 1.0)
+    load = property(lambda self: self.mean_pressure * self.period)
+    max_pressure = property(lambda self: self.mean_pressure + self.full_contact_pressure)
+    approach = property(lambda self: self.amplitude)
+    stiffness = property(lambda self: inf)
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """p(x) = mean - p* + 2 p* cos^2(pi x/L)."""
+        least = self.mean_pressure - self.full_contact_pressure
+        return least + 2.0 * self.full_contact_pressure * np.cos(pi / self.period * np.asarray(x)) ** 2
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """u = Delta cos(2 pi x/L)."""
+        return self.amplitude * np.cos(2.0 * pi / self.period * np.asarray(x, dtype=float))
+
+    def gap(self, x: ArrayLike) -> Array:
+        """0."""
+        return np.zeros_like(np.asarray(x, dtype=float))
+
+
+@dataclass(frozen=True)
+class IsolatedSinusoid(IsolatedZone):
+    """One wave alone, Tsukanov (2018a), k = 2 pi/L, t = x/a:
+
+    (20) p = (2 pi Delta E*/L) sqrt(1 - t^2) sum_j (-1)^j J_{2j+1}(ka) U_{2j}(t),
+    (21) P = (pi^2 Delta E*/L) a J_1(ka),
+    (22) p(0) = (pi Delta E*/L) int_0^{ka} J_0.
+
+    The pressure is positive up to a/L = 0.3827, the first zero of J_0, where the load is greatest; beyond it
+    (`admissible` is False) the formula is only an ingredient of the localized solution. `wavelength` is L:
+    nothing repeats here.
+    """
+
+    amplitude: float
+    wavelength: float
+    E_star: float
+    half_width: float
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("wavelength", self.wavelength)
+        self._check("amplitude", extent=0.5 * self.wavelength)
+
+    @property
+    def _k(self) -> float:
+        return 2.0 * pi / self.wavelength
+
+    @property
+    def admissible(self) -> bool:
+        """Whether the pressure is positive up to the ends."""
+        return self._k * self.half_width <= float(jn_zeros(0, 1)[0])
+
+    @classmethod
+    def _half_width_for(cls, load: float, **shape: float) -> float:
+        k = 2.0 * pi / shape["wavelength"]
+        unit = 0.5 * pi * shape["E_star"] * shape["amplitude"]
+        ka = float(jn_zeros(0, 1)[0])
+        refuse_load(load, unit * ka * float(j1(ka)), "the load of one wave is greatest")
+        return float(brentq(lambda z: unit * z * j1(z) - load, 0.0, ka, xtol=1e-300, rtol=1e-15)) / k
+
+    def _height(self, r: Array) -> Array:
+        return 2.0 * self.amplitude * sine(r, self.wavelength) ** 2
+
+    def _slope(self, r: Array) -> Array:
+        return self.amplitude * self._k * np.sin(self._k * r)
+
+    def _pressure(self, r: Array, d: Array) -> Array:
+        a, ka = self.half_width, self._k * self.half_width
+        # sqrt(1 - t^2) U_2j(t) = sin((2j + 1) phi), t = cos phi; phi from half the distance to the end.
+        phi = 2.0 * np.arcsin(np.sqrt(0.5 * d / a))
+        j = np.arange(20)  # J_41(pi) is below 1e-40
+        weight = (-1.0) ** j * jv(2 * j + 1, ka)
+        return (
+            self.E_star
+            * self.amplitude
+            * self._k
+            * np.sum(weight * np.sin((2 * j + 1) * phi[..., None]), axis=-1)
+        )
+
+    def load_rate(self, s: ArrayLike) -> Array:
+        """dP/da at a = s."""
+        z = self._k * np.asarray(s)
+        return np.asarray(0.5 * pi * self.E_star * self.amplitude * self._k * z * j0(z))
+
+    def _gap(self, e: Array) -> Array:
+        return abel_gap(self.load_rate, self.half_width, e, self.E_star)
+
+    @property
+    def load(self) -> float:
+        ka = self._k * self.half_width
+        return 0.5 * pi * self.E_star * self.amplitude * ka * float(j1(ka))
+
+    @property
+    def max_pressure(self) -> float:
+        return 0.5 * self.E_star * self.amplitude * self._k * float(itj0y0(self._k * self.half_width)[0])
+
+    def _approach(self) -> float:
+        # (2/pi E*) int P'(s) ln(2d/s) ds, with int_0^a P/s ds = (pi E* Delta/2)(1 - J_0(ka))
+        assert self.datum is not None
+        ka = self._k * self.half_width
+        decay = 2.0 * self.load / (pi * self.E_star) * log(2.0 * self.datum / self.half_width)
+        return decay + self.amplitude * (1.0 - float(j0(ka)))
+
+
+def sinusoid(mean_pressure: float, **shape: Any) -> Westergaard | FullContactSinusoid:
+    """The periodic sinusoid (amplitude, period, E_star) at any mean pressure, in partial or full contact."""
+    positive("mean_pressure", mean_pressure)
+    for field, value in shape.items():
+        positive(field, value)
+    full = pi * shape["E_star"] * shape["amplitude"] / shape["period"]
+    if mean_pressure >= full:
+        return FullContactSinusoid(mean_pressure=mean_pressure, **shape)
+    return Westergaard.from_mean_pressure(mean_pressure, **shape)

@@ -1,0 +1,320 @@
+"""Punches turned by a small angle on a half-plane: the gap at zero load is f(x) - tilt x, and M = int p x dx.
+
+Derived here, e = M/P being the centre of the load. The pressure of a turned flat punch in full contact is that of
+N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics (1985), sec. 2.8; where it would pull, one end
+lifts off and the zone is bounded there. A parabola only moves its zone. A turned wedge has unequal slopes, and the angle
+phi of its tip, cos phi = -sin(pi tilt / 2 slope), makes both ends free.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import atan, cos, inf, log, pi, sin, tan
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.errors import OutOfRange, SceneError
+from contact.model.checks import finite, positive, positive_or_none
+from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, arcosh1p, zone_potential
+
+
+class TiltedZone:
+    """One zone of half width `half_width` about `middle`; its families give formulas in distances from the ends."""
+
+    # Annotations only: a value here would become the default of a subclass's dataclass field of that name.
+    E_star: float
+    datum: float | None
+    period = None
+
+    if TYPE_CHECKING:
+
+        @property
+        def half_width(self) -> float: ...
+        @property
+        def tilt(self) -> float: ...
+        @property
+        def load(self) -> float:
+            """P [N/m]."""
+
+        @property
+        def moment(self) -> float:
+            """M = int p x dx [N]."""
+
+    @property
+    def middle(self) -> float:
+        raise NotImplementedError
+
+    @property
+    def max_pressure(self) -> float:
+        """Peak pressure [Pa]; inf where there is a corner or a tip in the zone."""
+        return inf
+
+    def height(self, x: ArrayLike) -> Array:
+        """f(x) [m] of the body as it is given, f(0) = 0."""
+        raise NotImplementedError
+
+    def slope(self, x: ArrayLike) -> Array:
+        """f'(x) - tilt, as the body stands."""
+        raise NotImplementedError
+
+    def _approach(self, datum: float) -> float:
+        raise NotImplementedError
+
+    def _pressure(self, left: Array, right: Array) -> Array:
+        """p at distances from the ends over the half width, left + right = 2."""
+        raise NotImplementedError
+
+    def _gap(self, beyond: Array, side: int) -> Array:
+        """Gap at a distance beyond the right (side 1) or left (-1) end, over the half width."""
+        raise NotImplementedError
+
+    @property
+    def zones(self) -> Array:
+        return np.array([[self.middle - self.half_width, self.middle + self.half_width]])
+
+    @property
+    def zone_widths(self) -> Array:
+        return np.array([2.0 * self.half_width])
+
+    @property
+    def zone_loads(self) -> Array:
+        return np.array([self.load])
+
+    @property
+    def approach(self) -> float | None:
+        """By how much the body has come down at x = 0, from f(0) = 0 on; None without a datum."""
+        return None if self.datum is None else self._approach(self.datum)
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        """Pressure [Pa] at the normalised position t in [-1, 1] of the zone."""
+        if zone != 0:
+            raise SceneError.of("zone", zone, "0: there is one zone")
+        t = np.asarray(t, dtype=float)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return self._pressure(1.0 + t, 1.0 - t)
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """p(x) [Pa], 0 outside the zone."""
+        t = (np.asarray(x, dtype=float) - self.middle) / self.half_width
+        inside = np.abs(t) < 1.0
+        return np.where(inside, self.pressure_at(np.where(inside, t, 0.5)), 0.0)
+
+    def gap(self, x: ArrayLike) -> Array:
+        """u + f - tilt x - approach [m], 0 in the zone."""
+        z = (np.asarray(x, dtype=float) - self.middle) / self.half_width
+        beyond = np.maximum(np.abs(z) - 1.0, 0.0)
+        right, left = self._gap(beyond, 1), self._gap(beyond, -1)
+        return np.where(beyond > 0.0, np.where(z > 0.0, right, left), 0.0)
+
+
+@dataclass(frozen=True)
+class TiltedParabola(TiltedZone):
+    """f = x^2/2R: the zone of Hertz about x = R tilt, M = P R tilt, approach = that of Hertz - R tilt^2/2."""
+
+    radius: float
+    E_star: float
+    half_width: float
+    tilt: float
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "E_star", "half_width"):
+            positive(name, getattr(self, name))
+        finite("tilt", self.tilt)
+        positive_or_none("datum", self.datum)
+
+    @property
+    def middle(self) -> float:
+        return self.radius * self.tilt
+
+    @property
+    def load(self) -> float:
+        return pi * self.E_star * self.half_width**2 / (4.0 * self.radius)
+
+    @property
+    def moment(self) -> float:
+        return self.load * self.middle
+
+    @property
+    def max_pressure(self) -> float:
+        return self.E_star * self.half_width / (2.0 * self.radius)
+
+    def height(self, x: ArrayLike) -> Array:
+        return np.asarray(np.asarray(x, dtype=float) ** 2 / (2.0 * self.radius))
+
+    def slope(self, x: ArrayLike) -> Array:
+        return np.asarray((np.asarray(x, dtype=float) - self.middle) / self.radius)
+
+    def _pressure(self, left: Array, right: Array) -> Array:
+        return np.asarray(self.max_pressure * np.sqrt(left * right))
+
+    def _gap(self, beyond: Array, side: int) -> Array:
+        return self.half_width**2 / (2.0 * self.radius) * zone_potential(beyond)
+
+    def _approach(self, datum: float) -> float:
+        a = self.half_width
+        return a**2 / (2.0 * self.radius) * (log(2.0 * datum / a) + 0.5) - 0.5 * self.radius * self.tilt**2
+
+
+@dataclass(frozen=True)
+class TiltedWedge(TiltedZone):
+    """f = slope |x|, alpha = pi tilt / 2 slope, of half width w about w sin alpha, the tip at t = -sin alpha in the zone:
+
+    P = E* slope w cos alpha,   M = P w sin alpha / 2 = (P^2 / 2 E* slope) tan alpha,
+    p = (E* slope/pi) arcosh((1 + t sin alpha)/|t + sin alpha|),   approach = (2P/pi E*)(ln(2d/w) + 1).
+    """
+
+    wedge_slope: float
+    E_star: float
+    half_width: float
+    tilt: float
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("wedge_slope", "E_star", "half_width"):
+            positive(name, getattr(self, name))
+        finite("tilt", self.tilt)
+        positive_or_none("datum", self.datum)
+        if abs(self.tilt) >= self.wedge_slope:
+            raise OutOfRange(f"tilt = {self.tilt:.6g}: a wedge of slope {self.wedge_slope:.6g} turned so far lies on its flank")
+
+    @classmethod
+    def balanced(cls, load: float, moment: float, wedge_slope: float, E_star: float, datum: float | None = None) -> TiltedWedge:
+        """The solution of given load and moment."""
+        alpha = atan(2.0 * E_star * wedge_slope * moment / positive("load", load) ** 2)
+        w = load / (E_star * wedge_slope * cos(alpha))
+        return cls(wedge_slope, E_star, w, 2.0 * wedge_slope * alpha / pi, datum)
+
+    @property
+    def _alpha(self) -> float:
+        return pi * self.tilt / (2.0 * self.wedge_slope)
+
+    @property
+    def _tip(self) -> tuple[float, float]:
+        """Distances of the tip from the left and right end over the half width, 1 -+ sin alpha, near either end too."""
+        left, right = (2.0 * sin(pi * (self.wedge_slope - turn) / (4.0 * self.wedge_slope)) ** 2 for turn in (self.tilt, -self.tilt))
+        return left, right
+
+    @property
+    def _cos_alpha(self) -> float:
+        return sin(pi * (self.wedge_slope - abs(self.tilt)) / (2.0 * self.wedge_slope))
+
+    @property
+    def middle(self) -> float:
+        return self.half_width * sin(self._alpha)
+
+    @property
+    def zones(self) -> Array:
+        left, right = self._tip
+        return np.array([[-self.half_width * left, self.half_width * right]])
+
+    @property
+    def load(self) -> float:
+        return self.E_star * self.wedge_slope * self.half_width * self._cos_alpha
+
+    @property
+    def moment(self) -> float:
+        return 0.5 * self.load * self.middle
+
+    @property
+    def rotational_stiffness(self) -> float:
+        """dM/d tilt at given load [N]."""
+        return pi * self.load**2 / (4.0 * self.E_star * (self.wedge_slope * self._cos_alpha) ** 2)
+
+    def height(self, x: ArrayLike) -> Array:
+        return np.asarray(self.wedge_slope * np.abs(x))
+
+    def slope(self, x: ArrayLike) -> Array:
+        return np.asarray(self.wedge_slope * np.sign(x) - self.tilt)
+
+    def _pressure(self, left: Array, right: Array) -> Array:
+        at_left, at_right = self._tip
+        ratio = np.where(left > at_left, right * at_left / (left - at_left), left * at_right / (right - at_right))
+        return self.E_star * self.wedge_slope / pi * arcosh1p(np.abs(ratio))
+
+    def _gap(self, beyond: Array, side: int) -> Array:
+        # The gap opens with the slope (4 slope/pi) arctan((1 - rho) / ((1 + rho) tan(phi/2))), by the angle phi of the tip from
+        # the end it opens at and rho = z - sqrt(z^2 - 1), z = 1 + s.
+        turn = tan(0.25 * pi + 0.5 * side * self._alpha)
+        s = beyond[..., None] * FROM_LEFT
+        root = np.sqrt(s * (s + 2.0))
+        opening = np.arctan2(s + root, (2.0 + s + root) * turn)
+        return 4.0 * self.wedge_slope / pi * self.half_width * np.sum(beyond[..., None] * WEIGHT * opening, axis=-1)
+
+    def _approach(self, datum: float) -> float:
+        return 2.0 * self.load / (pi * self.E_star) * (log(2.0 * datum / self.half_width) + 1.0)
+
+
+@dataclass(frozen=True)
+class TiltedPunch(TiltedZone):
+    """A flat punch |x| <= a with sharp corners. Up to |e| = a/2 all of it is in contact,
+
+    p = (P + 2 M x/a^2) / (pi sqrt(a^2 - x^2)),   tilt = 4 M/(pi E* a^2),   approach = (2P/pi E*) ln(2d/a);
+    beyond, a zone of half width w = 2 (a - |e|) at one corner, t = 1 there,
+    p = (P/pi w) sqrt((1 + t)/(1 - t)),   |tilt| = 2P/(pi E* w),   approach = w |tilt| ln(2d/w) - (a - w)|tilt|.
+    """
+
+    corner: float
+    E_star: float
+    load: float
+    moment: float
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("corner", "E_star", "load"):
+            positive(name, getattr(self, name))
+        finite("moment", self.moment)
+        positive_or_none("datum", self.datum)
+        if not abs(self.moment) < self.load * self.corner:
+            raise OutOfRange(f"moment = {self.moment:.6g} N: the load's centre is not between the corners")
+
+    @property
+    def lifted(self) -> bool:
+        """Whether one end is out of contact."""
+        return abs(self.moment) > 0.5 * self.load * self.corner
+
+    @property
+    def half_width(self) -> float:
+        return 2.0 * (self.corner - abs(self.moment) / self.load) if self.lifted else self.corner
+
+    @property
+    def middle(self) -> float:
+        return float(np.sign(self.moment)) * (self.corner - self.half_width)
+
+    @property
+    def tilt(self) -> float:
+        if self.lifted:
+            return float(np.sign(self.moment)) * 2.0 * self.load / (pi * self.E_star * self.half_width)
+        return 4.0 * self.moment / (pi * self.E_star * self.corner**2)
+
+    @property
+    def rotational_stiffness(self) -> float:
+        """dM/d tilt at given load [N]: pi E* w^2/4, with w = a in full contact."""
+        return 0.25 * pi * self.E_star * self.half_width**2
+
+    def height(self, x: ArrayLike) -> Array:
+        return np.where(np.abs(x) <= self.corner, 0.0, inf)
+
+    def slope(self, x: ArrayLike) -> Array:
+        return np.full(np.shape(x), -self.tilt)
+
+    def _pressure(self, left: Array, right: Array) -> Array:
+        mean = self.load / (pi * self.half_width)
+        if self.lifted:
+            return np.asarray(mean * (np.sqrt(left / right) if self.moment > 0 else np.sqrt(right / left)))
+        share = 2.0 * self.moment / (self.load * self.corner)
+        return np.asarray(mean * (1.0 + share * 0.5 * (left - right)) / np.sqrt(left * right))
+
+    def _gap(self, beyond: Array, side: int) -> Array:
+        if not self.lifted or side * self.moment > 0:
+            return np.full_like(beyond, inf)
+        # |tilt| int sqrt(y/(y + 2w)) dy from the lifted end to the other corner.
+        y = 0.5 * beyond
+        gap = 2.0 * self.half_width * abs(self.tilt) * (np.sqrt(y * (y + 1.0)) - np.arcsinh(np.sqrt(y)))
+        return np.where(beyond * self.half_width <= 2.0 * (self.corner - self.half_width), gap, inf)
+
+    def _approach(self, datum: float) -> float:
+        sunk = 2.0 * self.load / (pi * self.E_star) * log(2.0 * datum / self.half_width)
+        return sunk - abs(self.tilt * self.middle) if self.lifted else sunk

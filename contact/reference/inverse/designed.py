@@ -1,0 +1,251 @@
+"""Inverse design: exact contact problems with any given zones, by choosing the profile that makes them right.
+
+With X^2 the product over all zone ends (of x - e, or of 2 sin(pi (x - e)/L) with a period L) and M a product
+of the same kind with one root in every gap, such that int_gap X M dx = 0, the function Phi = (E*/2)(f' - X
+M), f' the polynomial part of X M, is the Cauchy (Hilbert) transform of
+
+    p = (E*/2)|X M| on the zones,   gap slope = X M between them,   f' a (trigonometric) polynomial.
+
+n zones alone: n - 1 roots, f of degree 2n. n zones a period: n roots, f a Fourier series of n harmonics (X
+and M change sign over a period as (-1)^n each, so that X M is periodic; its mean vanishes because its gap
+integrals do). Derived from the general solution (34) of Muskhelishvili, Singular Integral Equations (1953),
+ch. 11.
+
+All factors are formed from distances to the ends of the point's own zone or gap, so nothing cancels near an
+end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact.errors import SceneError
+from contact.model.checks import finite_array, positive, positive_or_none
+from contact.reference.exact.base import FROM_LEFT, WEIGHT
+from contact.reference.inverse.product import CutProduct
+from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class DesignedContact:
+    """An exact contact of given zones (n, 2), ascending, within one period if there is one, and given load
+    per period.
+
+    `profile` is the shape that has it; pressures, gaps and loads are exact to rounding.
+    """
+
+    zones: Array
+    E_star: float
+    load: float
+    period: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("E_star", "load"):
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        object.__setattr__(self, "period", positive_or_none("period", self.period))
+        zones = finite_array("zones", self.zones, ndim=2)
+        object.__setattr__(self, "zones", zones)
+        if zones.shape[1] != 2 or np.any(np.diff(zones.ravel()) <= 0.0):
+            raise SceneError.of("zones", self.zones, "an (n, 2) array of ends, strictly increasing")
+        if self.period is not None and not zones[-1, 1] - zones[0, 0] < self.period:
+            raise SceneError.of("zones", self.zones, f"within one period {self.period:.17g}")
+
+    @cached_property
+    def _long(self) -> CutProduct:
+        """The product in the longest precision there is: what the profile and the scale are made of."""
+        return CutProduct(self.zones.astype(np.longdouble), self.period)
+
+    @cached_property
+    def _product(self) -> CutProduct:
+        return self._long.rounded()
+
+    @cached_property
+    def _raw_loads(self) -> Array:
+        """int |X M| over each zone before scaling."""
+        nodes = [(i, *self._long.nodes(i)) for i in range(0, 2 * len(self.zones), 2)]
+        return np.array([np.sum(weight * self._long.magnitude(i, dl, dr)) for i, dl, dr, weight in nodes])
+
+    @cached_property
+    def _long_scale(self) -> Any:
+        """The factor of X M that gives the load."""
+        return self.load / (0.5 * self.E_star * np.sum(self._raw_loads))
+
+    @property
+    def _scale(self) -> float:
+        return float(self._long_scale)
+
+    # The profile: the polynomial part of X M
+    @cached_property
+    def profile(self) -> DesignedProfile:
+        """The shape with this contact."""
+        hull = (float(self.zones[0, 0]), float(self.zones[-1, 1]))
+        ends = self._long.zones.ravel()
+        roots = ends[list(self._long.gaps)] + self._long.roots[:, 0]
+        exponents = np.concatenate([np.full(len(ends), 0.5), np.ones(len(roots))])
+        n = len(self.zones)
+        if self.period is None:
+            # x = middle + half (v + 1/v)/2 maps (x - e)/unit to v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
+            points = np.concatenate([ends, roots])
+            phi = 2.0 * np.arctan2(np.sqrt(hull[1] - points), np.sqrt(points - hull[0]))
+            power_sums = np.array([2.0 * np.sum(exponents * np.cos(k * phi)) for k in range(2 * n)])
+            series = 2.0 * self._long_scale * exp_of_power_sums(power_sums).real[::-1]
+            series[0] *= 0.5
+            return DesignedProfile(None, series.astype(float), hull, np.empty(0), np.empty(0))
+        # Above the axis, w = e^{2 pi i z/L}: 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i
+        # e/L}).
+        angle = 2.0 * self._long.pi / self.period * np.concatenate([ends, roots])
+        power_sums = np.array([np.sum(exponents * np.exp(-1j * k * angle)) for k in range(n + 1)])
+        phase = np.exp(0.5j * np.sum(exponents * angle))
+        coefficients = phase * exp_of_power_sums(power_sums)
+        # The constant term is 2 i p_mean/E*: this fixes the sign of the root.
+        coefficients *= np.sign(coefficients[n].imag) * self._long_scale
+        harmonic = coefficients[n - 1 :: -1]  # of e^{-2 pi i m x/L}, m = 1 .. n
+        wave = 2.0 * self._long.pi / self.period * np.arange(1, n + 1)
+        cosine, sine = -2.0 * harmonic.imag / wave, 2.0 * harmonic.real / wave
+        return DesignedProfile(self.period, np.empty(0), hull, cosine.astype(float), sine.astype(float))
+
+    def height(self, x: ArrayLike) -> Array:
+        """f(x) [m], up to a constant."""
+        return self.profile.height(x)
+
+    def slope(self, x: ArrayLike) -> Array:
+        """f'(x)."""
+        return self.profile.slope(x)
+
+    # The solution
+    @property
+    def mean_pressure(self) -> float | None:
+        """Load over period; None without one."""
+        return None if self.period is None else self.load / self.period
+
+    @property
+    def zone_widths(self) -> Array:
+        return np.diff(self.zones, axis=1)[:, 0]
+
+    @property
+    def contact_fraction(self) -> float | None:
+        return None if self.period is None else float(np.sum(self.zone_widths)) / self.period
+
+    @property
+    def zone_loads(self) -> Array:
+        """Load of every zone [N/m]; they add up to the load."""
+        return np.asarray(self.load * self._raw_loads / np.sum(self._raw_loads), dtype=float)
+
+    @property
+    def nearness(self) -> float:
+        """Narrowest gap over widest zone: what makes a problem hard."""
+        gaps = self._product.steps[1::2]
+        return float(np.min(gaps) / np.max(self.zone_widths)) if gaps.size else np.inf
+
+    def _zone_pressure(self, zone: int, dl: Array, dr: Array) -> Array:
+        return np.asarray(0.5 * self.E_star * self._scale * self._product.magnitude(2 * zone, dl, dr), dtype=float)
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its ends."""
+        if zone not in range(len(self.zones)):
+            raise SceneError.of("zone", zone, f"0 to {len(self.zones) - 1}")
+        t = np.asarray(t, dtype=float)
+        half = 0.5 * self._product.steps[2 * zone]
+        return self._zone_pressure(zone, half * (1.0 + t), half * (1.0 - t))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """p(x) [Pa], 0 outside the zones."""
+        x = np.asarray(x, dtype=float)
+        interval, dl, dr = self._product.locate(x)
+        p = np.zeros_like(x)
+        for zone in range(len(self.zones)):
+            here = interval == 2 * zone
+            p[here] = self._zone_pressure(zone, dl[here], dr[here])
+        return p
+
+    def gap_slope(self, x: ArrayLike) -> Array:
+        """(u + f)' = X M between the zones, 0 in them."""
+        x = np.asarray(x, dtype=float)
+        interval, dl, dr = self._product.locate(x)
+        slope = np.zeros_like(x)
+        for i in np.unique(interval[interval % 2 == 1]):
+            here = interval == i
+            at = int(i), dl[here], dr[here]
+            slope[here] = self._scale * self._product.side(*at) * self._product.magnitude(*at)
+        return slope
+
+    def gap(self, x: ArrayLike) -> Array:
+        """u + f - approach [m]: |X M| integrated from the end on the same side of the gap's widest point."""
+        x = np.asarray(x, dtype=float)
+        interval, dl, dr = self._product.locate(x)
+        gap = np.zeros_like(x)
+        for i in np.unique(interval[interval % 2 == 1]):
+            here = interval == i
+            growing = (self._product.side(int(i), dl[here], dr[here]) > 0.0)[:, None]
+            way = np.where(growing, dl[here][:, None], dr[here][:, None])
+            near = way * FROM_LEFT
+            far = np.maximum((dl[here] + dr[here])[:, None] - near, 0.0)
+            values = self._product.magnitude(
+                int(i), np.where(growing, near, far), np.where(growing, far, near)
+            )
+            gap[here] = self._scale * np.sum(way * WEIGHT * values, axis=-1)
+        return gap
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """u(x) [m] into the body, of zero mean; periodic only."""
+        if self.approach is None:
+            raise SceneError.of("period", None, "a length > 0: an isolated displacement needs a datum")
+        return self.approach - (self.height(x) - self._least_height) + self.gap(x)
+
+    @cached_property
+    def max_pressure(self) -> float:
+        """Peak pressure [Pa], from ever closer samples around the largest one of every zone."""
+
+        def largest(zone: int) -> float:
+            return -least_value(lambda phi: -self.pressure_at(np.cos(phi), zone), 0.0, pi, 129)
+
+        return max(largest(zone) for zone in range(len(self.zones)))
+
+    @cached_property
+    def _least_height(self) -> float:
+        period = self.period or 0.0
+        return least_value(self.height, 0.0, period, 64 * len(self.zones) + 64)
+
+    @cached_property
+    def mean_gap(self) -> float | None:
+        """Mean of the gap over the period, -(1/L) sum int_gap x g' dx; None without a period."""
+        if self.period is None:
+            return None
+        total = 0.0
+        for g in self._product.gaps:
+            dl, dr, weight = self._product.nodes(g)
+            total -= float(
+                np.sum(weight * dl * self._product.side(g, dl, dr) * self._product.magnitude(g, dl, dr))
+            )
+        return float(self._scale * total / self.period)
+
+    @property
+    def approach(self) -> float | None:
+        """min f = 0 and mean u = 0, so that approach = mean f - min f - mean gap; None without a period."""
+        return None if self.mean_gap is None else -self._least_height - self.mean_gap
+
+
+def least_value(function: Callable[[Array], Array], low: float, high: float, samples: int) -> float:
+    """Smallest value of a smooth function, by samples and closer samples around the smallest."""
+    x = np.linspace(low, high, samples)
+    y = function(x)
+    best, half = float(x[np.argmin(y)]), float(x[1] - x[0])
+    for _ in range(8):  # the bracket shrinks to 1e-9 of a sample, far below the square root of rounding
+        x = np.clip(best + half * np.linspace(-1.0, 1.0, 33), low, high)
+        y = function(x)
+        best, half = float(x[np.argmin(y)]), half / 8.0
+    return float(np.min(y))
+
+
+def design(zones: ArrayLike, E_star: float, load: float, period: float | None = None) -> DesignedContact:
+    """The exact contact with these zones and this load (per period)."""
+    return DesignedContact(np.asarray(zones), E_star, load, period)

@@ -1,0 +1,1 @@
+"""Which zones: a scaled problem in, zones whose signs are right out."""

@@ -1,0 +1,111 @@
+"""The load at which what grows with it has a given value: the approach of a body, or the fraction of a surface in contact.
+
+Solutions under a load are the sure ones, and a bracket on the load cannot fail. Newton's step is one on a power of the load, the
+one that the last two rates ask for: the approach goes with 1/load^2 where a tilt makes most of it, elsewhere about with the load, the
+contact fraction with its root as a rule. Every state on the way is a solution under its load, from the zones of the nearest one.
+Upright, contact only grows with the load: the approach is concave in it, below its tangents, which tell soon that no load has the
+approach.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+from contact.errors import NotConverged, OutOfRange
+from contact.solution.solution import Solution
+
+_CLOSED = 1e-9
+_MOST = 80
+# Of the first load: the logarithm of the datum over a width changes it by less.
+_LIGHT = 1e-4
+# Loads at which no solution was found, beside which another is tried.
+_MISSES = 4
+
+# A quantity and its rate with the load [per N/m].
+Grown = Callable[[Solution], tuple[float, float]]
+
+
+def approach(solution: Solution) -> tuple[float, float]:
+    """The approach [m], and its rate: beyond its maximum over a datum it is negative."""
+    assert solution.approach is not None and solution.stiffness is not None
+    return solution.approach, 1 / solution.stiffness
+
+
+def contact_fraction(solution: Solution) -> tuple[float, float]:
+    """The part of the period in contact, and its rate."""
+    assert solution.contact_fraction is not None
+    return solution.contact_fraction, solution.fields.widening_rate
+
+
+def nearer(
+    solved: Callable[[float, Solution | None], Solution], grown: Grown, goal: float, first: float, least: float = 0.0,
+    bounded: bool = False, concave: bool = False, closed: float = _CLOSED,
+) -> Iterator[tuple[Solution, float]]:
+    """Solutions ever nearer to where the grown quantity has the value `goal`, with what part of their load they are off by, as far as
+    their rate tells; ends where the bracket has closed to `closed` of the load, or where no load has the goal.
+
+    solved(load, near). first: a load to begin with [N/m], least: one that is too small. bounded: the contact of a large load may reach
+    the end of what is known of the body. concave: the quantity is, in the load. Raises OutOfRange if no load has a solution at all.
+    """
+    low, high, load = least, math.inf, max(first, 2 * least)
+    found: list[Solution] = []  # the last below and above the goal, the newest at the end
+    refused: OutOfRange | None = None
+    misses, slow = 0, 0
+    reach = (0.0, math.inf)  # loads between which tangents allow the goal
+    for _ in range(_MOST):
+        step, before = math.nan, found[-1] if found else None
+        bracket = (low, high)
+        try:
+            here = solved(load, min(found, key=lambda other: abs(math.log(other.load / load))) if found else None)
+        except OutOfRange as refusal:
+            refused = refusal
+            too_large = bounded if before is None else load > before.load
+            low, high = (low, load) if too_large else (load, high)
+            if concave and before is None and load < _LIGHT * first:
+                break
+        except NotConverged:
+            misses += 1
+            if before is None or misses > _MISSES:
+                raise
+            step = math.sqrt(load * before.load)
+        else:
+            value, rate = grown(here)
+            miss = goal - value
+            step = _newton(here.load, rate, miss, None if before is None else (before.load, grown(before)[1]))
+            # The rate is negative beyond a maximum.
+            rises = rate > 0.0 and miss > 0.0
+            found = [*(other for other in found[-2:] if (other.load > here.load) == rises), here]
+            off = abs(miss / rate / load) if rate > 0.0 else math.inf
+            yield here, off
+            if off <= closed:
+                break
+            low, high = (load, high) if rises else (low, load)
+            tangent = load + miss / rate if rate != 0.0 else math.nan
+            reach = (tangent, reach[1]) if rises else (reach[0], tangent) if rate < 0.0 else reach
+            # Where the rate is no guide, the bracket is halved.
+            slow = 0 if high - low < 0.5 * (bracket[1] - bracket[0]) else slow + 1
+        if not low < step < high or (slow > 2 and 0.0 < low and high < math.inf):
+            step = math.sqrt(low * high) if 0.0 < low and high < math.inf else 10 * low if low > 0.0 else 0.1 * high
+            slow = 0
+        if concave and not reach[0] < min(reach[1], high):
+            break
+        load = step
+        if high - low <= closed * low:
+            break
+    if not found and refused is not None:
+        raise refused
+
+
+def _newton(load: float, rate: float, miss: float, before: tuple[float, float] | None) -> float:
+    """The load at which value = constant + B load^q is right, with the rate found here and q from (load, rate) before; nan if there is
+    none."""
+    power = 1.0
+    if before is not None and before[0] != load and before[1] * rate > 0.0:
+        power += math.log(rate / before[1]) / math.log(load / before[0])
+    power = min(max(power, -4.0), 1.0)
+    relative = miss / rate / load if rate != 0.0 else math.nan
+    if abs(power * relative) < 1e-6:
+        return load * (1.0 + relative)
+    grown = 1.0 + power * relative
+    return load * grown ** (1.0 / power) if grown > 0.0 and abs(math.log(grown) / power) < 300.0 else math.nan

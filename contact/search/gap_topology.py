@@ -1,0 +1,315 @@
+"""Which gaps there are: where H f' exceeds the mean pressure, Newton on their ends, a look at the signs, corrections, and again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.formulation.conjugate import ScaledConjugate
+from contact.formulation.fields import mean_shape
+from contact.formulation.gaps import GapFields
+from contact.formulation.maxima import maximum
+from contact.formulation.problem import Control, Problem, minus_one
+from contact.search.topology import TIGHT, WrongTopology
+from contact.verify.gap_accuracy import Gapped
+from contact.verify.gap_certificate import NARROWEST, certify_gaps
+
+Array = NDArray[np.float64]
+
+_ROUNDS = 12
+# Newton steps: from the first guess of gaps a few are enough, or it is no problem for gaps.
+_STEPS = 25
+# Samples a shortest length of the shape.
+_CLOSE = 32
+# Gaps over kinks that are this many samples narrow are placed by their closed form.
+_UNSEEN = 4
+
+
+def find_gaps(
+    problem: Problem, control: Control, conjugate: ScaledConjugate, tolerance: float, width: float, zones: Array | None = None,
+    near: bool = False,
+) -> Gapped:
+    """The gaps under a control (load, approach, or width): first guesses, Newton, then the signs on the whole period.
+
+    width: about that of all contact, zones: about where it is, both scaled; near: these are those of a solution, and given up as soon
+    as they turn out to be far. Raises WrongTopology where that does not come to an end that passes.
+    """
+    assert problem.period is not None
+    first = _First.of(problem, conjugate)
+    if control.kind == "width":
+        width = control.value
+    mean = control.value / problem.period if control.kind == "load" else first.mean_of(width)
+    if zones is not None and len(zones) > 0:
+        # Where zones are known about, so are the gaps; but not those that a grid does not see.
+        between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + problem.period)))
+        try:
+            return settle_gaps(problem, control, conjugate, _united(between, problem.period), mean, tolerance, near)
+        except WrongTopology:
+            if near:
+                raise
+    return settle_gaps(problem, control, conjugate, first.gaps(mean), mean, tolerance)
+
+
+def settle_gaps(
+    problem: Problem, control: Control, conjugate: ScaledConjugate, table: Array, mean: float, tolerance: float, near: bool = False
+) -> Gapped:
+    """From proposed gaps (n, 2) to gaps that pass; mean: the scaled mean pressure, or a guess of it; near: see `find_gaps`."""
+    equation = gap_equation(problem, control, conjugate)
+    free: sie.Free | None = None
+    for _ in range(_ROUNDS):
+        if len(table) == 0:
+            raise WrongTopology("no gap is left: they are narrower than rounding can tell from full contact", free)
+        free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, value=mean, signs=(1.0, -1.0), near=near)
+        mean = mean if free.value is None else free.value
+        if near and not free.converged:
+            raise WrongTopology("the gaps are not near those of the solution", free)
+        if len(free.lost):
+            table = np.delete(free.density.zones.table, free.lost, axis=0)
+            continue
+        if len(free.met):
+            table = _merged(free.density.zones.table, free.met, problem)
+            continue
+        if not free.converged:
+            raise WrongTopology("the ends of the gaps did not settle", free)
+        mean = float(free.density.amplitudes[0])
+        fields = GapFields(problem, _under_mean(problem, control, conjugate, free, mean, tolerance), mean, conjugate)
+        signs = certify_gaps(fields)
+        if signs.certificate.holds:
+            found = Gapped(free, fields, signs.certificate, free.value_error + _rounding_of_mean(control, fields))
+            if signs.certificate.dip > 10 * tolerance or tolerance <= TIGHT:
+                return found
+            # Whether so slight a dip is a gap, a solution to the tolerance does not tell.
+            return _decided(found, problem, control, conjugate, mean)
+        if near:
+            raise WrongTopology("there are other gaps than these", free)
+        table = _united(np.concatenate((_cut(free.density.zones.table, signs.overlaps), signs.negative)), fields.period)
+    raise WrongTopology("the number of gaps did not settle", free)
+
+
+def _decided(slight: Gapped, problem: Problem, control: Control, conjugate: ScaledConjugate, mean: float) -> Gapped:
+    """The gaps as tightly as rounding allows, where a dip of the pressure may be one more; undecided if that cannot be told."""
+    try:
+        return settle_gaps(problem, control, conjugate, slight.fields.density.zones.table, mean, TIGHT)
+    except WrongTopology:
+        return replace(slight, certificate=replace(slight.certificate, undecided=True))
+
+
+def _under_mean(
+    problem: Problem, control: Control, conjugate: ScaledConjugate, free: sie.Free, mean: float, tolerance: float
+) -> sie.AnyState:
+    """The same gaps under their mean pressure, whatever the control was: stiffness is read from this state."""
+    if control.kind == "load":
+        return free.state
+    assert problem.period is not None
+    equation = gap_equation(problem, Control("load", mean * problem.period), conjugate)
+    return sie.solve_fixed(equation, free.density.zones, max(0.1 * tolerance, 3e-16)).settled()
+
+
+def _rounding_of_mean(control: Control, fields: GapFields) -> float:
+    """How far rounding may take the mean pressure that comes with an approach: a difference of numbers of the size of the
+    profile, which hardly changes near full contact."""
+    if control.kind != "approach":
+        return 0.0
+    units = fields.problem.units
+    rate = fields.stiffness / fields.period * units.height / units.load
+    return 6e-16 * (abs(fields.mean) + abs(rate) * max(control.value, mean_shape(fields.problem)))
+
+
+def with_gaps(fields: GapFields, mean: float, table: Array, tolerance: float, decay: float) -> GapFields:
+    """The same profile at another mean pressure with this many gaps, whatever the signs. tolerance: of their ends, decay: of the
+    coefficients."""
+    equation = gap_equation(fields.problem, Control("load", mean * fields.period), fields.conjugate)
+    free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, signs=(1.0, -1.0), decay=decay, settled=False)
+    if not free.converged:
+        raise WrongTopology("the ends of the gaps did not settle", free)
+    return GapFields(fields.problem, free.state, mean, fields.conjugate)
+
+
+def gap_equation(problem: Problem, control: Control, conjugate: ScaledConjugate) -> sie.Equation:
+    """The equation of the slope of the gap. The mean pressure is a column: taken off the right side it would leave little but
+    the rounding of both."""
+    assert problem.period is not None
+    jumps = problem.forcing
+    right = sie.Forcing(
+        conjugate.smooth, breaks_at=np.asarray(jumps.steps_at), breaks=np.asarray(jumps.steps), break_orders=jumps.orders,
+        spline=jumps.value,
+    )
+    ends: tuple[sie.TotalWidth, ...] = ()
+    if control.kind == "load":
+        given: sie.Condition = sie.Amplitude(0, control.value / problem.period)
+    elif control.kind == "approach":
+        # min f = 0 and mean u = 0: the mean of f less the mean gap.
+        given = sie.ZoneMoments((control.value - mean_shape(problem)) * problem.period)
+    else:
+        given, ends = sie.Amplitude(0, None), (sie.TotalWidth(problem.period - control.value),)
+    column = sie.Forcing(minus_one, modes=1)
+    return sie.Equation(problem.kernel, right, (given, sie.ZoneTotals(0.0)), (column,), ends)
+
+
+@dataclass(frozen=True, eq=False)
+class _First:
+    """First guesses: where samples of H f' exceed the mean pressure."""
+
+    conjugate: ScaledConjugate
+    period: float
+    x: Array
+    value: Array
+
+    @classmethod
+    def of(cls, problem: Problem, conjugate: ScaledConjugate) -> _First:
+        assert problem.period is not None
+        resolution = problem.profile.resolution or problem.units.length * problem.period / 16
+        n = int(np.clip(_CLOSE * problem.period * problem.units.length / resolution, 256, 2**18))
+        start = float(problem.units.scaled(np.array(problem.profile.x0)))
+        # Off the borders of the cell and of its halves and thirds, where kinks like to be.
+        x = start + problem.period * (np.arange(n) + 0.4142) / n
+        return cls(conjugate, problem.period, x, np.asarray(conjugate(x)))
+
+    @property
+    def step(self) -> float:
+        return self.period / len(self.x)
+
+    def gaps(self, mean: float) -> Array:
+        """Runs of samples above the mean pressure, widened as a lone gap in a parabola of H f' would be; lone gaps over
+        kinks."""
+        valleys = self._over_kinks(mean)
+        above = self.value > mean
+        if above.all():
+            raise WrongTopology("the mean pressure is below H f' everywhere", None)
+        if above.any():
+            seen = self._runs(above, mean)
+            half = 0.5 * self.period
+            apart = np.abs((seen.mean(axis=1)[:, None] - valleys.mean(axis=1) + half) % self.period - half)
+            unseen = (apart < 2 * self.step).any(axis=1) & (seen[:, 1] - seen[:, 0] < 2 * _UNSEEN * self.step)
+            return _united(np.concatenate((self._placed(seen[~unseen], mean), valleys)), self.period)
+        return _united(valleys, self.period) if len(valleys) else self._last(mean)
+
+    def mean_of(self, width: float) -> float:
+        """The mean pressure whose first guess leaves about this width in contact, by bisection."""
+        finite = self.value[np.isfinite(self.value)]
+        low, high = float(finite.min()), float(finite.max())
+        while self._open(high) > self.period - width and high < 1e3 * (1 + float(finite.max())):
+            high += high - low
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self._open(middle) > self.period - width else (low, middle)
+        return 0.5 * (low + high)
+
+    def _open(self, mean: float) -> float:
+        try:
+            table = self.gaps(mean)
+        except WrongTopology:
+            return self.period
+        return float(np.sum(table[:, 1] - table[:, 0]))
+
+    def _last(self, mean: float) -> Array:
+        """The gap about the highest H f', narrower than the samples."""
+        return self._about(*maximum(self.conjugate, np.append(self.x, self.x[0] + self.period)), mean)
+
+    def _about(self, place: float, highest: float, mean: float) -> Array:
+        """The gap about a top of H f' that is a parabola between the samples: (1, 2), or none."""
+        beside = np.asarray(self.conjugate(np.array([place - self.step, place + self.step])))
+        bend = 2 * highest - float(beside.sum())
+        if highest <= mean or not bend > 0:
+            return np.zeros((0, 2))
+        half = 2 * self.step * np.sqrt((highest - mean) / bend)
+        return np.array([[place - half, place + half]])
+
+    def _placed(self, seen: Array, mean: float) -> Array:
+        """Gaps as narrow as the samples show, put where their top is between the samples."""
+        out = []
+        for row in seen:
+            if row[1] - row[0] < _UNSEEN * self.step:
+                middle = int(round((0.5 * float(row.sum()) - self.x[0]) / self.step)) % len(self.x)
+                found = self._about(*self._top(middle), mean)
+                row = found[0] if len(found) and found[0, 1] - found[0, 0] < 2 * _UNSEEN * self.step else row
+            out.append(row)
+        return np.array(out).reshape(-1, 2)
+
+    def _top(self, sample: int) -> tuple[float, float]:
+        """(place, value) of the highest H f' about a sample."""
+        if sample not in self._tops:
+            around = self.x[0] + self.step * (sample + np.arange(-3.0, 4.0))
+            self._tops[sample] = maximum(self.conjugate, around)
+        return self._tops[sample]
+
+    @cached_property
+    def _tops(self) -> dict[int, tuple[float, float]]:
+        return {}
+
+    def _over_kinks(self, mean: float) -> Array:
+        """Lone gaps over the concave kinks, where they are narrower than the samples show and wide enough to have ends."""
+        kinks, rest = self._valleys
+        at, heights = self.conjugate.at[kinks], self.conjugate.heights[kinks]
+        half = self.period / np.pi * np.exp(np.pi * np.minimum((mean - rest) / heights, 9.0))
+        which = (half < 0.5 * _UNSEEN * self.step) & (half > NARROWEST * self.period)
+        return np.column_stack((at - half, at + half))[which]
+
+    @cached_property
+    def _valleys(self) -> tuple[NDArray[np.intp], Array]:
+        """The concave kinks, and H f' there less their own logarithm."""
+        kinks = np.flatnonzero(self.conjugate.heights < 0)
+        return kinks, self.conjugate.without_own(kinks)
+
+    def _runs(self, above: NDArray[np.bool_], mean: float) -> Array:
+        """The runs of samples above the mean pressure, from crossing to crossing, widened by sqrt(2)."""
+        shift = int(np.argmin(above))  # start in contact, so that no run crosses the border
+        x = np.concatenate((self.x[shift:], self.x[:shift] + self.period))
+        highest = 2 * np.abs(self.value[np.isfinite(self.value)]).max(initial=abs(mean))
+        above, value = np.roll(above, -shift), np.clip(np.roll(self.value, -shift), -highest, highest)
+        change = np.flatnonzero(np.diff(np.concatenate(([False], above, [False])).astype(np.int8)))
+        first, last = change[::2], change[1::2] - 1
+        # The crossings of the level lie between samples.
+        before, after = value[first - 1] - mean, value[(last + 1) % len(x)] - mean
+        a = x[first] - self.step * (value[first] - mean) / (value[first] - mean - before)
+        b = x[last] + self.step * (value[last] - mean) / (value[last] - mean - after)
+        middle, half = 0.5 * (a + b), 0.5 * np.sqrt(2) * (b - a)
+        return _united(np.column_stack((middle - half, middle + half)), self.period)
+
+
+def _united(table: Array, period: float) -> Array:
+    """Overlapping intervals joined, around the period."""
+    if len(table) == 0:
+        return table
+    table = table[np.argsort(table[:, 0])]
+    kept = [table[0].copy()]
+    for row in table[1:]:
+        if row[0] <= kept[-1][1]:
+            kept[-1][1] = max(kept[-1][1], row[1])
+        else:
+            kept.append(row.copy())
+    if len(kept) > 1 and kept[-1][1] >= kept[0][0] + period:
+        kept[0][0] = kept.pop()[0] - period
+    if kept[-1][1] - kept[0][0] >= period:
+        raise WrongTopology("the gaps fill the period", None)
+    return np.array(kept)
+
+
+def _cut(table: Array, overlaps: Array) -> Array:
+    """Gaps without the parts in which they overlap."""
+    rows = []
+    for a, b in table:
+        left = a
+        for lo, hi in overlaps[(overlaps[:, 0] < b) & (overlaps[:, 1] > a)]:
+            if lo > left:
+                rows.append([left, lo])
+            left = max(left, hi)
+        if left < b:
+            rows.append([left, b])
+    return np.array(rows).reshape(-1, 2)
+
+
+def _merged(table: Array, met: NDArray[np.intp], problem: Problem) -> Array:
+    assert problem.period is not None
+    rows = [row.copy() for row in table]
+    for i in sorted(met, reverse=True):
+        if i + 1 < len(rows):
+            rows[i][1] = rows.pop(i + 1)[1]
+        elif len(rows) > 1:
+            first = rows.pop(0)
+            rows[-1][1] = first[1] + problem.period
+    return np.array(rows)

@@ -1,0 +1,200 @@
+"""Zones proposed by the coarse grid, placed where the scaled problem wants them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.formulation.problem import Control, Problem, Units
+from contact.search.coarse import Proposal, grid_height, propose
+from contact.search.scaling import Framed
+from contact.search.tilt import known_part
+from contact.search.tilt_rate import Lean, balanced
+
+Array = NDArray[np.float64]
+
+# Cells by which the centre of the load may miss its place, tilts tried on one grid, and how often a window is doubled.
+_CELLS = 0.1
+_MOST_TILTS = 12
+_WIDENINGS = 4
+# How often a strip is moved to the middle of its zones.
+_CENTRINGS = 6
+# Of a width, or of what it leaves of the period: near enough for a load to begin with; cells in it at least; of a grid that tells as
+# much, cells to a shortest length of the shape, and its tolerance.
+_ABOUT, _SEEN, _PER_FEATURE, _ROUGHLY = 0.03, 64, 2, 1e-3
+# Loads over each other that are near enough to begin with, whatever lies between.
+_CLOSE_BY = 1.1
+
+
+@dataclass(frozen=True, eq=False)
+class Proposed:
+    """Zones (n, 2) [m], the grid's points, whether it is in full contact or touches the border of what is known, the tilt
+    under which the moment is right, where that is unknown, and the load [N/m]."""
+
+    zones: Array
+    points: int
+    full: bool
+    touches_border: bool
+    tilt: float | None = None
+    load: float = math.nan
+
+    @property
+    def width(self) -> float:
+        """Total width [m], inf in full contact."""
+        return math.inf if self.full else float(np.sum(self.zones[:, 1] - self.zones[:, 0]))
+
+
+def proposed(
+    frame: Framed, problem: Problem, control: Control, points: int | None, tol: float = 1e-8, held: bool = False
+) -> Proposed:
+    """Zones from a grid of so many points, or of as many as the profile's resolution asks for, to a tolerance; held: of a strip that
+    stays where it is."""
+    if problem.moment is not None:
+        return _by_moment(frame, problem, control, points)
+    units, profile, interaction = problem.units, problem.profile, problem.interaction
+    by_load = control.kind == "load"
+    found = propose(
+        partial(grid_height, profile) if by_load else profile.height, frame.cell, E=units.E_star,
+        periodic=interaction.needs_period, datum=interaction.datum or 1.0, rest=problem.operator.rest,
+        resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
+        level=None if by_load else problem.lowest + control.value * units.height, tol=tol,
+    )
+    if interaction.strip and found.state.load > 0.0:
+        return _in_strip(problem, control, points, found, held)
+    return Proposed(found.zones, found.points, found.full, found.touches_border, load=found.state.load)
+
+
+def _in_strip(problem: Problem, control: Control, points: int | None, whole: Proposal, held: bool) -> Proposed:
+    """From a grid of the strip, under the nominal pressure beyond it, from the contact of the whole period, where that leaves a gap: the
+    strip is cut there, or where it would leave the last one, and then follows its zones."""
+    units, profile, interaction = problem.units, problem.profile, problem.interaction
+    assert profile.period is not None and problem.period is not None
+    load = control.value * units.load if control.kind == "load" else whole.state.load
+    nominal = load / units.load / problem.period if problem.amplitude is None else problem.amplitude
+    middle = _cut(whole, profile.x0, profile.period) + 0.5 * profile.period
+    if held:
+        middle = float(units.x(np.array(problem.centre)))
+    for _ in range(_CENTRINGS):
+        column = problem.about(float(units.scaled(np.array(middle)))).columns[0].primitive
+        assert column is not None
+        found = propose(
+            partial(grid_height, profile), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), E=units.E_star,
+            periodic=False, images=interaction.neighbours, resolution=profile.feature, points=points, load=load,
+            extra=partial(_beyond, units, nominal, column),
+        )
+        before, middle = middle, 0.5 * float(found.zones[0, 0] + found.zones[-1, 1])
+        if held or abs(middle - before) <= _CELLS * profile.period / found.points:
+            break
+    return Proposed(found.zones, found.points, False, found.touches_border)
+
+
+def _beyond(units: Units, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:
+    """What the nominal pressure beyond the strip adds to the shape [m]."""
+    return nominal * units.height * np.asarray(column(units.scaled(x)))
+
+
+def _cut(whole: Proposal, x0: float, period: float) -> float:
+    """The middle of the widest gap of a period; in full contact the place of least pressure."""
+    if whole.full or len(whole.zones) == 0:
+        return x0 + period * (int(np.argmin(whole.state.pressure)) + 0.5) / whole.points
+    left, right = whole.zones[:, 1], np.append(whole.zones[1:, 0], whole.zones[0, 0] + period)
+    widest = int(np.argmax(right - left))
+    return 0.5 * float(left[widest] + right[widest])
+
+
+class _TooNarrow(Exception):
+    """The contact reaches the border of the window."""
+
+
+def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | None) -> Proposed:
+    """At the tilt under which the grid's load has the given centre, in a window that is widened where the contact reaches its
+    border."""
+    units, load = problem.units, control.value * problem.units.load
+    assert problem.moment is not None
+    centre, limits = problem.moment * units.moment / load, known_part(problem.profile) or (-math.inf, math.inf)
+    lo, hi = frame.cell
+    for widened in range(_WIDENINGS + 1):
+        cell, last = (lo, hi), widened == _WIDENINGS or (lo, hi) == limits
+
+        def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> Lean[Proposal]:
+            profile = problem.turned_to(tilt).profile
+            found = propose(
+                partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.feature,
+                points=points, load=load, rest=problem.operator.rest,
+            )
+            if found.touches_border and not last:
+                raise _TooNarrow
+            return Lean.of(tilt, cell, found, _CELLS, found)
+
+        try:
+            best = balanced(lean, centre, (problem.tilt,), _MOST_TILTS)
+            break
+        except _TooNarrow:
+            half = 0.5 * (hi - lo)
+            lo, hi = max(limits[0], lo - half), min(limits[1], hi + half)
+    return Proposed(best.found.zones, best.found.points, False, best.found.touches_border, best.tilt)
+
+
+def load_of_width(frame: Framed, problem: Problem, width: float) -> float:
+    """A scaled load at which a grid's zones have about the given scaled total width, by false position. It is that of a first guess:
+    the grid is no finer than the width asks for."""
+    assert problem.period is not None
+    units, profile, period = problem.units, problem.profile, problem.period
+    near_enough, least = _ABOUT * min(width, period - width), _SEEN * period / min(width, period - width)
+    features = 16.0 if profile.feature is None else units.length * period / profile.feature
+    points = 2 ** int(np.clip(np.ceil(np.log2(max(_PER_FEATURE * features, least))), 8, 17))
+    low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
+    for _ in range(60):
+        found = proposed(frame, problem, Control("load", load), points, _ROUGHLY).width / units.length
+        if abs(found - width) < near_enough or high < _CLOSE_BY * low:
+            break
+        # Of what is in contact to what is not, the logarithm goes about straight with that of the load.
+        beyond = math.copysign(math.inf, found - width)
+        miss = math.log(found / width * (period - width) / (period - found)) if 0.0 < found < period else beyond
+        # The end that stays a second time loses half of its weight, for the other to come nearer.
+        weight = 0.5 if miss * last > 0 else 1.0
+        if miss < 0:
+            low, at_low, at_high = load, miss, weight * at_high
+        else:
+            high, at_high, at_low = load, miss, weight * at_low
+        last = miss
+        if low == 0.0:
+            load = high * min(max((width / found) ** 2, 1e-3), 0.3) if found < period else 0.3 * high
+        elif high == math.inf:
+            load = 10 * low
+        else:
+            share = at_high / (at_high - at_low) if math.isfinite(at_high - at_low) else 0.5
+            load = high * (low / high) ** min(max(share, 0.02), 0.98)
+    return load
+
+
+def placed(problem: Problem, zones: Array) -> Array:
+    """Zones [m] in scaled variables, cut at the widest gap of the period where the model wants them in one strip."""
+    scaled = problem.units.scaled(zones)
+    period = problem.period
+    if period is None:
+        return scaled
+    if problem.profile.symmetric:
+        # About the origin, so that mirror images stand together.
+        scaled = scaled - np.round(scaled.mean(axis=1) / period)[:, None] * period
+        scaled = scaled[np.argsort(scaled[:, 0])]
+    if problem.interaction.strip and len(scaled):
+        gaps = np.append(scaled[1:, 0] - scaled[:-1, 1], scaled[0, 0] + period - scaled[-1, 1])
+        if gaps[-1] < (1 - 1e-6) * gaps.max():
+            first = int(np.argmax(gaps)) + 1
+            scaled = np.concatenate((scaled[first:], scaled[:first] + period))
+    return np.asarray(scaled)
+
+
+def about(problem: Problem, table: Array) -> Problem:
+    """The problem with its strip centred on the scaled zones from which Newton starts."""
+    if not problem.interaction.strip:
+        return problem
+    middle = 0.5 * float(table[0, 0] + table[-1, 1])
+    near_origin = abs(middle) < 0.25 * float((table[:, 1] - table[:, 0]).min())
+    return problem.about(0.0 if problem.profile.symmetric and near_origin else middle)

@@ -1,0 +1,227 @@
+"""A scene in scaled variables: where the origin is, what lengths, slopes and loads are counted in, where zones are looked for.
+
+A periodic profile is counted in its period; one without a period in the half width of the contact itself, found roughly
+first, so that nanometres and kilometres, and loads over tens of decades, come to about the same numbers. Either is taken to the
+nearest power of two. A turned body is counted likewise, and repeats nothing; where its tilt is unknown, a rough one is found
+with the contact.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import OutOfRange
+from contact.formulation.full import period_samples
+from contact.formulation.maxima import maximum
+from contact.formulation.problem import Control, Problem, Units
+from contact.formulation.single import guess_half_width
+from contact.model.profiles.base import Profile
+from contact.model.profiles.tilted import Tilted
+from contact.model.scene import Scene
+from contact.search.coarse import find_window, grid_height
+from contact.search.tilt import Window, held_by, known_part, leaning, window_at_load
+
+Array = NDArray[np.float64]
+
+
+# How far from a window it is looked for deeper places, over its half width, at how many, and how often.
+_FARTHEST, _LOOKS, _DESCENTS = 1e8, 1024, 12
+
+
+@dataclass(frozen=True)
+class Framed:
+    """The scaled problem, the scaled control, and the cell or window [m] that holds all contact."""
+
+    problem: Problem
+    control: Control
+    cell: Window
+
+
+def framed(scene: Scene, single: bool, tilt: float = 0.0) -> Framed:
+    """Scale a scene; single: its contact is known to begin as one zone about x = 0. tilt: a first guess, where it is unknown."""
+    if scene.turned:
+        return _turned(scene, tilt)
+    profile, period = scene.profile, scene.profile.period
+    if period is not None:
+        origin = 0.0 if profile.symmetric else profile.x0 + 0.5 * period
+        length, cell = period, (profile.x0, profile.x0 + period)
+    else:
+        origin, length, cell = _isolated_frame(scene, single)
+    length = 2.0 ** round(math.log2(length))
+    units = Units(origin, length, _typical_slope(scene, profile, length, cell), scene.E_star)
+    problem = Problem(profile, scene.interaction, units, lowest(profile, cell))
+    return Framed(problem, scaled_control(scene, units), cell)
+
+
+def framed_about(scene: Scene, tilt: float, zones: Array) -> Framed:
+    """The frame of a lone body with about these zones [m]; of one that turns, about at this tilt."""
+    lo, hi = float(zones[0, 0]), float(zones[-1, 1])
+    known = known_part(scene.profile) or (-np.inf, np.inf)
+    window = (max(known[0], 2 * lo - hi), min(known[1], 2 * hi - lo))
+    profile = Tilted(scene.profile, tilt) if scene.turned else scene.profile
+    return _frame_of(scene, profile, scene.profile.support or window)
+
+
+def _turned(scene: Scene, guess: float) -> Framed:
+    """The frame of a body turned by a given or an unknown tilt."""
+    if scene.moment is None:
+        assert scene.tilt is not None
+        profile = Tilted(scene.profile, scene.tilt)
+        return _frame_of(scene, profile, _window(scene, profile))
+    lean = leaning(scene, guess)
+    return _frame_of(scene, Tilted(scene.profile, lean.tilt), lean.found)
+
+
+def _frame_of(scene: Scene, profile: Profile, window: Window) -> Framed:
+    """Scaled by a window that holds the contact. The approach counts, at x = 0, from where the body is not turned."""
+    length = 2.0 ** round(math.log2(0.5 * (window[1] - window[0])))
+    units = Units(_middle_or_tip(profile, window), length, _typical_slope(scene, profile, length, window), scene.E_star)
+    moment = None if scene.moment is None else scene.moment / units.moment
+    level = lowest(profile, window) if _datum(scene) is None else _lowest_unturned(scene)
+    return Framed(Problem(profile, scene.interaction, units, level, moment=moment), scaled_control(scene, units), window)
+
+
+def _window(scene: Scene, profile: Tilted) -> Window:
+    """A window that holds the contact at the given tilt."""
+    load, datum, fixed = scene.given_load, _datum(scene) or 1.0, held_by(profile)
+    find = partial(find_window, start_scale=profile.resolution, datum=datum, limits=profile.extent, rest=scene.operator.rest)
+    try:
+        if load is not None:
+            return window_at_load(scene, profile, load)
+        first = fixed or find(profile.height, scene.E_star, load=1e-3 * scene.E_star * datum)
+        level, deepest = _lowest_unturned(scene), lowest(profile, first)
+        value = scene.control[1]
+        if level + value <= deepest:
+            raise OutOfRange(
+                f"approach {value:.6g} m at x = 0 leaves the body clear: turned by {profile.tilt:.6g} it touches from "
+                f"{deepest - level:.6g} m on"
+            )
+        return fixed or find(profile.height, scene.E_star, level=level + value)
+    except OutOfRange as failure:
+        if "no window" not in str(failure):
+            raise
+        raise OutOfRange(f"turned by {profile.tilt:.6g}, the body finds no hold: {failure}") from failure
+
+
+def _lowest_unturned(scene: Scene) -> float:
+    """min f of the body as it is given."""
+    profile = scene.profile
+    cell = profile.support or profile.extent
+    if cell is None and profile.period is None and profile.summits is None:
+        datum = _datum(scene) or 1.0
+        cell = find_window(
+            profile.height, scene.E_star, load=1e-3 * scene.E_star * datum, start_scale=profile.resolution, rest=scene.operator.rest
+        )
+    return lowest(profile, cell)
+
+
+def _datum(scene: Scene) -> float | None:
+    datum: float | None = scene.interaction.datum
+    return datum
+
+
+def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
+    """Origin, length and search window of a profile without a period."""
+    profile = scene.profile
+    kind, value = scene.control
+    if kind == "half_width":
+        return 0.0, value, (-value, value)
+    if profile.support is not None:
+        lo, hi = profile.support
+        return 0.5 * (lo + hi), 0.5 * (hi - lo), (lo, hi)
+    rest = scene.operator.rest
+    if single and rest is None:
+        rough = Problem(profile, scene.interaction, Units(0.0, 1.0, 1.0, scene.E_star), float(profile.height(0.0)))
+        a = guess_half_width(rough, scaled_control(scene, rough.units))
+        return 0.0, a, (-2 * a, 2 * a)
+    datum = _datum(scene)
+    find = partial(find_window, start_scale=profile.resolution, datum=datum or 1.0, limits=profile.extent, rest=rest)
+    if kind == "load":
+        window = find(partial(grid_height, profile), scene.E_star, load=value)
+        for _ in range(_DESCENTS):
+            deeper = _deeper(profile, window)
+            if deeper is None:
+                break
+            # Any contact holds the lowest point: the points of wide windows missed it, or there was a tip before it.
+            half = 0.5 * (window[1] - window[0])
+            window = find(profile.height, scene.E_star, load=value, start=(deeper - half, deeper + half))
+    else:
+        # The lowest point is in contact at any load: a window of any contact holds it.
+        first = find(profile.height, scene.E_star, load=1e-3 * scene.E_star * (datum or 1.0))
+        window = find(profile.height, scene.E_star, level=lowest(profile, first) + value)
+    origin = 0.0 if profile.symmetric else _middle_or_tip(profile, window)
+    return origin, 0.5 * (window[1] - window[0]), window
+
+
+def _deeper(profile: Profile, window: Window) -> float | None:
+    """A place outside a window where the profile lies lower than in it, of declared tips and of places ever farther away; None if
+    none was seen."""
+    centre, half = 0.5 * (window[0] + window[1]), 0.5 * (window[1] - window[0])
+    away = half * np.geomspace(1.0, _FARTHEST, _LOOKS)
+    tips = profile.kinks[profile.kinks[:, 1] > 0, 0] if profile.summits is None else np.asarray(profile.summits, dtype=float)
+    known = known_part(profile) or (-np.inf, np.inf)
+    outside = np.concatenate((tips, np.clip(np.concatenate((centre - away, centre + away)), *known)))
+    inside = np.concatenate((tips, np.linspace(*window, 257)))
+    with np.errstate(over="ignore", invalid="ignore"):
+        inside = inside[(window[0] <= inside) & (inside <= window[1])]
+        heights, floor = np.asarray(profile.height(outside)), np.min(profile.height(inside))
+    heights = np.where(np.isnan(heights) | ((window[0] <= outside) & (outside <= window[1])), np.inf, heights)
+    return float(outside[np.argmin(heights)]) if heights.min() < floor else None
+
+
+def _middle_or_tip(profile: Profile, window: Window) -> float:
+    """Where x is counted from: the lowest sharp tip within a window, since an end that comes close to one is known by its distance
+    from it (a wedge leaning on its flank); the middle, where there is none."""
+    tips = profile.kinks[profile.kinks[:, 1] > 0, 0]
+    tips = tips[(window[0] < tips) & (tips < window[1])]
+    return float(tips[np.argmin(profile.height(tips))]) if len(tips) else 0.5 * (window[0] + window[1])
+
+
+def lowest(profile: Profile, cell: Window | None = None) -> float:
+    """min f, over the period or, without one, over a window that holds the tip."""
+    if profile.summits is not None:
+        return float(np.min(profile.height(np.asarray(profile.summits))))
+    if profile.period is not None:
+        x = period_samples(profile)
+    else:
+        assert cell is not None
+        per_feature = 0.0 if profile.resolution is None else 4 * (cell[1] - cell[0]) / profile.resolution
+        x = np.linspace(*cell, int(np.clip(per_feature, 1025, 2**20)))
+    return -maximum(lambda points: -np.asarray(profile.height(points)), x)[1]
+
+
+def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) -> float:
+    lo, hi = cell
+    x = lo + (hi - lo) * (np.arange(32) + 0.4142) / 32
+    with np.errstate(over="ignore", invalid="ignore"):
+        slopes = np.abs(np.asarray(profile.slope(x)))
+    slope = float(np.max(slopes[np.isfinite(slopes)], initial=0.0))
+    if slope > 0.0 and not scene.is_flat:
+        return slope
+    # A flat punch, turned or not, bears its load by its corners.
+    kind, value = scene.control
+    return max(slope, value / (scene.E_star * length) if kind == "load" else 1.0)
+
+
+def scaled_control(scene: Scene, units: Units) -> Control:
+    """The scene's control in scaled variables."""
+    kind, value = scene.control
+    load = scene.given_load
+    if load is not None:
+        kind, value, unit = "load", load, units.load
+    elif kind == "contact_fraction":
+        assert scene.profile.period is not None
+        kind, value, unit = "width", value * scene.profile.period, units.length
+    else:
+        unit = units.height if kind == "approach" else units.length
+    scaled = value / unit if unit > 0.0 else math.inf
+    if not math.isfinite(scaled) or (scaled == 0.0 and value != 0.0):
+        raise OutOfRange(
+            f"{kind} {value:.6g} and the scene's own size, {unit:.6g}, lie farther apart than numbers reach: are the units those of SI?"
+        )
+    return Control(kind, scaled)

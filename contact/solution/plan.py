@@ -1,0 +1,163 @@
+"""What a scene needs: every part of the machinery, used or left out, with the reason, its size and the time it took."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from contact.errors import SceneError
+from contact.model.scene import Scene
+
+
+@dataclass
+class Part:
+    """One part: its name, whether it ran, why or why not, its size in words, and its seconds (None if it has not run)."""
+
+    name: str
+    used: bool
+    reason: str
+    detail: str = ""
+    seconds: float | None = None
+
+
+@dataclass
+class Plan:
+    """The parts in order, counts of work done, and the seconds that it all took (None if it has not run)."""
+
+    parts: list[Part] = field(default_factory=list)
+    counts: dict[str, int] = field(default_factory=dict)
+    seconds: float | None = None
+    _within: list[float] = field(default_factory=list, repr=False)
+
+    @property
+    def rows(self) -> list[Part]:
+        return self.parts
+
+    def __getitem__(self, name: str) -> Part:
+        for part in self.parts:
+            if part.name == name:
+                return part
+        raise KeyError(name)
+
+    @contextmanager
+    def timed(self, name: str) -> Iterator[Part]:
+        """Add the time of a block to a part, less that of the parts within it: seconds of parts add up."""
+        part = self[name]
+        start = time.perf_counter()
+        self._within.append(0.0)
+        try:
+            yield part
+        finally:
+            took = time.perf_counter() - start
+            part.seconds = (part.seconds or 0.0) + took - self._within.pop()
+            if self._within:
+                self._within[-1] += took
+
+    def share(self, part: Part) -> float | None:
+        """Share of the time that a part took; None if it has not run, or has no time of its own."""
+        return None if part.seconds is None or not self.seconds else part.seconds / self.seconds
+
+    def to_dict(self) -> dict[str, Any]:
+        parts = [
+            {
+                "name": p.name, "used": p.used, "reason": p.reason, "detail": p.detail, "seconds": p.seconds,
+                "share": self.share(p),
+            }
+            for p in self.parts
+        ]
+        return {"parts": parts, "counts": dict(self.counts), "seconds": self.seconds}
+
+    def __str__(self) -> str:
+        lines = [f"{'used' if p.used else 'left out':9}{p.name:22}{p.reason} {p.detail}" for p in self.parts]
+        return "\n".join(line.rstrip() for line in lines)
+
+
+def plan(scene: Scene) -> Plan:
+    """What solving the scene would run, without running it."""
+    if not isinstance(scene, Scene):
+        raise SceneError.of("scene", scene, "a contact.Scene")
+    profile, model = scene.profile, scene.interaction
+    kind = scene.control[0]
+    given = zone_is_given(scene)
+    single = starts_from_one_zone(scene)
+    derived = profile.slope_is_derived
+    kinks = len(profile.kinks)
+    closure = model.follows_isolated
+    parts = [
+        Part("numerical slope", derived, "the profile gives no slope" if derived else "the profile gives its slope"),
+        Part(
+            "coarse search",
+            not (given or single),
+            "zones are given" if given else "one symmetric asperity" if single else "number of zones unknown",
+        ),
+        _symmetry(scene),
+        _tilt(scene),
+        Part(
+            "periodic kernel",
+            scene.operator.is_periodic,
+            "the whole period repeats" if scene.operator.is_periodic else f"{model.name}: nothing repeats beyond its images",
+        ),
+        _inverse(scene),
+        Part(
+            "localization term",
+            bool(model.strip),
+            "nominal pressure beyond the strip" if model.strip else f"{model.name} has none",
+        ),
+        Part(
+            "isolated reference",
+            closure,
+            "the first-order closure needs the isolated load" if closure else "no closure that needs it",
+        ),
+        Part("kinks", kinks > 0, f"{kinks} declared" if kinks else "none declared"),
+        Part(
+            "zone ends",
+            not given,
+            "half width given" if kind == "half_width" else "sharp corners hold them" if given else "unknown: Newton",
+        ),
+        Part("holes", False, "no zones beside narrow gaps known"),
+        Part("fast sums", False, "few zones: sums are direct"),
+        Part("certificate", True, "always"),
+        Part("fields", False, "computed when asked"),
+    ]
+    return Plan(parts)
+
+
+def _inverse(scene: Scene) -> Part:
+    """What the model's operator offers beyond its kernel: full contact, and nearly full contact by its gaps."""
+    operator, name = scene.operator, scene.interaction.name
+    if not operator.is_periodic:
+        return Part("inverse operator", False, f"{name} has no full contact")
+    if operator.is_half_plane:
+        return Part("inverse operator", True, "half-plane: full contact, and gaps where contact is nearly full")
+    if operator.has_inverse:
+        return Part("inverse operator", True, f"{name} declares its symbol: full contact; gaps on a half-plane only")
+    return Part("inverse operator", False, f"{name} declares no symbol: by its zones alone, no full contact")
+
+
+def _symmetry(scene: Scene) -> Part:
+    if scene.turned:
+        return Part("symmetry", False, "the body is turned")
+    symmetric = bool(scene.profile.symmetric)
+    return Part("symmetry", symmetric, "profile symmetric" if symmetric else "profile not symmetric")
+
+
+def _tilt(scene: Scene) -> Part:
+    """The tilt of the body: none, a part of the profile, or one more unknown."""
+    if not scene.turned:
+        return Part("tilt", False, "none given" if scene.moment is None else "no moment turns a symmetric body")
+    return Part("tilt", True, "given: a part of the profile" if scene.moment is None else "unknown: found with the moment")
+
+
+def zone_is_given(scene: Scene) -> bool:
+    """Whether the zones need no search at all."""
+    kind, value = scene.control
+    return kind == "half_width"
+
+
+def starts_from_one_zone(scene: Scene) -> bool:
+    """Whether the first guess is one zone about the tip of a symmetric asperity."""
+    summits = scene.profile.summits
+    return not scene.turned and bool(scene.profile.symmetric and summits is not None and len(summits) == 1 and summits[0] == 0.0)

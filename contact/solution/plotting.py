@@ -1,0 +1,164 @@
+"""One figure of a solution: the surfaces above, the pressure below, both over the same positions.
+
+Above, the profile is drawn where the approach has put it, touching the deformed surface along the zones. Heights are
+measured from the undeformed surface where the displacement is known absolutely. A scene of many zones, or of zones
+narrow beside the stretch shown, has a second column: the same two panels close to the highest pressure.
+
+The figure is matplotlib's own object, drawn by Agg without pyplot: no window, no backend and no setting is touched.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contact.extras import require
+from contact.model.units import prefix, quantity
+from contact.solution.answer import Answer, Array
+from contact.solution.sampling import peak_position, positions, window, zones_within
+
+_BODY, _SURFACE, _PRESSURE, _ZONE, _CLOSE = "#7a7a7a", "#1f5a92", "#b3261e", "#f2c14e", "#3d7a4a"
+
+# Beyond these a zone cannot be made out on the full width of a printed figure.
+_ZONES_READABLE = 8
+_WIDTH_READABLE = 0.06
+_PRESSURE_READABLE = 0.03
+
+# Points on one stretch: a few on each pixel column of a printed figure.
+_POINTS = 6000
+
+
+def plot(solution: Answer) -> Any:
+    """A matplotlib Figure: profile and deformed surface with the zones marked, and the pressure on them."""
+    stretches = [window(solution)]
+    close = _close_up(solution, *stretches[0])
+    if close is not None:
+        stretches.append(close)
+    figure = require("matplotlib.figure").Figure(figsize=(7.2 if close is None else 10.2, 5.4), layout="constrained")
+    require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
+    ratios = [1.0] if close is None else [1.55, 1.0]
+    axes = figure.subplots(2, len(stretches), sharex="col", squeeze=False, width_ratios=ratios)
+    for (top, bottom), (lo, hi) in zip(axes.T, stretches, strict=True):
+        _draw(top, bottom, solution, lo, hi)
+    if close is not None:
+        _mark_close_up(axes, solution, *close)
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), frameon=False, fontsize=9)
+    figure.supxlabel(summary(solution), fontsize=9)
+    return figure
+
+
+def summary(solution: Answer) -> str:
+    """The solution in one line: model, load or mean pressure, contact, peak."""
+    scene = solution.scene
+    parts = [f"{scene.profile.name}, {scene.interaction.name}", f"$E^*$ = {quantity(scene.E_star, 'Pa')}"]
+    if solution.mean_pressure is not None:
+        parts.append(rf"$\bar p$ = {quantity(solution.mean_pressure, 'Pa')}")
+    else:
+        parts.append(f"$P$ = {quantity(solution.load, 'N/m')}")
+    if scene.turned and solution.tilt is not None:
+        parts.append(rf"tilt {solution.tilt:.3g}")
+    peak = quantity(solution.max_pressure, "Pa") if np.isfinite(solution.max_pressure) else r"$\infty$"
+    parts.append(rf"$p_\mathrm{{max}}$ = {peak}")
+    if solution.contact_fraction is not None:
+        parts.append(f"contact {100.0 * solution.contact_fraction:.3g} %")
+    if len(solution.zones) > 1:
+        parts.append(f"{len(solution.zones)} zones")
+    return ",  ".join(parts)
+
+
+def _draw(top: Any, bottom: Any, solution: Answer, lo: float, hi: float) -> None:
+    """Both panels over one stretch."""
+    x = positions(solution, lo, hi, _POINTS)
+    zones = zones_within(solution, lo, hi)
+    along, letter = prefix(max(abs(lo), abs(hi)))
+    bottom.set_xlabel(f"$x$ [{letter}m]")
+    bottom.set_xlim(lo * along, hi * along)
+    bottom.locator_params(axis="x", nbins=6)
+    _draw_surfaces(top, solution, x, zones, along)
+    _draw_pressure(bottom, solution, x, zones, along)
+    for axes in (top, bottom):
+        axes.tick_params(direction="in", top=True, right=True)
+        for left, right in zones * along if len(zones) <= _ZONES_READABLE else ():
+            axes.axvspan(left, right, facecolor=_ZONE, alpha=0.18, edgecolor="none")
+
+
+def _draw_surfaces(axes: Any, solution: Answer, x: Array, zones: Array, along: float) -> None:
+    surface = -solution.displacement(x)
+    body = surface + solution.gap(x)
+    seen = np.isfinite(body)
+    low, high = float(min(surface.min(), body[seen].min())), float(max(surface.max(), body[seen].max()))
+    reach = high - low or max(abs(high), 1e-12)
+    up, letter = prefix(max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach)
+    # A sharp-cornered body rises without end beside its support; its flanks leave the panel.
+    outline = np.where(seen, body, high + reach)
+    ceiling = high + (0.12 if seen.all() else 0.6) * reach
+    axes.fill_between(x * along, outline * up, ceiling * up, color=_BODY, alpha=0.22, linewidth=0)
+    axes.fill_between(x * along, (low - 0.18 * reach) * up, surface * up, color=_SURFACE, alpha=0.10, linewidth=0)
+    axes.plot(x * along, outline * up, color=_BODY, linewidth=1.2, label="profile")
+    axes.plot(x * along, surface * up, color=_SURFACE, linewidth=1.4, label="deformed surface")
+    # Not a number between the zones: one line, broken there, shows them all.
+    touching = np.where(_within(x, zones), surface, np.nan)
+    weight = 2.6 if len(zones) <= _ZONES_READABLE else 1.8
+    axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")
+    axes.set_ylim((low - 0.18 * reach) * up, ceiling * up)
+    axes.set_ylabel(f"height [{letter}m]")
+
+
+def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: float) -> None:
+    pressure = solution.pressure(x)
+    top = _pressure_shown(solution, pressure)
+    scale, letter = prefix(top)
+    shown = np.where(np.isfinite(pressure), pressure, 2.0 * top) * scale
+    axes.fill_between(x * along, 0.0, shown, where=_within(x, zones), color=_PRESSURE, alpha=0.22, linewidth=0)
+    axes.plot(x * along, shown, color=_PRESSURE, linewidth=1.2)
+    if solution.mean_pressure is not None and solution.mean_pressure > _PRESSURE_READABLE * top:
+        axes.axhline(solution.mean_pressure * scale, color="black", linewidth=0.8, linestyle=(0, (6, 4)))
+        axes.annotate(
+            r"$\bar p$", (1.0, solution.mean_pressure * scale), xycoords=("axes fraction", "data"),
+            xytext=(-4, 3), textcoords="offset points", ha="right", fontsize=9,
+        )
+    if np.isinf(solution.max_pressure):
+        axes.annotate(r"$p \to \infty$", (0.99, 0.92), xycoords="axes fraction", ha="right", va="top", fontsize=9)
+    axes.set_ylim(0.0, 1.08 * top * scale)
+    axes.set_ylabel(f"pressure [{letter}Pa]")
+
+
+def _pressure_shown(solution: Answer, pressure: Array) -> float:
+    """The top of the pressure axis: the peak, or four times the mean on the zones where the peak is infinite."""
+    if np.isfinite(solution.max_pressure):
+        return float(max(pressure.max(), 1e-3 * solution.max_pressure))
+    return float(4.0 * solution.load / np.sum(solution.zone_widths))
+
+
+def _within(x: Array, zones: Array) -> Any:
+    """Whether each position lies on a zone, ends included."""
+    if len(zones) == 0:
+        return np.zeros(x.shape, dtype=bool)
+    nearest = np.clip(np.searchsorted(zones[:, 0], x, side="right") - 1, 0, len(zones) - 1)
+    return (x >= zones[nearest, 0]) & (x <= zones[nearest, 1])
+
+
+def _close_up(solution: Answer, lo: float, hi: float) -> tuple[float, float] | None:
+    """The stretch around the highest pressure that shows its zone and the next ones, if the whole cannot."""
+    zones = zones_within(solution, lo, hi)
+    widths = np.diff(zones).ravel()
+    if len(solution.zones) == 0 or (len(zones) <= _ZONES_READABLE and widths.max() >= _WIDTH_READABLE * (hi - lo)):
+        return None
+    x = positions(solution, lo, hi, _POINTS)
+    centre = peak_position(solution, x, solution.pressure(x))
+    own = float(widths[np.argmin(np.abs(zones.mean(axis=1) - centre))])
+    reach = min(3.0 * own, 0.5 * (hi - lo))
+    middle = float(np.clip(centre, lo + reach, hi - reach))
+    return middle - reach, middle + reach
+
+
+def _mark_close_up(axes: Any, solution: Answer, lo: float, hi: float) -> None:
+    """Shade on the full width what the second column shows."""
+    along, _ = prefix(max(abs(end) for end in window(solution)))
+    for whole in axes[:, 0]:
+        whole.axvspan(lo * along, hi * along, facecolor=_CLOSE, alpha=0.22, edgecolor="none")
+        for end in (lo, hi):
+            whole.axvline(end * along, color=_CLOSE, linewidth=0.8, linestyle=(0, (1, 1)))
+    axes[0, 1].set_title("around the highest pressure", fontsize=9)

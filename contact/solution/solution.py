@@ -1,0 +1,172 @@
+"""The solution of a scene: zones, fields and numbers in SI units, with its error, certificate and plan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from numbers import Integral
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import sie
+from contact.errors import SceneError
+from contact.formulation.fields import Fields, ZoneFields
+from contact.model.checks import real
+from contact.model.scene import Scene
+from contact.solution import export
+from contact.solution.plan import Plan
+from contact.solution.validity import everything
+from contact.verify.certificate import Certificate
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Solution(sie.Kept):
+    """Zones (n, 2) [m], pressure and gap anywhere, loads per unit thickness [N/m]; see the properties.
+
+    error: stated bound of (i) the pressure's error at equal normalised position in corresponding zones over the peak pressure
+    (over the mean contact pressure where the peak is infinite), and (ii) each end's error over its zone's width.
+    What follows from it for the numbers below is stated with each, p being that peak (or mean) pressure; see docs/errors.md.
+    """
+
+    scene: Scene
+    zones: Array
+    fields: Fields = field(repr=False)
+    error: float
+    certificate: Certificate = field(repr=False)
+    plan: Plan = field(repr=False)
+    trace: tuple[Any, ...] = field(default=(), repr=False)
+
+    # fields -----------------------------------------------------------------------------------------------------------
+    def pressure(self, x: ArrayLike) -> Array:
+        """Contact pressure [Pa] at x [m], any shape; 0 outside the zones."""
+        return self.fields.pressure(real("x", x))
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        """Contact pressure [Pa] at normalised positions t in [-1, 1] of one zone, without loss of digits at its ends."""
+        if len(self.zones) == 0:
+            raise SceneError.of("zone", zone, "left alone: full contact has no zones, use pressure(x)")
+        count = len(self.zones)
+        if not isinstance(zone, Integral) or not -count <= zone < count:
+            raise SceneError.of("zone", zone, f"a whole number from 0 to {count - 1}, there being {count} zone{'s' * (count > 1)}")
+        t = real("t", t)
+        if np.any(np.abs(t) > 1):
+            raise SceneError.of("t", t, "from -1 to 1, the ends of the zone")
+        return self.fields.pressure_at(int(self._order[zone]), t)
+
+    def gap(self, x: ArrayLike) -> Array:
+        """Gap [m] at x [m], any shape; 0 inside the zones, inf where there is no profile."""
+        return self.fields.gap(real("x", x))
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """Displacement into the body [m]; for an isolated punch without a datum, less the approach."""
+        return self.fields.displacement(real("x", x))
+
+    # numbers ----------------------------------------------------------------------------------------------------------
+    @cached_property
+    def _order(self) -> NDArray[np.intp]:
+        """Place among the fields' own zones of each zone of `zones`."""
+        starts, period = self.fields.starts, self.scene.period
+        if period is not None:
+            starts = starts - np.floor((starts - self.scene.profile.x0) / period) * period
+        return np.argsort(starts)
+
+    @property
+    def load(self) -> float:
+        """Load [N/m], per period where there is one: as given, else off by at most 3 error p times the width in contact."""
+        return self.fields.load
+
+    @property
+    def mean_pressure(self) -> float | None:
+        """Load per period over the period [Pa]; None without a period."""
+        period = self.scene.profile.period
+        return None if period is None else self.load / period
+
+    @property
+    def zone_loads(self) -> Array:
+        """Load of each zone (n,) [N/m], off by at most 3 error p times its width; their sum is the load to rounding."""
+        return np.asarray(self.fields.loads[self._order])
+
+    @property
+    def zone_widths(self) -> Array:
+        """Width of each zone (n,) [m], off by at most 2 error of itself."""
+        return np.asarray(self.zones[:, 1] - self.zones[:, 0])
+
+    @property
+    def max_pressure(self) -> float:
+        """Highest pressure [Pa], off by at most error of itself; inf under a sharp corner or a tip with a kink."""
+        return self.fields.max_pressure
+
+    @property
+    def approach(self) -> float | None:
+        """Approach [m], off by at most about 3 error p L / E* (L: the period); None for an isolated punch without a datum."""
+        return self.fields.approach
+
+    @property
+    def contact_fraction(self) -> float | None:
+        """Width in contact over the period, off by at most 2 error of itself; None without a period."""
+        if self.scene.period is None:
+            return None
+        return self.fields.contact_fraction
+
+    @property
+    def stiffness(self) -> float | None:
+        """d load / d approach [N/m^2], at the given moment where one is given, else at the tilt; inf in full contact, None where
+        there is no approach. Its inverse is off by about 4 error / E*, times the width of zones over that of narrower gaps beside them."""
+        return self.fields.stiffness
+
+    @property
+    def tilt(self) -> float | None:
+        """By how much the body is turned [rad]: the gap at zero load is f(x) - tilt x; None for what repeats."""
+        return None if self._lone is None else self._lone.tilt
+
+    @property
+    def moment(self) -> float | None:
+        """int p x dx, about x = 0 [N], off as the loads of the zones are at their distances; None for what repeats."""
+        return None if self._lone is None else self._lone.moment
+
+    @property
+    def rotational_stiffness(self) -> float | None:
+        """d moment / d tilt at the given load [N]; None for what repeats."""
+        return None if self._lone is None else self._lone.rotational_stiffness
+
+    @property
+    def _lone(self) -> ZoneFields | None:
+        """The fields of a body that may turn."""
+        return self.fields if self.scene.interaction.turns and isinstance(self.fields, ZoneFields) else None
+
+    @property
+    def mean_gap(self) -> float | None:
+        """Mean of the gap over a period [m], off by at most about 3 error p L / E* (L: the period); None without one."""
+        return None if self.scene.period is None else self.fields.mean_gap
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What the model hardly covers: slopes, pressures, a modulus, a trace; given out as ModelWarnings too."""
+        return everything(self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """All of it in plain types; None for what is infinite or undefined."""
+        return export.to_dict(self)
+
+
+def limit_of_approach(solution: Solution, tol: float) -> str:
+    """That the digits of a given approach keep the load from being known to `tol`, in words; empty where they do not.
+
+    Near full contact the approach is the mean of the profile less a mean gap that goes with the square of narrow gaps over kinks, with
+    the fourth power of others: the load hangs on the last digits of what is given.
+    """
+    approach, stiffness = solution.scene.approach, solution.stiffness
+    if approach is None or stiffness is None or not np.isfinite(stiffness):
+        return ""
+    condition = abs(approach * stiffness / solution.load)
+    rounding = float(np.finfo(np.float64).eps) * condition
+    if rounding <= 0.1 * tol:
+        return ""
+    return (
+        f"a unit in the last digit of the approach is {rounding:.1e} of the load (condition {condition:.0e}): give a load, a mean "
+        "pressure or a contact fraction"
+    )

@@ -1,0 +1,74 @@
+"""Tables on stdout and a progress bar on stderr."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
+from types import TracebackType
+from typing import Any
+
+from contact.errors import MissingExtra
+from contact.extras import require
+
+# Without a terminal nothing is known of the reader's width: wide enough that no cell is broken.
+_WIDTH_OF_A_FILE = 200
+
+
+def show_table(
+    title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], numeric: Iterable[int] = ()
+) -> None:
+    """One table on stdout; `numeric` are the columns that align to the right."""
+    right = set(numeric)
+    table = require("rich.table").Table(title=title, title_justify="left", box=require("rich.box").SIMPLE_HEAD)
+    for place, name in enumerate(columns):
+        table.add_column(name, justify="right" if place in right else "left", overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    width = None if sys.stdout.isatty() else _WIDTH_OF_A_FILE
+    # Square brackets in a reason or a unit are text here, not rich's markup.
+    require("rich.console").Console(file=sys.stdout, width=width, markup=False, highlight=False).print(table)
+
+
+class Progress:
+    """What `contact.solve(progress=...)` calls: a bar on stderr, on a terminal, once the work has lasted a second."""
+
+    def __init__(self, patience: float = 1.0, clock: Callable[[], float] = time.monotonic) -> None:
+        self._due = clock() + patience
+        self._clock = clock
+        self._wanted = sys.stderr.isatty()
+        self._bar: Any = None
+        self._task: Any = None
+        self._stage = ""
+
+    def __call__(self, stage: str, done: int, total: int | None) -> None:
+        if not self._wanted or (self._bar is None and self._clock() < self._due):
+            return
+        if self._bar is None:
+            self._start()
+        if self._bar is None:
+            return
+        if self._task is None or stage != self._stage:
+            if self._task is not None:
+                self._bar.remove_task(self._task)
+            self._task, self._stage = self._bar.add_task(stage, total=total), stage
+        self._bar.update(self._task, completed=done, total=total)
+
+    def _start(self) -> None:
+        try:
+            console = require("rich.console").Console(file=sys.stderr)
+            self._bar = require("rich.progress").Progress(console=console, transient=True)
+        except MissingExtra:  # a bar is not worth stopping for
+            self._wanted = False
+            return
+        self._bar.start()
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._bar is not None:
+            self._bar.stop()
+            self._bar = None

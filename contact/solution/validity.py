@@ -1,0 +1,99 @@
+"""What the model does not cover, said and not refused: slopes, pressures, moduli and traces that are none of a rough elastic surface.
+
+The bodies are half-planes, their strains small and elastic. Slopes and pressures over E* are numbers without a unit and are judged
+in any system of units; lengths only of files, whose numbers have a unit, and the modulus where the lengths show that it should have one.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.model.scene import Scene
+from contact.model.units import quantity
+from contact.solution.answer import Answer
+
+Array = NDArray[np.float64]
+
+STEEPEST = 0.3
+HIGHEST = 0.1  # of E*
+# [Pa]: gels, and diamond on diamond.
+_SOFTEST, _STIFFEST = 1e3, 2e12
+# [m]: bodies this long are not given in micrometres, and with so low a modulus their scene has units of its own.
+_OF_NO_UNIT = 1e-2
+# Places a period at which slopes are read, and in a zone.
+_PLACES = 1024
+_T = np.cos((np.arange(8) + 0.5) * np.pi / 8)
+# In a few zones the pressure is nowhere so many times its mean over them, but at what is sharp.
+_FEW, _PEAK = 4, 10.0
+
+
+def of_scene(scene: Scene) -> tuple[str, ...]:
+    """What can be said before it is solved."""
+    modulus, profile = scene.E_star, scene.profile
+    extent = profile.extent
+    length = profile.period if extent is None else extent[1] - extent[0]
+    if modulus > _STIFFEST:
+        return (f"E_star = {modulus:.3g} Pa is that of no material, diamond's being 1.2e12 Pa: E_star is in pascals",)
+    if modulus < _SOFTEST and modulus != 1.0 and length is not None and length < _OF_NO_UNIT:
+        told = f"E_star = {modulus:.3g} Pa on a length of {quantity(length, 'm')}"
+        return (f"{told} is softer than any gel: E_star is in pascals, not in MPa or GPa",)
+    return ()
+
+
+def of_solution(solution: Answer) -> tuple[str, ...]:
+    """What can be said of the answer, and of its scene."""
+    return (*of_scene(solution.scene), *_of_slopes(solution), *_of_pressure(solution))
+
+
+def everything(solution: Answer) -> list[str]:
+    """The same, and what was said of a trace when its file was read."""
+    return [*getattr(solution.scene.profile, "warnings", ()), *of_solution(solution)]
+
+
+def _of_slopes(solution: Answer) -> tuple[str, ...]:
+    places, everywhere = _inside(solution), _everywhere(solution.scene)
+    with np.errstate(all="ignore"):
+        slopes = np.asarray(solution.scene.profile.slope(np.concatenate((places, everywhere))), dtype=float)
+    inside, whole = (part[np.isfinite(part)] for part in np.split(slopes - (solution.tilt or 0.0), [places.size]))
+    steepest, rms = float(np.abs(inside).max(initial=0.0)), float(np.sqrt(np.mean(whole**2))) if whole.size else 0.0
+    if max(steepest, rms) <= STEEPEST:
+        return ()
+    told = f"slopes up to {steepest:.2g} in contact" if rms <= STEEPEST else f"slopes up to {np.abs(whole).max():.2g}, {rms:.2g} on average"
+    return (f"{told}: a surface steeper than about {STEEPEST} is not the nearly plane one of the model",)
+
+
+def _everywhere(scene: Scene) -> Array:
+    """Places over the period, or where the profile is known; none of a body without either."""
+    extent, period = scene.profile.extent, scene.profile.period
+    if extent is None and period is None:
+        return np.zeros(0)
+    lo, hi = extent or (scene.profile.x0, scene.profile.x0 + (period or 0.0))
+    return np.asarray(lo + (hi - lo) * (np.arange(_PLACES) + 0.5) / _PLACES)
+
+
+def _of_pressure(solution: Answer) -> tuple[str, ...]:
+    scene = solution.scene
+    widths = np.asarray(solution.zone_widths)
+    width = float(widths.sum()) if widths.size else scene.profile.period
+    if width is None or not width > 0.0:
+        return ()
+    highest, what = solution.load / width, "mean contact pressure"
+    kinks = np.reshape(scene.profile.kinks, (-1, 2))
+    sharp = scene.profile.support is not None or bool(np.any(kinks[:, 1] > 0))
+    if not sharp and (widths.size > _FEW or _PEAK * highest > HIGHEST * scene.E_star):
+        highest, what = float(np.max(solution.pressure(_inside(solution)))), "pressure"
+    if highest <= HIGHEST * scene.E_star:
+        return ()
+    told = f"a {what} of {quantity(highest, 'Pa', 3)}, {highest / scene.E_star:.2g} of E*"
+    return (f"{told}: above about {HIGHEST} of it strains are large, and few materials stay elastic",)
+
+
+def _inside(solution: Answer) -> Array:
+    """Places in every zone; in full contact over the period."""
+    zones, profile = np.asarray(solution.zones), solution.scene.profile
+    if not len(zones):
+        assert profile.period is not None
+        return profile.x0 + profile.period * (np.arange(_PLACES) + 0.25) / _PLACES
+    middle, half = zones.mean(axis=1), 0.5 * (zones[:, 1] - zones[:, 0])
+    return np.asarray((middle[:, None] + half[:, None] * _T).ravel())

@@ -1,0 +1,126 @@
+"""The scenes of the suite, each with a solution to judge by: closed form, inverse design, or another formulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import NotConverged
+from contact.model.interactions import Periodic
+from contact.model.profiles import Biquadratic, Fourier, Parabola, Profile, Sinusoid, Wedge
+from contact.model.scene import Scene
+from contact.reference.exact import PeriodicBiquadratic, PeriodicParabola, PeriodicWedge, Westergaard
+from contact.reference.inverse import random_problem
+from contact.solution.solution import Solution
+from contact.solver import solve
+from contact.studies.bench.formulations import ByGaps, ByZones
+from contact.studies.bench.truth import Exact
+
+Array = NDArray[np.float64]
+
+E_STAR = 1.1e11
+PERIOD = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A scene under periodic contact and how its truth is known; `exact` is made when first asked for. single: one zone a period;
+    localized: the localized models are run on it too."""
+
+    name: str
+    profile: Profile
+    E_star: float
+    mean_pressure: float
+    make_exact: Callable[[Scene], Exact] = field(repr=False)
+    judged_by: str
+    single: bool = False
+    localized: bool = True
+
+    @property
+    def scene(self) -> Scene:
+        return Scene(self.profile, self.E_star, Periodic(), mean_pressure=self.mean_pressure)
+
+    @cached_property
+    def exact(self) -> Exact:
+        return self.make_exact(self.scene)
+
+
+def closed(name: str, profile: Profile, exact: Any) -> Case:
+    """A case whose solution is known in closed form."""
+    single = len(exact.zones) == 1
+    return Case(name, profile, exact.E_star, exact.mean_pressure, lambda scene: exact, "closed form", single)
+
+
+def wave(fraction: float = 0.4) -> Case:
+    exact = Westergaard.from_contact_fraction(fraction, amplitude=1e-6, period=PERIOD, E_star=E_STAR)
+    return closed(f"wave 2a/L={fraction:g}", Sinusoid(1e-6, PERIOD), exact)
+
+
+def wedge() -> Case:
+    exact = PeriodicWedge.from_contact_fraction(0.4, wedge_slope=0.05, period=PERIOD, E_star=E_STAR)
+    return closed("wedge", Wedge(0.05, PERIOD), exact)
+
+
+def parabola() -> Case:
+    exact = PeriodicParabola.from_contact_fraction(0.4, radius=1e-3, period=PERIOD, E_star=E_STAR)
+    return closed("parabola", Parabola(1e-3, PERIOD), exact)
+
+
+def biquadratic() -> Case:
+    """The paper's own: R = 1, c = 0.05, L = 2.4 c, at a mean pressure of 0.00109 E*."""
+    exact = PeriodicBiquadratic(radius=1.0, spacing=0.1, period=0.12, E_star=1.0, mean_pressure=0.00109)
+    return closed("biquadratic, 2 zones", Biquadratic(1.0, 0.1, 0.12), exact)
+
+
+def designed(zones: int = 8, seed: int = 8, spread: float = 10.0) -> Case:
+    problem = random_problem(np.random.default_rng(seed), zones=zones, period=1.0, fraction=0.4, spread=spread)
+    assert problem.mean_pressure is not None
+    return Case(
+        f"designed, {zones} zones", problem.profile, problem.E_star, problem.mean_pressure, lambda scene: problem,
+        "inverse design",
+    )
+
+
+def rough_profile(harmonics: int, seed: int = 3) -> Fourier:
+    """Self-affine with Hurst exponent 0.8 beyond the fourth harmonic, random phases, period 1."""
+    rng = np.random.default_rng(seed)
+    k = np.arange(1, harmonics + 1)
+    amplitude = 1e-3 * np.maximum(k, 4) ** (-1.3)
+    phase = rng.uniform(0.0, 2 * np.pi, harmonics)
+    return Fourier(1.0, amplitude * np.cos(phase), amplitude * np.sin(phase))
+
+
+def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
+    """`solve` takes the zones; it is judged by the gaps."""
+    return Case(
+        f"rough, {zones} zones", rough_profile(harmonics), 1.0, mean_pressure, ByGaps.of, "the gaps' formulation", localized=False
+    )
+
+
+def rough_nearly_full() -> Case:
+    """`solve` takes the gaps; it is judged by the zones."""
+    return Case("rough, nearly full", rough_profile(64), 1.0, 0.012, ByZones.of, "the zones' formulation", localized=False)
+
+
+def best(scene: Scene, tol: float) -> Solution:
+    """The solution to a tolerance, or the best there is."""
+    try:
+        return solve(scene, tol)
+    except NotConverged as error:
+        if error.best is None:
+            raise
+        found: Solution = error.best
+        return found
+
+
+def suite(quick: bool) -> list[Case]:
+    """The scenes of the work-precision part."""
+    cases = [wave(0.4), wave(0.9), wedge(), parabola(), biquadratic(), designed(), rough(64, 0.002, 16)]
+    if not quick:
+        cases += [rough_nearly_full(), rough(512, 0.005, 135)]
+    return cases

@@ -1,0 +1,143 @@
+"""The same contact by another formulation: what a solution is judged by where no closed form is known.
+
+A periodic contact can be solved for the pressure p on its zones or for the slope s of the gap on its gaps (see contact.formulation.gaps),
+
+    (1/pi) PV int_zones p K = (E*/2) f'  on the zones,      (1/pi) PV int_gaps s K = H f' - 2 pbar/E*  on the gaps, int_gap s = 0:
+
+other unknowns, another right side, other intervals, other side conditions. Each starts from what `solve` found, with every end
+moved by a thousandth of its interval, so that it finds the ends by itself.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import sie
+from contact.errors import NotConverged
+from contact.formulation.conjugate import ScaledConjugate, conjugate_of
+from contact.formulation.fields import ZoneFields
+from contact.formulation.gaps import GapFields
+from contact.formulation.problem import Control, Problem, Units
+from contact.model.scene import Scene
+from contact.search.gap_topology import gap_equation
+from contact.search.topology import settle
+from contact.solver import solve
+
+Array = NDArray[np.float64]
+
+# Ends are moved by this part of their intervals before the other formulation starts.
+_MOVED = 1e-3
+# Below what `solve` may be asked for: how well it does is what is measured.
+_TOLERANCE = 2e-15
+_STEPS = 25
+
+
+def scaled(scene: Scene) -> Problem:
+    """The scaled problem of a periodic scene."""
+    profile = scene.profile
+    assert profile.period is not None
+    x = profile.x0 + profile.period * np.arange(1024) / 1024
+    units = Units(profile.x0 + 0.5 * profile.period, profile.period, float(np.abs(profile.slope(x)).max()), scene.E_star)
+    return Problem(profile, scene.interaction, units, float(np.min(profile.height(x))))
+
+
+def _mean_pressure(scene: Scene) -> float:
+    """[Pa], from either control."""
+    assert scene.period is not None
+    if scene.mean_pressure is not None:
+        return scene.mean_pressure
+    assert scene.load is not None
+    return scene.load / scene.period
+
+
+def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
+    """Intervals with left ends in [x0, x0 + L), ascending, and where each came from."""
+    assert scene.period is not None
+    table = table - np.floor((table[:, :1] - scene.profile.x0) / scene.period) * scene.period
+    order = np.argsort(table[:, 0])
+    return table[order], order
+
+
+@dataclass(frozen=True, eq=False)
+class ByGaps:
+    """A periodic contact with the slope of the gap as the unknown, in SI units."""
+
+    fields: GapFields
+    zones: Array
+    order: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, scene: Scene) -> ByGaps:
+        problem = scaled(scene)
+        units = problem.units
+        assert problem.period is not None
+        start = units.scaled(solve(scene, 1e-6).zones)
+        gaps = np.column_stack((start[:, 1], np.append(start[1:, 0], start[0, 0] + problem.period)))
+        gaps += _MOVED * np.minimum(np.diff(gaps, axis=1), np.diff(start, axis=1).min()) * [[-1.0, 1.0]]
+
+        conjugate = ScaledConjugate.of(conjugate_of(scene.profile), problem)
+        mean = _mean_pressure(scene) / units.pressure
+        equation = gap_equation(problem, Control("load", mean * problem.period), conjugate)
+        free = sie.find_ends(equation, sie.Zones.of(gaps), _TOLERANCE, _STEPS, signs=(1.0, -1.0))
+        if not free.converged:
+            raise NotConverged("the gaps' formulation does not converge from these zones")
+        fields = GapFields(problem, free.state, mean, conjugate)
+        zones, order = _in_cell(np.asarray(units.x(fields.zones)), scene)
+        return cls(fields, zones, order)
+
+    @property
+    def load(self) -> float:
+        return self.fields.load
+
+    @property
+    def max_pressure(self) -> float:
+        return self.fields.max_pressure
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        return np.asarray(self.fields.pressure_at(int(self.order[zone]), t))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        return np.asarray(self.fields.pressure(x))
+
+
+@dataclass(frozen=True, eq=False)
+class ByZones:
+    """A periodic contact with the pressure as the unknown, in SI units."""
+
+    fields: ZoneFields
+    zones: Array
+    order: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, scene: Scene) -> ByZones:
+        problem = scaled(scene)
+        units = problem.units
+        assert problem.period is not None
+        start = units.scaled(solve(scene, 1e-6).zones)
+        gaps = np.append(start[1:, 0], start[0, 0] + problem.period) - start[:, 1]
+        start = start + _MOVED * np.column_stack((np.roll(gaps, 1), -gaps))
+        # The zones' formulation wants them within one cell, which may begin at any gap.
+        turn = int(np.argmax(np.diff(np.append(start[:, 0], start[0, 0] + problem.period)) - np.diff(start, axis=1)[:, 0])) + 1
+        start = np.roll(start, -turn, axis=0)
+        start = start + np.where(start[:, :1] < start[0, 0], problem.period, 0.0)
+        load = _mean_pressure(scene) * problem.period * units.length / units.load
+        found = settle(problem, Control("load", load), start, _TOLERANCE)
+        zones, order = _in_cell(np.asarray(units.x(found.free.density.zones.table)), scene)
+        return cls(found.fields, zones, order)
+
+    @property
+    def load(self) -> float:
+        return self.fields.load
+
+    @property
+    def max_pressure(self) -> float:
+        return self.fields.max_pressure
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        return np.asarray(self.fields.pressure_at(int(self.order[zone]), t))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        return np.asarray(self.fields.pressure(x))

@@ -1,0 +1,67 @@
+"""One zone a period under an even Fourier series, f = -sum_n d_n cos(n phi), phi = 2 pi x/L, in closed form.
+
+With c = cos(2 pi a / L), the load per period is, by Mehler and Dirichlet's integral of the Legendre polynomials P_n,
+
+    P(a) = (pi E*/2) sum_n n d_n (P_{n-1}(c) - P_n(c)),
+
+(n = 1: Westergaard's pi E* d sin^2(pi a/L)), and by the superposition of flat punches (contact.reference.exact.base), with
+v^2 = cos(phi) - c',
+
+    p(x) = -(2 sqrt2 cos(phi/2) / L) int_0^V P'(c') dv,   V^2 = cos(phi) - c,
+
+of a polynomial, which Gauss and Legendre integrate exactly (derived here).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import cos, pi
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class HarmonicZone:
+    """The zone [-a, a] of period 1; amplitudes d_1, d_2, ... as long as the pressure is positive and the gap open."""
+
+    amplitudes: tuple[float, ...]
+    E_star: float
+    half_width: float
+
+    @cached_property
+    def _series(self) -> Array:
+        """P(c) as a Legendre series."""
+        n = np.arange(1, len(self.amplitudes) + 1)
+        weight = 0.5 * pi * self.E_star * n * np.array(self.amplitudes)
+        return np.append(weight, 0.0) - np.append(0.0, weight)
+
+    @property
+    def load(self) -> float:
+        return float(legendre.legval(cos(2 * pi * self.half_width), self._series))
+
+    @property
+    def zones(self) -> Array:
+        return np.array([[-self.half_width, self.half_width]])
+
+    @property
+    def max_pressure(self) -> float:
+        return float(self.pressure_at(np.linspace(0.0, 1.0, 101)).max())
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        r: Array = np.abs(np.asarray(t, dtype=np.float64))
+        a = self.half_width
+        # cos(phi) - cos(2 pi a) from the distances to both ends.
+        top = np.sqrt(2 * np.sin(pi * a * (1 - r)) * np.sin(pi * a * (1 + r)))
+        nodes, weights = legendre.leggauss(len(self.amplitudes) + 1)
+        v = 0.5 * (1 + nodes) * top[..., None]
+        values = legendre.legval(np.cos(2 * pi * a * r)[..., None] - v**2, legendre.legder(self._series))
+        return np.asarray(-np.sqrt(2.0) * np.cos(pi * a * r) * top * (values @ weights))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        t = np.abs(np.asarray(x, dtype=float)) / self.half_width
+        return np.asarray(np.where(t < 1, self.pressure_at(np.minimum(t, 1.0)), 0.0))

@@ -1,0 +1,36 @@
+"""What the measurements were made with."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Sequence
+from importlib import metadata
+from pathlib import Path
+
+from contact.studies.bench.report import Table
+
+
+def table(peers: Sequence[str]) -> Table:
+    """Versions, processor and threads."""
+    packages = ["sie-contact", "numpy", "scipy", *peers]
+    rows: list[tuple[str, ...]] = [("processor", _processor()), ("threads", os.environ.get("OMP_NUM_THREADS", "as many as numpy takes"))]
+    rows += [("Python", platform.python_version()), *((name, _version(name)) for name in packages)]
+    return Table("machine", "measured with", ("what", ""), rows)
+
+
+def _version(package: str) -> str:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return "from source"
+
+
+def _processor() -> str:
+    """The model's name where the system tells it."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()

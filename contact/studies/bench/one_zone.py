@@ -1,0 +1,95 @@
+"""One symmetric zone of a lone body under any slope, by quadrature over its pieces: what a measured profile is judged by.
+
+With xi = a sin(theta), since PV int dtheta / (a sin(theta) - x) = 0,
+
+    p(x) = (E*/2 pi) sqrt(a^2 - x^2) int [f'(a sin theta) - f'(x)] / (a sin theta - x) dtheta,     -pi/2 < theta < pi/2,
+    P = E* int_0^(pi/2) a sin(theta) f'(a sin theta) dtheta
+
+(the inverse of the finite Hilbert transform, bounded at both ends). Between two breaks of a spline the integrand is smooth, and
+Gauss and Legendre's rule of eight points leaves nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact.model.profiles.base import Profile
+
+Array = NDArray[np.float64]
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+
+
+@dataclass(frozen=True, eq=False)
+class SymmetricZone:
+    """The zone [-a, a] of an even profile whose slope is smooth between `breaks`."""
+
+    profile: Profile
+    breaks: Array
+    E_star: float
+    half_width: float
+
+    @cached_property
+    def _edges(self) -> Array:
+        """The pieces' borders in theta."""
+        inside = self.breaks[np.abs(self.breaks) < self.half_width] / self.half_width
+        return np.concatenate(([-0.5 * np.pi], np.arcsin(np.unique(inside)), [0.5 * np.pi]))
+
+    def _rule(self, edges: Array) -> tuple[Array, Array, Array]:
+        """Positions, slopes there, and weights in theta, of pieces between the edges."""
+        half = 0.5 * np.diff(edges)
+        theta = (0.5 * (edges[1:] + edges[:-1]))[:, None] + half[:, None] * _NODES
+        x = (self.half_width * np.sin(theta)).ravel()
+        return x, np.asarray(self.profile.slope(x)), (half[:, None] * _WEIGHTS).ravel()
+
+    @cached_property
+    def _whole(self) -> tuple[Array, Array, Array]:
+        return self._rule(self._edges)
+
+    @cached_property
+    def load(self) -> float:
+        x, slope, weight = self._whole
+        return 0.5 * self.E_star * float(np.sum(x * slope * weight))
+
+    @property
+    def zones(self) -> Array:
+        return np.array([[-self.half_width, self.half_width]])
+
+    @cached_property
+    def max_pressure(self) -> float:
+        return float(self.pressure_at(np.cos((np.arange(24) + 0.5) * np.pi / 24)).max())
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        t = np.asarray(t, dtype=float)
+        x, slope, weight = self._whole
+        edges = self._edges
+        out = np.empty(t.size)
+        for k, r in enumerate(t.ravel()):
+            here = self.half_width * r
+            there = self.profile.slope(here)
+            piece = int(np.clip(np.searchsorted(edges, np.arcsin(r)), 1, len(edges) - 1))
+            near = slice(max(piece - 3, 0), min(piece + 3, len(edges)))
+            far = np.ones(len(x), dtype=bool)
+            far[near.start * len(_NODES) : (near.stop - 1) * len(_NODES)] = False
+            total = np.sum((slope[far] - there) / (x[far] - here) * weight[far])
+            xi, f, w = self._rule(_graded(edges[near], float(np.arcsin(r))))
+            out[k] = np.sqrt((1 - r) * (1 + r)) * (total + np.sum((f - there) / (xi - here) * w))
+        return 0.5 * self.E_star * self.half_width / np.pi * out.reshape(t.shape)
+
+    def pressure(self, x: ArrayLike) -> Array:
+        t = np.asarray(x, dtype=float) / self.half_width
+        inside = np.abs(t) < 1
+        return np.asarray(np.where(inside, self.pressure_at(np.where(inside, t, 0.0)), 0.0))
+
+
+def _graded(edges: Array, at: float) -> Array:
+    """The edges, and more beside the piece around `at`: the next ones have other polynomials, whose quotient has a pole at `at`, so
+    that a piece may be as wide as its distance from there."""
+    steps = 2.0 ** np.arange(60) - 1
+    left, right = edges[edges < at], edges[edges > at]
+    more = np.concatenate((left[-1] - (at - left[-1]) * steps, right[0] + (right[0] - at) * steps))
+    return np.unique(np.concatenate((edges, more[(more > edges[0]) & (more < edges[-1])])))

@@ -1,0 +1,98 @@
+"""Figures of the measurements: error against time for each scene, and cost against size."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact.extras import require
+from contact.studies.bench.precision import Row
+from contact.studies.bench.report import OURS, names, of
+from contact.studies.bench.scaling import Scaled, exponent, fitted
+
+_PEERS = {"tamaas": ("tab:orange", "s"), "ContactMechanics": ("tab:green", "^")}
+
+
+def precision(rows: list[Row], path: Path) -> None:
+    """A panel a scene: true and stated error against time, and the localized models' errors."""
+    figure, panels = _panels(rows, "error of pressures at equal t and of ends")
+    for scene, axis in panels.items():
+        ours = of(rows, scene, OURS)
+        _line(axis, ours, "error", "tab:blue", "o-", "contact: true")
+        _line(axis, ours, "stated", "tab:blue", "o:", "contact: stated", mfc="none")
+        hierarchy = [row for row in rows if row.scene == scene and row.method.startswith("localized, m")]
+        _line(axis, hierarchy, "error", "tab:purple", "D-", "localized, m = 0 ... 16 neighbours a side")
+        _line(axis, of(rows, scene, "localized, first order"), "error", "tab:red", "*", "localized, first order")
+    _finish(figure, panels, path)
+
+
+def peers(rows: list[Row], path: Path) -> None:
+    """A panel a scene: errors of p(x), where grids can be compared, against time."""
+    figure, panels = _panels(rows, "error of p at equal x, over the peak")
+    for scene, axis in panels.items():
+        for method, (colour, marker) in {OURS: ("tab:blue", "o"), **_PEERS}.items():
+            _line(axis, of(rows, scene, method), "at_x", colour, marker + "-", method + ", largest")
+            _line(axis, of(rows, scene, method), "mean_at_x", colour, marker + ":", method + ", mean", mfc="none")
+    _finish(figure, panels, path)
+
+
+def _panels(rows: list[Row], label: str) -> tuple[Any, dict[str, Any]]:
+    scenes = names(rows)
+    across = min(3, len(scenes))
+    down = -(-len(scenes) // across)
+    figure = require("matplotlib.figure").Figure(figsize=(3.1 * across, 2.6 * down + 0.7), layout="constrained")
+    grid = figure.subplots(down, across, squeeze=False, sharex=True, sharey=True)
+    for axis in grid.ravel()[len(scenes) :]:
+        axis.set_visible(False)
+    for axis in grid[:, 0]:
+        axis.set_ylabel(label, fontsize="small")
+    panels = dict(zip(scenes, grid.ravel(), strict=False))
+    for scene, axis in panels.items():
+        axis.set(xscale="log", yscale="log", ylim=(1e-16, 2.0))
+        axis.set_title(scene, fontsize="medium")
+        axis.grid(True, alpha=0.3)
+        axis.set_xlabel("processor time [s]", fontsize="small")
+        axis.tick_params(labelbottom=True)
+    return figure, panels
+
+
+def _finish(figure: Any, panels: dict[str, Any], path: Path) -> None:
+    # One legend for all: labels in order of first appearance.
+    found = {
+        label: handle for axis in panels.values() for handle, label in zip(*axis.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=3, fontsize="small")
+    figure.savefig(path, dpi=90)
+
+
+def scaling(rows: list[Scaled], path: Path) -> None:
+    """Time, its floor, and memory against the size of each series."""
+    series = list(dict.fromkeys(row.series for row in rows))
+    across = min(2, len(series))
+    down = -(-len(series) // across)
+    figure = require("matplotlib.figure").Figure(figsize=(4.4 * across, 3.4 * down), layout="constrained")
+    for axis, name in zip(figure.subplots(down, across, squeeze=False).ravel(), series, strict=False):
+        some = [row for row in rows if row.series == name]
+        large = fitted(some)
+        size, power = np.array([row.size for row in some]), np.array([float(row.size) for row in large])
+        time, memory = ([float(getattr(row, what)) for row in large] for what in ("seconds", "peak_bytes"))
+        axis.loglog(size, [row.seconds for row in some], "o-", label=f"time ~ size^{exponent(power, np.array(time)):.2f}")
+        axis.loglog(size, [row.floor for row in some], "k:", label="floor, by direct sums")
+        label = f"peak memory [GB] ~ size^{exponent(power, np.array(memory)):.2f}"
+        axis.loglog(size, [row.peak_bytes / 1e9 for row in some], "s--", color="tab:red", label=label)
+        axis.set(title=name, xlabel="size", ylabel="processor time [s]")
+        axis.set_xticks(size, [f"{n:g}" for n in size], fontsize="x-small")
+        axis.set_xticks([], minor=True)
+        axis.grid(True, alpha=0.3)
+        axis.legend(fontsize="small")
+    figure.savefig(path, dpi=90)
+
+
+def _line(axis: Any, rows: list[Row], what: str, colour: str, style: str, label: str, **more: Any) -> None:
+    points = [(row.seconds, getattr(row, what)) for row in rows if getattr(row, what) is not None]
+    if points:
+        x, y = np.array(points).T
+        axis.plot(x, np.maximum(y, 1e-16), style, color=colour, label=label, markersize=4, **more)
+

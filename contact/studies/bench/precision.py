@@ -1,0 +1,92 @@
+"""Work and precision: true and stated error against processor time, as the tolerance runs from 1e-2 to 1e-13.
+
+On the same scenes also the hierarchy of localized models: their error is that of the model, however exactly they are solved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from contact.errors import NotConverged, OutOfRange
+from contact.model.interactions import Localized
+from contact.model.interactions.base import Interaction
+from contact.model.scene import Scene
+from contact.solution.solution import Solution
+from contact.solver import solve
+from contact.studies.bench import clock, truth
+from contact.studies.bench.cases import Case
+
+NEIGHBOURS = (0, 1, 2, 4, 8, 16)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run. error: of pressure at equal normalised positions and of ends over widths (what is stated); at_x, mean_at_x:
+    largest and mean error of the pressure at equal places. All over the peak; None: not defined for this method."""
+
+    scene: str
+    method: str
+    setting: float
+    seconds: float
+    at_x: float
+    mean_at_x: float
+    error: float | None
+    stated: float | None
+    unknowns: int
+    met: bool
+
+
+def tolerances(quick: bool) -> list[float]:
+    return [10.0**-k for k in ((2, 4, 6, 8, 10, 12, 13) if quick else range(2, 14))]
+
+
+def ours(case: Case, quick: bool) -> Iterator[Row]:
+    """The solver over its tolerances; where a tolerance is out of reach, the best state, and no time for more tries."""
+    scene = case.scene
+    for tol in tolerances(quick):
+        row, found = _run(case, "contact", tol, scene, tol, quick)
+        yield row
+        if not found:
+            break
+
+
+def hierarchy(case: Case, quick: bool) -> Iterator[Row]:
+    """Localized models, self-consistent with m neighbours a side, and first order, solved to 1e-8."""
+    models: list[tuple[str, float, Interaction]] = [
+        (f"localized, m={m}", m, Localized("self-consistent", neighbours=m)) for m in NEIGHBOURS
+    ]
+    models.append(("localized, first order", 0.0, Localized("first-order")))
+    for name, setting, model in models:
+        scene = Scene(case.profile, case.E_star, model, mean_pressure=case.mean_pressure)
+        try:
+            yield _run(case, name, setting, scene, 1e-8, quick)[0]
+        except (OutOfRange, NotConverged):  # the closure carries no such load: nothing to compare
+            continue
+
+
+def _run(case: Case, method: str, setting: float, scene: Scene, tol: float, quick: bool) -> tuple[Row, bool]:
+    call: Callable[[], Solution] = lambda: solve(scene, tol)  # noqa: E731
+    met = True
+    try:
+        solution = call()
+        seconds = clock.seconds(call, 0.1)
+    except NotConverged as error:
+        if error.best is None:
+            raise
+        solution, met = error.best, False
+        seconds = clock.seconds(lambda: _refused(scene, tol), 0.0)
+    x = truth.comb(case.exact)
+    largest, mean = truth.at_places(x, solution.pressure(x), case.exact)
+    row = Row(
+        case.name, method, setting, seconds, largest, mean, truth.stated_measure(solution, case.exact), solution.error,
+        solution.plan.counts.get("own_modes", 0), met,
+    )
+    return row, met
+
+
+def _refused(scene: Scene, tol: float) -> None:
+    try:
+        solve(scene, tol)
+    except NotConverged:
+        pass

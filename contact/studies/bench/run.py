@@ -1,0 +1,68 @@
+"""The suites as the commands run them: measure, write CSV, tables and figures, and hand the tables back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from contact.studies.bench import machine, peers, plots, precision, report, required, scaling, stability
+from contact.studies.bench.cases import Case, suite
+from contact.studies.bench.precision import Row
+from contact.studies.bench.report import Table
+
+Progress = Callable[[str, int, int | None], None]
+
+# A run of a peer after which no finer grid is tried.
+LONGEST, LONGEST_QUICK = 4.0, 0.5
+
+
+def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> list[Table]:
+    """Work and precision, peers, cost against size; files go to `folder`."""
+    chosen: Sequence[peers.Peer] = peers.PEERS if with_peers else ()
+    if with_peers:
+        peers.require_both()
+    rows: list[Row] = []
+    cases = suite(quick)
+    for k, case in enumerate(cases):
+        progress(case.name, k, len(cases))
+        rows += _case(case, quick, chosen)
+    tables = [report.precision_table(rows), report.hierarchy_table(rows)]
+    if chosen:
+        tables.append(report.peers_table(rows, [peer.name for peer in chosen]))
+    progress("cost against size", 0, None)
+    scaled, single = list(scaling.measure(quick)), list(scaling.floors(quick))
+    tables += [report.scaling_table(scaled), report.exponents_table(scaled), report.single_table(single)]
+    tables.append(required.table(rows, cases, single, [peer.name for peer in chosen]))
+    tables.append(machine.table([peer.name for peer in chosen]))
+    report.write_csv(folder / "precision.csv", rows)
+    report.write_csv(folder / "scaling.csv", [*scaled, *single])
+    plots.precision(rows, folder / "precision.png")
+    if chosen:
+        plots.peers(rows, folder / "peers.png")
+    plots.scaling(scaled, folder / "scaling.png")
+    _write(folder, tables)
+    return tables
+
+
+def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
+    rows = list(precision.ours(case, quick))
+    if case.localized:
+        rows += precision.hierarchy(case, quick)
+    for peer in chosen:
+        rows += peers.rows(peer, case, quick, LONGEST_QUICK if quick else LONGEST)
+    return rows
+
+
+def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Table, int]:
+    """The matrix of stiff and extreme scenes, and how many fail for no known reason."""
+    verdicts = stability.run_matrix(quick, progress)
+    table = report.stability_table(verdicts)
+    if folder is not None:
+        report.write_csv(folder / "stability.csv", verdicts)
+        _write(folder, [table])
+    return table, sum(verdict.outcome == "FAIL" for verdict in verdicts)
+
+
+def _write(folder: Path, tables: list[Table]) -> None:
+    for table in tables:
+        (folder / f"{table.key}.md").write_text(report.markdown(table), encoding="utf-8")

@@ -1,0 +1,118 @@
+"""Runs the matrix of stiff and extreme scenes: the error reached against what the condition allows."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from contact.errors import ContactError, NotConverged
+from contact.model.scene import Scene
+from contact.solution.solution import Solution
+from contact.solver import solve
+from contact.studies.bench import clock, truth
+from contact.studies.bench.extremes import Extreme, matrix
+from contact.studies.bench.truth import Exact
+
+# Tolerances are asked for from the first to the second of these.
+FINEST, COARSEST = 1e-13, 1e-2
+# A solve that takes longer is given up [s].
+PATIENCE = 60.0
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One case. error, stated: of the stated measure; outcome: "pass"; "undecided", where two topologies are the same answer to what
+    is allowed and the certificate says so; "known" (fails, and why is known); "FAIL"."""
+
+    group: str
+    name: str
+    condition: float
+    why: str
+    allowed: float
+    error: float
+    stated: float
+    seconds: float
+    outcome: str
+    note: str
+
+
+def attempt(scene: Scene, allowed: float, patience: float) -> tuple[Solution | None, str, float]:
+    """(best solution, what went wrong, processor time of the last solve): asked for a tenth of what is allowed, so that the
+    tolerance is not what limits the error, and where that is refused for just that."""
+    best: Solution | None = None
+    note = ""
+    start = time.process_time()
+    for tol in (min(max(0.1 * allowed, FINEST), COARSEST), min(allowed, COARSEST)):
+        start = time.process_time()
+        try:
+            return clock.limited(partial(solve, scene, tol), patience), "", time.process_time() - start
+        except NotConverged as failure:
+            note = _short(failure)
+            if failure.best is not None and (best is None or failure.best.error < best.error):
+                best = failure.best
+            if best is None or not np.isfinite(best.error):
+                break  # it was not the tolerance
+        except (ContactError, clock.TooLong) as failure:
+            note = _short(failure)
+            break
+    return best, note, time.process_time() - start
+
+
+def run(case: Extreme, patience: float = PATIENCE) -> Verdict:
+    """Solve to what is allowed, and compare: the true error at most the allowed one and at most the stated one."""
+    try:
+        scene, exact = clock.limited(case.make, patience)
+    except (ContactError, clock.TooLong) as failure:
+        note = f"its truth: {_short(failure)}"
+        return _verdict(case, np.inf, np.inf, np.nan, "FAIL", note)
+    found, note, seconds = attempt(scene, case.allowed, patience)
+    error = stated = np.inf
+    outcome = "FAIL"
+    if found is not None:
+        error, stated = truth.stated_measure(found, exact), found.error
+        if error <= case.allowed and error <= stated < np.inf:
+            outcome = "pass"
+        elif len(found.zones) != len(exact.zones):
+            apart, text = _other_topology(found, exact)
+            note = note or text
+            if found.certificate.undecided and apart <= case.allowed and not case.decidable:
+                outcome = "undecided"
+        elif error > stated:
+            note = (note + "; " if note else "") + "the true error is above the stated one"
+    return _verdict(case, error, stated, seconds, outcome, note)
+
+
+def _verdict(case: Extreme, error: float, stated: float, seconds: float, outcome: str, note: str) -> Verdict:
+    if outcome == "FAIL" and case.known:
+        outcome, note = "known", "; ".join(part for part in (note, case.known) if part)
+    return Verdict(
+        case.group, case.name, case.condition, case.why, case.allowed, error, stated, seconds, outcome,
+        "" if outcome == "pass" else note,
+    )
+
+
+def _other_topology(found: Solution, exact: Exact) -> tuple[float, str]:
+    """Largest difference of the pressures at equal places, over the peak, and that in words."""
+    x = truth.comb(exact)
+    apart = truth.at_places(x, found.pressure(x), exact)[0]
+    word = ", undecided" if found.certificate.undecided else ""
+    return apart, f"{len(found.zones)} of {len(exact.zones)} zones{word}; pressures at equal places differ by {apart:.1e}"
+
+
+def _short(error: Exception) -> str:
+    return " ".join(str(error).split())
+
+
+def run_matrix(quick: bool, progress: Callable[[str, int, int | None], None] | None = None) -> list[Verdict]:
+    """Every case of the matrix."""
+    cases = matrix(quick)
+    out = []
+    for k, case in enumerate(cases):
+        if progress is not None:
+            progress("scenes", k, len(cases))
+        out.append(run(case))
+    return out

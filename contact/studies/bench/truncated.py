@@ -1,0 +1,75 @@
+"""A wedge with a flat top, f = s max(|x| - d, 0), on a lone body: two corners 2d apart, in closed form.
+
+The superposition of flat punches (see contact.reference.exact.base) with P(a) = E* s sqrt(a^2 - d^2), a > d:
+
+    p(x) = (1/pi) int_max(|x|, d)^a P'(s) ds / sqrt(s^2 - x^2) = (E* s/pi) ln[(sqrt(a^2 - d^2) + sqrt(a^2 - x^2)) / sqrt|x^2 - d^2|]
+
+(derived here; d -> 0 gives the wedge's arcosh(a/|x|)).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact.model.profiles.base import Profile
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TruncatedWedge(Profile):
+    """f = s max(|x| - d, 0), its corners declared."""
+
+    steepness: float
+    half_top: float
+
+    def height(self, x: ArrayLike) -> Array:
+        return np.asarray(self.steepness * np.maximum(np.abs(x) - self.half_top, 0.0))
+
+    def slope(self, x: ArrayLike) -> Array:
+        x = np.asarray(x)
+        return np.asarray(np.where(np.abs(x) > self.half_top, self.steepness * np.sign(x), 0.0))
+
+    symmetric = property(lambda self: True)  # type: ignore[assignment]
+    summits = property(lambda self: np.zeros(1))  # type: ignore[assignment]
+    kinks = property(  # type: ignore[assignment]
+        lambda self: np.array([[-self.half_top, self.steepness], [self.half_top, self.steepness]])
+    )
+
+
+@dataclass(frozen=True)
+class IsolatedTruncatedWedge:
+    """The contact of half width a > d."""
+
+    steepness: float
+    half_top: float
+    E_star: float
+    half_width: float
+
+    max_pressure = inf
+
+    @property
+    def load(self) -> float:
+        a, d = self.half_width, self.half_top
+        return self.E_star * self.steepness * sqrt((a - d) * (a + d))
+
+    @property
+    def zones(self) -> Array:
+        return np.array([[-self.half_width, self.half_width]])
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        a, d = self.half_width, self.half_top
+        r = np.abs(np.asarray(t, dtype=float))
+        x = a * r
+        top = sqrt((a - d) * (a + d)) + a * np.sqrt((1 - r) * (1 + r))
+        with np.errstate(divide="ignore"):
+            value = np.log(top / np.sqrt(np.abs((x - d) * (x + d))))
+        return np.asarray(self.E_star * self.steepness / np.pi * value)
+
+    def pressure(self, x: ArrayLike) -> Array:
+        t = np.abs(np.asarray(x, dtype=float)) / self.half_width
+        return np.asarray(np.where(t < 1, self.pressure_at(np.minimum(t, 1.0)), 0.0))

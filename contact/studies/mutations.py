@@ -1,0 +1,229 @@
+"""Breaks the package in named ways, one at a time, and shows that the tests notice: python -m contact.studies.mutations [NAME ...].
+
+Each mutation replaces one piece of source in a temporary copy and runs the suite there, up to the first failure: the files that
+look at that part first, then a fast selection, then all others. A mutation that no test notices, or whose source is no longer
+there, is an error (exit status 1). --out FILE writes the table.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from contact.solution.terminal import show_table
+from contact.studies.bench.report import Table, markdown
+
+ROOT = Path(__file__).parents[2]
+# What is run on each broken copy after the files that are named with it, closed forms first; and then the rest.
+SUBSET = (
+    "tests/contact/test_solve_exact.py", "tests/contact/test_gapped.py", "tests/sie/test_closed_forms.py",
+    "tests/sie/test_kernels.py", "tests/sie/test_solve.py", "tests/sie/test_steps.py", "tests/sie/test_free_boundary.py",
+    "tests/sie/test_inverse_multizone.py", "tests/contact/test_solve_multizone.py", "tests/contact/test_plan.py",
+)
+
+
+@dataclass(frozen=True)
+class Mutation:
+    """`old` becomes `new` in `file`, where it stands exactly once; `first`: the files of tests to begin with."""
+
+    name: str
+    file: str
+    old: str
+    new: str
+    first: tuple[str, ...] = ()
+
+
+MUTATIONS = (
+    Mutation(
+        "sign of a zone's own transform", "sie/collocation/system.py",
+        "rows[k - 1, layout.offset[i] + k] -= 1.0", "rows[k - 1, layout.offset[i] + k] += 1.0",
+    ),
+    Mutation(
+        "factor in the load: 3 for pi", "sie/collocation/system.py",
+        "scale = np.pi * self.zones.half[solved]", "scale = 3.0 * self.zones.half[solved]",
+    ),
+    Mutation(
+        "dropped image: the period to the right", "sie/basis/kernels.py",
+        "return Kernel((0.0, -length, length), length,", "return Kernel((0.0, -length), length,",
+    ),
+    Mutation(
+        "sign in the far images", "sie/basis/kernels.py",
+        "(psi(2 - d) - psi(2 + d)) / self.period", "(psi(2 + d) - psi(2 - d)) / self.period",
+    ),
+    Mutation(
+        "wrong index: coefficients of the right side shifted by one", "sie/collocation/system.py",
+        "g[:count] = self.lowest[i, 1 : count + 1]", "g[:count] = self.lowest[i, :count]",
+    ),
+    Mutation(
+        "ends moved by 1e-6 of the zone's width", "contact/solver.py",
+        "return self._in_cell(np.asarray(self.problem.units.x(zones.table)))",
+        "return self._in_cell(np.asarray(self.problem.units.x(zones.table + 2e-6 * zones.half[:, None])))",
+    ),
+    Mutation(
+        "datum twice as long", "sie/basis/kernels.py",
+        "return Kernel(datum=float(datum))", "return Kernel(datum=2 * float(datum))",
+    ),
+    Mutation(
+        "height of kinks one part in 1e6 too large", "contact/formulation/problem.py",
+        "units.length**orders / units.slope", "units.length**orders / units.slope * (1 + 1e-6)",
+    ),
+    Mutation(
+        "swapped side condition: zones share the load, not the approach", "sie/equation/conditions.py",
+        "matrix, constants = system.level_steps()",
+        "matrix, constants = (np.diff(part, axis=0) for part in system.totals())",
+    ),
+    Mutation(
+        "Newton step of twice the length: 4 K / A", "sie/free_ends/newton.py",
+        "delta = np.where(moves, 2 * residual / safe, 0.0)", "delta = np.where(moves, 4 * residual / safe, 0.0)",
+    ),
+    Mutation(
+        "stated error of nothing", "contact/solver.py",
+        "return self._within_tolerance(solution, found.free, \"zone\", of_positions(found))",
+        "return self._within_tolerance(replace(solution, error=0.0), found.free, \"zone\", of_positions(found))",
+    ),
+    Mutation(
+        "potential between zones without its logarithm", "sie/collocation/system.py",
+        "block[0] += power * zero", "block[0] += 0.0 * power * zero",
+    ),
+    Mutation(
+        "pressures one part in 1e9 too large", "contact/formulation/problem.py",
+        "return 0.5 * self.E_star * self.slope", "return 0.5 * self.E_star * self.slope * (1 + 1e-9)",
+    ),
+    Mutation(
+        "certificate that does not look between the zones", "contact/verify/certificate.py",
+        "holds = least > 0 and len(new) == 0 and len(overlaps) == 0 and", "holds = least > 0 and",
+        ("tests/contact/test_certificate.py",),
+    ),
+    Mutation(
+        "certificate that takes a pressure that pulls for one that pushes", "contact/verify/certificate.py",
+        "pressures, least, dip, inside = _pressures(fields)",
+        "pressures, least, dip, inside = _pressures(fields)\n    least = abs(least)",
+        ("tests/contact/test_certificate.py",),
+    ),
+    Mutation(
+        "localization: a strip half a period too wide", "contact/model/interactions/localized.py",
+        "_Beyond(0.5 * (2 * self.neighbours + 1) * period", "_Beyond(0.5 * (2 * self.neighbours + 2) * period",
+        ("tests/contact/test_localized.py",),
+    ),
+    Mutation(
+        "localization: a nominal pressure one part in 1e6 too small", "contact/model/interactions/localized.py",
+        "sie.Amplitude(0, per_total=1 / period)", "sie.Amplitude(0, per_total=(1 - 1e-6) / period)",
+        ("tests/contact/test_localized.py",),
+    ),
+    Mutation(
+        "sign of a jump of the curvature", "sie/jumps/forcing.py",
+        "np.where(q == 1, sine, second))", "np.where(q == 1, -sine, second))", ("tests/sie/test_steps.py",),
+    ),
+    Mutation(
+        "knots of a spline twice as strong: 2! forgotten", "sie/jumps/forcing.py",
+        "factorial = np.array([1.0, 1.0, 2.0])[q]", "factorial = np.array([1.0, 1.0, 1.0])[q]",
+        ("tests/sie/test_steps.py", "tests/contact/test_sampled.py"),
+    ),
+    Mutation(
+        "nearly full contact: the mean gap of the wrong sign", "contact/formulation/gaps.py",
+        "return mean_shape(self.problem) * self.problem.units.height - self.mean_gap",
+        "return mean_shape(self.problem) * self.problem.units.height + self.mean_gap", ("tests/contact/test_gapped.py",),
+    ),
+    Mutation(
+        "stiffness without the response of the load", "contact/formulation/fields.py",
+        "values[index[0]] = 1.0", "values[index[0]] = 2.0", ("tests/contact/test_solve_exact.py",),
+    ),
+    Mutation(
+        "many zones: a step between neighbours with one half left out", "sie/collocation/iterative.py",
+        "across + half_rise[1:] + half_rise[:-1]", "across + half_rise[1:]", ("tests/contact/test_solve_multizone.py",),
+    ),
+    Mutation(
+        "zones left in another cell than the profile's", "contact/solver.py",
+        "turns = np.floor((table[:, 0] - x0) / period)", "turns = np.round((table[:, 0] - x0) / period)",
+    ),
+    Mutation(
+        "events of a load path displaced", "contact/sweeps/paths.py",
+        "self.position = float(self.problem.units.x(np.array(place)))",
+        "self.position = float(self.problem.units.x(np.array(place + 1e-4)))", ("tests/contact/test_path.py",),
+    ),
+    Mutation(
+        "a module that no wave needs", "contact/solver.py",
+        "import numpy as np\nfrom numpy.typing", "import numpy as np\nimport scipy.interpolate  # noqa: F401\nfrom numpy.typing",
+        ("tests/contact/test_plan.py",),
+    ),
+    Mutation(
+        "symmetric zones solved as if they were not", "contact/search/topology.py",
+        "return sie.Zones.of(table, left, right, symmetric=symmetric)", "return sie.Zones.of(table, left, right)",
+        ("tests/contact/test_plan.py",),
+    ),
+)
+
+
+def broken_copy(mutation: Mutation, folder: Path) -> None:
+    """The project in `folder`, with the mutation made."""
+    shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns("__pycache__", ".*"))
+    path = folder / mutation.file
+    source = path.read_text(encoding="utf-8")
+    count = source.count(mutation.old)
+    if count != 1:
+        raise LookupError(f"{mutation.name}: its source stands {count} times in {mutation.file}")
+    path.write_text(source.replace(mutation.old, mutation.new), encoding="utf-8")
+
+
+def first_failure(folder: Path, files: Sequence[str], patience: float) -> tuple[str | None, float]:
+    """The first test of the files that fails in `folder`, None if none does, and the seconds it took to know."""
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    # test_bench looks whether the sources of the mutations are there, which here they are not.
+    options = ["-x", "-q", "--no-header", "--tb=no", "-p", "no:cacheprovider", "-m", "", "--ignore=tests/contact/test_bench.py"]
+    command = [sys.executable, "-m", "pytest", *options, *files]
+    start = time.perf_counter()
+    try:
+        run = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=patience)
+    except subprocess.TimeoutExpired:
+        # A search that no longer ends is noticed too, by whoever waits for the suite.
+        return "the suite does not end", time.perf_counter() - start
+    took = time.perf_counter() - start
+    if run.returncode == 0:
+        return None, took
+    found = re.search(r"^(?:FAILED|ERROR) (?:tests/)?(\S+)", run.stdout, re.MULTILINE)
+    if found is None:
+        raise RuntimeError(run.stdout + run.stderr)
+    return found.group(1), took
+
+
+def noticed(mutation: Mutation | None, patience: float = 900.0) -> tuple[str | None, float]:
+    """What notices the mutation; None: the sound package, which nothing of the fast selection may notice."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name) / "copy"
+        broken_copy(mutation or Mutation("none", "sie/basis/kernels.py", "def hilbert(", "def hilbert("), folder)
+        first = mutation.first if mutation else ()
+        test, seconds = first_failure(folder, list(dict.fromkeys((*first, *SUBSET))), patience)
+        if test is None and mutation is not None:
+            test, more = first_failure(folder, ["tests"], patience)
+            seconds += more
+        return test, seconds
+
+
+def main(arguments: list[str]) -> int:
+    out = Path(arguments.pop(arguments.index("--out") + 1)) if "--out" in arguments else None
+    names = [name for name in arguments if name != "--out"]
+    chosen = [m for m in MUTATIONS if not names or any(name in m.name for name in names)]
+    wrong, seconds = noticed(None)
+    rows, missed = [("none: the package as it is", "-", wrong or "all pass", f"{seconds:.0f} s")], int(wrong is not None)
+    for mutation in chosen:
+        test, seconds = noticed(mutation)
+        rows.append((mutation.name, mutation.file, (test or "NOT NOTICED").replace("::", ": "), f"{seconds:.0f} s"))
+        missed += test is None
+        print(f"{mutation.name}: {rows[-1][2]}, {rows[-1][3]}", file=sys.stderr, flush=True)
+    table = Table("mutations", "mutations", ("what is broken", "file", "first test that fails", "after"), rows)
+    show_table(table.title, table.columns, table.rows)
+    if out is not None:
+        out.write_text(markdown(table), encoding="utf-8")
+    return 1 if missed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

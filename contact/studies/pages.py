@@ -1,0 +1,40 @@
+"""Sets measured tables and figures in the pages of docs: python -m contact.studies.pages OUT.
+
+OUT/NAME.md takes the place of what stands in a page between `<!-- measured: NAME -->` and `<!-- end -->`; OUT/NAME.png becomes
+docs/images/bench-NAME.png. What was not measured stays as it is.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+from pathlib import Path
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = ("benchmarks.md", "many-zones.md", "stability.md", "tests.md")
+PLACE = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def filled(page: str, folder: Path) -> str:
+    """The page with every table that the folder has."""
+
+    def table(found: re.Match[str]) -> str:
+        file = folder / f"{found[2]}.md"
+        return f"{found[1]}\n{file.read_text(encoding='utf-8')}\n{found[3]}" if file.exists() else found[0]
+
+    return PLACE.sub(table, page)
+
+
+def fill(folder: Path, docs: Path = DOCS) -> None:
+    for name in PAGES:
+        page = docs / name
+        page.write_text(filled(page.read_text(encoding="utf-8"), folder), encoding="utf-8")
+    for figure in folder.glob("*.png"):
+        shutil.copy(figure, docs / "images" / f"bench-{figure.name}")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    fill(Path(sys.argv[1]))

@@ -1,0 +1,275 @@
+"""Random scenes of every family, model and control, from first touch to beyond full contact: what became of them.
+
+python -m contact.studies.random_scenes FIRST COUNT [--tol 1e-8] [--limit 60] [--out FILE.csv]
+
+Every scene must come back certified, or end in an error of the package. Anything else is a fault: another exception, a warning of
+numpy or Python, a stated error above the tolerance, or zones that differ from those of a solution a thousand times as tight, or
+from those of an independent grid where that is fine enough to tell. A scene that takes longer than the limit, in seconds of processor
+time, is stopped and listed; judging it may take as long again. One line of CSV a scene, written as it ends; a table of all at the end.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import signal
+import sys
+import time
+import warnings
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import contact
+from contact.search.coarse import grid_height, propose
+from contact.studies import own_models
+from contact.studies.scene_families import FAMILIES
+
+Array = NDArray[np.float64]
+
+COLUMNS = ("seed", "family", "model", "control", "value", "outcome", "reason", "zones", "error", "seconds", "detail")
+# A grid tells contacts and gaps of so many cells.
+_CELLS = 8
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One random scene and how it was drawn."""
+
+    seed: int
+    family: str
+    scene: contact.Scene
+
+    @property
+    def model(self) -> str:
+        name = self.scene.interaction.name
+        closure = getattr(self.scene.interaction, "closure", None)
+        return name if closure is None else f"{name}, {closure}"
+
+
+def draw(seed: int) -> Drawn | contact.ContactError:
+    """The scene of a seed; the error where the drawn parts do not make one."""
+    rng = np.random.default_rng(seed)
+    length, modulus = 10.0 ** rng.uniform(-6, 1), 10.0 ** rng.uniform(5, 12)
+    family = str(rng.choice(list(FAMILIES)))
+    try:
+        profile = FAMILIES[family](rng, length)
+        interaction = own_models.instead(seed, _interaction(rng, profile, length), length)
+        kind = str(rng.choice([k for k in interaction.allows if k != "half_width" or profile.symmetric]))
+        if kind in ("mean_pressure", "contact_fraction") and profile.period is None:
+            kind = "load"
+        if kind == "approach" and not interaction.has_approach:
+            interaction = contact.Isolated(datum=length * 10 ** rng.uniform(-1, 2))
+        return Drawn(seed, family, contact.Scene(profile, modulus, interaction, **{kind: _value(rng, profile, modulus, length, kind)}))
+    except contact.ContactError as error:
+        return error
+
+
+def _interaction(rng: np.random.Generator, profile: contact.Profile, length: float) -> contact.Interaction:
+    if profile.period is None:
+        return contact.Isolated()
+    which = rng.random()
+    if which < 0.65:
+        return contact.Periodic()
+    if which < 0.75:
+        return contact.Isolated()
+    if which < 0.9:
+        return contact.Localized("self-consistent", int(rng.integers(0, 4)))
+    return contact.Localized()
+
+
+def _value(rng: np.random.Generator, profile: contact.Profile, modulus: float, length: float, kind: str) -> float:
+    """Of the control: over eight decades below what the slopes can bear, and a little above."""
+    if kind == "contact_fraction":
+        return float(rng.choice([10 ** rng.uniform(-4, 0), 1 - 10 ** rng.uniform(-4, 0), 1.0]))
+    if kind == "half_width":
+        return length * 0.5 * 10 ** rng.uniform(-4, 0.02)
+    x = profile.x0 + length * (np.arange(2048) + 0.37) / 2048
+    with np.errstate(all="ignore"):
+        heights, slopes = np.asarray(profile.height(x)), np.asarray(profile.slope(x))
+    slopes, heights = slopes[np.isfinite(slopes)], heights[np.isfinite(heights)]
+    slope = float(np.sqrt(np.sum(slopes**2) / max(len(slopes), 1))) or 1e-2
+    if kind == "approach":
+        span = float(np.max(heights, initial=0.0) - np.min(heights, initial=0.0)) or slope * length
+        return span * 10 ** rng.uniform(-6, 0.2)
+    full = 0.5 * modulus * slope * float(rng.choice([10 ** rng.uniform(-8, 0), rng.uniform(0.1, 3)]))
+    return full if kind == "mean_pressure" else full * length
+
+
+class OutOfTime(BaseException):
+    """A scene has used up its time. Not an Exception, so that nothing on its way takes it for a failure of its own."""
+
+
+@contextmanager
+def limited(seconds: float) -> Iterator[None]:
+    if seconds == np.inf:
+        yield
+        return
+
+    def stop(*_: object) -> None:
+        raise OutOfTime
+
+    before = signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
+        signal.signal(signal.SIGVTALRM, before)
+
+
+def judged(drawn: Drawn, tol: float, limit: float = np.inf) -> dict[str, Any]:
+    """What became of a scene."""
+    kind, value = drawn.scene.control
+    row: dict[str, Any] = dict(
+        seed=drawn.seed, family=drawn.family, model=drawn.model, control=kind, value=value,
+        outcome="", reason="", zones="", error="", detail="",
+    )
+    began = time.process_time()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.simplefilter("ignore", contact.ModelWarning)
+        try:
+            with limited(limit):
+                solution = contact.solve(drawn.scene, tol=tol)
+            row["seconds"] = round(time.process_time() - began, 3)
+            row["outcome"], row["reason"] = "solved", "undecided" if solution.certificate.undecided else ""
+            row["zones"], row["error"] = len(solution.zones), solution.error
+            with limited(limit):
+                row["detail"] = _fault(drawn.scene, solution, tol)
+            if row["detail"]:
+                row["outcome"] = "FAULT"
+        except OutOfTime:
+            row["outcome"], row["reason"] = ("solved", "no time to judge it") if row["outcome"] else ("stopped", "")
+        except contact.ContactError as error:
+            row["outcome"], row["reason"], row["detail"] = type(error).__name__, _reason(error), str(error)
+            row["error"] = getattr(getattr(error, "best", None), "error", "")
+            if wrong := own_models.wrongly_refused(drawn.scene, error):
+                row["outcome"], row["detail"] = "FAULT", wrong
+        except Exception as error:  # noqa: BLE001  (whatever it is, it is a fault to be listed)
+            row["outcome"], row["reason"], row["detail"] = "FAULT", type(error).__name__, repr(error)
+    row.setdefault("seconds", round(time.process_time() - began, 3))
+    return row
+
+
+def _reason(error: contact.ContactError) -> str:
+    """The part of a message that is the same for all of its kind."""
+    text = str(error)
+    known = (
+        "no symbol", "rounding of heights", "beside a corner",
+        "kink of a valley", "the stated error", "did not settle", "border", "full contact",
+        "beyond the largest", "half width",
+        "branch", "too narrow", "positive everywhere", "datum", "isolated reference", "ever more often", "fill the period",
+        "vanished", "has no solution", "is not below", "finest grid",
+    )
+    return next((one for one in known if one in text), text[:60])
+
+
+def _fault(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
+    """What is wrong with a solution; empty if nothing is."""
+    if not solution.certificate.holds and scene.interaction.exact:
+        return f"not certified: {solution.certificate.note}"
+    if not solution.error <= tol:
+        return f"stated error {solution.error:.2g}"
+    if solution.certificate.undecided:
+        return ""
+    return _against_tighter(scene, solution, tol) or _against_grid(scene, solution)
+
+
+def _against_tighter(scene: contact.Scene, solution: contact.Solution, tol: float) -> str:
+    try:
+        tight = contact.solve(scene, tol=max(1e-3 * tol, 1e-13))
+    except contact.NotConverged as error:
+        tight = error.best
+        if tight is None or not np.isfinite(tight.error):
+            return ""
+    if tight.certificate.undecided:
+        return ""
+    if len(tight.zones) != len(solution.zones):
+        return f"{len(solution.zones)} zones, but {len(tight.zones)} when solved to {1e-3 * tol:.0e}"
+    if len(tight.zones) == 0:
+        return ""
+    width = (tight.zones[:, 1] - tight.zones[:, 0])[:, None]
+    ends = float((np.abs(tight.zones - solution.zones) / width).max())
+    if ends > 0.9 * (scene.period or np.inf) / float(width.min()):
+        return ""  # an end at the border of the cell, rounded to its other side
+    allowed = solution.error + tight.error
+    return f"ends off by {ends:.1e}, stated {allowed:.1e}" if ends > allowed else ""
+
+
+def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
+    """Whether a grid of other origin and method has the same contacts and gaps, as far as its cells tell."""
+    period = scene.period
+    if isinstance(scene.interaction, own_models.OWN):
+        return own_models.fault(scene, solution)
+    exact_model = isinstance(scene.interaction, contact.Periodic)
+    if not exact_model or period is None or len(solution.zones) == 0 or not np.isfinite(solution.max_pressure):
+        return ""
+    cell = (scene.profile.x0, scene.profile.x0 + period)
+    found = propose(
+        lambda x: grid_height(scene.profile, x), cell, E=scene.E_star, periodic=True,
+        resolution=scene.profile.resolution, points=8192, load=solution.load,
+    )
+    h = period / found.points
+    x = scene.profile.x0 + h * (np.arange(found.points) + 0.5)
+    touching, pressed = np.asarray(found.state.contact), solution.pressure(x) > 0
+    for what, mask, other in (
+        ("a zone", pressed, touching), ("a gap", ~pressed, ~touching),
+        ("a contact of the grid", touching, pressed), ("a gap of the grid", ~touching, ~pressed),
+    ):
+        for start, stop in _runs(mask):
+            if stop - start >= _CELLS and not other[start:stop].any():
+                return f"{what} of {stop - start} cells at {x[start]:.6g} is not there on a grid of {found.points}"
+    return ""
+
+
+def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    change = np.flatnonzero(np.diff(np.concatenate(([False], mask, [False])).astype(np.int8)))
+    return list(zip(change[::2].tolist(), change[1::2].tolist(), strict=True))
+
+
+def table(rows: list[dict[str, Any]]) -> list[str]:
+    """Outcomes by model and reason."""
+    counts = Counter((row["outcome"], row["reason"]) for row in rows)
+    return [f"{count:6d}  {outcome:14s} {reason}" for (outcome, reason), count in counts.most_common()]
+
+
+def _row(seed: int, tol: float, limit: float) -> dict[str, Any]:
+    drawn = draw(seed)
+    if isinstance(drawn, contact.ContactError):
+        return dict.fromkeys(COLUMNS, "") | dict(seed=seed, outcome=type(drawn).__name__, reason="the scene itself", detail=drawn)
+    return judged(drawn, tol, limit)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("first", type=int)
+    parser.add_argument("count", type=int)
+    parser.add_argument("--tol", type=float, default=1e-8)
+    parser.add_argument("--limit", type=float, default=60.0)
+    parser.add_argument("--out", type=Path)
+    options = parser.parse_args(arguments)
+    rows: list[dict[str, Any]] = []
+    with nullcontext() if options.out is None else options.out.open("w", newline="") as stream:
+        writer = None if stream is None else csv.DictWriter(stream, COLUMNS)
+        if writer is not None:
+            writer.writeheader()
+        for seed in range(options.first, options.first + options.count):
+            rows.append(_row(seed, options.tol, options.limit))
+            if rows[-1]["outcome"] == "FAULT":
+                print({key: rows[-1][key] for key in COLUMNS if rows[-1][key] != ""}, flush=True)
+            if writer is not None and stream is not None:
+                writer.writerow(rows[-1])
+                stream.flush()
+    print("\n".join(table(rows)))
+    return 3 if any(row["outcome"] == "FAULT" for row in rows) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,122 @@
+"""Self-affine roughness from a hundred zones to seven thousand: python -m contact.studies.self_affine [--out FILE] [KMAX ...].
+
+Hurst exponent 0.8, harmonics 4 ... kmax with random phases, rms slope 0.1, mean pressure 0.05 E* slope, tolerance 1e-8. Each size in
+a process of its own, on one thread, for its time and peak memory. Prints a table, the exponent fitted to processor time over the
+number of zones, and how far the smallest size is from a solution by a matrix to a tighter tolerance; FILE, for instance
+OUT/self-affine.md, takes it as Markdown, and `python -m contact.studies.pages OUT` sets it in docs/many-zones.md.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+import contact
+from contact.solution.terminal import show_table
+from contact.studies.bench import machine
+from sie.collocation import fixed as engine
+
+SIZES = (1_000, 3_000, 10_000, 30_000, 100_000)
+SLOPE, PRESSURE, HURST, FIRST = 0.1, 0.05, 0.8, 4
+NAMES = (
+    "kmax", "zones", "wanted", "processor time [s]", "of the wall clock: search, ends, certificate [s]", "peak memory [GB]",
+    "Newton steps, rounds", "stated error", "certificate",
+)
+# Times asked for: 100, 1,000 and 10,000 zones [s].
+WANTED = {1_000: 2, 10_000: 20, 100_000: 300}
+PARTS = ("coarse search", "zone ends", "certificate")
+_ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+
+
+def profile(kmax: int, seed: int = 0) -> contact.Fourier:
+    """Amplitudes k^-(H + 1/2), scaled to the rms slope; the period is 1 m."""
+    k = np.arange(FIRST, kmax + 1)
+    phase = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(k))
+    amplitude = k ** -(HURST + 0.5)
+    amplitude *= SLOPE / np.sqrt(0.5 * np.sum((2 * np.pi * k * amplitude) ** 2))
+    cosine, sine = np.zeros(kmax), np.zeros(kmax)
+    cosine[FIRST - 1 :], sine[FIRST - 1 :] = amplitude * np.cos(phase), amplitude * np.sin(phase)
+    return contact.Fourier(1.0, cosine, sine)
+
+
+def scene(kmax: int) -> contact.Scene:
+    return contact.Scene(profile(kmax), 1.0, contact.Periodic(), mean_pressure=PRESSURE * SLOPE)
+
+
+def measure(kmax: int, tol: float = 1e-8) -> dict[str, float | bool | str]:
+    """One solution: zones, processor time [s], peak memory [GB], steps, stated error, whether the certificate holds."""
+    given = scene(kmax)
+    start = time.process_time()
+    solution = contact.solve(given, tol=tol)
+    return {
+        "kmax": kmax, "zones": len(solution.zones), "seconds": time.process_time() - start,
+        "memory": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20, "error": solution.error,
+        "steps": solution.plan["zone ends"].detail.replace(" Newton steps", "").replace(" rounds", ""),
+        "holds": solution.certificate.holds,
+        "parts": ", ".join(f"{solution.plan[name].seconds:.2f}" for name in PARTS),
+    }
+
+
+def against_a_matrix(kmax: int, tol: float = 1e-10) -> dict[str, float]:
+    """Largest differences from the same scene by a matrix to a tighter tolerance: ends over their zone's width, and pressures at
+    equal normalised position over the peak; with the two errors stated."""
+    fast = contact.solve(scene(kmax), tol=1e-8)
+    engine.MANY_UNKNOWNS = 10**9
+    direct = contact.solve(scene(kmax), tol=tol)
+    t = np.cos(np.pi * (np.arange(12) + 0.5) / 12)
+    ends = np.abs((fast.zones - direct.zones) / np.diff(direct.zones, axis=1)).max()
+    pressures = max(np.abs(fast.pressure_at(t, i) - direct.pressure_at(t, i)).max() for i in range(len(direct.zones)))
+    return {"ends": float(ends), "pressure": float(pressures) / direct.max_pressure, "stated": fast.error + direct.error}
+
+
+def _alone(*arguments: str) -> dict[str, float]:
+    """What this file prints in a process of its own."""
+    run = subprocess.run(
+        [sys.executable, __file__, *arguments], check=True, capture_output=True, text=True, env={**os.environ, **_ONE_THREAD}
+    )
+    return dict(json.loads(run.stdout))
+
+
+def main(sizes: tuple[int, ...], out: Path | None) -> None:
+    found = [_alone("--one", str(kmax)) for kmax in sizes]
+    rows = [
+        (
+            f"{r['kmax']:,}", f"{r['zones']:,}", f"{WANTED[int(r['kmax'])]} s" if r["kmax"] in WANTED else "",
+            f"{r['seconds']:.2f}", str(r["parts"]), f"{r['memory']:.2f}", str(r["steps"]), f"{r['error']:.1e}",
+            "holds" if r["holds"] else "fails",
+        )
+        for r in found
+    ]
+    show_table("self-affine roughness", NAMES, rows, numeric=range(8))
+    remarks = []
+    if len(found) > 1:
+        growth = np.polyfit(np.log([r["zones"] for r in found]), np.log([r["seconds"] for r in found]), 1)[0]
+        remarks.append(f"Processor time grows as zones^{growth:.2f} (fitted).")
+    check = _alone("--check", str(min(sizes)))
+    remarks.append(
+        f"kmax = {min(sizes):,} by a matrix to 1e-10: ends differ by {check['ends']:.1e} of their zone's width, pressures by "
+        f"{check['pressure']:.1e} of the peak; stated together {check['stated']:.1e}."
+    )
+    remarks.append(f"Measured with {', '.join(' '.join(row) for row in machine.table(()).rows)}.")
+    print("\n".join(remarks))
+    if out is not None:
+        lines = ["| " + " | ".join(cells) + " |" for cells in (NAMES, ("---",) * len(NAMES), *rows)]
+        out.write_text("\n".join((*lines, "", *remarks)) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    given = sys.argv[1:]
+    if given[:1] == ["--one"]:
+        print(json.dumps(measure(int(given[1]))))
+    elif given[:1] == ["--check"]:
+        print(json.dumps(against_a_matrix(int(given[1]))))
+    else:
+        file = Path(given[1]) if given[:1] == ["--out"] else None
+        main(tuple(map(int, given[2 if file else 0 :])) or SIZES, file)

@@ -1,0 +1,186 @@
+"""One scene under each interaction model, at the same control.
+
+The models are the paper's isolated contact and its localization principle with both closures, the same principle with m
+neighbours on each side kept explicitly, the scene's own where it is another, and the exact periodic contact, in that order.
+One that has no solution says why and does not stop the rest.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact.errors import ContactError, SceneError, unwarned, warn
+from contact.model.interactions.base import Interaction
+from contact.model.registry import interaction
+from contact.model.scene import Scene
+from contact.model.units import quantity
+from contact.solution.answer import Answer
+from contact.solution.validity import of_solution
+from contact.solver import solve
+
+Report = Callable[[str, int, int | None], None]
+
+NEIGHBOURS = (1, 2, 4, 8)
+
+# A table of more zones than this is for a file.
+_ZONES_SHOWN = 4
+
+# Normalised positions in a zone at which pressures are compared: inside, closer at the ends.
+_T = np.cos((np.arange(41) + 0.5) * np.pi / 41)
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """What one model made of the scene: a solution, or the error that says why there is none."""
+
+    name: str
+    solution: Answer | None
+    refusal: ContactError | None
+    seconds: float
+
+
+def compare(scene: Scene, tol: float = 1e-8, progress: Report | None = None) -> list[Attempt]:
+    """Solve the scene under every model; the exact one comes last."""
+    if not isinstance(scene, Scene):
+        raise SceneError.of("scene", scene, "a contact.Scene")
+    models = _models(scene.interaction)
+    attempts = []
+    for done, (name, model) in enumerate(models.items()):
+        if progress is not None:
+            progress(name, done, len(models))
+        with unwarned():
+            attempts.append(_attempt(name, scene, model, tol))
+    solved = [attempt.solution for attempt in attempts if attempt.solution is not None]
+    if solved:
+        warn(of_solution(solved[-1]))
+    return attempts
+
+
+def difference(attempt: Attempt, exact: Attempt, quantity: str) -> float | None:
+    """How far a positive quantity is from the exact model's, relative to it; None where there is no such number."""
+    if attempt.solution is None or exact.solution is None:
+        return None
+    value, reference = _value(attempt.solution, quantity), _value(exact.solution, quantity)
+    if value is None or reference is None or not np.isfinite([value, reference]).all() or reference == 0.0:
+        return None
+    return value / reference - 1.0
+
+
+def ends_apart(attempt: Attempt, exact: Attempt) -> float | None:
+    """The largest distance of a zone's end from the exact model's, over that zone's width; None if the zones are others."""
+    if attempt.solution is None or exact.solution is None:
+        return None
+    ours, zones = attempt.solution.zones, exact.solution.zones
+    if len(ours) != len(zones) or len(zones) == 0:
+        return None
+    return float(np.max(np.abs(ours - zones) / exact.solution.zone_widths[:, None]))
+
+
+def pressure_apart(attempt: Attempt, exact: Attempt) -> float | None:
+    """The largest difference of pressure at equal normalised positions in corresponding zones, over the exact peak (over the
+    mean on the zones where the peak is infinite)."""
+    if ends_apart(attempt, exact) is None:
+        return None
+    assert attempt.solution is not None and exact.solution is not None
+    reference = exact.solution
+    scale = reference.max_pressure
+    if not np.isfinite(scale):
+        scale = reference.load / total_width(reference)
+    ours, theirs = (s.pressure(_within(s.zones)) for s in (attempt.solution, reference))
+    return float(np.max(np.abs(ours - theirs)) / scale)
+
+
+def total_width(solution: Answer) -> float:
+    """Length in contact: of all zones, or the period at full contact."""
+    if len(solution.zones) == 0 and solution.scene.period is not None:
+        return solution.scene.period
+    return float(np.sum(solution.zone_widths))
+
+
+def table(attempts: list[Attempt]) -> list[tuple[str, ...]]:
+    """Rows of text, the first column the quantity, then one for each model."""
+    exact = attempts[-1]
+    lines: list[tuple[str, Callable[[Answer], str]]] = [
+        ("load", lambda s: quantity(s.load, "N/m", 6)),
+        ("mean pressure", lambda s: quantity(s.mean_pressure, "Pa", 6)),
+        ("max pressure", lambda s: quantity(s.max_pressure, "Pa", 6)),
+        ("contact fraction", lambda s: "-" if s.contact_fraction is None else f"{s.contact_fraction:.6g}"),
+        ("total width", lambda s: quantity(total_width(s), "m", 6)),
+        ("zones", lambda s: str(len(s.zones)) if len(s.zones) else "full contact"),
+    ]
+    most = max((len(a.solution.zones) for a in attempts if a.solution is not None), default=0)
+    for zone in range(min(most, _ZONES_SHOWN)):
+        lines += [(f"zone {zone + 1}, {side}", _end(zone, place)) for place, side in enumerate(("left", "right"))]
+    rows = [(label, *("-" if a.solution is None else tell(a.solution) for a in attempts)) for label, tell in lines]
+    for name in ("load", "max_pressure", "total_width"):
+        apart = [difference(attempt, exact, name) for attempt in attempts]
+        rows.append((f"{name.replace('_', ' ')} to exact", *(_percent(value, "+.3g") for value in apart)))
+    rows.append(("zone ends to exact", *(_percent(ends_apart(attempt, exact)) for attempt in attempts)))
+    rows.append(("pressure to exact", *(_percent(pressure_apart(attempt, exact)) for attempt in attempts)))
+    rows.append(("time", *(quantity(attempt.seconds, "s", 3) for attempt in attempts)))
+    return rows
+
+
+def refusals(attempts: list[Attempt]) -> list[str]:
+    """A line for each reason why models have no solution, with the names of those it holds for."""
+    reasons: dict[str, list[str]] = {}
+    for attempt in attempts:
+        if attempt.refusal is not None:
+            reasons.setdefault(" ".join(str(attempt.refusal).split()), []).append(attempt.name)
+    return [f"{', '.join(names)}: no solution: {reason}" for reason, names in reasons.items()]
+
+
+def _end(zone: int, place: int) -> Callable[[Answer], str]:
+    return lambda s: quantity(float(s.zones[zone, place]), "m", 6) if zone < len(s.zones) else "-"
+
+
+def _percent(value: float | None, form: str = ".3g") -> str:
+    return "-" if value is None else f"{100.0 * value:{form}} %"
+
+
+def _within(zones: np.ndarray) -> np.ndarray:
+    return np.asarray(0.5 * (zones[:, :1] + zones[:, 1:]) + 0.5 * np.diff(zones) * _T)
+
+
+def _value(solution: Answer, quantity: str) -> float | None:
+    if quantity == "total_width":
+        return total_width(solution)
+    value: float | None = getattr(solution, quantity)
+    return value
+
+
+def _models(own: Interaction) -> dict[str, Interaction]:
+    """The models by the name they have in the table."""
+    models = {
+        "isolated": own if own.name == "isolated" else interaction("isolated"),
+        "first-order": interaction("localized", closure="first-order"),
+        "self-consistent": interaction("localized", closure="self-consistent"),
+    }
+    for m in NEIGHBOURS:
+        models[f"m = {m}"] = interaction("localized", closure="self-consistent", neighbours=m)
+    exact = interaction("periodic")
+    if own not in (*models.values(), exact):
+        models[f"{own.name}, as given"] = own
+    return {**models, "exact": exact}
+
+
+def _attempt(name: str, scene: Scene, model: Interaction, tol: float) -> Attempt:
+    start = time.perf_counter()
+    solution, refusal = None, None
+    try:
+        solution = solve(_under(scene, model), tol=tol)
+    except ContactError as error:
+        refusal = error
+    return Attempt(name, solution, refusal, time.perf_counter() - start)
+
+
+def _under(scene: Scene, model: Interaction) -> Scene:
+    """The scene under another model; a mean pressure it does not take as control is given as the load it means."""
+    if scene.mean_pressure is None or "mean_pressure" in model.allows or scene.profile.period is None:
+        return replace(scene, interaction=model)
+    load = scene.mean_pressure * scene.profile.period
+    return replace(scene, interaction=model, mean_pressure=None, load=load)

@@ -1,0 +1,363 @@
+"""Load paths: solutions at a list of loads, and the events between them at which the number of zones changes.
+
+Frictionless contact grows with the load: every zone at a load lies inside one at a higher load. So between two loads a zone
+is born where the higher one has none below it, and zones merge where it has several. Each event is found on its own
+condition, with the topology held fixed and the signs free:
+
+    birth (death)   the least gap at the place of the new zone is zero, without that zone,
+    merge (split)   the least pressure between the two zones is zero, with the two already one,
+    full            the least pressure of full contact is zero (contact.formulation.full).
+
+Names are given for a growing load; for a falling one the same event is a death or a split. At a given moment the body turns as the
+load grows, and may lift off again on one side: there deaths and splits are looked for as well, and so they are where the body is
+not a half-plane, on which alone contact is known to grow with the load.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import sie
+from contact.errors import NotConverged, SceneError, unwarned, warn
+from contact.extras import require
+from contact.formulation.fields import ZoneFields
+from contact.formulation.gaps import GapFields
+from contact.formulation.maxima import maximum
+from contact.formulation.problem import Control
+from contact.model.checks import finite_array
+from contact.model.scene import Scene
+from contact.search.gap_topology import with_gaps
+from contact.search.topology import Progress, WrongTopology, kinds
+from contact.solution.solution import Solution
+from contact.solution.validity import of_solution
+from contact.solver import solve
+
+Array = NDArray[np.float64]
+
+# Loads closer than this part of themselves are one: events within it are reported at their own loads but not separated.
+_CLOSE = 1e-7
+# Of ends and of coefficients on the way to an event: pressure and gap away from an end that is off change by the square of that.
+_ENDS, _DECAY = 1e-7, 1e-14
+# Zooms to a least gap or pressure, the place of which is about known.
+_ZOOMS = 5
+_USEFUL = 1e-3
+# Where the last gap but one has closed, as a rule: this far below the load of full contact.
+_BEFORE_FULL = 1e-7
+_REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth", "split": "merge"}
+
+
+@dataclass(frozen=True, eq=False)
+class Event:
+    """A change of the number of zones: kind (birth, death, merge, split, full), load [N/m], position [m], and the zones (n, 2)
+    just before and just after in the direction of the path; full contact has none."""
+
+    kind: str
+    load: float
+    position: float
+    before: Array
+    after: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Solutions at the given loads and the events between them, in the order of the path."""
+
+    solutions: tuple[Solution, ...]
+    events: tuple[Event, ...]
+
+    @property
+    def loads(self) -> Array:
+        return np.array([solution.load for solution in self.solutions])
+
+
+def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress | None = None) -> Path:
+    """Solve a scene along loads [N/m] (per period where there is one), each from the zones of the last, with all events.
+
+    The scene's own control is replaced by each load in turn; its tilt or its moment stays. loads: one or more, in any order.
+    Raises what `contact.solve` raises.
+    """
+    if not isinstance(scene, Scene):
+        raise SceneError.of("scene", scene, "a contact.Scene")
+    values = finite_array("loads", loads)
+    if np.any(values <= 0):
+        raise SceneError.of("loads", loads, "positive")
+    run = _Path(scene, tol, progress)
+    solutions: list[Solution] = []
+    events: list[Event] = []
+    with unwarned():
+        for k, load in enumerate(values):
+            if progress is not None:
+                progress("load", k, len(values))
+            here = run.at(float(load), solutions[-1] if solutions else None)
+            if solutions:
+                events += run.between(solutions[-1], here)
+            solutions.append(here)
+    # Of the highest load, where slopes and pressures are.
+    warn(of_solution(max(solutions, key=lambda solution: solution.load)))
+    return Path(tuple(solutions), tuple(events))
+
+
+@dataclass(frozen=True)
+class _Change:
+    """What must happen between two solutions: the kind, and the indices it is about in the lower and the higher one.
+
+    back: it happens on the way from the higher load to the lower one, which then stand for each other.
+    """
+
+    kind: str
+    lower: tuple[int, ...]
+    higher: int
+    back: bool = False
+
+
+class _Path:
+    def __init__(self, scene: Scene, tol: float, progress: Progress | None) -> None:
+        self.scene, self.tol, self.progress = scene, tol, progress
+
+    def at(self, load: float, near: Solution | None) -> Solution:
+        scene = replace(
+            self.scene, load=load, mean_pressure=None, approach=None, half_width=None, contact_fraction=None
+        )
+        return solve(scene, self.tol, near=near)
+
+    def on_the_way(self, load: float, near: Solution) -> Solution:
+        """A state between two loads: close to an event a zone or gap may be too narrow for the tolerance, and still serve."""
+        try:
+            return self.at(load, near)
+        except NotConverged as failure:
+            if isinstance(failure.best, Solution) and failure.best.certificate.holds and failure.best.error < _USEFUL:
+                return failure.best
+            raise
+
+    def between(self, first: Solution, last: Solution) -> list[Event]:
+        """The events on the way from one solution to the next."""
+        rising = last.load >= first.load
+        low, high = (first, last) if rising else (last, first)
+        events = sorted(self._events(low, high), key=lambda event: event.load)
+        if rising:
+            return events
+        return [
+            Event(_REVERSED[e.kind], e.load, e.position, e.after, e.before) for e in reversed(events)
+        ]
+
+    def _events(self, low: Solution, high: Solution) -> list[Event]:
+        changes = _changes(low, high)
+        if not changes:
+            return []
+        if changes[0].kind == "full" and len(low.zones) > 1:
+            # Other gaps close before the last one does.
+            full = _full(self.scene).load
+            before = max(low.load, full * (1 - _BEFORE_FULL))
+            last = self.on_the_way(before, low)
+            return [*self._events(low, last), _full_event(self.scene, last)]
+        apart = high.load - low.load > _CLOSE * high.load
+        if apart and (len(changes) > 1 or high.load > 1.3 * low.load):
+            middle = self.on_the_way(float(np.sqrt(low.load * high.load)), low)
+            return self._events(low, middle) + self._events(middle, high)
+        events = []
+        for change in changes:
+            event = self._event(change, low, high)
+            if event is None and apart:
+                middle = self.on_the_way(0.5 * (low.load + high.load), low)
+                return self._events(low, middle) + self._events(middle, high)
+            if event is None:
+                raise NotConverged(f"the {change.kind} between loads {low.load:.17g} and {high.load:.17g} was not located")
+            events.append(event)
+        return events
+
+    def _event(self, change: _Change, low: Solution, high: Solution) -> Event | None:
+        """The event of one change; None if its condition does not change sign between the two loads."""
+        if change.kind == "full":
+            return _full_event(self.scene, low)
+        first, second = (high, low) if change.back else (low, high)
+        side = first if change.kind == "birth" else second
+        make = _conditions(side)[change.kind]
+        condition = make(side.fields, first, second, change)
+        load = condition.problem.units.load
+        try:
+            # Each state starts from the zones of the last: close to a zero its sign may depend on the way there.
+            known = {end: condition(end) for end in (low.load / load, high.load / load)}
+            if not np.prod(np.sign(list(known.values()))) < 0:
+                return None
+            root = require("scipy.optimize").brentq(
+                lambda at: known[at] if at in known else condition(at), *known, xtol=1e-300, rtol=4e-15, maxiter=100
+            )
+        except WrongTopology:
+            return None
+        condition(root)
+        kind = _REVERSED[change.kind] if change.back else change.kind
+        return Event(kind, root * load, condition.position, low.zones, high.zones)
+
+
+def _changes(low: Solution, high: Solution) -> list[_Change]:
+    """Births and merges that lead from the zones of the lower load to those of the higher one."""
+    if len(high.zones) == 0:
+        return [] if len(low.zones) == 0 else [_Change("full", tuple(range(len(low.zones))), 0)]
+    period = low.scene.period
+    if (low.scene.turned and low.scene.moment is not None) or low.scene.operator.rest is not None:
+        return [*_between(low, high, period), *(replace(change, back=True) for change in _between(high, low, period))]
+    middles = low.zones.mean(axis=1)
+    changes = []
+    for k, (a, b) in enumerate(high.zones):
+        x = middles if period is None else middles + np.ceil((a - middles) / period) * period
+        held = np.flatnonzero((x >= a) & (x <= b))
+        if len(held) == 0:
+            changes.append(_Change("birth", (), k))
+        held = held[np.argsort(x[held])]
+        changes += [_Change("merge", (int(i), int(j)), k) for i, j in zip(held[:-1], held[1:], strict=True)]
+    return changes
+
+
+def _between(low: Solution, high: Solution, period: float | None) -> list[_Change]:
+    """Births and merges by the zones that overlap, where none need lie within another."""
+    changes = []
+    for k, (a, b) in enumerate(high.zones):
+        # The copy of each zone whose middle is nearest.
+        zones = low.zones
+        if period is not None:
+            zones = zones - np.round((zones.mean(axis=1) - 0.5 * (a + b)) / period)[:, None] * period
+        held = np.flatnonzero((zones[:, 0] < b) & (zones[:, 1] > a))
+        held = held[np.argsort(zones[held, 0])]
+        if len(held) == 0:
+            changes.append(_Change("birth", (), k))
+        changes += [_Change("merge", (int(i), int(j)), k) for i, j in zip(held[:-1], held[1:], strict=True)]
+    return changes
+
+
+class _Condition:
+    """A function of the scaled load that is zero at the event; `position` [m] is where it was last evaluated."""
+
+    position = 0.0
+
+    def __call__(self, load: float) -> float:
+        raise NotImplementedError
+
+    def __init__(self, fields: Any, low: Solution, high: Solution, change: _Change) -> None:
+        self.problem, self.fields = fields.problem, fields
+        # Of the loads at which it was evaluated: the zones (or gaps) found there.
+        self.tables: dict[float, Array] = {fields.load / fields.problem.units.load: fields.density.zones.table}
+        if change.kind == "birth":
+            self.where = _scaled(fields, high.zones[change.higher])
+        else:
+            i, j = change.lower
+            left, right = _scaled(fields, low.zones[i]), _scaled(fields, low.zones[j])
+            gap = right[0] - left[1]
+            if fields.problem.period is not None:
+                gap %= fields.problem.period
+            # The pressure is least between where the two zones ended, or a little beside.
+            self.where = left[1] - 0.25 * gap, left[1] + 1.25 * gap
+
+    def start(self, load: float) -> Array:
+        """Zones to begin with: on the straight line through those of the two nearest loads, where that keeps them apart."""
+        nearest = sorted(self.tables, key=lambda known: abs(known - load))
+        first = self.tables[nearest[0]]
+        if len(nearest) == 1:
+            return first
+        share = (load - nearest[0]) / (nearest[1] - nearest[0])
+        table = first + share * (self.tables[nearest[1]] - first)
+        kept = np.diff(table.ravel()) > 0.5 * np.diff(first.ravel())
+        return np.asarray(table) if kept.all() else first
+
+    def formal(self, load: float) -> Any:
+        """Fields with this number of zones at a load, whatever the signs; later calls start from these zones."""
+        control = Control("load", load)
+        zones, equation = kinds(self.problem, control, self.start(load)), self.problem.equation(control)
+        try:
+            free = sie.find_ends(equation, zones, _ENDS, walls=self.problem.walls, decay=_DECAY, settled=False)
+        except sie.SingularSystem as failure:
+            raise WrongTopology(f"the equation has no solution on such zones ({failure})", None) from failure
+        if not free.converged:
+            raise WrongTopology("the zones do not go on to this load", free)
+        self.tables[load] = free.density.zones.table
+        return ZoneFields(self.problem, free.state)
+
+    def least(self, function: Callable[[Array], Array]) -> float:
+        place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), levels=_ZOOMS, peaks=1)
+        self.position = float(self.problem.units.x(np.array(place)))
+        return -value
+
+
+class _Birth(_Condition):
+    """The least gap about the place where the higher load has a zone of its own."""
+
+    def __call__(self, load: float) -> float:
+        return self.least(self.formal(load).formal_gap)
+
+
+class _Merge(_Condition):
+    """The least pressure between two zones that have become one."""
+
+    def __call__(self, load: float) -> float:
+        return self.least(self.formal(load).density)
+
+
+class _ByGaps(_Condition):
+    """The same for fields that come from their gaps."""
+
+    def formal(self, load: float) -> Any:
+        assert self.problem.period is not None
+        fields = with_gaps(self.fields, load / self.problem.period, self.start(load), _ENDS, _DECAY)
+        self.tables[load] = fields.density.zones.table
+        return fields
+
+
+class _BirthInGap(_ByGaps):
+    """The least opening of a gap about the place where the higher load has a zone."""
+
+    def __call__(self, load: float) -> float:
+        return self.least(self.formal(load).density.integral)
+
+
+class _GapClosed(_ByGaps):
+    """The least pressure where a gap was."""
+
+    def __call__(self, load: float) -> float:
+        return self.least(self.formal(load).scaled_pressure)
+
+
+def _conditions(side: Solution) -> dict[str, type[_Condition]]:
+    if isinstance(side.fields, GapFields):
+        return {"birth": _BirthInGap, "merge": _GapClosed}
+    return {"birth": _Birth, "merge": _Merge}
+
+
+def _scaled(fields: Any, zone: Array) -> tuple[float, float]:
+    """A zone in the scaled period in which the fields' own zones stand."""
+    units, period = fields.problem.units, fields.problem.period
+    a, b = (float(v) for v in units.scaled(zone))
+    if period is not None:
+        zones = fields.density.zones
+        middle = 0.5 * float(zones.a[0] + zones.b[-1])
+        turn = np.floor((0.5 * (a + b) - middle) / period + 0.5) * period
+        a, b = a - turn, b - turn
+    return a, b
+
+
+def _full(scene: Scene) -> Solution:
+    """Full contact at its smallest load."""
+    return solve(
+        replace(scene, load=None, mean_pressure=None, approach=None, half_width=None, contact_fraction=1.0)
+    )
+
+
+def _full_event(scene: Scene, low: Solution) -> Event:
+    full = _full(scene)
+    first, last = _gap_before(low)
+    place, _ = maximum(lambda points: -full.pressure(points), np.linspace(first, last, 65))
+    return Event("full", full.load, place, low.zones, np.zeros((0, 2)))
+
+
+def _gap_before(low: Solution) -> tuple[float, float]:
+    """The widest gap between zones."""
+    zones, period = low.zones, low.scene.period
+    assert period is not None
+    right = zones[:, 1]
+    left = np.append(zones[1:, 0], zones[0, 0] + period)
+    k = int(np.argmax(left - right))
+    return float(right[k]), float(left[k])
+

@@ -1,0 +1,105 @@
+"""What is stated of a solution's error, and what keeps it from being smaller.
+
+The error bounds (docs/errors.md) the ends' errors over the width of their zone, and the pressure's at equal normalised position
+over the peak. Ends are off by what Newton has left to do, by what truncated series shift them by, and by rounding; a zone's
+pressure follows its ends (`sie.Density.sensitivity`), and is off itself by the series' truncation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import sie
+from contact.formulation.fields import ZoneFields
+from contact.formulation.problem import Control
+from contact.verify.certificate import ROUNDING, Certificate
+
+# Beside a singular end the pressure is several times the mean, to which its error is referred.
+_SINGULAR = 8
+_EPS = 2.2e-16
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Zones that passed: the Newton result, the load-controlled fields, the certificate, the rounds it took, the tolerance.
+    off: how far its control may have been missed, in ends over the width of their zones."""
+
+    free: sie.Free
+    fields: ZoneFields
+    certificate: Certificate
+    rounds: int
+    control: Control
+    tolerance: float = 0.0
+    off: float = 0.0
+
+
+def stated_error(found: Found, control: Control) -> float:
+    """Bound of the errors of pressure and ends."""
+    free, state = found.free, found.fields.state
+    density = state.density
+    ends = free.end_error + state.end_truncation + found.off
+    _, by_left, by_right = density.sensitivity
+    singular, peak = _is_singular(density), _reference(density)
+    moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
+    on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
+    error = max(float(ends.max(initial=0.0)) + ROUNDING, of_positions(found) + ROUNDING, moved + on_zones)
+    if control.kind != "approach":
+        return error
+    # A stiff contact turns the rounding of its level into load.
+    fields, units = found.fields, found.fields.problem.units
+    assert fields.stiffness is not None
+    rounding = fields.gap_rounding / 16 + 4e-16 * density.total
+    return error + abs(rounding * fields.stiffness * units.height / (units.load * density.total))
+
+
+def of_positions(found: Found) -> float:
+    """What the ends, given as positions, are rounded to over their zone's width: of narrow zones far from x = 0 more is known."""
+    units, zones = found.fields.problem.units, found.fields.density.zones
+    rounding = np.spacing(np.abs(units.x(zones.table))).max(axis=1) / units.length
+    return float((0.5 * rounding / zones.half).max())
+
+
+def _of_jumps(density: sie.AnyDensity) -> float:
+    """Rounding of the logarithms at kinks, which may cancel to a pressure far below the height of the kinks. Beside an end they
+    are small themselves."""
+    steps = density.steps
+    return 2 * _EPS * float((np.abs(steps.height) * steps.sine).max(initial=0.0))
+
+
+def _is_singular(density: sie.AnyDensity) -> bool:
+    return any(end.intensity is None for end in (*density.zones.left, *density.zones.right))
+
+
+def _reference(density: sie.AnyDensity) -> float:
+    """What errors of the pressure are referred to: its peak, or the mean contact pressure where the peak is infinite."""
+    if _is_singular(density) or np.any((density.steps.height > 0) & (density.steps.order == 0)):
+        return abs(density.total) / float((density.zones.b - density.zones.a).sum())
+    return float(density.sensitivity[0].max())
+
+
+def limit(free: sie.Free, tol: float, of: str, positions: float = 0.0) -> str:
+    """What keeps the ends of zones (of: "zone" or "gap") from being known to `tol`, in words; empty where it is not rounding.
+    positions: see `of_positions`."""
+    if positions > 0.5 * tol:
+        return f"positions so far from x = 0 are rounded to {positions:.1e} of a zone's width; put the origin nearer, or allow a larger tol"
+    density, rounding = free.density, free.rounding
+    width = density.zones.b - density.zones.a
+    zone = int(rounding.max(axis=1).argmax())
+    worst = float(rounding[zone].max())
+    if worst > 0.5 * tol:
+        return (
+            f"rounding of heights and slopes leaves the ends of a {of} of {width[zone] / width.max():.1e} of the widest one's "
+            f"width uncertain by {worst:.1e} of it (condition {worst / _EPS:.0e})"
+        )
+    if of != "zone":  # the density is the slope of the gap, and no pressure to refer to
+        return ""
+    _, by_left, by_right = density.sensitivity
+    moved = float((rounding[:, 0] * by_left + rounding[:, 1] * by_right).max()) / _reference(density)
+    if moved > 0.25 * tol:
+        return (
+            f"rounding leaves ends uncertain by {worst:.1e} of a width, and beside a corner so close to an end the pressure follows "
+            f"them {moved / worst:.0e} times"
+        )
+    return ""

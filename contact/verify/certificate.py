@@ -1,0 +1,352 @@
+"""What was checked of a solution: signs of pressure and gap over the whole line, balance of load, one approach.
+
+The pressure is sampled on every zone, divided by its square-root ends so that it is positive up to them; the gap is
+sampled between the zones, closer near their ends, and its minima are followed below the sampling. Next to an end the
+sign of the gap is that of the pressure's slope A there, since gap ~ (4 A / 3) d^(3/2) / (E*/2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.formulation.fields import ZoneFields
+from contact.verify.minima import DIP_ROUNDING, follow, may_be_negative
+
+Array = NDArray[np.float64]
+
+# Each zoom into a minimum narrows its bracket to a quarter at least.
+_ZOOMS = 7
+# Half gaps below this part of a zone's half width are a rounding of the ends' positions.
+NARROWEST = 1e-13
+# Distances from a kink, over the half width, at which the pressure is looked at.
+_AWAY = np.geomspace(NARROWEST, 0.1, 37)
+# From this number of zones on, all gaps are looked at together.
+_MANY = 32
+
+# Normalised positions at which zones are looked at for what the gap comes to on them.
+_ON_ZONES = np.cos(np.pi * np.array([0.125, 0.375, 0.625, 0.875]))
+# Points in one gap at the most: where the profile's resolution asks for them, and where it is a guess.
+_MOST_KNOWN, _MOST = 2**17, 4000
+# What sums of some hundred terms are rounded to, relative to the largest of them: no error is stated below it.
+ROUNDING = 4e-14
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """smallest_pressure: over the zones, p / sqrt(1 - t^2) [Pa]. smallest_edge: least edge slope over its scale.
+    smallest_gap: between the zones [m]. load_balance: relative. level_spread: largest difference of the zones' approaches [m].
+    points: how many were looked at. dip: least minimum of p / sqrt(1 - t^2) inside a zone over its largest value there, inf if
+    there is none. undecided: a gap within `gap_rounding` of zero, or a dip within rounding of it: whether there is contact in
+    that place is below what double precision tells. moment_balance: relative to the load times the farthest end
+    of a zone; None where no moment is given.
+    """
+
+    smallest_pressure: float
+    smallest_gap: float | None
+    gap_rounding: float
+    load_balance: float
+    level_spread: float
+    points: int
+    holds: bool
+    undecided: bool = False
+    note: str = ""
+    dip: float = np.inf
+    moment_balance: float | None = None
+    negative: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
+    overlaps: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        names = (
+            "holds", "undecided", "smallest_pressure", "smallest_gap", "gap_rounding", "load_balance", "level_spread",
+            "points", "note",
+        )
+        found = {name: getattr(self, name) for name in names}
+        return found if self.moment_balance is None else {**found, "moment_balance": self.moment_balance}
+
+
+NOT_CHECKED = Certificate(np.nan, None, 0.0, np.nan, np.nan, 0, False, note="a formal solution: its signs were not checked")
+
+
+def certify(fields: ZoneFields, load: float | None) -> Certificate:
+    """Check the solution everywhere; `negative` and `overlaps` are the scaled intervals where it fails."""
+    pressures, least, dip, inside = _pressures(fields)
+    valleys, left_out = _valleys(fields)
+    new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in pressures)]
+    pressures = np.array(sorted([*map(tuple, pressures), *new])).reshape(-1, 2)
+    on_zones = float(np.abs(fields.formal_gap(_on_zones(fields))).max())
+    gaps, overlaps, rounding, outside = _gaps(fields, fields.gap_rounding + 2 * on_zones)
+    units = fields.problem.units
+    density = fields.density
+    balance = 0.0 if load is None else abs(density.total - load) / abs(load)
+    turned = _moment_balance(fields)
+    spread = float(np.ptp(fields.levels)) * units.height
+    undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (dip <= DIP_ROUNDING and len(pressures) == 0)
+    holds = least > 0 and len(new) == 0 and len(overlaps) == 0 and balance < 1e-9 and (turned is None or turned < 1e-9)
+    note = f"{left_out} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of their zones" if left_out else ""
+    if not on_zones <= fields.gap_error:
+        holds = False
+        note = f"on the zones, where it is zero, the gap comes to {on_zones * units.height:.1e} m: height and slope do not go together"
+    return Certificate(
+        smallest_pressure=least * units.pressure,
+        smallest_gap=None if gaps is None else gaps * units.height,
+        gap_rounding=rounding * units.height,
+        load_balance=balance,
+        level_spread=spread,
+        points=inside + outside,
+        holds=bool(holds),
+        undecided=bool(undecided) or left_out > 0,
+        note=note,
+        dip=dip,
+        moment_balance=turned,
+        negative=pressures,
+        overlaps=overlaps,
+    )
+
+
+def _moment_balance(fields: ZoneFields) -> float | None:
+    """What the moment is off, over the load times the farthest end of a zone; None where none is given."""
+    given = fields.problem.moment
+    if given is None:
+        return None
+    zones, lever = fields.density.zones, fields.problem.units.lever
+    reach = max(abs(lever + zones.a[0]), abs(lever + zones.b[-1]))
+    return float(abs(fields.scaled_moment - given) / (fields.density.total * reach))
+
+
+def _pressures(fields: ZoneFields) -> tuple[Array, float, float, int]:
+    """(intervals of negative pressure, least p / sqrt(1 - t^2) in scaled units, least dip, points)."""
+    density = fields.density
+    zones = density.zones
+    counts = density.sampling
+    bad: list[tuple[float, float]] = []
+    least, dip, points = np.inf, np.inf, 0
+    for n in np.unique(counts):
+        group = np.flatnonzero(counts == n)
+        theta = (np.arange(n) + 0.5) * np.pi / n
+        right, left = 2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2
+        value = density.at(group[:, None], left, right) / np.sqrt(left * right)
+        points += value.size
+        finite = np.where(np.isfinite(value), value, np.inf)
+        scale = np.abs(np.where(np.isfinite(value), value, 0.0)).max(axis=1)
+        # At nearly merged zones the pressure there is small of higher order: rounding is not a failure.
+        rounding = scale * np.clip(2 * fields.state.noise[group], DIP_ROUNDING, 1e-6)
+        fails = finite < -rounding[:, None]
+        worst = np.where(np.abs(finite) <= rounding[:, None], np.abs(finite), finite)
+        least = min(least, float(worst.min()))
+        for row in np.flatnonzero(fails.any(axis=1)):
+            i = group[row]
+            x = np.where(left <= right, zones.a[i] + zones.half[i] * left, zones.b[i] - zones.half[i] * right)
+            for s, e in runs_of(fails[row]):
+                lo = zones.a[i] if e == n - 1 else 0.5 * (x[e] + x[e + 1])
+                hi = zones.b[i] if s == 0 else 0.5 * (x[s] + x[s - 1])
+                bad.append((lo, hi))
+        dips, lowest, lowest_part = _dips(fields, group, theta, finite, scale, rounding)
+        bad += dips
+        least, dip = min(least, lowest), min(dip, lowest_part)
+    return np.array(sorted(bad)).reshape(-1, 2), least, dip, points
+
+
+def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
+    """(where the pressure is negative about valleys with a kink; how many of these have it narrower than can be told).
+
+    With J < 0 the jump of f', the pressure goes to minus infinity as (E* |J| / 2 pi) ln(distance): there is a gap, however narrow.
+    """
+    density, forcing = fields.density, fields.problem.forcing
+    kinks, heights = forcing.kinks
+    at, zone, inside = density.locate(kinks[heights < 0])
+    found: list[tuple[float, float]] = []
+    left_out = 0
+    for x, i in zip(at[inside], zone[inside], strict=True):
+        half = density.zones.half[i]
+        left, right = (x - density.zones.a[i]) / half, (density.zones.b[i] - x) / half
+        away = np.concatenate((-_AWAY, _AWAY))
+        away = away[(away > -left) & (away < right)]
+        pulls = away[density.at(np.full(len(away), i), left + away, right - away) < 0]
+        if len(pulls) == 0:
+            left_out += 1
+        else:
+            reach = float(np.abs(pulls).max()) * half
+            found.append((x - reach, x + reach))
+    return found, left_out
+
+
+def _dips(
+    fields: ZoneFields, group: NDArray[np.intp], theta: Array, value: Array, scale: Array, rounding: Array
+) -> tuple[list[tuple[float, float]], float, float]:
+    """Minima of p / sqrt(1 - t^2) that may be negative between the samples: (intervals where they are, least value, least
+    value over the zone's scale)."""
+    density = fields.density
+    zones = density.zones
+    rows, places = np.nonzero(may_be_negative(value[:, :-2], value[:, 1:-1], value[:, 2:]))
+
+    def over_root(zone: NDArray[np.intp], angle: Array) -> Array:
+        right, left = 2 * np.sin(angle / 2) ** 2, 2 * np.cos(angle / 2) ** 2
+        return np.asarray(density.at(zone, left, right) / np.sqrt(left * right))
+
+    found = follow(over_root, group[rows], theta[places], theta[places + 2], scale[rows], rounding[rows])
+    bad = []
+    for i, lo, hi in found.negative:
+        ends = zones.middle[i] + zones.half[i] * np.cos([hi, lo])
+        bad.append((float(ends[0]), float(ends[1])))
+    return bad, min(found.least, found.lowest), found.relative
+
+
+def runs_of(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last index of every run of True."""
+    change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
+    return [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]
+
+
+def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int]:
+    """(smallest gap found, intervals of overlap, rounding of the gap, points), scaled."""
+    if len(fields.density.zones) >= _MANY:
+        return _gaps_together(fields, rounding)
+    bad: list[tuple[float, float]] = []
+    smallest: float | None = None
+    points = 0
+    for lo, hi, left_zone, right_zone in fields.open_intervals():
+        x = _between(lo, hi, fields, left_zone, right_zone)
+        scaled_gap = fields.gap_between(lo, hi)
+        gap = scaled_gap(x)
+        points += len(x)
+        finite = _finite(gap)
+        if not np.any(np.isfinite(finite)):
+            continue
+        finite, x = _zoom(scaled_gap, x, finite)
+        here = float(finite.min())
+        smallest = here if smallest is None else min(smallest, here)
+        fails = finite < -rounding
+        bad += _overlaps(x, fails, lo, hi)
+    far = _far_away(fields)
+    return smallest, np.array(bad + far[0]).reshape(-1, 2), rounding, points + far[1]
+
+
+def _far_away(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
+    """(intervals of overlap, points) far from all zones: a turned or a lopsided body may touch there as well."""
+    bad: list[tuple[float, float]] = []
+    points = 0
+    for x in fields.far_stretches():
+        with np.errstate(over="ignore", invalid="ignore"):
+            finite, x = _zoom(fields.formal_gap, x, _finite(fields.formal_gap(x)))
+        points += len(x)
+        bad += _overlaps(x, finite < -fields.gap_rounding, float(x[0]), float(x[-1]))
+    return bad, points
+
+
+def _gaps_together(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int]:
+    """The same for many zones: the points of all gaps at once, and only minima followed that may touch zero.
+
+    Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones.
+    """
+    intervals = list(fields.open_intervals())
+    parts = [_between(lo, hi, fields, left, right) for lo, hi, left, right in intervals]
+    points = np.concatenate(parts)
+    place = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
+    count = len(points)
+    gap = _finite(fields.formal_gap(points))
+    bend = gap[:-2] - 2 * gap[1:-1] + gap[2:]
+    low = (gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]) & (place[:-2] == place[2:])
+    with np.errstate(invalid="ignore"):
+        inner = np.flatnonzero(low & (gap[1:-1] < bend)) + 1
+    lo, hi, found, values, places = points[inner - 1], points[inner + 1], [points], [gap], [place]
+    for _ in range(_ZOOMS if len(inner) else 0):
+        fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
+        value = _finite(fields.formal_gap(fine.ravel())).reshape(fine.shape)
+        best = np.clip(np.argmin(value, axis=1), 1, 7)
+        rows = np.arange(len(best))
+        lo, hi = fine[rows, best - 1], fine[rows, best + 1]
+        found.append(fine.ravel())
+        values.append(value.ravel())
+        places.append(np.repeat(place[inner], 9))
+    x, gap, place = np.concatenate(found), np.concatenate(values), np.concatenate(places)
+    order = np.lexsort((x, place))
+    x, gap, place = x[order], gap[order], place[order]
+    bad: list[tuple[float, float]] = []
+    fails = gap < -rounding
+    for i in np.unique(place[fails]):
+        here = np.flatnonzero(place == i)
+        bad += _overlaps(x[here], fails[here], *intervals[i][:2])
+    seen = gap[~_closing(gap, place, rounding)]
+    smallest = float(seen.min()) if np.isfinite(seen).any() else None
+    far = _far_away(fields)
+    return smallest, np.array(bad + far[0]).reshape(-1, 2), rounding, count + far[1]
+
+
+def _on_zones(fields: ZoneFields) -> Array:
+    """A few places on every zone. There the gap is zero: what it comes to is known of it no better anywhere."""
+    zones = fields.density.zones
+    return np.asarray((zones.middle[:, None] + zones.half[:, None] * _ON_ZONES).ravel())
+
+
+def _closing(gap: Array, place: NDArray[np.intp], rounding: float) -> NDArray[np.bool_]:
+    """Samples, by interval and from left to right, that lie between the end of a zone and the first one where the gap is above
+    its rounding: there it closes as d^(3/2), and its sign is that of the pressure's slope."""
+    index, first_of = np.arange(len(gap)), np.flatnonzero(np.diff(place, prepend=-1))
+    number = np.repeat(np.arange(len(first_of)), np.diff(first_of, append=len(gap)))
+    open_ = gap > rounding
+    first = np.minimum.reduceat(np.where(open_, index, len(gap)), first_of)[number]
+    last = np.maximum.reduceat(np.where(open_, index, -1), first_of)[number]
+    return np.asarray((np.abs(gap) <= rounding) & (last >= 0) & ((index < first) | (index > last)))
+
+
+def _finite(gap: Array) -> Array:
+    return np.where(np.isfinite(gap), gap, np.inf)
+
+
+def _overlaps(x: Array, fails: NDArray[np.bool_], lo: float, hi: float) -> list[tuple[float, float]]:
+    """From the last good sample to the next one, for every run of bad samples in (lo, hi)."""
+    return [
+        (float(x[max(s - 1, 0)]) if s else lo, float(x[min(e + 1, len(x) - 1)]) if e < len(x) - 1 else hi)
+        for s, e in runs_of(fails)
+    ]
+
+
+def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool) -> Array:
+    """Points in (lo, hi), evenly at least as close as the fields' spacing asks for, quadratically closer next to zones; tips among
+    them, and the limit of what is looked at: the body may touch right there."""
+    known = fields.problem.profile.resolution is not None and (fields.is_bounded or (left_zone and right_zone))
+    n = int(np.clip(4 * (hi - lo) / fields.spacing, 24, _MOST_KNOWN if known else _MOST))
+    s = (np.arange(n) + 0.5) / n
+    if left_zone and right_zone:
+        s = np.sin(0.5 * np.pi * s) ** 2
+    elif left_zone:
+        s = np.append(s * s, 1.0)
+    elif right_zone:
+        s = np.append(0.0, 1 - (1 - s) ** 2)
+    x = np.clip(lo + (hi - lo) * s, lo, hi)
+    tips = fields.tips
+    # One at the end of a zone is in contact.
+    first, last = np.searchsorted(tips, lo, side="right"), np.searchsorted(tips, hi, side="left")
+    return np.unique(np.concatenate((x, tips[first:last]))) if last > first else x
+
+
+def _zoom(scaled_gap: Callable[[Array], Array], x: Array, gap: Array) -> tuple[Array, Array]:
+    """Follow the few lowest minima of the sampled gap below the sampling; returns samples with those points added."""
+    inner = np.flatnonzero((gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:])) + 1
+    if len(inner) == 0:
+        return gap, x
+    inner = inner[np.argsort(gap[inner])[:8]]
+    # Closely only where a parabola through the samples may touch zero.
+    with np.errstate(invalid="ignore"):
+        bend = gap[inner - 1] - 2 * gap[inner] + gap[inner + 1]
+    touching = bool(np.any(gap[inner] < bend))
+    lo, hi = x[inner - 1], x[inner + 1]
+    # The samples of every zoom tell how wide an overlap is.
+    points, values = [x], [gap]
+    for _ in range(_ZOOMS if touching else 3):
+        fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
+        value = scaled_gap(fine.ravel()).reshape(fine.shape)
+        value = np.where(np.isfinite(value), value, np.inf)
+        points.append(fine.ravel())
+        values.append(value.ravel())
+        best = np.clip(np.argmin(value, axis=1), 1, 7)
+        rows = np.arange(len(best))
+        lo, hi = fine[rows, best - 1], fine[rows, best + 1]
+    everything, all_values = np.concatenate(points), np.concatenate(values)
+    order = np.argsort(everything)
+    return all_values[order], everything[order]

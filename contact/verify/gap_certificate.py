@@ -1,0 +1,132 @@
+"""Signs of a nearly full contact: every gap open, pressure in every zone of contact, and a gap in every valley with a kink."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.formulation.gaps import GapFields
+from contact.verify.certificate import Certificate, runs_of
+from contact.verify.minima import DIP_ROUNDING, follow, may_be_negative
+
+Array = NDArray[np.float64]
+
+# Half widths below this part of the period are a rounding of the ends' positions: such gaps are left out, and said so.
+NARROWEST = 1e-13
+_EPS = 2.2e-16
+
+
+@dataclass(frozen=True)
+class Signs:
+    """The certificate, and where it fails: scaled intervals of negative pressure, and of overlap in the gaps."""
+
+    certificate: Certificate
+    negative: Array
+    overlaps: Array
+
+
+def certify_gaps(fields: GapFields) -> Signs:
+    """Signs of gap and pressure on the whole period."""
+    smallest_gap, overlaps, looked = _openings(fields)
+    least, negative, dip, points = _pressures(fields)
+    valleys, left_out = _valleys(fields)
+    negative += [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in negative)]
+    units = fields.problem.units
+    note = "solved by its gaps"
+    if left_out:
+        note += f"; {left_out} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of the period"
+    certificate = Certificate(
+        smallest_pressure=least * units.pressure, smallest_gap=smallest_gap * units.height, gap_rounding=0.0,
+        load_balance=0.0, level_spread=0.0, points=looked + points, holds=not (negative or overlaps),
+        undecided=left_out > 0 or (dip <= DIP_ROUNDING and not negative), note=note, dip=dip,
+    )
+    return Signs(certificate, np.array(sorted(negative)).reshape(-1, 2), np.array(overlaps).reshape(-1, 2))
+
+
+def _openings(fields: GapFields) -> tuple[float, list[tuple[float, float]], int]:
+    """(smallest gap between its ends, intervals where it is negative, points)."""
+    density = fields.density
+    gaps, counts = density.zones, density.sampling
+    smallest, points = np.inf, 0
+    overlaps: list[tuple[float, float]] = []
+    size = np.abs(density.coefficients).sum(axis=1) + np.bincount(density.steps.zone, np.abs(density.steps.height), len(gaps))
+    for n in np.unique(counts):
+        group = np.flatnonzero(counts == n)
+        theta = (np.arange(n) + 0.5) * np.pi / n
+        opening = density.integral_at(group[:, None], theta)
+        # Next to its ends a gap is of third order in the angle, and only rounding is left of it.
+        rough = 64 * _EPS * (gaps.half * size)[group, None]
+        opening = np.where(np.abs(opening) <= rough, np.abs(opening), opening)
+        smallest, points = min(smallest, float(opening.min())), points + opening.size
+        for row in np.flatnonzero(opening.min(axis=1) < 0):
+            i = group[row]
+            x = gaps.middle[i] + gaps.half[i] * np.cos(theta)
+            for s, e in runs_of(opening[row] < 0):
+                overlaps.append((float(gaps.a[i] if e == n - 1 else x[e + 1]), float(gaps.b[i] if s == 0 else x[s - 1])))
+    return smallest, overlaps, points
+
+
+def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:
+    """(least pressure over the sine of the angle, intervals where it is negative, least dip over its zone's scale, points)."""
+    problem, zones = fields.problem, fields.zones
+    spacing = (problem.profile.resolution or problem.units.length * fields.period / 16) / problem.units.length
+    middle, half = zones.mean(axis=1), 0.5 * (zones[:, 1] - zones[:, 0])
+    counts = np.clip(64 * half / spacing, 96, 40000).astype(int)
+    zone = np.repeat(np.arange(len(zones)), counts)
+    place = np.arange(len(zone)) - np.repeat(np.cumsum(counts) - counts, counts)
+    angle = (place + 0.5) * np.pi / counts[zone]
+    value, rough = _over_root(fields, zone, angle)
+    least = float(np.where(np.abs(value) <= rough, np.abs(value), value).min())
+    negative: list[tuple[float, float]] = []
+
+    def pulls(i: int, lo: float, hi: float) -> None:
+        negative.append((float(middle[i] + half[i] * np.cos(hi)), float(middle[i] + half[i] * np.cos(lo))))
+
+    fails = value < -rough
+    for i in np.unique(zone[fails]):
+        here, angles = fails[zone == i], angle[zone == i]
+        for s, e in runs_of(here):
+            pulls(i, angles[max(s - 1, 0)], angles[min(e + 1, len(angles) - 1)])
+    inner = may_be_negative(value[:-2], value[1:-1], value[2:]) & (zone[:-2] == zone[2:]) & ~fails[1:-1]
+    places = np.flatnonzero(inner) + 1
+    scale = np.zeros(len(zones))
+    np.maximum.at(scale, zone, np.where(np.isfinite(value), np.abs(value), 0.0))
+
+    def over_root(i: NDArray[np.intp], angles: Array) -> Array:
+        return _over_root(fields, np.repeat(i.ravel(), angles.shape[1]), angles.ravel())[0].reshape(angles.shape)
+
+    dips = follow(over_root, zone[places], angle[places - 1], angle[places + 1], scale[zone[places]], rough[places])
+    for i, lo, hi in dips.negative:
+        pulls(i, lo, hi)
+    return min(least, dips.least, dips.lowest), negative, dips.relative, len(zone)
+
+
+def _over_root(fields: GapFields, zone: NDArray[np.intp], angle: Array) -> tuple[Array, Array]:
+    """(pressure over the sine of the angle in contact zones, its rounding)."""
+    left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
+    pressure = fields.pressure_in(zone, left, right)
+    # The pressure is a difference of numbers of the size of H f': next to an end only their rounding is left.
+    size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
+    return pressure / np.sin(angle), 64 * _EPS * size / np.sin(angle)
+
+
+def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
+    """(the gap that each valley with a kink must have, where it has none; how many are too narrow)."""
+    conjugate = fields.conjugate
+    kinks = np.flatnonzero((conjugate.heights < 0) & ~fields.density.locate(conjugate.at)[2])
+    if len(kinks) == 0:
+        return [], 0
+    half = valley_gaps(fields, kinks)
+    wide = half > NARROWEST * fields.period
+    at = fields.density.locate(conjugate.at[kinks])[0]
+    return [(float(x - w), float(x + w)) for x, w in zip(at[wide], half[wide], strict=True)], int(np.sum(~wide))
+
+
+def valley_gaps(fields: GapFields, kinks: NDArray[np.intp]) -> Array:
+    """Scaled half widths of lone gaps over kinks that have none: see contact.formulation.gaps."""
+    conjugate = fields.conjugate
+    at, heights = conjugate.at[kinks], conjugate.heights[kinks]
+    rest = fields.mean - conjugate.without_own(kinks) + fields.density.transform(at)
+    return np.asarray(fields.period / np.pi * np.exp(np.pi * rest / heights))

@@ -1,0 +1,146 @@
+"""Kernels K(x, xi) and what they declare: where their poles are, and what remains when the poles are taken out.
+
+    transform  (1/pi) PV int phi(xi) K(x, xi) dxi
+    potential  (1/pi) int phi(xi) Lambda(x, xi) dxi,   dLambda/dx = K
+
+A kernel is a sum of poles 1 / (x - xi - s) over its `poles` s, which the engine carries out in closed form, and a
+regular part, which Gauss-Chebyshev quadrature finishes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import gammaln, psi
+
+Array = NDArray[np.float64]
+Regular = Callable[[Array, Array], Array]
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """poles: positions s of 1 / (x - xi - s), the first of them 0.
+    period: the period of the kernel, None if it has none.
+    regular, regular_potential: (x, xi) -> smooth rest of K and of Lambda (broadcast), or None.
+    reach: distance from a source point to the nearest singularity of the regular part over all targets, in units of
+        length.
+    sure: whether the reach alone tells how many nodes and modes the regular part needs, as it does where that part is no larger off
+        the zones than on them. If not, as of a user's own, a zone's modes grow until they show it.
+    datum: Lambda is log|(x - xi - s) / datum| summed over the poles.
+    """
+
+    poles: tuple[float, ...] = (0.0,)
+    period: float | None = None
+    regular: Regular | None = None
+    regular_potential: Regular | None = None
+    reach: float = math.inf
+    datum: float = 1.0
+    sure: bool = False
+
+    def __post_init__(self) -> None:
+        poles = np.asarray(self.poles, dtype=float)
+        if poles.ndim != 1 or len(poles) == 0 or poles[0] != 0.0 or not np.isfinite(poles).all() or len(np.unique(poles)) < len(poles):
+            raise ValueError(f"the poles of a kernel are different finite numbers, the first of them 0, got {self.poles!r}")
+        for name, value in (("period", self.period), ("datum", self.datum)):
+            if value is not None and not (math.isfinite(value) and value > 0):
+                raise ValueError(f"the {name} of a kernel must be a finite positive number, got {value!r}")
+        if self.regular is None and self.regular_potential is not None:
+            raise ValueError("a kernel has a regular potential but no regular part: give both")
+
+    @property
+    def grows(self) -> bool:
+        """Whether modes must grow until they show all of the regular part."""
+        return self.regular is not None and not self.sure
+
+    def __add__(self, other: Smooth) -> Kernel:
+        """This kernel plus a user's regular kernel."""
+        if not isinstance(other, Smooth):
+            return NotImplemented
+        # Without one of the potentials there is none of the sum.
+        lacking = other.potential is None or (self.regular is not None and self.regular_potential is None)
+        potential = None if lacking else _summed(self.regular_potential, other.potential)
+        return Kernel(self.poles, self.period, _summed(self.regular, other.value), potential, 0.0, self.datum)
+
+
+@dataclass(frozen=True)
+class Smooth:
+    """A regular kernel value(x, xi), smooth on all zones; `potential` is its antiderivative in x, needed only by side
+    conditions on potentials."""
+
+    value: Regular
+    potential: Regular | None = None
+
+
+def _summed(first: Regular | None, second: Regular | None) -> Regular | None:
+    if first is None or second is None:
+        return first or second
+    return _Both(first, second)
+
+
+@dataclass(frozen=True)
+class _Both:
+    first: Regular
+    second: Regular
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        return self.first(x, xi) + self.second(x, xi)
+
+
+@dataclass(frozen=True)
+class _HilbertRest:
+    """(pi/L) cot(pi d/L) less its poles at 0 and +-L."""
+
+    period: float
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        d = (x - xi) / self.period
+        return np.asarray((psi(2 - d) - psi(2 + d)) / self.period)
+
+
+@dataclass(frozen=True)
+class _HilbertPotentialRest:
+    """log|2 sin(pi d/L)| less those of its poles."""
+
+    period: float
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        d = (x - xi) / self.period
+        return np.asarray(math.log(2 * math.pi) - gammaln(2 - d) - gammaln(2 + d))
+
+
+def cauchy(datum: float = 1.0) -> Kernel:
+    """K = 1 / (x - xi), Lambda = log|(x - xi) / datum|."""
+    return Kernel(datum=float(datum))
+
+
+def hilbert(period: float) -> Kernel:
+    """K = (pi/L) cot(pi (x - xi) / L), Lambda = log|2 sin(pi (x - xi) / L)|, whose mean over a period is zero.
+
+    With the poles at 0 and +-L taken out, psi(2 - d/L) - psi(2 + d/L) over L remains, and in the potential
+    log(2 pi) - log(Gamma(2 - d/L) Gamma(2 + d/L)), by the reflection formula (DLMF 5.5.3).
+    """
+    length = float(period)
+    if not (math.isfinite(length) and length > 0):
+        raise ValueError(f"period must be a finite positive number, got {period!r}")
+    return Kernel((0.0, -length, length), length, _HilbertRest(length), _HilbertPotentialRest(length), length, datum=length, sure=True)
+
+
+def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
+    """The pole and its images at +-L, ..., +-mL: sum over |k| <= m of 1 / (x - xi - k L)."""
+    shifts = [0.0]
+    for k in range(1, neighbours + 1):
+        shifts += [-k * float(period), k * float(period)]
+    return Kernel(tuple(shifts), None, datum=float(datum))
+
+
+def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
+    """Quadrature nodes a zone needs for the regular part: until the kernel's own coefficients have decayed."""
+    if not kernel.sure:
+        return m + 2
+    z = max(kernel.reach / half_width, 1.05)
+    rho = 1 / (z + math.sqrt(z * z - 1))
+    return max(4, math.ceil(math.log(1e-17) / math.log(rho)))

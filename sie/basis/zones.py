@@ -1,0 +1,129 @@
+"""Zones: disjoint ascending intervals [a, b], each with the kinds of its two ends."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sie.basis.ends import FREE, End
+from sie.basis.kept import Kept
+
+Array = NDArray[np.float64]
+
+# Rounding that symmetric zones may differ by from their mirror images, over their width.
+_MIRROR_TOLERANCE = 1e-6
+
+
+def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
+    kinds = (ends,) * count if isinstance(ends, End) else tuple(ends)
+    if len(kinds) != count:
+        raise ValueError(f"{side}: {len(kinds)} kinds of ends for {count} zones")
+    return kinds
+
+
+@dataclass(frozen=True, eq=False)
+class Zones(Kept):
+    """`n` zones with ends a (n,) and b (n,), a < b < next a. `left`, `right`: one End for all, or one per zone.
+
+    symmetric: the zones are mirror images of each other about x = 0 and so are the data; only half is solved.
+    rest: what rounding has cut off the ends, (2, n), which are a + rest[0] and b + rest[1]: an end may lie nearer to a corner of the
+        profile than the digits of its position tell.
+    """
+
+    a: Array
+    b: Array
+    left: Sequence[End] = field(default=())
+    right: Sequence[End] = field(default=())
+    symmetric: bool = False
+    rest: Array = field(default_factory=lambda: np.zeros((2, 0)))
+
+    def __post_init__(self) -> None:
+        if self.rest.shape[1] != len(self.a):
+            object.__setattr__(self, "rest", np.zeros((2, len(self.a))))
+
+    @classmethod
+    def of(
+        cls,
+        ends: ArrayLike,
+        left: End | Sequence[End] = FREE,
+        right: End | Sequence[End] = FREE,
+        symmetric: bool = False,
+    ) -> Zones:
+        """Checked zones from an (n, 2) array of ends."""
+        table = np.array(ends, dtype=float)
+        if table.ndim != 2 or table.shape[1] != 2 or table.shape[0] == 0:
+            raise ValueError(f"zones must have shape (n, 2) with n >= 1, got {table.shape}")
+        flat = table.ravel()
+        if not np.all(np.isfinite(flat)) or np.any(np.diff(flat) <= 0):
+            raise ValueError("zone ends must be finite and strictly ascending: a0 < b0 < a1 < b1 < ...")
+        count = table.shape[0]
+        lefts, rights = _kinds(left, count, "left"), _kinds(right, count, "right")
+        if symmetric:
+            mirrored = -table[::-1, ::-1]
+            if np.any(np.abs(table - mirrored) > _MIRROR_TOLERANCE * (table[:, 1:] - table[:, :1])):
+                raise ValueError("symmetric zones must be mirror images of each other about x = 0")
+            if lefts != rights[::-1]:
+                raise ValueError("symmetric zones need the same kind of end on both sides")
+            table = 0.5 * (table + mirrored)
+        return cls(table[:, 0], table[:, 1], lefts, rights, symmetric)
+
+    def moved(self, outward: Array, exactly: bool = True) -> Zones:
+        """The same zones with ends moved outward (2, n); exactly: what rounding cuts off them is kept."""
+        if self.symmetric:
+            outward = 0.5 * (outward + outward[::-1, ::-1])
+        ends, by = np.array([self.a, self.b]), np.array([-outward[0], outward[1]]) + self.rest
+        there = ends + by
+        # What the sum has lost, exactly (D. E. Knuth, The Art of Computer Programming 2, 4.2.2).
+        back = there - ends
+        rest = (ends - (there - back)) + (by - back)
+        return replace(self, a=there[0], b=there[1], rest=rest if exactly else np.zeros_like(rest))
+
+    def beyond_a(self, x: Array, zone: NDArray[np.intp]) -> Array:
+        """How far x lies to the right of the left ends of zones."""
+        return np.asarray((x - self.a[zone]) - self.rest[0][zone])
+
+    def before_b(self, x: Array, zone: NDArray[np.intp]) -> Array:
+        """How far x lies to the left of the right ends of zones."""
+        return np.asarray((self.b[zone] - x) + self.rest[1][zone])
+
+    def __len__(self) -> int:
+        return len(self.a)
+
+    @property
+    def table(self) -> Array:
+        """(n, 2) array of ends."""
+        return np.column_stack((self.a, self.b))
+
+    @cached_property
+    def half(self) -> Array:
+        """Half widths w (n,)."""
+        return np.asarray(0.5 * ((self.b - self.a) + (self.rest[1] - self.rest[0])))
+
+    @cached_property
+    def middle(self) -> Array:
+        """Middles (n,)."""
+        return 0.5 * (self.a + self.b)
+
+    @cached_property
+    def solved(self) -> NDArray[np.intp]:
+        """Indices of the zones whose equations are solved: all, or the right half of a symmetric set."""
+        return np.arange(len(self) // 2, len(self)) if self.symmetric else np.arange(len(self))
+
+    @cached_property
+    def held(self) -> tuple[list[int], list[int]]:
+        """Places among the solved zones whose left, whose right end is bounded and does not move: K = 0 is asked there."""
+        left, right = (
+            [p for p, i in enumerate(self.solved) if not ends[i].moves and ends[i].intensity is not None]
+            for ends in (self.left, self.right)
+        )
+        # Of a zone about the centre the left end is the mirror image of the right one.
+        return [p for p in left if not (self.central and p == 0)], right
+
+    @property
+    def central(self) -> bool:
+        """True if a symmetric set has a zone that straddles the centre."""
+        return self.symmetric and len(self) % 2 == 1

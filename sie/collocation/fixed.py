@@ -1,0 +1,568 @@
+"""Solve the equation on given zones: choose the modes, sample, assemble, one LU, and read off the ends.
+
+Many zones are not assembled: there fast sums and GMRES take the place of the matrix and its LU (see `many`)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import lapack, lu_factor, lu_solve
+
+from sie.basis.kept import Kept
+from sie.basis.zones import Zones
+from sie.collocation import modes
+from sie.collocation.iterative import Iterative, ManySystem, Punches, unfit
+from sie.collocation.rounding import density_rounding, intensity_rounding
+from sie.collocation.symmetry import Folding
+from sie.collocation.system import Layout, System
+from sie.density.density import Density
+from sie.equation.checks import look_at
+from sie.equation.conditions import asked
+from sie.equation.equation import Equation
+from sie.jumps.forcing import Steps
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+
+# With the last coupled coefficients above this part of the largest, zones lie too close to what is singular beside them.
+UNRESOLVED = 1e-6
+# A reciprocal condition below this is rounding: the rows are of size one.
+_DEPENDENT = 1e-15
+# Points of every zone at which the residual is looked at: none of them a node.
+LOOKS = 15
+_THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
+# sin(k theta) there, for as many k as the points tell apart, and what finds their amplitudes.
+_FIRST = np.sin(_THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
+_FIRST_OF = np.linalg.pinv(_FIRST)
+# From this number of unknowns on, a matrix costs more than fast sums.
+MANY_UNKNOWNS = 1500
+# Beyond this number a matrix and its factors take more than six gigabytes.
+MOST_UNKNOWNS = 20_000
+
+
+class SingularSystem(ArithmeticError):
+    """The assembled system has no unique solution: the side conditions depend on each other."""
+
+
+class TooLarge(SingularSystem):
+    """More unknowns than a matrix holds, of an equation that has no fast sums."""
+
+
+@dataclass(eq=False)
+class Sizes:
+    """Modes to start from; kept from one solve to the next so that growth is paid for once.
+
+    primitive_rounding: of the right side's primitive, once it has been looked at.
+    linear: tolerance of solutions by iteration, relative; 0: as tight as rounding allows. iterations: their number so far.
+    value: of the open condition, if there is one, with which these are found.
+    """
+
+    own: Index
+    least: int | Index
+    profile_evaluations: int = 0
+    kernel_evaluations: int = 0
+    solves: int = 0
+    linear: float = 0.0
+    value: float = 0.0
+    iterations: int = 0
+    carried: Carried | None = None
+    primitive_rounding: float | None = None
+    wide: Sizes | None = None
+    """Those of the wide zones, where narrow gaps are holes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, unknown coefficients (zones, max m + 1)
+    of m, amplitudes."""
+
+    punches: Punches | None
+    coefficients: Array
+    m: Index
+    amplitudes: Array
+
+    @classmethod
+    def of(cls, punches: Punches | None, layout: Layout, y: Array) -> Carried:
+        return cls(punches, layout.padded(y), layout.m, y[layout.coefficients :])
+
+    def near(self, system: ManySystem) -> Array:
+        """Unknowns of another system to start from: those of modes that had none are what the right side makes of them."""
+        count = max(self.coefficients.shape[1], system.lowest.shape[1])
+        table, right = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self.coefficients, system.lowest))
+        y = system.layout.flat(np.where(np.arange(count) <= self.m[:, None], table, -right))
+        y[system.layout.coefficients :] = self.amplitudes
+        return y if system.folding.keep is None else y[system.folding.keep]
+
+
+class Solver(Protocol):
+    """Solves the assembled rows for further right sides. size: of the unknowns that are kept."""
+
+    @property
+    def size(self) -> int: ...
+
+    def __call__(self, right: Array) -> Array: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Factored:
+    """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
+    made of."""
+
+    lu: Array
+    pivots: Index
+    size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def size(self) -> int:
+        return len(self.lu)
+
+    def __call__(self, right: Array) -> Array:
+        return np.asarray(lu_solve((self.lu, self.pivots), right, check_finite=False))
+
+    def transposed(self, right: Array) -> Array:
+        """Solves with the transposed matrix."""
+        return np.asarray(lu_solve((self.lu, self.pivots), right, trans=1, check_finite=False))
+
+
+@dataclass(frozen=True, eq=False)
+class State(Kept):
+    """The solution on given zones, with what its error is made of.
+
+    density; the solver for further right sides; `truncation`: what the neglected coefficients may amount to, over
+    the largest coefficient of the same zone (Z,); `tails`: the same for the coupled modes;
+    `linear_error`: what an iteration left of the error of each zone's coefficients (Z,), 0 for a direct solve.
+    """
+
+    density: Density
+    system: System
+    solver: Solver = field(repr=False)
+    unknowns: Array
+    folded_unknowns: Array
+    conditions_from: int
+    condition_scale: Array
+    truncation: Array
+    tails: Array
+    linear_error: Array
+    sizes: Sizes
+
+    def response(self, values: Array, tolerance: float = 0.0) -> Density:
+        """The density caused by unit changes of the side conditions' values: right side zero, conditions = values; tolerance: of a
+        solution by iteration."""
+        y = self.response_unknowns(values, tolerance)
+        return self._homogeneous_density(y)
+
+    def response_unknowns(self, values: Array, tolerance: float = 0.0) -> Array:
+        """The unknowns of `response`, to be put into rows of the system."""
+        right = np.zeros(self.solver.size)
+        right[self.conditions_from :] = values / self.condition_scale
+        solver = self.solver
+        return self.folding.unfold(solver(right, None, tolerance) if isinstance(solver, Iterative) else solver(right))
+
+    def with_value(self, condition: int, change: float) -> State:
+        """The state after the value of one side condition has changed."""
+        values = np.zeros(len(self.condition_scale))
+        values[self.condition_index[condition]] = change
+        right = np.zeros(self.solver.size)
+        right[self.conditions_from :] = values / self.condition_scale
+        folded = self.folded_unknowns + self.solver(right)
+        unknowns = self.folding.unfold(folded)
+        return replace(self, folded_unknowns=folded, unknowns=unknowns, density=density_of(self.system, unknowns))
+
+    def homogeneous(self, right: Array) -> Density:
+        """The density for another right side of the assembled rows, no forcing and no steps."""
+        return self._homogeneous_density(self.folding.unfold(self.solver(right)))
+
+    @property
+    def folding(self) -> Folding:
+        return Folding.of(self.system.zones, self.system.layout)
+
+    def settled(self) -> State:
+        """The same state with its density settled (`Density.settled`)."""
+        return replace(self, density=self.density.settled())
+
+    @property
+    def equation(self) -> Equation:
+        return self.system.equation
+
+    @property
+    def levels(self) -> Array:
+        """Level of each solved zone: mean of potential minus the primitive of the right side."""
+        return self.system.level_values(self.unknowns)
+
+    def level_rates(self, values: Array) -> Array:
+        """Change of the levels by unit changes of the side conditions' values."""
+        return self.system.level_changes(self.response_unknowns(values))
+
+    @cached_property
+    def natural(self) -> Array:
+        """Size of each zone's density, but for its total."""
+        return np.abs(self.density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(self.system.known).max(axis=1)
+
+    @property
+    def direct(self) -> Factored | None:
+        """The solver, where it has a matrix."""
+        return self.solver if isinstance(self.solver, Factored) else None
+
+    @cached_property
+    def intensity_noise(self) -> Array:
+        """Rounding of K at the left and right ends (2, Z)."""
+        return intensity_rounding(self)
+
+    @cached_property
+    def coefficient_noise(self) -> Array:
+        """Rounding of what each zone's coefficients add up to."""
+        return np.asarray(self.intensity_noise.max(axis=0) / np.sqrt(self.density.zones.half / 2))
+
+    @property
+    def field_tail(self) -> float:
+        """The largest of `tails`."""
+        return float(self.tails.max())
+
+    @property
+    def unresolved(self) -> bool:
+        """Whether the most modes that zones are given do not show what the columns do on them."""
+        return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.COUPLED_SIZES[-1]
+
+    @property
+    def iterated(self) -> bool:
+        """Whether the unknowns come from an iteration, to its tolerance."""
+        return isinstance(self.solver, Iterative)
+
+    def _homogeneous_density(self, y: Array) -> Density:
+        layout = self.system.layout
+        density = self.density
+        return Density(density.zones, density.kernel, layout.padded(y), Steps.none(), y[layout.coefficients :])
+
+    @cached_property
+    def size(self) -> float:
+        """The largest coefficient of all zones."""
+        return float(self.zone_sizes.max())
+
+    @cached_property
+    def density_error(self) -> float:
+        """Estimated error of the density on these zones, over its `size`: neglected coefficients, the equation's residual
+        between the nodes, and the rounding of the side conditions, which no residual shows.
+
+        With its singularity taken out, T_k / sqrt(1 - t^2) reaches 0.73 k (near an end): so much does c_k's error
+        count.
+        """
+        if self.size == 0.0:
+            return 0.0
+        neglected = float((self._missing * np.maximum(self.sizes.own[: len(self._missing)], 1)).max()) / self.size
+        neglected += float((self._missing_fields * 0.73 * self.system.layout.m).max()) / self.size
+        coupled = self.system.layout.m[self.density.zones.solved]
+        seen = residual_error(self._residuals, self.size, coupled, self.jumps_rounding[self.density.zones.solved])
+        return neglected + seen + (float(self.linear_error.max()) + self.density_rounding) / self.size
+
+    @cached_property
+    def density_rounding(self) -> float:
+        """What rounding of the rows and of the side conditions does to the density."""
+        return density_rounding(self)
+
+    @cached_property
+    def end_truncation(self) -> Array:
+        """What the density's error may shift moving ends by, over their zone's width (Z, 2): 2 K / A by its K."""
+        zones, solved = self.density.zones, self.density.zones.solved
+        missing = self._missing + self._missing_fields
+        rounding = 2e-15 * self.zone_sizes + self.jumps_rounding
+        missing[solved] += 3 * np.maximum(self._residual - rounding[solved], 0.0)
+        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+        slopes = np.where(moves, np.abs(self.density.edge_slopes), np.inf)
+        return np.asarray(np.sqrt(zones.half / 2) * missing / np.maximum(slopes, 1e-300) / zones.half).T
+
+    @cached_property
+    def zone_sizes(self) -> Array:
+        """The largest coefficient of each zone, what is subtracted for jumps included (Z,)."""
+        known = np.abs(self.system.known).max(axis=1, initial=0.0)
+        return np.asarray(np.abs(self.density.coefficients).max(axis=1) + known)
+
+    @cached_property
+    def jumps_rounding(self) -> Array:
+        """Rounding of the parts of all jumps of each zone (Z,)."""
+        return self.system.steps.rounding(len(self.density.zones))
+
+    @cached_property
+    def _missing(self) -> Array:
+        """Sum of the coefficients that each zone neglects (Z,), as the decay of the last ones has it; but not more than
+        ten times the residual, which would show them: a series may fall faster towards its end."""
+        missing = self.neglected * self.zone_sizes / np.maximum(self.sizes.own[: len(self.neglected)], 1)
+        solved = self.density.zones.solved
+        missing[solved] = np.minimum(missing[solved], 10 * self._residual)
+        if self.density.zones.symmetric:
+            missing[: len(missing) // 2] = missing[::-1][: len(missing) // 2]
+        return missing
+
+    @cached_property
+    def _missing_fields(self) -> Array:
+        """Sum of the coefficients beyond the coupled modes of what other zones do (Z,): they fall as their distance has it. Of those that a
+        user's functions may have the last three are taken as they are."""
+        fall = np.exp(-modes.decay(self.density.zones, self.density.kernel))
+        last = _last_of_fields(self.system, self.unknowns, None if self.system.equation.grows else fall)
+        return np.asarray(last * fall / np.maximum(1 - fall, 1e-3))
+
+    @cached_property
+    def noise(self) -> Array:
+        """What rounding of the right side amounts to in each zone, over its largest coefficient: where coefficients have
+        stopped falling."""
+        n = self.sizes.own[: len(self.truncation)]
+        size = np.abs(self.system.g)
+        falls = np.array([
+            row[k - max(4, k // 8) + 1 : k + 1].max() < 0.5 * row[k // 2 - max(4, k // 8) + 1 : k // 2 + 1].max()
+            for row, k in zip(size[: len(n)], n, strict=True)
+        ], dtype=bool)
+        return np.where(falls, 0.0, self.truncation * 2 * np.sqrt(n)) if len(n) else self.truncation
+
+    @cached_property
+    def neglected(self) -> Array:
+        """Sum of 0.73 k |c_k| over the neglected coefficients, estimated from the decay of the last ones, over the
+        largest of the zone."""
+        n = self.sizes.own[: len(self.truncation)]
+        if len(n) == 0:
+            return self.truncation
+        size = np.abs(self.system.g)
+        window = np.maximum(4, n // 8)
+        parts = list(zip(size[: len(n)], n, window, strict=True))
+        head = np.array([row[k // 2 - w + 1 : k // 2 + 1].max() for row, k, w in parts])
+        last = np.array([row[k - w + 1 : k + 1].max() for row, k, w in parts])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            fall = np.where(head > 0, np.maximum(last / head, 1e-300), 1.0) ** (2.0 / n)
+        # Coefficients that fall no further are rounding, whose sum grows as a random walk.
+        weight = np.where(last > 0.5 * head, 2 * np.sqrt(n), 0.73 * n * fall**window / np.maximum(1 - fall, 1.0 / n))
+        return np.asarray(self.truncation * np.maximum(weight, 1.0))
+
+    @cached_property
+    def _residual(self) -> Array:
+        """The largest residual of each solved zone at a few points."""
+        return np.asarray(np.abs(self._residuals).max(axis=1))
+
+    @cached_property
+    def _residuals(self) -> Array:
+        """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone, no nodes."""
+        system, zones = self.system, self.density.zones
+        theta = _THETA
+        t = np.cos(theta)
+        x = (zones.middle[zones.solved][:, None] + zones.half[zones.solved][:, None] * t).ravel()
+        transformed = self.density.transform(x)
+        value = transformed - self._right(x) - system.steps.left_out(x)
+        if zones.symmetric:
+            # The other half is not solved: data that are no mirror images leave their residual there.
+            mirrored = -transformed - self._right(-x) - system.steps.left_out(-x)
+            value = np.where(np.abs(mirrored) > np.abs(value), mirrored, value)
+        return np.asarray(value.reshape(-1, len(t)) * np.sin(theta))
+
+    def _right(self, x: Array) -> Array:
+        """The equation's right side at points."""
+        equation = self.system.equation
+        columns = zip(self.density.amplitudes, equation.columns, strict=True)
+        return np.asarray(equation.forcing.value(x) + sum(amplitude * column.value(x) for amplitude, column in columns))
+
+    @cached_property
+    def condition_index(self) -> Index:
+        """First row of each side condition among the conditions' rows."""
+        zones = self.density.zones
+        counts = [c.count(zones) for c in self.system.equation.conditions]
+        return np.cumsum([0, *counts], dtype=np.intp)[:-1]
+
+
+def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, apart: NDArray[np.bool_] | bool = True) -> float:
+    """Error of the density over its size for residuals of the equation at _THETA on zones (n, LOOKS), which rounding of the jumps'
+    parts has its share in; apart: where these tell the first modes from the rest, of which only the largest value is known, and that
+    the density is off by up to as many times as there are modes."""
+    low = residuals @ _FIRST_OF.T
+    rest = np.abs(residuals - low @ _FIRST.T).max(axis=1)
+    high = np.where(apart, rest, np.abs(residuals).max(axis=1)) / size
+    low = np.where(apart, np.abs(low) @ np.maximum(0.73 * np.arange(1, low.shape[1] + 1), 1.0), 0.0) / size
+    # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
+    beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
+    return float((beyond + high + 5e-16 * coupled).max())
+
+
+def first_sizes(equation: Equation, zones: Zones) -> Sizes:
+    """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for."""
+    least = 16 if equation.grows else max((column.modes or 0 for column in equation.columns), default=0)
+    return Sizes(np.full(len(zones), 16), least)
+
+
+def solve_fixed(
+    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None, largest: int = 8192
+) -> State:
+    """Solve on given zones, with singular ends allowed at moving ends (their intensity is what a Newton step needs).
+
+    Raises CountError if conditions and index do not match, SingularSystem if the conditions are dependent.
+    """
+    equation.check_count(zones)
+    if sizes is None:
+        sizes = first_sizes(equation, zones)
+    if sizes.solves == 0:
+        look_at(equation, zones)
+    kernel = equation.kernel
+    steps = equation.forcing.jumps_within(zones, kernel)
+    samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, largest)
+    sizes.own = samples.own
+    sizes.profile_evaluations += samples.evaluations
+    while True:
+        m = modes.coupled(zones, kernel, tolerance, sizes.least)
+        unknowns = int(np.sum(m + 1))
+        if unknowns > MANY_UNKNOWNS:
+            lacking = unfit(equation, zones)
+            if lacking is None:
+                return _solve_many(equation, zones, m, samples, steps, sizes)
+            if unknowns > MOST_UNKNOWNS:
+                raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
+        state = _solve_once(equation, zones, m, samples, steps, sizes)
+        # Each zone by itself: what one asks for would cost all of them too much.
+        few = (state.tails > tolerance * 10) & (m < modes.COUPLED_SIZES[-1])
+        if not equation.grows or not few.any():
+            return state
+        sizes.least = np.where(few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m)
+
+
+def _solve_once(
+    equation: Equation, zones: Zones, m: Index, samples: modes.Samples, steps: Steps, sizes: Sizes
+) -> State:
+    system = System(equation, zones, m, samples.coefficients, steps)
+    matrix, right, scale = _rows(equation, system)
+    lu, pivots = lu_factor(matrix, overwrite_a=False, check_finite=False)
+    if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right)) and np.all(np.isfinite(lu))):
+        raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
+    if lapack.dgecon(lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0] < _DEPENDENT:
+        raise SingularSystem("the system is singular: the side conditions depend on each other")
+    folded = np.asarray(lu_solve((lu, pivots), right, check_finite=False))
+    solver = Factored(lu, pivots, _size_of_rows(system, np.sqrt(matrix**2 @ folded**2 + right**2)))
+    sizes.kernel_evaluations += matrix.size
+    return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
+
+
+def _size_of_rows(system: System, terms: Array) -> Array:
+    """What rounding of the rows is counted in. Those of the equation come from values at nodes: of these each row has the rounding,
+    however small what it is about, as those of the highest modes."""
+    rows = system.diagonal
+    zone = np.searchsorted(system.layout.offset, rows, side="right") - 1
+    count = np.maximum(np.bincount(zone, minlength=len(system.zones)), 1)
+    squares = terms**2
+    squares[: len(rows)] += (np.bincount(zone, squares[: len(rows)], minlength=len(system.zones)) / count)[zone]
+    return np.asarray(np.sqrt(squares))
+
+
+def _solve_many(
+    equation: Equation, zones: Zones, m: Index, samples: modes.Samples, steps: Steps, sizes: Sizes
+) -> State:
+    """By fast sums and iteration, starting from what the last solve on about these zones left."""
+    system = ManySystem(equation, zones, m, samples.coefficients, steps)
+    carried = sizes.carried if sizes.carried is not None and len(sizes.carried.m) == len(zones) else None
+    punches = carried.punches if carried is not None else None
+    if system.levelled and (punches is None or not punches.near(zones)):
+        punches = Punches(zones, system)
+    solver = Iterative(system, punches, sizes.linear, sizes.value)
+    right = solver.right()
+    if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right))):
+        raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
+    folded = solver(right, None if carried is None else carried.near(system))
+    if not np.all(np.isfinite(folded)):
+        raise SingularSystem("the system is singular: the side conditions depend on each other")
+    sizes.iterations += solver.iterations
+    sizes.kernel_evaluations += solver.iterations * system.sums.size
+    solver.tolerance = 0.0
+    state = _state(system, solver, folded, solver.equations, np.ones(solver.size - solver.equations), samples, sizes)
+    sizes.carried = Carried.of(punches, system.layout, state.unknowns)
+    return state
+
+
+def _state(
+    system: System, solver: Solver, folded: Array, conditions_from: int, scale: Array, samples: modes.Samples, sizes: Sizes
+) -> State:
+    y = Folding.of(system.zones, system.layout).unfold(folded)
+    density = density_of(system, y)
+    sizes.solves += 1
+    top = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(system.known).max(axis=1, initial=0.0)
+    truncation = samples.tail / np.where(top > 0, top, 1.0)
+    tail = np.maximum(_field_tails(system, y, density), system.source_tails)
+    if system.zones.symmetric:
+        tail = np.maximum(tail, tail[::-1])
+    left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
+    return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, left_over, sizes)
+
+
+def assembled(
+    equation: Equation, zones: Zones, m: Index, sizes: Sizes, tolerance: float, scale: Array | None = None
+) -> tuple[System, Array, Array, Array]:
+    """(system, matrix, right side, condition scale) at given zones and coupled modes, without solving."""
+    steps = equation.forcing.jumps_within(zones, equation.kernel)
+    samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, int(sizes.own.max()))
+    system = System(equation, zones, m, samples.coefficients, steps)
+    return system, *_rows(equation, system, scale)
+
+
+def _rows(equation: Equation, system: System, scale: Array | None = None) -> tuple[Array, Array, Array]:
+    """Rows of the equation and of the side conditions over the kept unknowns; conditions scaled to size one."""
+    matrix, right = system.equation_rows()
+    rows, values = _condition_rows(equation, system.zones, system)
+    if scale is None:
+        scale = np.abs(rows).max(axis=1, initial=0.0)
+        if np.any(scale == 0):
+            raise SingularSystem("a side condition does not depend on the density")
+    matrix = Folding.of(system.zones, system.layout).fold(np.concatenate((matrix, rows / scale[:, None])))
+    return matrix, np.concatenate((right, values / scale)), scale
+
+
+def density_of(system: System, y: Array) -> Density:
+    """The density with unknowns y: coefficients up to m from y, those beyond minus the right side's."""
+    layout, g = system.layout, system.g
+    solved = layout.padded(y)
+    out = np.zeros((len(layout.m), max(solved.shape[1], g.shape[1])))
+    out[:, : g.shape[1]] = -g
+    out[:, 0] = 0.0
+    given = np.arange(solved.shape[1]) <= layout.m[:, None]
+    out[:, : solved.shape[1]] = np.where(given, solved - system.taken, out[:, : solved.shape[1]])
+    return Density(system.zones, system.equation.kernel, out, system.steps, y[layout.coefficients :])
+
+
+def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[Array, Array]:
+    """All side conditions, and intensity zero at fixed bounded ends, as rows and values."""
+    rows, values = [], []
+    for condition in equation.conditions:
+        matrix, constants, wanted = asked(condition, system, system.layout.size)
+        rows.append(matrix)
+        values.append(wanted - constants)
+    if any(zones.held):
+        for chosen, (matrix, constants) in zip(zones.held, system.intensities(), strict=True):
+            rows.append(matrix[chosen])
+            values.append(-constants[chosen])
+    return np.concatenate(rows) if rows else np.zeros((0, system.layout.size)), np.concatenate(values or [np.zeros(0)])
+
+
+def _field_tails(system: System, y: Array, density: Density) -> Array:
+    """Last coupled coefficients of what the other zones and the columns do, over the zone's largest one (Z,)."""
+    layout, g = system.layout, system.lowest
+    if layout.m.max() < 8:
+        return np.zeros(len(layout.m))
+    last = _last_of_fields(system, y)
+    top = np.maximum(np.abs(density.coefficients).max(axis=1), np.abs(system.known).max(axis=1, initial=0.0))
+    # What is left is a difference of numbers of the size of the right side and of the fields that were summed: below their rounding
+    # there is no tail, as where a zone has little of a load that its neighbours share.
+    rounding = 8 * 2.2e-16 * np.abs(g).max(axis=1)
+    if system.field_sizes is not None:
+        rounding[system.zones.solved] += 8 * 2.2e-16 * (system.field_sizes @ np.abs(y))
+    tail = np.maximum(last - rounding, 0.0)
+    return np.asarray(tail / np.where(top > 0, top, 1.0))
+
+
+def _last_of_fields(system: System, y: Array, fall: Array | None = None) -> Array:
+    """Largest of the last three coupled coefficients of what the other zones and the columns do (Z,); of few modes zero. fall: from each to
+    the next, if they are to be continued to the last."""
+    layout, g = system.layout, system.lowest
+    field = layout.padded(y)
+    count = min(g.shape[1], field.shape[1])
+    field[:, 1:count] += g[:, 1:count]
+    k = np.arange(field.shape[1])
+    away = layout.m[:, None] - k
+    last = (away >= 0) & (away < 3) & (layout.m[:, None] >= 8)
+    size = np.abs(np.where(last, field, 0.0))
+    if fall is not None:
+        size = size * np.where(last, fall[:, None] ** np.clip(away, 0, 2), 1.0)
+    return np.asarray(size.max(axis=1))

@@ -1,0 +1,527 @@
+"""The system of many zones without its matrix: rows applied to unknowns by fast sums, solved by preconditioned GMRES.
+
+The rows are those of `assemble`: a zone's own part of them is -c_k, and what is left couples the zones. The preconditioner is
+that own part and, for the zones' loads, a coarse problem: flat punches, each seen by the others through its load alone, with the
+same side conditions. What is left to the iterations is how zones bend each other, which falls off as the square of the
+distance, so their number does not grow with that of the zones.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis import chebyshev
+from sie.basis.zones import Zones
+from sie.collocation import modes
+from sie.collocation.neighbours import felt
+from sie.collocation.symmetry import Folding
+from sie.collocation.system import System
+from sie.collocation.zone_sums import ZoneSums
+from sie.equation.conditions import Linear, asked, for_every_zone, speaks_of_levels
+from sie.equation.equation import Equation
+from sie.fast.far import reaches
+from sie.fast.hierarchical import Inverse
+from sie.fast.krylov import gmres
+from sie.jumps.forcing import Steps
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# To what the coarse problem is inverted: below the bending that it leaves out.
+_COARSE = 1e-4
+# A coarse inverse is kept from one set of zones to the next while ends move by less than this part of a width.
+_KEPT = 0.1
+# The residual that rounding leaves, over the size of the solution.
+_ROUNDING = 3e-16
+# Zones with less than this part of the largest coefficient are solved as if they had it.
+_LIGHTEST = 1e-4
+# Nodes for the integral of g over one length of its resolution.
+_GAUSS = 16
+
+
+@lru_cache(maxsize=1)
+def _gauss_legendre() -> tuple[Array, Array, Array]:
+    """(nodes, weights, D): values @ D is the slope of their polynomial at the nodes."""
+    t, weights = np.polynomial.legendre.leggauss(_GAUSS)
+    basis = np.polynomial.legendre.legvander(t, _GAUSS - 1)
+    orders = np.eye(_GAUSS)
+    slopes = np.polynomial.legendre.legval(t, np.polynomial.legendre.legder(orders)).T
+    return np.asarray(t), np.asarray(weights), np.asarray(np.linalg.solve(basis.T, slopes.T), dtype=np.float64)
+
+
+def unfit(equation: Equation, zones: Zones) -> str | None:
+    """What the conditions lack of a coarse problem, or the kernel of fast sums; None if nothing."""
+    ends = {*zones.left, *zones.right}
+    if len(zones.solved) < 2:
+        return "one zone is too few"
+    if equation.grows or not reaches(equation.kernel, zones):
+        return "the kernel or a column is too general"
+    if any(end.moves and end.intensity != 0.0 for end in ends):
+        return "no intensities may be prescribed"
+    per_zone = [c for c in equation.conditions if for_every_zone(c) is not None]
+    if any(c.count(zones) != 1 for c in equation.conditions if c not in per_zone):
+        return "conditions of one's own must be single rows"
+    held = sorted(sum(zones.held, []))
+    if len(per_zone) + bool(held) != 1 or (held and held != list(range(len(zones.solved)))):
+        return "every zone needs one condition of its own, all of one kind"
+    return None
+
+
+class ManySystem(System):
+    """Rows applied to unknowns; no matrix is kept."""
+
+    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, steps: Steps) -> None:
+        super().__init__(equation, zones, m, coefficients, steps)
+        solved = zones.solved
+        self.sums = ZoneSums(zones, equation.kernel, self.layout)
+        self.folding = Folding.of(zones, self.layout)
+        self._weights: dict[Callable[[Array], Array], tuple[list[Array], Array]] = {}
+        count = m[solved]
+        first = np.repeat(self.sums.first_row[:-1], count)
+        k = np.arange(int(count.sum())) - first + 1
+        zone = np.repeat(solved, count)
+        self.own = self.layout.offset[zone] + k
+        self.kept = np.flatnonzero((k % 2 == 0) | (zone != solved[0])) if zones.central else np.arange(len(k))
+        g = np.where(k < self.lowest.shape[1], self.lowest[zone, np.minimum(k, self.lowest.shape[1] - 1)], 0.0)
+        self.column_rows = np.array([self._projected(c.value) for c in equation.columns]).reshape(-1, len(k))
+        none = np.zeros(len(solved))
+        self.known_field = self.sums(self.layout.flat(self.known)) if len(steps) else (np.zeros(len(k)), none, none)
+        self.equation_right = (g - self.known_field[0])[self.kept]
+
+    def _projected(self, value: Callable[[Array], Array]) -> Array:
+        """U coefficients k = 1 ... m of a function on every solved zone, one after the other."""
+        values = np.asarray(value(self.targets.x), dtype=float)
+        out = np.empty(int(self.sums.first_row[-1]))
+        for m, group in self.sums.groups:
+            if m:
+                nodes = self.starts[group][:, None] + 1 + np.arange(m)
+                out[self.sums.first_row[group][:, None] + np.arange(m)] = chebyshev.u_coefficients(values[nodes])
+        return out
+
+    @cached_property
+    def known_intensities(self) -> tuple[Array, Array]:
+        """What is known of K at the left and right ends, without unknowns."""
+        return self.intensities_of(self.beyond)
+
+    # rows applied ---------------------------------------------------------------------------------------------------
+    def applied(self, y: Array) -> tuple[Array, Applied]:
+        """(rows of the equation, what conditions ask for) for unknowns y."""
+        rows, middle, mean = self.sums(y)
+        rows -= y[self.own]
+        if self.layout.columns:
+            rows -= y[self.layout.coefficients :] @ self.column_rows
+        return rows[self.kept], Applied(self, y, middle, self._with_own(y, mean))
+
+    def _with_own(self, y: Array, mean: Array) -> Array:
+        solved = self.zones.solved
+        w = self.zones.half[solved]
+        level = mean + w * np.log(w / (2 * self.equation.kernel.datum)) * y[self.layout.offset[solved]]
+        if self.layout.columns and self.wants_levels:
+            level = level - y[self.layout.coefficients :] @ self.column_means
+        return np.asarray(level)
+
+    @cached_property
+    def wants_levels(self) -> bool:
+        return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
+
+    @cached_property
+    def levelled(self) -> bool:
+        """Whether a condition on potentials is what every zone has of its own."""
+        return any(for_every_zone(c) == "levels" for c in self.equation.conditions)
+
+    @cached_property
+    def column_means(self) -> Array:
+        means = [self._column_means(c.primitive) for c in self.equation.columns]
+        return np.array(means).reshape(-1, len(self.zones.solved))
+
+    @cached_property
+    def level_constants(self) -> Array:
+        known = self._with_own(self.layout.flat(self.known), self.known_field[2])
+        return self.known_field[1] + known - self._forcing_means()
+
+    @cached_property
+    def step_constants(self) -> Array:
+        """Differences of `level_constants` between neighbours, with the digits that the values have lost."""
+        known = self._with_own(self.layout.flat(self.known), self.known_field[2])
+        return np.diff(self.known_field[1]) + np.diff(known) - self._forcing_steps()
+
+    @property
+    def integrated(self) -> bool:
+        """Whether differences of the primitive may be taken from g."""
+        forcing = self.equation.forcing
+        return forcing.resolution is not None and len(forcing.steps_at) == 0
+
+    def _forcing_steps(self) -> Array:
+        """Differences of the primitive's means between neighbours: over the gap by quadrature, over the zones from the
+        coefficients of g, since the antiderivative of U_{k-1} is T_k / k."""
+        solved = self.zones.solved
+        if not self.integrated:
+            return np.diff(self._forcing_means())
+        across, _ = self._across_gaps
+        g, w = self.g[solved], self.zones.half[solved]
+        odd, even = np.arange(1, g.shape[1], 2), np.arange(2, g.shape[1], 2)
+        half_rise, offset = w * (g[:, odd] @ (1 / odd)), w * (g[:, even] @ (1 / even))
+        return across + half_rise[1:] + half_rise[:-1] - np.diff(offset)
+
+    @cached_property
+    def _across_gaps(self) -> tuple[Array, Array]:
+        """(integral of g over every gap, what is left of the rounding of places in it: half a unit in the last digit, which the
+        forcing's own arithmetic may lose of x)."""
+        forcing = self.equation.forcing
+        assert forcing.resolution is not None
+        start, length = self._gaps
+        panels = np.ceil(length / forcing.resolution).astype(np.intp)
+        gap = np.repeat(np.arange(len(length)), panels)
+        number = np.arange(len(gap)) - np.repeat(np.cumsum(panels) - panels, panels)
+        size = (length / panels)[gap]
+        t, weights, slope_of = _gauss_legendre()
+        from_start = (number * size)[:, None] + size[:, None] * (0.5 * (1 + t))
+        left = start[gap][:, None]
+        values = forcing.sampled(left, from_start, lambda g: g @ slope_of / (0.5 * size[:, None]))
+        across = 0.5 * size * (values @ weights)
+        lost = 0.3 * np.spacing(np.maximum(np.abs(start), np.abs(start + length)))
+        varies = np.bincount(gap, ((values @ slope_of) ** 2) @ weights**2, minlength=len(length))
+        return np.asarray(np.bincount(gap, across, minlength=len(length)), dtype=np.float64), lost * np.sqrt(varies)
+
+    @property
+    def _gaps(self) -> tuple[Array, Array]:
+        """(left end, length) of the gaps between solved zones."""
+        zones, solved = self.zones, self.zones.solved
+        left = zones.b[solved[:-1]]
+        return left, zones.a[solved[1:]] - left
+
+    def _levels_at(self, y: Array) -> Array:
+        return self.applied(y)[1].level
+
+    def level_values(self, y: Array) -> Array:
+        return self._levels_at(y) + self.level_constants
+
+    def level_changes(self, y: Array) -> Array:
+        return self._levels_at(y)
+
+    def level_rounding(self, y: Array) -> Array | float:
+        """The terms of a level are at most all totals at the farthest distance, and the largest at the nearest. Where only
+        differences between neighbours matter, it is what is between them that is rounded."""
+        zones, datum = self.zones, self.equation.kernel.datum
+        own = np.abs(zones.half * y[self.layout.offset])
+        near = np.abs(np.log(zones.half / datum))
+        if any(c.levels and c.count(zones) == len(zones.solved) for c in self.equation.conditions):
+            far = max(1.0, abs(math.log((zones.b[-1] - zones.a[0]) / datum)))
+            return 2.2e-16 * float(own.sum() * far + (own * near).max() + np.abs(self.level_constants).max())
+        slope = float(np.abs(self.g).max())
+        steps = 2.2e-16 * slope * self._gaps[1] + (self._across_gaps[1] if self.integrated else 0.0)
+        # The step over the border is that of all others.
+        border = float(np.linalg.norm(steps))
+        felt_left, felt_right = felt(*(gap[zones.solved] + zones.half[zones.solved] for gap in modes.gaps(zones, self.equation.kernel)))
+        out = 2.2e-16 * (slope * zones.half + own * near)
+        out[zones.solved] += felt_left * np.append(border, steps) + felt_right * np.append(steps, border)
+        return np.maximum(out, out[::-1]) if zones.symmetric else out
+
+    def integrals_at(self, weight: Callable[[Array], Array], degree: int | None, y: Array) -> Linear:
+        if weight not in self._weights:
+            self._weights[weight] = self._weighted(weight, degree)
+        tables, constants = self._weights[weight]
+        start = self.layout.offset[self.zones.solved]
+        rows = np.array([values @ y[s : s + len(values)] for values, s in zip(tables, start, strict=True)])
+        return rows[:, None], constants
+
+    def _weighted(self, weight: Callable[[Array], Array], degree: int | None) -> tuple[list[Array], Array]:
+        """(by each solved zone's coefficients, by what is known) of the integrals of a weight times the density."""
+        tables, constants = [], np.zeros(len(self.zones.solved))
+        least = max(self.g.shape[1], int(self.layout.m.max()) + 1, 16) + 16
+        known: dict[int, Array] = {}
+        for place, i in enumerate(self.zones.solved):
+            m = int(self.layout.m[i])
+            values = np.pi * self.zones.half[i] * self.moments(weight, i, least, degree)
+            tables.append(values[: m + 1])
+            beyond = -self.g[i, m + 1 : len(values)]
+            constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
+            if len(self.steps):
+                count = min(len(values), self.g.shape[1] + 16)
+                if count not in known:
+                    known[count] = self.steps.t_coefficients(self.zones, count)
+                constants[place] += values[:count] @ known[count][i] - values[: m + 1] @ self.taken[i, : m + 1][: len(values)]
+        return tables, constants
+
+
+@dataclass(frozen=True, eq=False)
+class Applied:
+    """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of unknowns: one column."""
+
+    system: ManySystem
+    y: Array
+    middle: Array
+    rest: Array
+
+    @property
+    def level(self) -> Array:
+        return self.middle + self.rest
+
+    @property
+    def zones(self) -> Zones:
+        return self.system.zones
+
+    def totals(self) -> Linear:
+        solved = self.zones.solved
+        scale = np.pi * self.zones.half[solved]
+        return (scale * self.y[self.system.layout.offset[solved]])[:, None], scale * self.system.known[solved, 0]
+
+    def levels(self) -> Linear:
+        return self.level[:, None], self.system.level_constants
+
+    def level_steps(self) -> Linear:
+        return (np.diff(self.middle) + np.diff(self.rest))[:, None], self.system.step_constants
+
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        return self.system.integrals_at(weight, degree, self.y)
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        system = self.system
+        left, right = system.intensities_of(system.layout.padded(self.y))
+        constant_left, constant_right = system.known_intensities
+        return (left[:, None], constant_left), (right[:, None], constant_right)
+
+    def held(self) -> Linear:
+        """K at the ends that are held at zero, those on the left first."""
+        pairs = list(zip(self.zones.held, self.intensities(), strict=True))
+        matrix, constants = (np.concatenate([linear[part][chosen] for chosen, linear in pairs]) for part in (0, 1))
+        return matrix, constants
+
+    def amplitude(self, k: int) -> Linear:
+        return self.y[[[self.system.layout.amplitude(k)]]], np.zeros(1)
+
+    def multiplicity(self) -> Array:
+        return self.system.multiplicity()
+
+
+class Punches:
+    """The inverse of the coarse problem's matrix: mean potential on each solved zone from each c_0, less a constant times the
+    total that makes it definite."""
+
+    def __init__(self, zones: Zones, system: System) -> None:
+        self.zones, self.kernel = zones, system.equation.kernel
+        solved = zones.solved
+        ends = np.array([0, len(solved) - 1])
+        w = zones.half[solved]
+        self.lowered = 0.0
+        self.lowered = 1.0 + float((self.entries(ends[:, None], np.arange(len(solved))) / (w * system.multiplicity())).max())
+        self.inverse = Inverse(self.entries, 0, len(solved), _COARSE)
+
+    def entries(self, rows: Index, columns: Index) -> Array:
+        solved, count = self.zones.solved, len(self.zones)
+        i, j = solved[rows], solved[columns]
+        out = self._of(i, j)
+        if self.zones.symmetric:
+            mirror = count - 1 - j
+            out = out + np.where(mirror == j, 0.0, self._of(i, mirror))
+        return out
+
+    def _of(self, i: Index, j: Index) -> Array:
+        zones, kernel = self.zones, self.kernel
+        w = zones.half[j]
+        out = np.zeros(np.broadcast(i, j).shape)
+        for shift in kernel.poles:
+            right = zones.middle[i] > zones.middle[j] + shift
+            gap = np.where(right, zones.a[i] - (zones.b[j] + shift), (zones.a[j] + shift) - zones.b[i])
+            e = (gap + zones.half[i]) / w
+            if shift == 0.0:
+                e = np.where(i == j, 0.0, e)
+            out += np.log(w * (1 + e + np.sqrt(e * (e + 2))) / (2 * kernel.datum))
+        if kernel.regular_potential is not None:
+            out += kernel.regular_potential(zones.middle[i], zones.middle[j])
+        return np.asarray(w * (out - self.lowered))
+
+    def near(self, zones: Zones) -> bool:
+        """Whether these zones are still about the same."""
+        if len(zones) != len(self.zones) or zones.symmetric != self.zones.symmetric:
+            return False
+        moved = np.maximum(np.abs(zones.a - self.zones.a), np.abs(zones.b - self.zones.b))
+        return bool(np.all(moved <= _KEPT * (self.zones.b - self.zones.a)))
+
+
+class Coarse:
+    """The preconditioner: -c_k from the rows of the equation, c_0 and the amplitudes from the side conditions.
+
+    With level = G c_0 - (amplitudes' means) on every zone, G = Punches + constant: c_0 = Punches^-1 (level + unknown constant +
+    ...), and the few unknowns left come from the conditions that are not asked of every zone. Where every zone has a held end, c_0
+    is what makes K vanish there.
+    """
+
+    def __init__(self, system: ManySystem, punches: Punches | None) -> None:
+        self.system, self.punches = system, punches
+        zones, conditions = system.zones, system.equation.conditions
+        counts = [c.count(zones) for c in conditions]
+        starts = np.concatenate(([0], np.cumsum(counts)))
+        kinds = [for_every_zone(c) for c in conditions]
+        self.others = [k for k, kind in enumerate(kinds) if kind is None]
+        self.other_rows = np.array([starts[k] for k in self.others], dtype=np.intp)
+        self.held = np.array(sum(zones.held, []), dtype=np.intp)
+        at = None if len(self.held) else next(k for k, kind in enumerate(kinds) if kind is not None)
+        self.levels = at is not None and kinds[at] == "levels"
+        # What every zone has of its own: rows of one condition, or those of held ends, which come last.
+        self.rows = slice(int(starts[-1]), None) if at is None else slice(int(starts[at]), int(starts[at + 1]))
+        self.absolute = at is not None and counts[at] == len(zones.solved)
+        self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
+        layout, folding = system.layout, system.folding
+        self.first = folding.position(layout.offset[zones.solved])
+        self.rest = folding.position(system.own[system.kept])
+        self.amplitudes = folding.position(layout.coefficients + np.arange(layout.columns))
+        self._basis = self._responses()
+        self._small = np.zeros((self._basis.shape[1],) * 2)
+        for k, column in enumerate(self._basis.T):
+            self._small[:, k] = self._scalars(column)
+
+    def _responses(self) -> Array:
+        """Folded unknowns that a unit of the constant and of each amplitude bring along, in columns."""
+        system = self.system
+        columns, with_constant = system.layout.columns, self.levels
+        out = np.zeros((system.folding.size, columns + with_constant))
+        if with_constant:
+            out[self.first, 0] = self._from_levels(np.ones(len(self.first)))
+        for k in range(columns):
+            place = k + with_constant
+            out[self.amplitudes[k], place] = 1.0
+            out[self.rest, place] = -system.column_rows[k][system.kept]
+            if self.levels:
+                out[self.first, place] = self._from_levels(system.column_means[k])
+            elif len(self.held):
+                self._close(out[:, place], np.zeros(len(self.held)))
+        return out
+
+    def _close(self, folded: Array, wanted: Array) -> None:
+        """Sets c_0 of every zone so that K at the held ends is as wanted."""
+        system = self.system
+        view = Applied(system, system.folding.unfold(folded), np.zeros(0), np.zeros(0))
+        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / np.sqrt(system.zones.half[system.zones.solved[self.held]] / 2)
+
+    def _from_levels(self, levels: Array) -> Array:
+        assert self.punches is not None
+        return self.punches.inverse(levels)
+
+    def _scalars(self, folded: Array) -> Array:
+        """The conditions that are single rows, and what ties the constant where levels are absolute."""
+        system = self.system
+        y = system.folding.unfold(folded)
+        view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
+        out = [float(system.equation.conditions[k].rows(view)[0][0, 0]) for k in self.others]
+        if self.levels and self.absolute:
+            assert self.punches is not None
+            solved = system.zones.solved
+            total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
+            # What the constant stands for, from the basis' first unknown: put in by `__call__`.
+            out.append(self.punches.lowered * total)
+        return np.array(out)
+
+    def __call__(self, right: Array) -> Array:
+        system = self.system
+        equations = len(self.rest)
+        conditions = right[equations:]
+        here = conditions[self.rows]
+        out = np.zeros(system.folding.size)
+        out[self.rest] = -right[:equations]
+        if self.levels:
+            levels = here if self.absolute else np.concatenate(([0.0], np.cumsum(here)))
+            out[self.first] = self._from_levels(levels)
+        elif len(self.held):
+            self._close(out, here)
+        else:
+            out[self.first] = here / (np.pi * system.zones.half[system.zones.solved])
+        if self._basis.shape[1]:
+            small, wanted = self._small.copy(), conditions[self.other_rows]
+            missing = self._scalars(out)
+            if self.levels and self.absolute:
+                wanted = np.append(wanted, 0.0)
+                small[-1, 0] += 1.0
+            out += self._basis @ np.linalg.solve(small, wanted - missing)
+        return out
+
+
+class Iterative:
+    """Solves the rows of a `ManySystem` for any right side.
+
+    value: of an open condition, if there is one. Unknowns are counted in the largest of their zone, so that lightly loaded zones are
+    as right as the others. error: the largest
+    of what the last residual, preconditioned, says of the error of each zone's unknowns (Z,).
+    """
+
+    def __init__(self, system: ManySystem, punches: Punches | None, tolerance: float, value: float = 0.0) -> None:
+        self.system, self.tolerance, self.value = system, tolerance, value
+        self.coarse = Coarse(system, punches)
+        self.equations = len(system.kept)
+        self.error = np.zeros(len(system.zones))
+        self.iterations = 0
+
+    @property
+    def size(self) -> int:
+        return self.system.folding.size
+
+    def rows(self, folded: Array) -> Array:
+        system = self.system
+        rows, view = system.applied(system.folding.unfold(folded))
+        parts = [asked(condition, view, 1)[0][:, 0] for condition in system.equation.conditions]
+        return np.concatenate((rows, *parts, view.held()[0][:, 0]) if len(self.coarse.held) else (rows, *parts))
+
+    def right(self) -> Array:
+        """The right side of the equation and of its conditions."""
+        system = self.system
+        none = np.zeros(len(system.zones.solved))
+        nothing = Applied(system, np.zeros(system.layout.size), none, none)
+        values = []
+        for condition in system.equation.conditions:
+            _, constants, wanted = asked(condition, nothing, 1)
+            values.append(wanted - constants + (self.value if condition.open else 0.0))
+        if len(self.coarse.held):
+            values.append(-nothing.held()[1])
+        return np.concatenate((system.equation_right, *values))
+
+    def __call__(
+        self, right: Array, near: Array | None = None, tolerance: float | None = None,
+        taken: Callable[[Array], Array] | None = None,
+    ) -> Array:
+        """Folded unknowns; near: a first guess; tolerance: if another than that of the solver; taken: what is taken from the
+        rows, of the unknowns too."""
+
+        def rows(folded: Array) -> Array:
+            return self.rows(folded) if taken is None else self.rows(folded) - taken(folded)
+
+        plain = self.coarse(right)
+        scale = self._scale(plain if near is None else near)
+        wanted = max(self.tolerance if tolerance is None else tolerance, 4 * _ROUNDING * math.sqrt(len(self.system.zones.solved)))
+        x = np.zeros(self.size) if near is None else near
+        left_over = (plain if near is None else self.coarse(right - rows(near))) / scale
+        for _ in range(3):
+            found = gmres(lambda v: self.coarse(rows(v * scale)) / scale, left_over, wanted)
+            self.iterations += found.steps
+            x = x + found.x * scale
+            # Rounding in a long recurrence is not seen by it: the residual itself is looked at.
+            left_over = self.coarse(right - rows(x)) / scale
+            self.error = self._by_zone(left_over * scale)
+            if found.steps == 0 or float(np.linalg.norm(left_over)) <= 4 * wanted:
+                break
+        return x
+
+    def _largest(self, folded: Array) -> Array:
+        """Largest unknown of every solved zone."""
+        return np.asarray(np.maximum.reduceat(np.abs(folded[: self.size - len(self.coarse.amplitudes)]), self.coarse.first))
+
+    def _by_zone(self, folded: Array) -> Array:
+        """Largest unknown of every zone, mirrored ones too."""
+        zones = self.system.zones
+        out = np.zeros(len(zones))
+        out[zones.solved] = self._largest(folded)
+        return np.maximum(out, out[::-1]) if zones.symmetric else out
+
+    def _scale(self, folded: Array) -> Array:
+        """Largest unknown of its zone for every unknown, but not below a small part of the largest of all; 1 for amplitudes."""
+        largest = self._largest(folded)
+        top = float(largest.max())
+        size = np.diff(np.append(self.coarse.first, self.size - len(self.coarse.amplitudes)))
+        out = np.ones(self.size)
+        out[: int(size.sum())] = np.repeat(np.maximum(largest, _LIGHTEST * top if top > 0 else 1.0), size)
+        return out

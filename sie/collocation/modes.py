@@ -1,0 +1,158 @@
+"""How many modes each zone has: its own, from the right side's decay, and the coupled ones, from its neighbours.
+
+Coefficients of the right side decay as smoothness allows and are sampled on nodes that double until they have decayed;
+this is cheap, because a zone's own operator is diagonal. What other zones do decays as rho^k, where rho belongs to the
+nearest foreign end (or image, or singularity of a column), so few coupled modes are enough for narrow zones far apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis import chebyshev
+from sie.basis.kernels import Kernel
+from sie.basis.zones import Zones
+from sie.equation.equation import Forcing
+from sie.jumps.forcing import Steps
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+OWN_SIZES = np.array(
+    [8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192]
+)
+# Only below this part of the largest coefficient can a plateau be rounding.
+_NOISE = 1e-5
+# Places rounded to less than this part of a zone are exact to all purposes.
+_FINE = 1e-14
+# No zone has this decay but one without neighbours.
+_ALONE = 690.0
+# Coefficients among which the largest of a jump's part is.
+_LEADING = 8
+COUPLED_SIZES = np.array(
+    [0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768]
+)
+
+
+def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
+    """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at least `least`."""
+    fall = decay(zones, kernel)
+    want = np.where(fall < _ALONE, -np.log(tolerance) / np.maximum(fall, 1e-3), 0.0)
+    return _at_least(COUPLED_SIZES, np.maximum(want, least))
+
+
+def decay(zones: Zones, kernel: Kernel) -> Array:
+    """-log(rho) of the nearest foreign end: so fast do coefficients of what others do fall on each zone."""
+    left, right = gaps(zones, kernel)
+    return np.asarray(np.arccosh(1 + np.minimum(np.minimum(left, right) / zones.half, 1e300)))
+
+
+def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
+    """Distance from each zone to the nearest zone or image on its left and on its right (inf if none)."""
+    between = zones.a[1:] - zones.b[:-1]
+    shifts = [s for s in kernel.poles if s > 0]
+    border = min(shifts) - (zones.b[-1] - zones.a[0]) if shifts else np.inf
+    return np.concatenate(([border], between)), np.concatenate((between, [border]))
+
+
+def _at_least(sizes: Index, want: Array) -> Index:
+    return sizes[np.minimum(np.searchsorted(sizes, want), len(sizes) - 1)]
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """U coefficients of the smooth right side, g_k at [:, k] (g_0 unused), the sizes used, the size of their last part
+    and the largest coefficient, per zone."""
+
+    coefficients: Array
+    own: Index
+    tail: Array
+    evaluations: int
+
+
+def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: float, largest: int) -> Samples:
+    """Sample the right side on each zone and double the nodes of those whose coefficients have not decayed.
+
+    A symmetric set is sampled on its right half only. Where jumps of g leave nothing smooth, as in a wedge, they are what the decay
+    is measured by: of them rounding remains. Where derivatives alone jump it is g itself: their parts may be much larger than their
+    sum.
+    """
+    own = own.copy()
+    subtracted = np.abs(steps.t_coefficients(zones, _LEADING)).max(axis=1)
+    bent = np.bincount(steps.zone[steps.order > 0], minlength=len(zones)) > 0
+    bent[steps.kinked] = False
+    noise = steps.rounding(len(zones))
+    found: dict[int, Array] = {}
+    tail = np.zeros(len(zones))
+    settled = np.zeros(len(zones), dtype=np.intp)
+    pending = zones.solved
+    evaluations = 0
+    while len(pending):
+        retry = []
+        for n in np.unique(own[pending]):
+            group = pending[own[pending] == n]
+            values, largest_value = _values(forcing, zones, steps, group, int(n))
+            evaluations += values.size
+            g = chebyshev.u_coefficients(values)
+            if zones.central and group[0] == zones.solved[0]:
+                g[0, ::2] = 0.0
+            last = np.abs(g[:, -max(4, int(n) // 8) :]).max(axis=1)
+            scale = np.where(bent[group], largest_value, np.maximum(np.abs(g).max(axis=1), subtracted[group]))
+            # Places are rounded to half a unit in their last digit: what that makes of the slope of g is seen in all coefficients.
+            rounded = _places(zones, group) * np.linalg.norm(g * np.arange(1, int(n) + 1), axis=1) * (2 / np.sqrt(n))
+            grow = (last > np.maximum(tolerance * scale, np.maximum(rounded, noise[group] / np.sqrt(n)))) & (n < largest)
+            for place, i in enumerate(group):
+                # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
+                slow = i in found and last[place] > tail[i] * (len(found[i]) / n) ** 0.75
+                settled[i] += slow and last[place] < _NOISE * scale[place]
+                found[i], tail[i] = g[place], last[place]
+            grow &= settled[group] < 3
+            bad = group[grow]
+            own[bad] = OWN_SIZES[np.searchsorted(OWN_SIZES, n, side="right")] if len(bad) else n
+            retry.append(bad)
+        pending = np.concatenate(retry)
+    table = np.zeros((len(zones), int(own[zones.solved].max()) + 1))
+    for i, g in found.items():
+        table[i, 1 : len(g) + 1] = g
+    if zones.symmetric:
+        mirror(zones, table)
+        left = np.arange(len(zones) // 2)
+        own[left], tail[left] = own[::-1][left], tail[::-1][left]
+    return Samples(table, own, tail, evaluations)
+
+
+def _places(zones: Zones, group: Index) -> Array:
+    """Spacing of numbers at a zone over its half width."""
+    return np.asarray(np.spacing(np.maximum(np.abs(zones.a[group]), np.abs(zones.b[group]))) / zones.half[group])
+
+
+def mirror(zones: Zones, table: Array) -> None:
+    """Fill the left half of a symmetric set's coefficient table from the right half: T_k(-t) = (-1)^k T_k(t)."""
+    left = np.arange(len(zones) // 2)
+    table[left] = table[::-1][left] * (1.0 - 2.0 * (np.arange(table.shape[1]) % 2))
+
+
+def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int) -> tuple[Array, Array]:
+    """(the smooth part of g at the nodes of zones, the largest of g itself on each)."""
+    _, right, left = chebyshev.lobatto(n)
+    left, right = left[1:-1], right[1:-1]
+    w = zones.half[group][:, None]
+    end = np.where(left <= right, zones.a[group][:, None], zones.b[group][:, None])
+    # From the ends as positions, of which rounding has cut off the rest.
+    rest = zones.rest[:, group][:, :, None]
+    away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
+    if n <= chebyshev.LARGEST_MATRIX and float(_places(zones, group).max()) > _FINE:
+        # What a jump adds to the slope is none of g's on either side.
+        levels = np.array([steps.level_part(int(zone), left) for zone in group]) if len(steps) else 0.0
+        values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)
+    else:
+        x = end + away
+        values = np.array(forcing.value(x.ravel()), dtype=float).reshape(x.shape)
+    given = np.abs(values).max(axis=1)
+    for place, zone in enumerate(group):
+        if steps.adds_to(int(zone)):
+            values[place] += steps.smooth_part(int(zone), left)
+    return values, given

@@ -1,0 +1,186 @@
+"""What rounding does to the intensities at the zone ends, and so to the ends.
+
+The rows A y = b are rounded, each by the root of the sum of its terms' squares (roundings are independent of each other), and
+the intensities are linear in the unknowns, K = C y: with X = A^-T C^T one solve tells what every row's rounding does to every K.
+Levels are differences of large potentials and heights: theirs is the rounding of what they are made of, and so a lightly loaded
+zone between heavy ones feels what the heights of all are known to.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.chebyshev import bounded_part
+from sie.basis.zones import Zones
+from sie.collocation.modes import gaps
+from sie.collocation.neighbours import conformal_radius
+from sie.collocation.symmetry import Folding
+from sie.collocation.system import System
+from sie.density.density import Density
+from sie.equation.conditions import of_levels, speaks_of_levels
+from sie.equation.equation import Forcing
+
+Array = NDArray[np.float64]
+
+EPS = 2.2e-16
+# The largest of some hundred roundings over their mean square: what is stated is to be exceeded nowhere.
+SAFETY = 4.0
+# How often rows are shaken, and angles of each zone at which the density is looked at.
+_SHAKEN, _ANGLES = 12, 24
+# Distance from an end, over the half width, within which what is singular there is left out.
+_BESIDE = 0.03
+# Ends at which the rounding of the primitive is looked at.
+_LOOKS = 32
+
+
+class Solved(Protocol):
+    """What is asked of a solution on given zones (`solve.State`)."""
+
+    @property
+    def density(self) -> Density: ...
+    @property
+    def system(self) -> System: ...
+    @property
+    def direct(self) -> Any: ...
+    @property
+    def unknowns(self) -> Array: ...
+    @property
+    def conditions_from(self) -> int: ...
+    @property
+    def condition_index(self) -> NDArray[np.intp]: ...
+    @property
+    def condition_scale(self) -> Array: ...
+    @property
+    def sizes(self) -> Any: ...
+    @property
+    def natural(self) -> Array: ...
+    @property
+    def linear_error(self) -> Array: ...
+
+
+def intensity_rounding(state: Solved) -> Array:
+    """Rounding of K at the left and right end of each zone, (2, Z)."""
+    density, system = state.density, state.system
+    zones = density.zones
+    # Rounding acts on what is subtracted, the right side and the other zones' fields, however small the rest.
+    subtracted = np.abs(density.coefficients).sum(axis=1) + np.abs(system.g).sum(axis=1) + state.natural
+    own = 4e-16 * np.sqrt(zones.half / 2) * subtracted
+    if state.direct is None:
+        own = own + _of_levels(state) + np.sqrt(2 * zones.half) * state.linear_error
+    # One zone alone is given by its own rows and its total, unless there are more unknowns to share them with.
+    if state.direct is None or (len(zones) == 1 and not system.equation.columns):
+        return np.array([own, own])
+    return np.asarray(own + SAFETY * _through_rows(state))
+
+
+def _of_levels(state: Solved) -> Array | float:
+    """What rounding of the potentials that the zones' totals are matched by does to K, per zone."""
+    equation, zones = state.system.equation, state.density.zones
+    if len(zones) == 1 or not any(speaks_of_levels(c, zones) for c in equation.conditions):
+        return 0.0
+    w = zones.half
+    # A level off by e is met by c_0 = e / (w log(w / 2R)), K by that over sqrt(2 w); neighbours no wider hold less than a plane.
+    radius = conformal_radius(*(gap + w for gap in gaps(zones, equation.kernel)))
+    logarithm = np.maximum(np.log(0.5 * np.minimum(radius, equation.kernel.datum) / w), 1.0)
+    return np.asarray(2 * _level_noise(state) / (logarithm * np.sqrt(2 * w)))
+
+
+def _through_rows(state: Solved) -> Array:
+    """Root mean square of what the rounding of all rows does to each K, (2, Z)."""
+    system, solver = state.system, state.direct
+    zones = system.zones
+    (left, _), (right, _) = system.intensities()
+    rows = Folding.of(zones, system.layout).fold(np.concatenate((left, right)))
+    effect = solver.transposed(rows.T)
+    rounding = EPS * solver.size_of_rows
+    squares = np.zeros(len(rows))
+    taken = np.ones(len(rounding), dtype=bool)
+    for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):
+        count = condition.count(zones)
+        if count == 0 or not speaks_of_levels(condition, zones):
+            continue
+        here = slice(state.conditions_from + first, state.conditions_from + first + count)
+        taken[here] = False
+        by_level = of_levels(condition, zones).T @ (effect[here] / state.condition_scale[first : first + count, None])
+        levels = np.broadcast_to(_level_noise(state), (len(zones.solved),))
+        squares += levels**2 @ by_level**2
+    squares += rounding[taken] ** 2 @ effect[taken] ** 2
+    return _mirrored(zones, np.sqrt(squares).reshape(2, -1))
+
+
+def density_rounding(state: Solved) -> float:
+    """What the rounding of all rows, those of the side conditions among them, may do to the density, its singularities taken out.
+
+    Where the conditions nearly depend on each other it is many times the rounding itself: so the rows are shaken by their roundings, by
+    chance but always alike, and what that does to the density is looked at.
+    """
+    system, zones, solver = state.system, state.density.zones, state.direct
+    if len(zones) == 1 and not system.equation.columns:
+        return 0.0
+    if solver is None:
+        return float(np.max(_of_levels(state) / np.sqrt(zones.half / 2)))
+    chance = np.random.default_rng(0)
+    shaken = EPS * solver.size_of_rows[:, None] * chance.standard_normal((solver.size, _SHAKEN))
+    for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):
+        count = condition.count(zones)
+        if count and speaks_of_levels(condition, zones):
+            levels = chance.standard_normal((_SHAKEN, len(zones.solved))).T
+            levels *= np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None]
+            scale = state.condition_scale[first : first + count, None]
+            shaken[state.conditions_from + first : state.conditions_from + first + count] = of_levels(condition, zones) @ levels / scale
+    folding = Folding.of(zones, system.layout)
+    changes = [system.layout.padded(folding.unfold(change)) for change in solver(shaken).T]
+    largest = _largest(np.concatenate(changes)).reshape(_SHAKEN, -1).max(axis=1)
+    return SAFETY * float(np.sqrt(np.mean(largest**2)))
+
+
+def _largest(coefficients: Array) -> Array:
+    """Largest of each sum c_k T_k / sqrt(1 - t^2), no nearer to the ends than _BESIDE, and of its bounded part, at a few angles."""
+    k = np.arange(max(coefficients.shape[1], 2))
+    # Closer beside the ends, where high modes add up.
+    theta = np.pi * np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, _ANGLES)[:, None]) ** 2
+    u = bounded_part(coefficients)[2]
+    whole = coefficients @ np.cos(theta * k[: coefficients.shape[1]]).T / np.maximum(np.sin(theta), np.sqrt(2 * _BESIDE)).T
+    bounded = u @ np.sin(theta * k[1 : u.shape[1] + 1]).T
+    return np.asarray(np.maximum(np.abs(whole).max(axis=1), np.abs(bounded).max(axis=1)))
+
+
+def _level_noise(state: Solved) -> Array:
+    """Root mean square of the rounding of the zones' levels: of their potentials, and of the heights."""
+    sizes, forcing = state.sizes, state.system.equation.forcing
+    if state.system.integrated:
+        return np.asarray(state.system.level_rounding(state.unknowns))
+    if sizes.primitive_rounding is None:
+        sizes.primitive_rounding = primitive_rounding(forcing, state.system.zones, state.density.kernel.period)
+    return np.hypot(state.system.level_rounding(state.unknowns), sizes.primitive_rounding)
+
+
+def primitive_rounding(forcing: Forcing, zones: Zones, period: float | None) -> float:
+    """What the primitive is rounded to: as data, a part of its rise between the zones, and in evaluation, its departure from
+    straight lines over a few units in the last digit."""
+    assert forcing.primitive is not None
+    ends = np.unique(np.concatenate((zones.a, zones.b)))
+    ahead = zones.a[1:] if period is None else np.append(zones.a[1:], zones.a[0] + period)
+    between = 0.5 * (ahead + zones.b[: len(ahead)])
+    heights = np.asarray(forcing.primitive(np.concatenate((ends, between))))
+    look = ends[:: max(1, len(ends) // _LOOKS)]
+    near = look[:, None] + 4 * np.spacing(np.abs(look))[:, None] * np.arange(-4, 5)
+    bend = 0.5 * np.abs(np.diff(np.asarray(forcing.primitive(near.ravel())).reshape(near.shape), 2, axis=1))
+    finite = heights[np.isfinite(heights)]
+    return float(np.hypot(EPS * np.ptp(finite) if len(finite) else 0.0, np.sqrt(np.mean(bend[np.isfinite(bend)] ** 2))))
+
+
+def _mirrored(zones: Zones, solved: Array) -> Array:
+    """(2, solved zones) as (2, Z): of a symmetric set the left half mirrors the right one."""
+    if not zones.symmetric:
+        return solved
+    out = np.zeros((2, len(zones)))
+    out[:, zones.solved] = solved
+    if zones.central:
+        out[0, zones.solved[0]] = out[1, zones.solved[0]]
+    half = len(zones) // 2
+    out[:, :half] = out[::-1, ::-1][:, :half]
+    return out

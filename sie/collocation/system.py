@@ -1,0 +1,410 @@
+"""The linear system for given zones: every zone sees the others through closed forms.
+
+Unknown are, per zone, the coefficients c_0 ... c_m of T_l / sqrt(1 - t^2), and the amplitudes of the columns. Projected
+on U_{k-1}, a zone's own transform is -c_k, so the rows read
+
+    -c_k + (what the other zones, the images and the regular part do to zone i)_k - sum lambda C_k = g_k,   k = 1 ... m,
+
+a second-kind system; coefficients beyond m are -g_k at once, because what the other zones do is smooth there. Off a
+zone, z = (x - middle)/w and rho = z - sgn(z) sqrt(z^2 - 1), the transform of T_l / sqrt is sgn(z) rho^l / sqrt(z^2 - 1)
+and its potential -rho^l / l (log(1/(2 rho)) for l = 0).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis import chebyshev
+from sie.basis.kernels import Kernel, regular_size
+from sie.basis.zones import Zones
+from sie.collocation.spline_moments import coefficients as coefficients_between
+from sie.collocation.spline_moments import crowded
+from sie.equation.conditions import Linear, multiplicity
+from sie.equation.equation import Equation
+from sie.jumps.forcing import Steps
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# Most quadrature nodes a zone spends on the weight of a side condition.
+_LARGEST_WEIGHT = 8192
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """Where the unknowns stand: zone i has coefficients offset[i] ... offset[i] + m[i]; then come the amplitudes."""
+
+    m: Index
+    columns: int
+
+    @cached_property
+    def offset(self) -> Index:
+        return np.concatenate(([0], np.cumsum(self.m + 1)[:-1]))
+
+    @property
+    def coefficients(self) -> int:
+        return int(np.sum(self.m + 1))
+
+    @property
+    def size(self) -> int:
+        return self.coefficients + self.columns
+
+    def amplitude(self, k: int) -> int:
+        """Where the amplitude of column k stands."""
+        if not 0 <= k < self.columns:
+            raise ValueError(f"a condition asks for the amplitude of column {k}, but the equation has {self.columns} columns, from 0 on")
+        return self.coefficients + k
+
+    def padded(self, y: Array) -> Array:
+        """Coefficients as a (zones, max m + 1) table, zero where a zone has fewer."""
+        out = np.zeros((len(self.m), int(self.m.max()) + 1))
+        for m in np.unique(self.m):
+            zones = np.flatnonzero(self.m == m)
+            out[zones, : m + 1] = y[self.offset[zones][:, None] + np.arange(m + 1)]
+        return out
+
+    def flat(self, table: Array) -> Array:
+        """The inverse of `padded`, amplitudes zero; a table with fewer columns is continued by zeros."""
+        out = np.zeros(self.size)
+        for m in np.unique(self.m):
+            zones = np.flatnonzero(self.m == m)
+            count = min(m + 1, table.shape[1])
+            out[self.offset[zones][:, None] + np.arange(count)] = table[zones, :count]
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class Targets:
+    """Points on zones: zone index, distances from the zone's left and right end, and the points themselves."""
+
+    zone: Index
+    left: Array
+    right: Array
+    x: Array
+
+    @classmethod
+    def lobatto(cls, zones: Zones, chosen: Index, m: Index) -> Targets:
+        """The Lobatto nodes of each chosen zone, ends included, from right to left."""
+        count = m[chosen] + 2
+        start = np.cumsum(count) - count
+        zone = np.repeat(chosen, count)
+        lefts, rights = np.empty((2, len(zone)))
+        for n in np.unique(m[chosen]):
+            some = np.flatnonzero(m[chosen] == n)
+            _, r, lf = chebyshev.lobatto(int(n))
+            at = start[some][:, None] + np.arange(int(n) + 2)
+            w = zones.half[chosen[some]][:, None]
+            lefts[at], rights[at] = lf * w, r * w
+        x = np.where(lefts <= rights, zones.a[zone] + lefts, zones.b[zone] - rights)
+        return cls(zone, lefts, rights, x)
+
+
+def excess(zones: Zones, targets: Targets, sources: Index, shift: float) -> tuple[Array, Array]:
+    """(|z| - 1, sgn z) of the targets seen from zones `sources` shifted by `shift`; (points, sources).
+
+    From the gap between the zones and the distance of the point from its own zone's end, so nothing cancels but the
+    ends. On a source's own zone (shift 0) the excess is negative: there the caller has the closed form of the zone
+    itself.
+    """
+    a, b = zones.a[sources] + shift, zones.b[sources] + shift
+    z = targets.zone
+    right = zones.middle[z][:, None] > zones.middle[sources] + shift
+    (rest_a, rest_b), seen_a, seen_b = zones.rest[:, sources], zones.rest[0, z][:, None], zones.rest[1, z][:, None]
+    past_b = (zones.a[z][:, None] - b) + (seen_a - rest_b) + targets.left[:, None]
+    past_a = (a - zones.b[z][:, None]) + (rest_a - seen_b) + targets.right[:, None]
+    e = np.where(right, past_b, past_a) / zones.half[sources]
+    return e, np.where(right, 1.0, -1.0)
+
+
+def fields(
+    zones: Zones, kernel: Kernel, targets: Targets, layout: Layout, what: str
+) -> Array:
+    """What each unknown does at the targets, but for a zone's action on itself: (points, unknown coefficients).
+
+    what: "transform", or "potential" (over the zones' half widths).
+    """
+    out = np.zeros((len(targets.x), layout.size))
+    for m in np.unique(layout.m):
+        sources = np.flatnonzero(layout.m == m)
+        block = np.zeros((m + 1, len(targets.x), len(sources)))
+        for shift in kernel.poles:
+            e, sign = excess(zones, targets, sources, shift)
+            own = targets.zone[:, None] == sources if shift == 0.0 else None
+            if own is not None:
+                if len(zones) == 1:
+                    continue
+                e = np.where(own, 1.0, e)
+            root = np.sqrt(e * (e + 2))
+            rho = sign / (1 + e + root)
+            if what == "transform":
+                power = sign / root
+            else:
+                power = np.ones_like(rho)
+            if own is not None:
+                power = np.where(own, 0.0, power)
+            if what == "potential":
+                zero = np.log(zones.half[sources] / (2 * np.abs(rho) * kernel.datum))
+                block[0] += power * zero
+                for k in range(1, m + 1):
+                    power = power * rho
+                    block[k] -= power / k
+            else:
+                block[0] += power
+                for k in range(1, m + 1):
+                    power = power * rho
+                    block[k] += power
+        columns = layout.offset[sources][:, None] + np.arange(m + 1)
+        out[:, columns] = block.transpose(1, 2, 0)
+    regular = kernel.regular if what == "transform" else kernel.regular_potential
+    if kernel.regular is not None:
+        if regular is None:
+            raise ValueError("a condition on potentials needs the regular kernel's potential")
+        _add_regular(out, zones, kernel, regular, targets, layout, what == "potential")
+    return out
+
+
+def _add_regular(
+    out: Array, zones: Zones, kernel: Kernel, regular: Callable[[Array, Array], Array], targets: Targets,
+    layout: Layout, over_width: bool,
+) -> None:
+    sizes = np.array([regular_size(kernel, w, int(m)) for w, m in zip(zones.half, layout.m, strict=True)])
+    for m in np.unique(layout.m):
+        for q in np.unique(sizes[layout.m == m]):
+            sources = np.flatnonzero((layout.m == m) & (sizes == q))
+            xi = zones.middle[sources][:, None] + zones.half[sources][:, None] * chebyshev.gauss(int(q))
+            values = regular(targets.x[:, None, None], xi)
+            count = min(int(m), int(q) - 1) + 1
+            block = values @ (chebyshev.t_matrix(int(q), count) / q)
+            if not over_width:
+                block *= zones.half[sources][:, None]
+            columns = layout.offset[sources][:, None] + np.arange(count)
+            out[:, columns] += block
+
+
+class System:
+    """The rows of the equation over the unknowns, for given zones, and what side conditions ask for (see `Rows`).
+
+    coefficients: smooth part of the right side, U coefficients g_k at [:, k], for all zones.
+    """
+
+    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, steps: Steps) -> None:
+        self.equation, self.zones, self.steps, self.g = equation, zones, steps, coefficients
+        self.layout = Layout(m, len(equation.columns))
+        self.known = steps.t_coefficients(zones, int(m.max()) + 1)
+        # In crowded zones the jumps' parts are among the unknowns, as far as those go.
+        self.crowded = crowded(equation.forcing, zones, steps)
+        self.taken = np.zeros_like(self.known)
+        self.lowest = coefficients
+        if len(self.crowded):
+            self._take(m)
+        self.targets = Targets.lobatto(zones, zones.solved, m)
+        self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
+        self.source_tails = np.zeros(len(zones))
+        # Largest value on each solved zone of what each unknown does there, found where modes grow.
+        self.field_sizes: Array | None = None
+
+    def _take(self, m: Index) -> None:
+        zones, chosen = self.zones, self.crowded
+        both = np.union1d(chosen, len(zones) - 1 - chosen) if zones.symmetric else chosen
+        within = np.arange(self.known.shape[1]) <= m[both, None]
+        self.taken[both] = np.where(within, self.known[both], 0.0)
+        self.known = self.known - self.taken
+        of_g, self.crowded_means = coefficients_between(self.equation.forcing, zones, self.steps, chosen, m)
+        count = max(self.g.shape[1], of_g.shape[1])
+        self.lowest = np.pad(self.g, ((0, 0), (0, count - self.g.shape[1])))
+        inner = np.arange(count) <= m[chosen, None]
+        self.lowest[chosen] = np.where(inner, np.pad(of_g, ((0, 0), (0, count - of_g.shape[1]))), self.lowest[chosen])
+
+    # rows of the equation -------------------------------------------------------------------------------------------
+    def equation_rows(self) -> tuple[Array, Array]:
+        """(matrix, right side), the rows k = 1 ... m of each solved zone (even k only for a central symmetric one)."""
+        layout, zones = self.layout, self.zones
+        raw = fields(zones, self.equation.kernel, self.targets, layout, "transform")
+        if self.equation.kernel.grows:
+            # A regular kernel of a user's own: its last coefficients in xi tell whether they are enough.
+            last = layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)
+            self.source_tails = np.abs(raw[:, last]).max(axis=(0, 1)) / max(1.0, np.abs(raw).max())
+        for number, column in enumerate(self.equation.columns):
+            raw[:, layout.coefficients + number] = -column.value(self.targets.x)
+        if self.equation.grows:
+            self.field_sizes = np.maximum.reduceat(np.abs(raw), self.starts[:-1], axis=0)
+        blocks, rights = [], []
+        for place, i in enumerate(zones.solved):
+            m = int(layout.m[i])
+            if m == 0:
+                continue
+            rows = chebyshev.project_rows(raw[self.starts[place] + 1 : self.starts[place + 1] - 1])
+            k = np.arange(1, m + 1)
+            g = np.zeros(m)
+            count = min(m, self.lowest.shape[1] - 1)
+            g[:count] = self.lowest[i, 1 : count + 1]
+            if len(self.steps):
+                g -= rows @ layout.flat(self.known)
+            rows[k - 1, layout.offset[i] + k] -= 1.0
+            step = 2 if zones.central and place == 0 else 1
+            blocks.append(rows[step - 1 :: step])
+            rights.append(g[step - 1 :: step])
+        if not blocks:
+            return np.zeros((0, layout.size)), np.zeros(0)
+        return np.concatenate(blocks), np.concatenate(rights)
+
+    @cached_property
+    def diagonal(self) -> Index:
+        """Unknown c_k of each row of the equation."""
+        solved = self.zones.solved
+        count = self.layout.m[solved]
+        k = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + 1
+        unknown = np.repeat(self.layout.offset[solved], count) + k
+        if not self.zones.central:
+            return unknown
+        return np.asarray(unknown[(k % 2 == 0) | (np.arange(len(k)) >= count[0])])
+
+    # what conditions ask for ----------------------------------------------------------------------------------------
+    def multiplicity(self) -> Array:
+        return multiplicity(self.zones)
+
+    def _zero_rows(self) -> Array:
+        return np.zeros((len(self.zones.solved), self.layout.size))
+
+    def totals(self) -> Linear:
+        solved = self.zones.solved
+        rows = self._zero_rows()
+        scale = np.pi * self.zones.half[solved]
+        rows[np.arange(len(solved)), self.layout.offset[solved]] = scale
+        return rows, scale * self.known[solved, 0]
+
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        rows, constants = self._zero_rows(), np.zeros(len(self.zones.solved))
+        known: dict[int, Array] = {}
+        for place, i in enumerate(self.zones.solved):
+            m, start = int(self.layout.m[i]), self.layout.offset[i]
+            values = np.pi * self.zones.half[i] * self.moments(weight, i, max(self.g.shape[1], m + 1, 16) + 16, degree)
+            size, count = len(values), min(len(values), m + 1)
+            rows[place, start : start + count] = values[:count]
+            beyond = -self.g[i, m + 1 : size]
+            constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
+            if len(self.steps):
+                if size not in known:
+                    known[size] = self.steps.t_coefficients(self.zones, size)
+                constants[place] += values @ known[size][i] - values[:count] @ self.taken[i, :count]
+        return rows, constants
+
+    def moments(self, weight: Callable[[Array], Array], zone: int, size: int, degree: int | None = None) -> Array:
+        """Means of weight times T_l over a zone (weight 1 / sqrt(1 - t^2)): of a polynomial as many as it has, else as many as it
+        takes them to decay."""
+        if degree is not None:
+            return self._moments(weight, zone, degree + 2)[: degree + 1]
+        while True:
+            values = self._moments(weight, zone, size)
+            if np.abs(values[-8:]).max() <= 1e-14 * np.abs(values).max() or size >= _LARGEST_WEIGHT:
+                return values
+            size *= 2
+
+    def _moments(self, weight: Callable[[Array], Array], zone: int, nodes: int) -> Array:
+        x = self.zones.middle[zone] + self.zones.half[zone] * chebyshev.gauss(nodes)
+        return chebyshev.t_means(np.broadcast_to(np.asarray(weight(x), dtype=float), x.shape))
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        left, right = self._zero_rows(), self._zero_rows()
+        for place, i in enumerate(self.zones.solved):
+            m, root = int(self.layout.m[i]), math.sqrt(self.zones.half[i] / 2)
+            here = slice(self.layout.offset[i], self.layout.offset[i] + m + 1)
+            right[place, here] = root
+            left[place, here] = root * (1.0 - 2.0 * (np.arange(m + 1) % 2))
+        constant_left, constant_right = self.intensities_of(self.beyond)
+        return (left, constant_left), (right, constant_right)
+
+    def intensities_of(self, coefficients: Array) -> tuple[Array, Array]:
+        """K at the left and at the right end of each solved zone, of coefficients (all zones, n + 1)."""
+        solved = self.zones.solved
+        table, root = coefficients[solved], np.sqrt(self.zones.half[solved] / 2)
+        return root * (table[:, ::2].sum(axis=1) - table[:, 1::2].sum(axis=1)), root * table.sum(axis=1)
+
+    @cached_property
+    def beyond(self) -> Array:
+        """Coefficients that are no unknowns: beyond the coupled modes, and less what the unknowns have of the jumps' parts."""
+        count = max(self.g.shape[1], self.taken.shape[1])
+        g, taken = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self.g, self.taken))
+        within = np.arange(count) <= self.layout.m[:, None]
+        return np.where(within, -taken, -g)
+
+    def amplitude(self, k: int) -> Linear:
+        row = np.zeros((1, self.layout.size))
+        row[0, self.layout.amplitude(k)] = 1.0
+        return row, np.zeros(1)
+
+    def level_values(self, y: Array) -> Array:
+        """Levels of the zones for unknowns y."""
+        matrix, constants = self.levels()
+        return np.asarray(matrix @ y + constants)
+
+    def level_changes(self, y: Array) -> Array:
+        """What unknowns y add to the levels."""
+        return np.asarray(self.levels()[0] @ y)
+
+    def level_steps(self) -> Linear:
+        """See `Rows`."""
+        matrix, constants = self.levels()
+        return np.diff(matrix, axis=0), np.diff(constants)
+
+    @property
+    def integrated(self) -> bool:
+        """Whether differences of levels are integrated from g: then the rounding of its primitive is not in them."""
+        return False
+
+    def level_rounding(self, y: Array) -> Array | float:
+        """Root mean square of the rounding of each level's potentials."""
+        return np.asarray(2.2e-16 * np.sqrt(self.levels()[0] ** 2 @ y**2))
+
+    def levels(self) -> Linear:
+        """See `Rows`. The mean of a zone's own potential is w c_0 log(w / 2); the mean of the primitive comes from its
+        values at the ends and from the coefficients of g, since the antiderivative of U_{k-1} is T_k / k."""
+        return self._levels
+
+    @cached_property
+    def _levels(self) -> Linear:
+        zones, layout, kernel = self.zones, self.layout, self.equation.kernel
+        solved = zones.solved
+        raw = fields(zones, kernel, self.targets, layout, "potential")
+        raw[:, : layout.coefficients] *= np.repeat(zones.half, layout.m + 1)
+        rows = self._zero_rows()
+        for place, i in enumerate(solved):
+            here = raw[self.starts[place] : self.starts[place + 1]]
+            m = int(layout.m[i])
+            rows[place] = (here.sum(axis=0) - 0.5 * (here[0] + here[-1])) / (m + 1)
+            w = zones.half[i]
+            rows[place, layout.offset[i]] += w * math.log(w / (2 * kernel.datum))
+        constants = rows @ layout.flat(self.known)
+        for k, column in enumerate(self.equation.columns):
+            rows[:, layout.coefficients + k] = -self._column_means(column.primitive)
+        return rows, constants - self._forcing_means()
+
+    def _column_means(self, primitive: Callable[[Array], Array] | None) -> Array:
+        if primitive is None:
+            raise ValueError("a condition on potentials needs the primitive of every column")
+        values = primitive(self.targets.x)
+        return np.array([
+            (values[s:e].sum() - 0.5 * (values[s] + values[e - 1])) / (e - s - 1)
+            for s, e in zip(self.starts[:-1], self.starts[1:], strict=True)
+        ])
+
+    def _forcing_means(self) -> Array:
+        zones, forcing = self.zones, self.equation.forcing
+        if forcing.primitive is None:
+            raise ValueError("a condition on potentials needs the primitive of the right side")
+        solved = zones.solved
+        w = zones.half[solved]
+        mean = 0.5 * (forcing.primitive(zones.a[solved]) + forcing.primitive(zones.b[solved]))
+        if len(self.steps):
+            mean = mean + w * self.steps.mean_offsets(zones)[solved]
+        k = np.arange(2, self.g.shape[1], 2)
+        mean = np.asarray(mean - w * (self.g[solved][:, k] @ (1 / k)))
+        if len(self.crowded):
+            mean[np.searchsorted(solved, self.crowded)] = self.crowded_means
+        return mean

@@ -1,0 +1,153 @@
+"""Sums over all zones in linear time: a tree over the zones, every node an equivalent zone.
+
+What a zone does off it depends on the moments M_l = (1/pi) int phi T_l dxi of its density alone, M_0 = w c_0 and M_l = w c_l / 2, and
+so does what a whole node of the tree does, with moments about its hull:
+
+    transform  (sgn z / (R sqrt(z^2 - 1))) (M_0 + 2 sum M_l rho^l)         potential  M_0 log(R / (2 |rho|)) - 2 sum M_l rho^l / l
+
+R its half width. Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s), and the same A takes
+the Chebyshev series of what is far from a parent to its children; the potential comes along as its value at the middle of each
+node, since its derivative is the transform; it is summed in two words, for its differences between neighbours. So zones need no
+nodes of their own: coefficients in, coefficients out. Only near zones see each other directly, by the closed forms of `assemble`.
+Greengard & Rokhlin (1987), J. Comput. Phys. 73, 325-348, in one dimension and with Chebyshev series in place of powers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis import chebyshev
+from sie.basis.kernels import Kernel
+from sie.basis.zones import Zones
+from sie.collocation.system import Layout
+from sie.fast import lazy
+from sie.fast.far import FarSum, Nested
+from sie.fast.tree import TERMS, Pairs, Tree
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# Powers below e^-_VANISHED are left out of near sums.
+_VANISHED = 40.0
+
+
+@dataclass(frozen=True, eq=False)
+class NearRows:
+    """Sparse matrices of what near zones do: the transform at the inner Lobatto nodes of each solved zone, one zone after the
+    other, and the potential at their middles."""
+
+    transform: Any
+    potential: Any
+
+    @classmethod
+    def of(cls, zones: Zones, kernel: Kernel, layout: Layout, pairs: Pairs) -> NearRows:
+        solved = zones.solved
+        other = ~((solved[pairs.target] == pairs.source) & (pairs.shift == 0.0))
+        place, source, shift = pairs.target[other], pairs.source[other], pairs.shift[other]
+        zone = solved[place]
+        right = zones.middle[zone] > zones.middle[source] + shift
+        sign = np.where(right, 1.0, -1.0)
+        gap = np.where(right, zones.a[zone] - (zones.b[source] + shift), (zones.a[source] + shift) - zones.b[zone])
+        half, width = zones.half[source], zones.half[zone]
+        m = layout.m[zone]
+        # The decay at the node nearest to the source tells how many powers are seen.
+        e = (gap + width * np.array([chebyshev.lobatto(int(n))[1][min(1, n)] for n in range(int(m.max(initial=0)) + 1)])[m]) / half
+        need = np.ceil(_VANISHED / np.arccosh(1 + e) / 8).astype(np.intp) * 8
+        terms = np.minimum(layout.m[source] + 1, need)
+        per_zone = np.bincount(place, terms, minlength=len(solved)).astype(np.intp)
+        before = np.cumsum(terms) - terms
+        start = np.concatenate(([0], np.cumsum(per_zone)))[place]
+        in_row = before - start
+        rows = layout.m[solved]
+        pointer = np.concatenate(([0], np.cumsum(np.repeat(per_zone, rows))))
+        first_row = np.concatenate(([0], np.cumsum(rows)))
+        data, column = np.empty(pointer[-1]), np.empty(pointer[-1], dtype=np.int32)
+        pot_data, pot_column = np.empty(int(per_zone.sum())), np.empty(int(per_zone.sum()), dtype=np.int32)
+        key = m * (int(terms.max(initial=0)) + 1) + terms
+        order = np.argsort(key, kind="stable")
+        cuts = np.flatnonzero(np.diff(key[order], prepend=-1, append=-1))
+        for lo, hi in zip(cuts[:-1], cuts[1:], strict=True):
+            group = order[lo:hi]
+            nodes, count = int(m[group[0]]), int(terms[group[0]])
+            power = np.arange(count)
+            columns = layout.offset[source[group]][:, None] + power
+            e_middle = (gap[group] + width[group]) / half[group]
+            rho = sign[group] / (1 + e_middle + np.sqrt(e_middle * (e_middle + 2)))
+            values = -(rho[:, None] ** power) / np.maximum(power, 1)
+            values[:, 0] = np.log(half[group] / (2 * np.abs(rho) * kernel.datum))
+            at = before[group][:, None] + power
+            pot_data[at], pot_column[at] = values * half[group][:, None], columns
+            if nodes == 0:
+                continue
+            _, from_right, from_left = chebyshev.lobatto(nodes)
+            away = np.where(right[group][:, None], from_left[1:-1], from_right[1:-1]) * width[group][:, None]
+            e_nodes = (gap[group][:, None] + away) / half[group][:, None]
+            root = np.sqrt(e_nodes * (e_nodes + 2))
+            table = np.empty((len(group), nodes, count))
+            table[..., 0] = sign[group][:, None] / root
+            table[..., 1:] = (sign[group][:, None] / (1 + e_nodes + root))[..., None]
+            np.cumprod(table, axis=2, out=table)
+            row = first_row[place[group]][:, None] + np.arange(nodes)
+            into = (pointer[row] + in_row[group][:, None])[..., None] + power
+            data[into] = table
+            column[into] = columns[:, None, :]
+        sparse = lazy.scipy_sparse()
+        size = layout.size
+        potential_pointer = np.concatenate(([0], np.cumsum(per_zone)))
+        return cls(
+            sparse.csr_array((data, column, pointer), shape=(len(pointer) - 1, size)),
+            sparse.csr_array((pot_data, pot_column, potential_pointer), shape=(len(solved), size)),
+        )
+
+
+class ZoneSums:
+    """What all zones and images do on the solved zones, but for a zone's action on itself, as U coefficients and as the mean of
+    the potential (weight 1 / sqrt(1 - t^2))."""
+
+    def __init__(self, zones: Zones, kernel: Kernel, layout: Layout) -> None:
+        self.zones, self.kernel, self.layout = zones, kernel, layout
+        solved = zones.solved
+        sources = Nested(Tree.over(zones.a, zones.b))
+        targets = Nested(Tree.over(zones.a[solved], zones.b[solved])) if zones.symmetric else sources
+        self.far = FarSum(sources, targets, kernel)
+        self.near = NearRows.of(zones, kernel, layout, self.far.near)
+        m = layout.m[solved]
+        self.first_row = np.concatenate(([0], np.cumsum(m)))
+        self.groups = [(int(n), np.flatnonzero(m == n)) for n in np.unique(m)]
+        k = np.arange(TERMS)
+        self.lead = np.where(k <= layout.m[:, None], layout.offset[:, None] + k, layout.size)
+        self.scale = zones.half[:, None] * np.where(k, 0.5, 1.0)
+
+    @property
+    def size(self) -> int:
+        """Closed forms evaluated in one sum."""
+        return int(self.near.transform.nnz) + len(self.far.far) * TERMS
+
+    def __call__(self, y: Array) -> tuple[Array, Array, Array]:
+        """(U coefficients k = 1 ... m of every solved zone, one after the other; mean potential of each, in two words)."""
+        zones, solved = self.zones, self.zones.solved
+        leaves = np.append(y, 0.0)[self.lead] * self.scale
+        series, middle, mean = self.far(leaves)
+        mean = mean + self.near.potential @ y
+        at_nodes = self.near.transform @ y
+        far = 0.5 * series
+        far[:, :-2] -= 0.5 * series[:, 2:]
+        far[:, 0] += 0.5 * series[:, 0]
+        rows = np.empty(len(at_nodes))
+        for m, group in self.groups:
+            if m == 0:
+                continue
+            place = self.first_row[group][:, None] + np.arange(m)
+            u = chebyshev.u_coefficients(at_nodes[place])
+            count = min(m, TERMS)
+            u[:, :count] += far[group, :count]
+            rows[place] = u
+            # The primitive of U_{k-1} is T_k / k: its mean is 0, its value at the middle cos(k pi / 2) / k.
+            k = np.arange(2, m + 1, 2)
+            to_mean = -np.cos(0.5 * np.pi * k) / k
+            mean[group] += zones.half[solved[group]] * (u[:, 1::2] @ to_mean)
+        return rows, middle, mean

@@ -1,0 +1,1 @@
+"""The answer: coefficients on intervals in, values, transforms and potentials anywhere out."""

@@ -1,0 +1,68 @@
+"""What sums over the zones read of a density, whatever it is made of."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.kernels import Kernel
+from sie.basis.zones import Zones
+from sie.jumps.forcing import Steps
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+Mask = NDArray[np.bool_]
+
+
+class Everywhere(Protocol):
+    """Transform and potential at many points (n,) at once."""
+
+    def transform(self, x: Array) -> Array: ...
+
+    def potential(self, x: Array) -> Array: ...
+
+
+class Series(Protocol):
+    """sum_j c_j T_j(t) / sqrt(1 - t^2) and the jumps of the right side, on each zone; see `density.Density` for each member."""
+
+    @property
+    def zones(self) -> Zones: ...
+
+    @property
+    def kernel(self) -> Kernel: ...
+
+    @property
+    def coefficients(self) -> Array: ...
+
+    @property
+    def steps(self) -> Steps: ...
+
+    @property
+    def bounded(self) -> tuple[Array, Array, Array]: ...
+
+    @property
+    def potential_coefficients(self) -> Array: ...
+
+    @property
+    def sharp_totals(self) -> Array: ...
+
+    def own_transform(self, zone: Index, left: Array, right: Array) -> Array: ...
+
+    def near_potential(self, zone: Index, left: Array, right: Array, rho: Array, on: Mask) -> Array: ...
+
+    def is_near(self, zone: Index, rho: Array, on: Mask) -> Mask: ...
+
+
+class Evaluated(Series, Protocol):
+    """A series with what has been worked out for sums over all of its zones."""
+
+    @property
+    def everywhere(self) -> Everywhere | None: ...
+
+    @property
+    def has_series(self) -> bool: ...
+
+    @property
+    def quadrature(self) -> list[tuple[Array, Array]]: ...

@@ -1,0 +1,193 @@
+"""Transform and potential of a density with many zones at many points: far zones by series, near ones by their closed forms.
+
+The line is cut into cells, the zones and pieces of the gaps between them. What is far from a cell is a Chebyshev series on it, all of
+them from one fast sum; a point adds what the few near zones do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.zones import Zones
+from sie.density.field import sum_of_powers
+from sie.density.series import Series
+from sie.fast.far import FarSum, Nested
+from sie.fast.piecewise import clenshaw
+from sie.fast.tree import SEPARATION, TERMS, Tree
+from sie.jumps.forcing import of_zones
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# Largest number of (point, near zone) pairs handled at once.
+_BLOCK = 400_000
+
+
+class Everywhere:
+    """A density's series on all cells. Points are those of `Density.into_period`, or any if nothing repeats."""
+
+    def __init__(self, density: Series) -> None:
+        self.density = density
+        zones, period = density.zones, density.kernel.period
+        first, last = float(zones.a[0]), float(zones.b[-1])
+        middle = 0.5 * (first + last)
+        # Beyond a span on either side the whole set is far: a last cell there would be of no use.
+        reach = 0.5 * period if period is not None else 1.5 * (last - first)
+        self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
+        self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
+        sources = Nested(Tree.over(zones.a, zones.b))
+        far = FarSum(sources, Nested(Tree.over(ends[:-1], ends[1:]), kept=False), density.kernel)
+        near = far.near
+        self.source, self.shift = near.source, near.shift
+        self.start = np.searchsorted(near.target, np.arange(len(self.middle) + 1))
+        c = np.zeros((len(zones), TERMS))
+        count = min(TERMS, density.coefficients.shape[1])
+        c[:, :count] = density.coefficients[:, :count]
+        if len(density.steps):
+            c += density.steps.t_coefficients(zones, TERMS)
+        self.moments = c * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
+        self.series, value, rest = far(self.moments)
+        self.value = value + rest
+        self.whole = sources.upward(self.moments)[0]
+
+    @cached_property
+    def potential_series(self) -> Array:
+        """Series of the potential: the primitive of the transform's, with the given value at the middle of the cell."""
+        f = np.zeros((len(self.series), TERMS + 2))
+        f[:, :TERMS] = self.series
+        out = np.zeros((len(f), TERMS + 1))
+        k = np.arange(2, TERMS + 1)
+        out[:, 1] = f[:, 0] - 0.5 * f[:, 2]
+        out[:, 2:] = (f[:, 1:TERMS] - f[:, 3 : TERMS + 2]) / (2 * k)
+        out *= self.half[:, None]
+        even = np.arange(2, TERMS + 1, 2)
+        out[:, 0] = self.value - out[:, 2::2] @ np.cos(0.5 * np.pi * even)
+        return out
+
+    def transform(self, x: Array) -> Array:
+        return self._summed(x, self.series, False)
+
+    def potential(self, x: Array) -> Array:
+        return self._summed(x, self.potential_series, True)
+
+    def _summed(self, x: Array, series: Array, potential: bool) -> Array:
+        out = np.empty(len(x))
+        order = np.argsort(x, kind="stable")
+        cell = np.searchsorted(self.ends, x[order], side="right") - 1
+        outside = (cell < 0) | (x[order] > self.ends[-1])
+        beyond = order[outside]
+        if len(beyond):
+            out[beyond] = self._beyond(x[beyond], potential)
+        order, cell = order[~outside], np.minimum(cell[~outside], len(self.middle) - 1)
+        table = np.ascontiguousarray(series.T)
+        for here in self._blocks(cell):
+            places, cells = order[here], cell[here]
+            part = x[places]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                t = np.where(self.half[cells] > 0, (part - self.middle[cells]) / self.half[cells], 0.0)
+            value = clenshaw(table, cells, np.clip(t, -1.0, 1.0))
+            count = self.start[cells + 1] - self.start[cells]
+            row = np.repeat(np.arange(len(part)), count)
+            pair = np.arange(len(row)) + np.repeat(self.start[cells] - (np.cumsum(count) - count), count)
+            near = self._near(part[row], self.source[pair], self.shift[pair], potential)
+            out[places] = value + np.bincount(row, near, minlength=len(part))
+        return out
+
+    def _blocks(self, cell: Index) -> Iterator[slice]:
+        """Stretches of the sorted points with at most so many near pairs."""
+        total = np.cumsum(self.start[cell + 1] - self.start[cell] + 4)
+        begin = 0
+        while begin < len(cell):
+            done = total[begin - 1] if begin else 0
+            end = max(begin + 1, int(np.searchsorted(total, done + _BLOCK)))
+            yield slice(begin, end)
+            begin = end
+
+    def _near(self, x: Array, zone: Index, shift: Array, potential: bool) -> Array:
+        """What a zone moved by `shift` does at x, pair by pair."""
+        density = self.density
+        w = density.zones.half[zone]
+        left, right = density.zones.beyond_a(x - shift, zone) / w, density.zones.before_b(x - shift, zone) / w
+        on = (left >= 0) & (right >= 0)
+        root = np.sqrt(np.abs(left * right))
+        rho = np.where(left >= 0, 1.0, -1.0) / (0.5 * np.abs(left - right) + root)
+        rho[on] = 0.5
+        value = np.empty(len(x))
+        own = np.asarray(density.is_near(zone, rho, on)) if potential else on
+        off, near = np.flatnonzero(~own), np.flatnonzero(own)
+        evaluate = self._potential_of if potential else self._transform_of
+        value[off] = evaluate(zone[off], rho[off], root[off], w[off])
+        if len(near) and potential:
+            value[near] = w[near] * density.near_potential(zone[near], left[near], right[near], rho[near], on[near])
+        elif len(near):
+            value[near] = density.own_transform(zone[near], left[near], right[near])
+        steps = density.steps
+        jumping = set(steps.sharp) if potential else set(steps.by_zone)
+        for i, places in of_zones(zone) if jumping else ():
+            if i not in jumping:
+                continue
+            if potential:
+                jumps = steps.sharp_potential(i, left[places], right[places], rho[places])
+                value[places] += w[places] * (jumps + density.sharp_totals[i] * np.log(w[places] / density.kernel.datum))
+            else:
+                here, z = on[places], 0.5 * (left[places] - right[places])
+                value[places[here]] += steps.own_transform(i, left[places[here]])
+                value[places[~here]] += steps.transform(i, z[~here], rho[places[~here]])
+        return value
+
+    def _transform_of(self, zone: Index, rho: Array, root: Array, w: Array) -> Array:
+        alpha, beta, u = self.density.bounded
+        a, b = alpha[zone], beta[zone]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            edge = np.where((a == 0) & (b == 0), 0.0, np.sign(rho) * (a + b * rho) / root)
+        return np.asarray(edge + rho * sum_of_powers(u, rho, zone))
+
+    def _potential_of(self, zone: Index, rho: Array, root: Array, w: Array) -> Array:
+        table = self.density.potential_coefficients
+        log = np.log(w / (2 * self.density.kernel.datum * np.abs(rho)))
+        return np.asarray(w * (table[zone, 0] * log - rho * sum_of_powers(self._rest, rho, zone)))
+
+    @cached_property
+    def _rest(self) -> Array:
+        return np.ascontiguousarray(self.density.potential_coefficients[:, 1:])
+
+    def _beyond(self, x: Array, potential: bool) -> Array:
+        """Outside the cells of a kernel that has no period: from the moments of all zones, but near an image one by one."""
+        zones, datum = self.density.zones, self.density.kernel.datum
+        half = 0.5 * (zones.b[-1] - zones.a[0])
+        out = np.zeros(len(x))
+        for shift in self.density.kernel.poles:
+            left, right = x - (zones.a[0] + shift), (zones.b[-1] + shift) - x
+            e = np.maximum(-left, -right) / half
+            for k in np.flatnonzero(e < SEPARATION):
+                every = np.arange(len(zones))
+                out[k] += self._near(np.full(len(zones), x[k]), every, np.full(len(zones), shift), potential).sum()
+            far = np.flatnonzero(e >= SEPARATION)
+            root = np.sqrt(e[far] * (e[far] + 2))
+            sign = np.where(left[far] > 0, 1.0, -1.0)
+            rho = sign / (1 + e[far] + root)
+            powers = rho[:, None] ** np.arange(1, TERMS)
+            if potential:
+                first = self.whole[0] * np.log(half / (2 * datum * np.abs(rho)))
+                out[far] += first - powers @ (2 * self.whole[1:] / np.arange(1, TERMS))
+            else:
+                out[far] += sign / (root * half) * (self.whole[0] + powers @ (2 * self.whole[1:]))
+        return out
+
+
+def _cells(zones: Zones, lo: float, hi: float) -> Array:
+    """Ends of the cells: the zones, and the gaps between them in pieces that double in length away from either zone, so that to
+    none of them many zones are near."""
+    before = np.diff(np.concatenate(([2 * lo - zones.a[0]], zones.b[:-1], zones.a)).reshape(2, -1), axis=0)[0]
+    after = np.append(before[1:], 2 * (hi - zones.b[-1]))
+    ends, step = [np.array([lo, hi]), zones.a, zones.b], zones.b - zones.a
+    while True:
+        left, right = step < 0.5 * before, step < 0.5 * after
+        if not (left.any() or right.any()):
+            return np.sort(np.concatenate(ends))
+        ends += [zones.a[left] - step[left], zones.b[right] + step[right]]
+        step = 2 * step

@@ -1,0 +1,140 @@
+"""A first look at the functions that make an equation: on a few points, once, before anything is solved with them.
+
+What they return must be real and of the shape asked for; a primitive must rise as its function says, a regular part's potential
+likewise; of a symmetric set the right side must be odd.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.kernels import Kernel
+from sie.basis.zones import Zones
+from sie.equation.conditions import speaks_of_levels
+from sie.equation.equation import Equation, Forcing
+
+Array = NDArray[np.float64]
+
+# Places that are looked at on each of at most three zones.
+_T = np.array([-0.7, 0.1, 0.6])
+# Halves of the intervals over which a primitive must rise by the integral of its function, over the zone's half width: a shorter one
+# where the first does not agree, which may hold a feature that five values do not show.
+_STEPS = (1e-3, 2e-5)
+# Disagreement that is none of rounding, over the largest value.
+_DISAGREES, _UNEVEN = 1e-4, 1e-6
+# What a few operations round a primitive to, over its value.
+_ROUNDED = 64 * float(np.finfo(np.float64).eps)
+
+
+def look_at(equation: Equation, zones: Zones) -> None:
+    """Raise ValueError, by name, for functions that do not return what the equation is about."""
+    how = (any(condition.count(zones) > 0 and speaks_of_levels(condition, zones) for condition in equation.conditions), zones.symmetric)
+    parts = [("the right side", equation.forcing), *((f"column {k}", column) for k, column in enumerate(equation.columns))]
+    for name, forcing in parts:
+        if how not in _seen(forcing):
+            _look_at_forcing(name, forcing, *_places(zones), *how)
+            _seen(forcing).add(how)
+    # Kernels of this package are what they are.
+    if equation.kernel.grows and how not in _seen(equation.kernel):
+        _look_at_kernel(equation.kernel, *_places(zones), *how)
+        _seen(equation.kernel).add(how)
+
+
+def _seen(part: Forcing | Kernel) -> set[tuple[bool, bool]]:
+    """In which ways this has been looked at, and found in order."""
+    found: set[tuple[bool, bool]] = part.__dict__.setdefault("_looked_at", set())
+    return found
+
+
+def _places(zones: Zones) -> tuple[Array, Array]:
+    """(places, half width of their zones)."""
+    some = sorted({int(zones.solved[0]), int(zones.solved[len(zones.solved) // 2]), int(zones.solved[-1])})
+    x = zones.middle[some, None] + zones.half[some, None] * _T
+    return x.ravel(), np.repeat(zones.half[some], len(_T))
+
+
+def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array:
+    values = np.asarray(returned)
+    if values.dtype.kind == "c":
+        raise ValueError(f"{name} is complex: only real equations are solved, its real and imaginary part one by one")
+    if values.dtype.kind not in "fiub":
+        raise ValueError(f"{name} must return numbers, got {type(returned).__name__} for {given}")
+    if values.shape != shape:
+        raise ValueError(f"{name} must return an array of shape {shape} for {given}, got shape {values.shape}")
+    return np.asarray(values, dtype=float)
+
+
+def _look_at_forcing(name: str, forcing: Forcing, x: Array, half: Array, levels: bool, symmetric: bool) -> None:
+    def value(places: Array) -> Array:
+        return _real(f"{name}: value", forcing.value(places.ravel()), (places.size,), f"x of shape ({places.size},)").reshape(places.shape)
+
+    g = value(x)
+    if symmetric:
+        _look_at_symmetry(f"{name}: value", g, value(-x), x)
+    primitive = forcing.primitive
+    if primitive is None or not levels or len(forcing.breaks_at):
+        return
+
+    def risen(places: Array) -> Array:
+        returned = primitive(places.ravel())
+        return _real(f"{name}: primitive", returned, (places.size,), f"x of shape ({places.size},)").reshape(places.shape)
+
+    _look_at_rise(f"{name}: primitive", "value", value, risen, x, half)
+
+
+def _look_at_kernel(kernel: Kernel, x: Array, half: Array, levels: bool, symmetric: bool) -> None:
+    regular, potential = kernel.regular, kernel.regular_potential
+    assert regular is not None
+    xi = x[::-1]
+
+    def of(name: str, function: Callable[[Array, Array], Array], at: Array, source: Array) -> Array:
+        shape = np.broadcast_shapes(at.shape, source.shape)
+        given = f"x of shape {at.shape} and xi of shape {source.shape}"
+        return _real(f"the kernel's {name}", function(at, source), shape, given)
+
+    values = of("regular part", regular, x[:, None, None], np.array([xi, xi]))
+    if symmetric:
+        _look_at_symmetry("the kernel's regular part", values, of("regular part", regular, -x[:, None, None], -np.array([xi, xi])), x)
+    if potential is not None and levels:
+        of("regular potential", potential, x[:, None, None], np.array([xi, xi]))
+        _look_at_rise(
+            "the kernel's regular potential", "regular part", lambda at: of("regular part", regular, at, xi[:, None]),
+            lambda at: of("regular potential", potential, at, xi[:, None]), x, half,
+        )
+
+
+def _look_at_symmetry(name: str, here: Array, there: Array, x: Array) -> None:
+    size = np.abs(here).max(initial=0.0)
+    off = np.abs(here + there).reshape(len(x), -1).max(axis=1)
+    worst = int(np.argmax(off))
+    if np.isfinite(off).all() and off[worst] > _UNEVEN * size:
+        raise ValueError(
+            f"zones with symmetric=True need data that are mirror images too, but {name} is not odd: at x = {x[worst]:.6g} and at "
+            f"{-x[worst]:.6g} it differs from being so by {off[worst]:.3g}; solve all of the zones, symmetric=False"
+        )
+
+
+def _look_at_rise(name: str, of: str, value: Callable[[Array], Array], primitive: Callable[[Array], Array], x: Array, half: Array) -> None:
+    """Mean value theorem: over a short interval the primitive rises by its length times a value that the function takes there."""
+    wrong = np.ones(len(x), dtype=bool)
+    for step in _STEPS:
+        h = np.maximum(step * half, 1e7 * np.spacing(np.abs(x)))
+        g = value(x[:, None] + h[:, None] * np.linspace(-1, 1, 5))
+        with np.errstate(invalid="ignore"):
+            ends = primitive(x[:, None] + h[:, None] * np.array([-1.0, 1.0]))
+            rise = np.diff(ends)[:, 0] / (2 * h)
+            low, high, size = g.min(axis=1), g.max(axis=1), np.abs(g).max(initial=0.0)
+            # Of a primitive far from zero, a short interval's rise may be nothing but rounding.
+            slack = (high - low) + _DISAGREES * size + _ROUNDED * np.abs(ends).max(axis=1) / (2 * h)
+            # Of places that are rounded to much of a zone nothing can be told; nor where something is not finite.
+            wrong &= (rise < low - slack) | (rise > high + slack)
+            wrong &= (h < 0.1 * half) & np.isfinite(g).all(axis=1)
+        if not wrong.any():
+            return
+    worst = int(np.flatnonzero(wrong)[0])
+    middle = 0.5 * (low[worst] + high[worst])
+    raise ValueError(f"{name} is not an antiderivative of its {of}: at x = {x[worst]:.6g} its slope is {rise[worst]:.6g}, not {middle:.6g}")

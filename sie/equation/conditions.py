@@ -1,0 +1,321 @@
+"""Side conditions: linear statements about the density, one object each.
+
+A condition turns itself into rows over the unknown coefficients with the help of a `Rows` object (see `assemble`),
+which knows how total, potential, weighted integral and edge intensity of each zone depend on them. A new condition is
+one class with `count` and `rows`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.zones import Zones
+
+Array = NDArray[np.float64]
+Linear = tuple[Array, Array]
+"""(matrix, constants): the quantities are matrix @ unknowns + constants."""
+
+
+class Rows(Protocol):
+    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order."""
+
+    @property
+    def zones(self) -> Zones:
+        """The zones the system is assembled for."""
+
+    def totals(self) -> Linear:
+        """Integral of the density over each zone."""
+
+    def levels(self) -> Linear:
+        """Mean over each zone (weight 1 / sqrt(1 - t^2)) of potential minus the primitive of the right side."""
+
+    def level_steps(self) -> Linear:
+        """Differences of the levels of neighbouring zones."""
+
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        """Integral of weight times density over each zone; degree: of a weight that is a polynomial on each."""
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        """K at the left and at the right end of each zone."""
+
+    def amplitude(self, k: int) -> Linear:
+        """The amplitude of column k."""
+
+    def multiplicity(self) -> Array:
+        """How many zones each solved zone stands for: 2 for a mirrored pair, else 1."""
+
+
+class Condition:
+    """Base: `open` conditions have an unknown value, found from a condition on the ends."""
+
+    open: bool = False
+    levels: bool = False
+    """Whether the condition speaks of potentials."""
+
+    def count(self, zones: Zones) -> int:
+        raise NotImplementedError
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        """(matrix, constants, values): matrix @ unknowns + constants = values."""
+        raise NotImplementedError
+
+
+def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, Array]:
+    """The rows of a condition over so many unknowns, looked at: as many as it counts, one constant and one value to each."""
+    given = condition.rows(system)
+    if not isinstance(given, tuple) or len(given) != 3:
+        raise ValueError(f"{condition}: `rows` must return three things, (matrix, constants, values)")
+    for name, part in zip(("matrix", "constants", "values"), given, strict=True):
+        if np.iscomplexobj(part):
+            raise ValueError(f"{condition}: the {name} of its `rows` are complex, real numbers are needed")
+    matrix, constants, values = (np.asarray(part, dtype=float) for part in given)
+    count = condition.count(system.zones)
+    if matrix.shape != (count, size) or constants.shape != (count,) or values.shape != (count,):
+        raise ValueError(
+            f"{condition}: its `count` is {count}, so that its `rows` must have shapes ({count}, {size}), ({count},) and ({count},), "
+            f"but they have {matrix.shape}, {constants.shape} and {values.shape}"
+        )
+    return matrix, constants, values
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """What conditions may ask of a system whose unknowns are the levels themselves, all else being nothing: their rows then tell
+    what each makes of the levels."""
+
+    zones: Zones
+
+    def _nothing(self, count: int) -> Linear:
+        return np.zeros((count, len(self.zones.solved))), np.zeros(count)
+
+    def totals(self) -> Linear:
+        return self._nothing(len(self.zones.solved))
+
+    def levels(self) -> Linear:
+        count = len(self.zones.solved)
+        return np.eye(count), np.zeros(count)
+
+    def level_steps(self) -> Linear:
+        matrix, constants = self.levels()
+        return np.diff(matrix, axis=0), np.diff(constants)
+
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        return self.totals()
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        return self.totals(), self.totals()
+
+    def amplitude(self, k: int) -> Linear:
+        return self._nothing(1)
+
+    def multiplicity(self) -> Array:
+        return multiplicity(self.zones)
+
+
+def of_levels(condition: Condition, zones: Zones) -> Array:
+    """(rows of the condition, solved zones): what its rows make of the levels."""
+    return asked(condition, Levels(zones), len(zones.solved))[0]
+
+
+def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
+    """Whether potentials are asked for, said or not."""
+    return condition.levels or (type(condition).rows not in _SILENT and bool(of_levels(condition, zones).any()))
+
+
+def for_every_zone(condition: Condition) -> str | None:
+    """What a condition gives of every zone, "levels" or "totals"; None if it is of another kind."""
+    rows = type(condition).rows
+    return "levels" if rows in (EqualPotential.rows, Level.rows) else "totals" if rows is ZoneTotals.rows else None
+
+
+def multiplicity(zones: Zones) -> Array:
+    """How many zones each solved zone stands for: 2 for a mirrored pair, else 1."""
+    weight = np.ones(len(zones.solved))
+    if zones.symmetric:
+        weight[1 if zones.central else 0 :] = 2.0
+    return weight
+
+
+@dataclass(frozen=True)
+class Total(Condition):
+    """The integral of the density over all zones; value None: unknown, found from a condition on the ends."""
+
+    value: float | None
+
+    @property
+    def open(self) -> bool:  # type: ignore[override]
+        return self.value is None
+
+    def count(self, zones: Zones) -> int:
+        return 1
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        matrix, constants = system.totals()
+        weight = system.multiplicity()
+        return (weight @ matrix)[None], np.array([weight @ constants]), np.array([self.value or 0.0])
+
+
+@dataclass(frozen=True)
+class Weighted(Condition):
+    """The integral of weight(x) times the density over all zones: a moment, a mean, any linear functional.
+
+    The weight is smooth on each zone; degree: where it is a polynomial, of few coefficients. Of a symmetric set only the even
+    part of the weight counts.
+    """
+
+    weight: Callable[[Array], Array]
+    value: float
+    degree: int | None = None
+
+    def count(self, zones: Zones) -> int:
+        return 1
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        matrix, constants = system.integrals(self._even if system.zones.symmetric else self.weight, self.degree)
+        weight = system.multiplicity()
+        return (weight @ matrix)[None], np.array([weight @ constants]), np.array([self.value])
+
+    def _even(self, x: Array) -> Array:
+        return np.asarray(0.5 * (self.weight(x) + self.weight(-x)))
+
+
+def moment(value: float, about: float = 0.0) -> Weighted:
+    """Integral of (x - about) phi."""
+    return Weighted(_Lever(float(about)), float(value), degree=1)
+
+
+@dataclass(frozen=True)
+class _Lever:
+    """x - about."""
+
+    about: float
+
+    def __call__(self, x: Array) -> Array:
+        return x - self.about
+
+
+@dataclass(frozen=True)
+class ZoneMoments(Condition):
+    """The first moments of the density about the middle of each zone add up to `value`: where every total is zero, minus
+    the integral of what the density opens."""
+
+    value: float
+
+    def count(self, zones: Zones) -> int:
+        return 1
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        zones = system.zones
+
+        def about_middle(x: Array) -> Array:
+            return np.asarray(x - zones.middle[np.searchsorted(zones.a, x, side="right") - 1])
+
+        matrix, constants = system.integrals(about_middle, degree=1)
+        weight = system.multiplicity()
+        return (weight @ matrix)[None], np.array([weight @ constants]), np.array([self.value])
+
+
+@dataclass(frozen=True)
+class ZoneTotals(Condition):
+    """The integral of the density over each zone: one value for all, or one per solved zone (0: as in cracks)."""
+
+    values: tuple[float, ...] | float = 0.0
+
+    def count(self, zones: Zones) -> int:
+        return len(zones.solved)
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        matrix, constants = system.totals()
+        values = np.asarray(self.values, dtype=float)
+        if values.shape not in ((), constants.shape):
+            raise ValueError(
+                f"ZoneTotals: {len(constants)} zones are solved{' (the right half of a symmetric set)' if system.zones.symmetric else ''}, "
+                f"so one value or {len(constants)} of them are needed, got values of shape {values.shape}"
+            )
+        return matrix, constants, np.broadcast_to(values, constants.shape)
+
+
+@dataclass(frozen=True)
+class EqualPotential(Condition):
+    """Potential less primitive of the right side takes one unknown value on all zones."""
+
+    levels = True
+
+    def count(self, zones: Zones) -> int:
+        return len(zones.solved) - 1
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        if len(system.zones.solved) == 1:
+            size = system.totals()[0].shape[1]
+            return np.zeros((0, size)), np.zeros(0), np.zeros(0)
+        matrix, constants = system.level_steps()
+        return matrix, constants, np.zeros(len(constants))
+
+
+@dataclass(frozen=True)
+class Level(Condition):
+    """Potential less primitive of the right side takes the given value on every zone."""
+
+    value: float
+    levels = True
+
+    def count(self, zones: Zones) -> int:
+        return len(zones.solved)
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        matrix, constants = system.levels()
+        return matrix, constants, np.full(len(constants), float(self.value))
+
+
+@dataclass(frozen=True)
+class Amplitude(Condition):
+    """The amplitude of column k is `value` plus `per_total` times the total: a closure by name; value None: unknown, found
+    from a condition on the ends."""
+
+    k: int
+    value: float | None = 0.0
+    per_total: float = 0.0
+
+    @property
+    def open(self) -> bool:  # type: ignore[override]
+        return self.value is None
+
+    def count(self, zones: Zones) -> int:
+        return 1
+
+    def rows(self, system: Rows) -> tuple[Array, Array, Array]:
+        matrix, constants = system.amplitude(self.k)
+        if self.per_total:
+            totals, known = system.totals()
+            weight = system.multiplicity()
+            matrix = matrix - self.per_total * (weight @ totals)[None]
+            constants = constants - self.per_total * (weight @ known)
+        return matrix, constants, np.array([self.value or 0.0])
+
+
+_SILENT = (Total.rows, Weighted.rows, ZoneMoments.rows, ZoneTotals.rows, Amplitude.rows)
+BUILT_IN = (*_SILENT, EqualPotential.rows, Level.rows)
+"""Rows that hold whatever becomes of the zones; those of a user's own may count on the zones as they are."""
+
+
+class EndCondition(Protocol):
+    """A condition on the zone ends alone: residual(a, b) and its derivatives by the outward motion of each end."""
+
+    def residual(self, zones: Zones) -> tuple[float, Array, Array]:
+        """(residual, d/d(outward motion of a), d/d(outward motion of b))."""
+
+
+@dataclass(frozen=True)
+class TotalWidth:
+    """The zones' widths add up to `value`."""
+
+    value: float
+
+    def residual(self, zones: Zones) -> tuple[float, Array, Array]:
+        one = np.ones(len(zones))
+        return float(np.sum(zones.b - zones.a) + np.sum(zones.rest[1] - zones.rest[0])) - self.value, one, one

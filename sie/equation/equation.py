@@ -1,0 +1,158 @@
+"""The singular integral equation, as data.
+
+    (1/pi) PV int_zones phi(xi) K(x, xi) dxi = g(x) + sum_k lambda_k C_k(x)    on the zones,
+
+with side conditions on phi and on the unknown amplitudes lambda_k. Unknowns are counted against conditions before any
+arithmetic: per zone the index, one for each free end, one for each unknown amplitude.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.kept import Kept
+from sie.basis.kernels import Kernel
+from sie.basis.zones import Zones
+from sie.equation.conditions import Condition, EndCondition
+from sie.jumps.density import Breaks
+from sie.jumps.forcing import Steps
+
+Array = NDArray[np.float64]
+Function = Callable[[Array], Array]
+
+
+class CountError(ValueError):
+    """The side conditions do not match the index of the problem; the message says what is missing or too much."""
+
+
+@dataclass(frozen=True, eq=False)
+class Forcing(Kept):
+    """A known function of the right side.
+
+    value: g, vectorized; smooth on each zone but for the declared jumps.
+    primitive: an antiderivative of g, continuous over all zones; only needed by conditions on potentials.
+    steps_at, steps, orders: positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its
+        derivatives, all (k,); for a kernel with a period they repeat. orders left out: all 0, jumps of g itself.
+    breaks_at, breaks, break_orders: the same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!;
+        for q = 0 this is (J/pi) Lambda(x, s), Lambda the kernel's potential, and is left out of `value`. Either steps or
+        breaks.
+    spline: a quadratic spline with the breaks of order 2, where it is known: of very many it keeps the digits.
+    resolution: smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones
+        are many: they keep digits that the primitive has lost.
+    placed: where x comes to stand when `value` rounds it; x itself if left out. Narrow zones far from the origin see it.
+    modes: of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
+    """
+
+    value: Function
+    primitive: Function | None = None
+    steps_at: Array = field(default_factory=lambda: np.zeros(0))
+    steps: Array = field(default_factory=lambda: np.zeros(0))
+    orders: NDArray[np.intp] | None = None
+    breaks_at: Array = field(default_factory=lambda: np.zeros(0))
+    breaks: Array = field(default_factory=lambda: np.zeros(0))
+    break_orders: NDArray[np.intp] | None = None
+    spline: Function | None = None
+    modes: int | None = None
+    resolution: float | None = None
+    placed: Function | None = None
+
+    def sampled(self, start: Array, away: Array, slope: Function) -> Array:
+        """g at start + away, more exactly than such places can be told apart: taken where they are rounded to, and what that is
+        off by put right with slope(values), the derivative of g there."""
+        x = start + away
+        values = np.array(self.value(x.ravel()), dtype=float).reshape(x.shape)
+        at = x if self.placed is None else self.placed(x)
+        return np.asarray(values + slope(values) * (away - (at - start)))
+
+    def __post_init__(self) -> None:
+        if len(self.steps_at) and len(self.breaks_at):
+            raise ValueError("either the right side jumps or the density does: give steps or breaks, not both")
+
+    @cached_property
+    def kinks(self) -> tuple[Array, Array]:
+        """Positions and heights of the jumps of g itself."""
+        return _of_order_zero(self.steps_at, self.steps, self.orders)
+
+    @cached_property
+    def broken(self) -> tuple[Array, Array]:
+        """Positions and heights of the jumps of the wanted density itself."""
+        return _of_order_zero(self.breaks_at, self.breaks, self.break_orders)
+
+    @property
+    def cornered(self) -> bool:
+        """Whether g or the wanted density jumps anywhere: then the distances of ends from there count."""
+        return len(self.kinks[0]) + len(self.broken[0]) > 0
+
+    def jumps_within(self, zones: Zones, kernel: Kernel) -> Steps:
+        """The jumps that lie inside zones."""
+        if len(self.breaks_at):
+            orders = np.zeros(len(self.breaks_at), dtype=np.intp) if self.break_orders is None else self.break_orders
+            return Breaks.inside(zones, self.breaks_at, self.breaks, orders, kernel, self.spline)
+        orders = np.zeros(len(self.steps_at), dtype=np.intp) if self.orders is None else self.orders
+        return Steps.within(zones, self.steps_at, self.steps, orders, kernel.period, self.value)
+
+
+def _of_order_zero(at: Array, heights: Array, orders: NDArray[np.intp] | None) -> tuple[Array, Array]:
+    which = np.ones(len(at), dtype=bool) if orders is None else np.asarray(orders) == 0
+    return np.asarray(at)[which], np.asarray(heights)[which]
+
+
+@dataclass(frozen=True, eq=False)
+class Equation:
+    """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the ends alone."""
+
+    kernel: Kernel
+    forcing: Forcing
+    conditions: tuple[Condition, ...]
+    columns: tuple[Forcing, ...] = ()
+    end_conditions: tuple[EndCondition, ...] = ()
+
+    def __post_init__(self) -> None:
+        if any(len(column.steps_at) + len(column.breaks_at) for column in self.columns):
+            raise ValueError("a column of unknown amplitude must be smooth: steps belong to the right side")
+        if len(self.forcing.breaks_at) and any(condition.levels for condition in self.conditions):
+            raise ValueError("a condition on potentials is for right sides without logarithms")
+
+    @property
+    def grows(self) -> bool:
+        """Whether the coupled modes must be grown until they show all of the columns and of a user's regular kernel."""
+        return any(column.modes is None for column in self.columns) or self.kernel.grows
+
+    @property
+    def open_condition(self) -> int | None:
+        """Index of the condition whose value is unknown and is found from a condition on the ends; None if none is."""
+        found = [k for k, condition in enumerate(self.conditions) if condition.open]
+        return found[0] if found else None
+
+    def check_count(self, zones: Zones) -> None:
+        """Raise CountError unless unknowns and conditions balance, for given ends and for moving ones; ValueError if
+        the zones do not fit between a periodic kernel's images."""
+        images = [shift for shift in self.kernel.poles if shift > 0]
+        if images and not zones.b[-1] - zones.a[0] < min(images):
+            raise ValueError(f"the zones reach over {zones.b[-1] - zones.a[0]:.6g}, the period is {min(images):.6g}")
+        surplus = 0
+        for i in zones.solved:
+            if zones.central and i == zones.solved[0]:
+                surplus += zones.right[i].surplus  # odd modes are absent: half of a zone's count
+            else:
+                surplus += zones.left[i].surplus + zones.right[i].surplus - 1
+        opened = sum(condition.open for condition in self.conditions)
+        unknowns = surplus + len(self.columns) + opened
+        given = sum(condition.count(zones) for condition in self.conditions) + len(self.end_conditions)
+        names = ", ".join(str(c) for c in (*self.conditions, *self.end_conditions)) or "none"
+        if opened > 1 or opened != len(self.end_conditions):
+            raise CountError(
+                f"{opened} conditions of unknown value need as many conditions on the ends (at most one), "
+                f"got {len(self.end_conditions)}"
+            )
+        if given != unknowns:
+            what = f"{unknowns - given} more needed" if given < unknowns else f"{given - unknowns} too many"
+            raise CountError(
+                f"{unknowns} side conditions are needed (index {surplus}, {len(self.columns)} unknown amplitudes, "
+                f"{opened} unknown values) but {given} are given ({names}): {what}"
+            )

@@ -1,0 +1,186 @@
+r"""The transform of a piecewise quadratic function, (1/pi) PV int f(xi) K(x - xi) dxi, at many points in time linear in their number.
+
+Where f'' jumps by J at s, the transform has (J/2 pi) (x - s)^2 ln|x - s|. The line is cut into cells: the pieces of f, halved where
+more than a few jumps lie near one. On a cell the jumps that lie near it are closed forms, and the rest is analytic, a Chebyshev series.
+It is made once, from a fast sum over the pieces themselves (`fast`) and closed forms of those near the cell,
+
+    int_-1^1 (p_0 + p_1 u + p_2 u^2) / (z - u) du = (p_0 + p_1 z + p_2 z^2) ln|(z + 1)/(z - 1)| - 2 p_1 - 2 p_2 z.
+
+So no number is larger than f itself, where truncated powers of n jumps grow to n^2 times it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sie.basis import chebyshev
+from sie.basis.kernels import Kernel
+from sie.fast.far import FarSum, Nested
+from sie.fast.tree import SEPARATION, TERMS, Tree
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# Jumps nearer to a cell than this part of its length are closed forms: series of TERMS terms hold what the others do.
+_MARGIN = 0.5 * SEPARATION
+# A cell is halved where more jumps than this are near, or two that are nearer to each other than this part of it: over its length
+# theirs would amount to much more than f.
+_MOST, _LEAST = 12, 0.2
+# Seen from farther than this, in half widths, the closed form of a piece cancels, and its moments are enough.
+_CLOSE = 1 + SEPARATION
+# Points, and pairs of cells, handled at once: they stay in the cache.
+_BLOCK, _PAIRS = 1 << 14, 1 << 12
+
+
+class PiecewiseTransform:
+    """The transform of f = p_0 + p_1 (xi - s) + p_2 (xi - s)^2 on [s_i, s_i+1], zero beyond, continuous with its derivative.
+
+    ends: s (n + 1,), ascending; a kernel with a period has that from the first to the last, and f repeats. pieces: (n, 3) the
+    coefficients p. jumps: those of f'' (k,) at places `at`, with a period those of one.
+    """
+
+    def __init__(self, kernel: Kernel, ends: ArrayLike, pieces: ArrayLike, at: ArrayLike, jumps: ArrayLike) -> None:
+        ends, pieces, at, jumps = (np.asarray(values, dtype=float) for values in (ends, pieces, at, jumps))
+        self.kernel = kernel
+        if kernel.period is not None:
+            at = np.concatenate([at + shift for shift in (-kernel.period, 0.0, kernel.period)])
+            jumps = np.tile(jumps, 3)
+        order = np.argsort(at, kind="stable")
+        self._at, self._jumps = at[order], jumps[order] / (2 * np.pi)
+        self.ends = _cells(ends, self._at)
+        self.half = 0.5 * np.diff(self.ends)
+        reach = 2 * _MARGIN * self.half
+        self._first = np.searchsorted(self._at, self.ends[:-1] - reach)
+        self._count = np.searchsorted(self._at, self.ends[1:] + reach, side="right") - self._first
+        self._series = np.ascontiguousarray(self._made(ends, pieces).T)
+
+    def __len__(self) -> int:
+        return len(self.half)
+
+    @property
+    def most_near(self) -> int:
+        """Jumps that a point sees one by one, at the most."""
+        return int(self._count.max())
+
+    def _made(self, ends: Array, pieces: Array) -> Array:
+        a, w = self.ends[:-1], self.half
+        piece = np.minimum(np.searchsorted(ends, a, side="right") - 1, len(pieces) - 1)
+        # In u from -1 to 1 on each cell.
+        p, start = pieces[piece], (a - ends[piece]) + w
+        local = np.column_stack((p[:, 0] + start * (p[:, 1] + start * p[:, 2]), (p[:, 1] + 2 * start * p[:, 2]) * w, p[:, 2] * w * w))
+        moments = (local @ _monomials()) * (w / np.pi)[:, None]
+        tree = Nested(Tree.over(a, self.ends[1:]), kept=False)
+        far = FarSum(tree, tree, self.kernel)
+        series = far(moments)[0]
+        near, (left, right) = far.near, _places()
+        values = np.zeros((len(w), TERMS))
+        for s in range(0, len(near), _PAIRS):
+            here = slice(s, s + _PAIRS)
+            found = self._from(near.target[here], near.source[here], near.shift[here], local, moments)
+            np.add.at(values, near.target[here], found)
+        cells = np.arange(len(w))
+        for s in range(0, len(w), _PAIRS):
+            some = cells[s : s + _PAIRS, None]
+            values[some[:, 0]] -= self._near(some, w[some] * left, w[some] * right)
+        to_series = chebyshev.t_matrix(TERMS, TERMS) * (2 / TERMS)
+        to_series[:, 0] *= 0.5
+        return np.asarray(series + values @ to_series)
+
+    def _from(self, target: Index, source: Index, shift: Array, local: Array, moments: Array) -> Array:
+        """What cells `source` do at the nodes of cells `target`, pair by pair: (pairs, nodes)."""
+        left, right = _places()
+        a, b, w = self.ends[:-1], self.ends[1:], self.half
+        after = (a[target] + b[target]) >= (a[source] + b[source]) + 2 * shift
+        own = (target == source) & (shift == 0.0)
+        wide, size = w[target][:, None], w[source][:, None]
+        # Distances from both ends of the source over its half width, from the end of the target that is the nearer one.
+        past_b = (a[target] - (b[source] + shift))[:, None] + wide * left
+        before_a = ((a[source] + shift) - b[target])[:, None] + wide * right
+        outside = np.where(after[:, None], past_b, before_a) / size
+        outside[own] = 0.0
+        sign = np.where(after, 1.0, -1.0)[:, None]
+        z = np.where(own[:, None], 0.5 * (left - right), sign * (1 + outside))
+        ratio = np.where(own[:, None], left / right, (2 + outside) / np.where(own[:, None], 1.0, outside))
+        log = np.where(own[:, None], 1.0, sign) * np.log(ratio)
+        p = local[source].T[:, :, None]
+        out = ((p[0] + z * (p[1] + z * p[2])) * log - 2 * (p[1] + p[2] * z)) / np.pi
+        distant = np.flatnonzero(outside.min(axis=1) > _CLOSE - 1)
+        if len(distant):
+            e, m = outside[distant], moments[source[distant]]
+            root = np.sqrt(e * (e + 2))
+            rho = sign[distant] / (1 + e + root)
+            total = np.zeros(e.shape)
+            for k in range(TERMS - 1, 0, -1):
+                total = (total + 2 * m[:, k, None]) * rho
+            out[distant] = sign[distant] / (root * size[distant]) * (total + m[:, :1])
+        return np.asarray(out)
+
+    def _near(self, cell: Index, from_left: Array, from_right: Array) -> Array:
+        """Closed forms of the jumps near the cells of points, given by their distances from both ends of these."""
+        shape = np.broadcast_shapes(cell.shape, from_left.shape)
+        cell, x = np.broadcast_to(cell, shape).ravel(), np.broadcast_to(from_left, shape).ravel()
+        from_right = np.broadcast_to(from_right, shape).ravel()
+        total, count = np.zeros(len(x)), self._count[cell]
+        for k in range(int(count.max(initial=0))):
+            here = slice(None) if count.min() > k else np.flatnonzero(count > k)
+            of = cell[here]
+            jump = self._first[of] + k
+            s = self._at[jump]
+            away = np.where(s <= self.ends[of], x[here] + (self.ends[of] - s), (self.ends[of + 1] - s) - from_right[here])
+            size = np.abs(away) / self.half[of]
+            total[here] += self._jumps[jump] * away * away * np.log(np.where(size == 0, 1.0, size))
+        return total.reshape(shape)
+
+    def __call__(self, x: ArrayLike) -> Array:
+        """The transform at points from the first end to the last."""
+        x = np.asarray(x, dtype=float)
+        flat = x.ravel()
+        out = np.empty(flat.size)
+        for s in range(0, flat.size, _BLOCK):
+            out[s : s + _BLOCK] = self._at_points(flat[s : s + _BLOCK])
+        return out.reshape(x.shape)
+
+    def _at_points(self, x: Array) -> Array:
+        cell = np.clip(np.searchsorted(self.ends, x, side="right") - 1, 0, len(self) - 1)
+        left, right = x - self.ends[cell], self.ends[cell + 1] - x
+        return np.asarray(clenshaw(self._series, cell, 0.5 * (left - right) / self.half[cell]) + self._near(cell, left, right))
+
+
+def clenshaw(table: Array, cell: Index, t: Array) -> Array:
+    """sum_k table[k, cell] T_k(t) by Clenshaw's recurrence."""
+    one, two = np.zeros(len(t)), np.zeros(len(t))
+    twice = 2 * t
+    for row in table[:0:-1]:
+        one, two = row[cell] + twice * one - two, one
+    return np.asarray(table[0][cell] + t * one - two)
+
+
+def _cells(ends: Array, at: Array) -> Array:
+    """The pieces, halved until few jumps are near any."""
+    between = np.append(np.diff(at), np.inf)
+    while True:
+        length = np.diff(ends)
+        first = np.searchsorted(at, ends[:-1] - _MARGIN * length)
+        near = np.searchsorted(at, ends[1:] + _MARGIN * length, side="right") - first
+        crowded = near > _MOST
+        for k in range(_MOST - 1):
+            of = np.flatnonzero((near > k + 1) & ~crowded)
+            crowded[of[between[first[of] + k] < _LEAST * length[of]]] = True
+        many = np.flatnonzero(crowded)
+        if len(many) == 0:
+            return ends
+        ends = np.insert(ends, many + 1, 0.5 * (ends[many] + ends[many + 1]))
+
+
+def _monomials() -> Array:
+    """int_-1^1 u^j T_k du, (3, TERMS)."""
+    u, weight = np.polynomial.legendre.leggauss(TERMS)
+    table = np.cos(np.arccos(u)[:, None] * np.arange(TERMS))
+    return np.asarray(np.array([weight, weight * u, weight * u * u]) @ table)
+
+
+def _places() -> tuple[Array, Array]:
+    """Distances of the Gauss nodes from -1 and from 1."""
+    half = (np.arange(TERMS) + 0.5) * (0.5 * np.pi / TERMS)
+    return 2 * np.cos(half) ** 2, 2 * np.sin(half) ** 2

@@ -1,0 +1,154 @@
+"""Newton's step of a free end that has a jump of the right side close by.
+
+A jump J > 0 at distance r inside an end puts C / sqrt(r) into the slope A of the density there, C = (J/pi) sqrt(2 l), l
+the distance of the jump from the other end over the half width: on the scale of r, K is no straight line in the end's
+motion. The part that is not is known, so the step solves
+
+    K - (A - C / sqrt(r)) delta / 2 - C (sqrt(r + delta) - sqrt(r)) = 0,
+
+where an end that passes the jump inward leaves the root behind, and one that passes a jump outward takes it up.
+
+A logarithm (J/pi) ln|x - s| of the right side, J > 0, at distance y outside an end does the same mirrored (`beyond`): it
+puts 2 J / (pi sqrt(y)) into A, and 2 J sqrt(y) / pi into K, which it leaves where the end passes it outward. An end never
+passes one with J < 0 inward: the density would have the wrong sign all about it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.zones import Zones
+from sie.equation.equation import Forcing
+
+Array = NDArray[np.float64]
+
+# A jump farther than this many plain steps away does not bend K noticeably: the plain step is quadratic there.
+_FAR = 20.0
+_HALVINGS = 60
+# An end stops at this part of its way to a jump that it must not pass.
+_SHORT_OF = 0.9
+
+
+def bent_steps(
+    forcing: Forcing, zones: Zones, period: float | None, k: Array, slopes: Array, plain: Array, inward: float,
+    outward: float,
+) -> Array:
+    """Steps (2, Z) of the left and right ends: `plain` = 2 K / A but where a jump is near. No step is longer than
+    `inward` or `outward` of the width there. k, slopes: K less its target, and A, positive where they push outward; A is 0 where it
+    is not to be relied on."""
+    if len(forcing.breaks_at):
+        return _beside_logarithms(forcing, zones, period, k, slopes, plain, inward, outward)
+    kinks = forcing.kinks
+    rising = kinks[1] > 0
+    if not np.any(rising):
+        return plain
+    inside, outside = _nearest(zones, kinks[0][rising], kinks[1][rising], period)
+    width = zones.b - zones.a
+    near = np.minimum(inside[0], outside[0])
+    # Where A is no guide yet, a jump outside is one: the end stops soon after it.
+    guided = (slopes > 0) | ((k > 0) & (outside[0] < width))
+    bent = (near < width) & (near < _FAR * np.abs(plain)) & guided
+    if not np.any(bent):
+        return plain
+    side = np.nonzero(bent)
+    width = width[side[1]]
+    (r, j_in), (y, j_out) = ((d[side], j[side]) for d, j in (inside, outside))
+    left_behind = np.clip(2 * (1 - r / width), 0.0, 2.0)
+    c_in = np.where(r < width, j_in / np.pi * np.sqrt(2 * left_behind), 0.0)
+    c_out = np.where(y < width, 2 * j_out / np.pi, 0.0)
+    r, y = np.minimum(r, width), np.minimum(y, width)
+    straight = np.maximum(slopes[side] - c_in / np.sqrt(r), 0.0)
+
+    def intensity(delta: Array) -> Array:
+        bend = c_in * (np.sqrt(np.maximum(r + delta, 0)) - np.sqrt(r)) + c_out * np.sqrt(np.maximum(delta - y, 0))
+        return np.asarray(k[side] - 0.5 * straight * delta - bend)
+
+    steps, kink = plain.copy(), np.where(r < y, -r, y)
+    steps[side] = _root(intensity, -inward * width, outward * width, kink)
+    return steps
+
+
+def _beside_logarithms(
+    forcing: Forcing, zones: Zones, period: float | None, k: Array, slopes: Array, plain: Array, inward: float,
+    outward: float,
+) -> Array:
+    at, heights = forcing.broken
+    width, steps = zones.b - zones.a, plain.copy()
+    inside, outside = _nearest(zones, at[heights > 0], heights[heights > 0], period)
+    bent = (np.minimum(inside[0], outside[0]) < np.minimum(width, _FAR * np.abs(plain))) & (slopes > 0)
+    if np.any(bent):
+        side = np.nonzero(bent)
+        width = width[side[1]]
+        (r, j_in), (y, j_out) = ((d[side], j[side]) for d, j in (inside, outside))
+        c_in, c_out = np.where(r < width, 2 * j_in / np.pi, 0.0), np.where(y < width, 2 * j_out / np.pi, 0.0)
+        r, y = np.minimum(r, width), np.clip(y, 1e-300, width)
+        # Right on a logarithm A is infinite, and all of it is bent.
+        with np.errstate(invalid="ignore"):
+            straight = np.where(np.isinf(slopes[side]), 0.0, np.maximum(slopes[side] - c_out / np.sqrt(y), 0.0))
+
+        def intensity(delta: Array) -> Array:
+            bend = c_out * (np.sqrt(y) - np.sqrt(np.maximum(y - delta, 0))) - c_in * np.sqrt(np.maximum(-delta - r, 0))
+            return np.asarray(k[side] - 0.5 * straight * delta - bend)
+
+        steps[side] = _root(intensity, -inward * width, outward * width, np.where(r < y, -r, y))
+    valleys = _nearest(zones, at[heights < 0], heights[heights < 0], period)[0][0]
+    return np.maximum(steps, -_SHORT_OF * valleys)
+
+
+def tips_between(forcing: Forcing, zones: Zones, period: float | None) -> Array:
+    """Heights J > 0 of the logarithms of the right side that lie between zones, added up, on both sides (2, Z) of each."""
+    at, heights = forcing.broken
+    at, heights = at[heights > 0], heights[heights > 0]
+    if period is not None:
+        at = at - np.floor((at - zones.a[0]) / period) * period
+    i = np.searchsorted(zones.a, at, side="right") - 1
+    between = (i >= 0) & (at > zones.b[i])
+    after = np.bincount(i[between], heights[between], minlength=len(zones))
+    return np.array([np.roll(after, 1), after])
+
+
+def corner_distances(forcing: Forcing, zones: Zones, period: float | None) -> Array:
+    """Distance of each end (2, Z) from the nearest jump of g itself, within its zone or beyond; infinite where there is none."""
+    inside, outside = _nearest(zones, *forcing.kinks, period)
+    return np.minimum(inside[0], outside[0])
+
+
+def _root(falls: Callable[[Array], Array], low: Array, high: Array, kink: Array) -> Array:
+    """Where a function that falls passes zero between bounds, by halving the root of the distance from a kink: an end may come
+    to lie nearer to it than any part of the step."""
+
+    def at(root: Array) -> Array:
+        return np.asarray(kink + np.sign(root) * root**2)
+
+    low, high = (np.sign(bound - kink) * np.sqrt(np.abs(bound - kink)) for bound in (low, high))
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        further = falls(at(middle)) > 0
+        low, high = np.where(further, middle, low), np.where(further, high, middle)
+    return at(0.5 * (low + high))
+
+
+def _nearest(
+    zones: Zones, at: Array, heights: Array, period: float | None
+) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """(distance, height) of the nearest jump on the zone's side of each end, and of the nearest beyond it, (2, Z) each;
+    infinite where there is none."""
+    if period is not None:
+        # Places as they are where kinks are located in zones: their distances from ends count beyond the last digit.
+        turns = np.ceil((zones.a[0] - at) / period)
+        at, heights = np.concatenate([at + (turns + k) * period for k in (-1, 0, 1)]), np.tile(heights, 3)
+    order = np.argsort(at)
+    at, heights = np.concatenate(([-np.inf], at[order], [np.inf])), np.concatenate(([0.0], heights[order], [0.0]))
+    each = np.arange(len(zones))
+    after_a, after_b = np.searchsorted(at, zones.a, side="right"), np.searchsorted(at, zones.b, side="left")
+    # One at the very place of an end lies on the side of what was cut off that.
+    after_a = after_a - (zones.beyond_a(at[after_a - 1], each) > 0)
+    after_b = after_b + (zones.before_b(at[after_b], each) > 0)
+    inside = np.array([zones.beyond_a(at[after_a], each), zones.before_b(at[after_b - 1], each)])
+    outside = -np.array([zones.beyond_a(at[after_a - 1], each), zones.before_b(at[after_b], each)])
+    of_inside = np.array([heights[after_a], heights[after_b - 1]])
+    of_outside = np.array([heights[after_a - 1], heights[after_b]])
+    return (inside, of_inside), (outside, of_outside)

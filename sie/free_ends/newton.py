@@ -1,0 +1,481 @@
+"""Zone ends found by Newton on the edge intensities.
+
+For given zones the density is solved with singular ends allowed: near an end, K / sqrt(d) + A sqrt(d). At the solution
+K is the prescribed one. Moving ends outward by delta changes K_i by -(A_i / 2) delta_i only, where the prescribed
+intensities are zero: the first-order change of a bounded density with the ends has no singular homogeneous part. So
+delta = 2 K / A is a Newton step with one linear solve. A condition on the ends alone (their total width) borders this
+diagonal by the response of K to the unknown value it fixes. Where an intensity is prescribed, the density's own change
+with the end is d^(-3/2)-singular and couples all ends: there the assembled rows are differenced in every end.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.ends import FREE, SINGULAR, End
+from sie.basis.zones import Zones
+from sie.collocation import modes
+from sie.collocation.fixed import SingularSystem, Sizes, State, assembled, density_of, first_sizes
+from sie.equation.equation import Equation
+from sie.free_ends.gap_steps import gap_steps
+from sie.free_ends.near_jumps import bent_steps, corner_distances, tips_between
+from sie.free_ends.single import far_off, moved_apart
+from sie.slits.system import AnyDensity, AnyState, solve_zones
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# A step moves an end by at most these parts of its zone's width and of the gap beside it.
+INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
+# A zone alone that has shrunk to this part of its first width has vanished.
+_VANISHED = 1e-12
+# A gap below this part of the zones beside it, which has asked so many steps on end to be closed altogether, has closed.
+_CLOSING, _INSISTS = 0.05, 3
+# Steps after which ends that still want to move by more than half of their zones may be given up.
+_WANDERING = 20
+# Of zones said to be near: the first move over the width, and what is left of a move in the next one. Moves below the last are about
+# rounding, which need not fall.
+_NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
+# Over what the mean slope of the right side's smooth part makes of A.
+_SMOOTH = 4.0
+# The remaining motion of an end is the next step but for its square.
+MARGIN = 1.5
+# Tolerances of solutions by iteration: at first, and at last over that of the ends.
+_LOOSE, _TIGHT = 1e-6, 1e-3
+# Ends are moved by this part of their zone's width to difference the rows: truncation and rounding are alike.
+_NUDGE = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One Newton step: ends before it, largest move over zone width, unknown value if any."""
+
+    zones: Array
+    move: float
+    value: float | None
+
+
+@dataclass(frozen=True)
+class Turn:
+    """missed: largest difference from the intensities prescribed; growth: largest real part of the eigenvalues that tell stable ends."""
+
+    missed: float
+    growth: float
+
+
+_FOUND = "the ends are at rest"
+_UNSTABLE = "the ends are at rest, but unstably: pushed off they go on, and another root may be near"
+_NEUTRAL = "some motion of the ends, as of all of them together, leaves the intensities as they are, so that these do not tell the ends"
+
+
+@dataclass(frozen=True, eq=False)
+class Free:
+    """Result of the search for the ends.
+
+    converged; end_error: each end's remaining move over its zone's width (Z, 2), with roundoff but without what
+    truncated coefficients shift it by (`state.end_truncation`); rounding: that part of it alone; trace of the steps;
+    value: that of the open condition, if there is one; value_error: how far it moved last; lost: zones that shrank away; met:
+    gaps (by the zone left of them) that closed. reason: why the search stopped.
+
+    stable: where intensities K* are prescribed there may be several roots, and the search finds one near its start. An end is driven
+    outward while s (K - K*) > 0, s the sign of the density beside it (`signs`): adhesive contact grows while K is above K*, a crack while
+    it is above in size. A root is stable if ends that are pushed off it come back: all eigenvalues of s dK / d(outward motions) have
+    negative real parts, for motions that meet the condition on the ends, if any, and are symmetric, if the zones are. Where the
+    intensities wanted are zero s dK/d(end) = -s A / 2, and what is found is stable. None: nothing was found.
+    """
+
+    state: AnyState
+    converged: bool
+    end_error: Array
+    rounding: Array
+    trace: tuple[Step, ...]
+    value: float | None
+    value_error: float = 0.0
+    lost: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    met: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    stable: bool | None = None
+    reason: str = ""
+
+    @property
+    def density(self) -> AnyDensity:
+        return self.state.density
+
+
+def find_ends(
+    equation: Equation,
+    zones: Zones,
+    tolerance: float = 1e-12,
+    max_steps: int = 40,
+    value: float = 0.0,
+    collapse: float = 1e-3,
+    walls: tuple[float, float] = (-np.inf, np.inf),
+    signs: tuple[float, float] = (1.0, 1.0),
+    near: bool = False,
+    decay: float | None = None,
+    settled: bool = True,
+) -> Free:
+    """Move the free ends of `zones` until every one has its prescribed intensity.
+
+    tolerance: largest remaining end error over its zone's width. decay: asked of the coefficients, a tenth of that by default.
+    settled: whether 1/sqrt(d) is taken out of the last density: the rest is right at equal normalised position to first order in what the
+    ends are off, and the whole of it, farther from them, at equal places to second order.
+    value: first guess for the value of an open condition. collapse: one of several zones that has shrunk to this part of its first
+    width, or a gap to this part of its first size, stops the search, which then reports it in `lost` or `met`.
+    walls: free ends do not pass these; one that reaches a wall stays there as a singular end, until its intensity turns
+    negative. signs: of the wanted density next to left and to right ends (the slope of a gap falls at its right end).
+    near: the zones are a guess worth no more than the few steps in which Newton's method ends beside a solution: as soon as a step shows
+    that they are not so near, the search is given up, unconverged.
+    """
+    decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
+    first_width, first_gap = zones.b - zones.a, modes.gaps(zones, equation.kernel)[1]
+    sizes = first_sizes(equation, zones)
+    trace: list[Step] = []
+    turns: list[Turn] = []
+    best = np.inf
+    stalled, closing = 0, np.zeros(len(zones), dtype=np.intp)
+    while True:
+        # The next move is about the square of the last one: a solution by iteration need not be much better than that.
+        last = min(trace[-1].move, 1.0) if trace else 1.0
+        sizes.linear = min(_LOOSE, max(1e-3 * last**2, _TIGHT * tolerance))
+        # Where that saves a solution of its own, the value at hand is in the right side.
+        sizes.value = value
+        state = solve_zones(equation, zones, decay, sizes)
+        loose = state.iterated and sizes.linear > _TIGHT * tolerance
+        if equation.open_condition is not None and value != 0.0 and not state.iterated:
+            state = state.with_value(equation.open_condition, value)
+        zones, released = _release(zones, walls, state.density)
+        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+        target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
+        delta, noise, change, certain, turn = _newton(state, moves, target, sizes, decay, signs)
+        turns += [turn] if turn is not None else []
+        if turn is not None and not np.isfinite(delta).all():
+            nowhere = np.full((len(zones), 2), np.inf)
+            return Free(state, False, nowhere, nowhere, tuple(trace), value, reason=_NEUTRAL)
+        if not np.all(np.isfinite(delta)):
+            raise SingularSystem("no motion of the ends meets the condition on them")
+        width = zones.b - zones.a
+        corners = _corners(state)
+        noise = noise + np.where(moves, _of_places(state, corners), 0.0)
+        move = float(np.abs(delta / width).max(initial=0.0))
+        trace.append(Step(zones.table, move, value if equation.open_condition is not None else None))
+        rounding = (noise / width).T
+        rest = bool(np.all(np.abs(delta) <= np.maximum(tolerance * np.minimum(width, corners), noise)))
+        stalled = stalled + 1 if move > 0.5 * best else 0
+        best = min(best, move)
+        quiet = bool(np.all(np.abs(delta) < np.clip(100 * noise, 1e-6 * width, 1e-2 * width)))
+        stuck = (stalled >= 2 and move < 1e-9) or (stalled >= 5 and quiet)
+        # Where rounding keeps the ends moving, the largest of the moves since the least one is what they are known to.
+        largest = max(step.move for step in trace[-min(stalled + 1, 4) :]) / max(move, 1e-300) if stuck else 1.0
+        error = rounding + MARGIN * largest * (np.abs(delta) / width).T
+        done = certain and not released and not loose and (rest or stuck)
+        # The value cannot be at rest where rounding keeps the ends moving.
+        done = done and abs(change) <= max(tolerance, 1e-14, largest * move if stuck else 0.0) * abs(value + change)
+        # At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones.
+        hopeless = stalled >= 5 and not certain and (move < 1e-6 or (stalled >= 15 and _stays(trace)))
+        hopeless = hopeless or (len(trace) > _WANDERING and min(step.move for step in trace[-10:]) > 0.5 and _stays(trace))
+        hopeless = hopeless or (equation.grows and state.unresolved) or (near and not _is_near(trace))
+        if done or hopeless or len(trace) > max_steps:
+            if done:
+                if equation.open_condition is not None:
+                    # The ends are at rest, and so is the value after its own last step.
+                    state, value = state.with_value(equation.open_condition, change), value + change
+                state = state.settled() if settled else state
+            found = value if equation.open_condition is not None else None
+            stable = (turn is None or turn.growth < 0.0) if done else None
+            if done:
+                reason = _FOUND if stable else _UNSTABLE
+            elif equation.grows and state.unresolved:
+                reason = "a column or the kernel's regular part varies more than the modes of a zone show"
+            elif not certain:
+                reason = "the density does not drive its ends apart as it should: it takes other zones"
+            elif _folded(turns):
+                reason = _at_a_fold(turns)
+            else:
+                reason = f"the ends did not come to rest in {len(trace)} steps"
+            return Free(state, done, error, rounding, tuple(trace), found, value_error=abs(change), stable=stable, reason=reason)
+        value += change
+        closing = np.where(_closes(zones, equation, delta), closing + 1, 0)
+        limited = _limit(zones, equation, delta)
+        apart = far_off(state, moves, delta)
+        if len(apart):
+            near_a, near_b, came = moved_apart(state, apart, lambda d, size: _alone(d, size, signs))
+            limited[0, apart] = np.where(came, zones.a[apart] - near_a, limited[0, apart])
+            limited[1, apart] = np.where(came, near_b - zones.b[apart], limited[1, apart])
+        zones = _held_at(zones.moved(limited, equation.forcing.cornered), walls)
+        gap = modes.gaps(zones, equation.kernel)[1]
+        # The last zone keeps what total is given, however narrow it becomes; without one it may vanish.
+        least = (collapse if len(zones) > 1 else _VANISHED) * first_width
+        lost = np.flatnonzero(zones.b - zones.a < np.maximum(least, 8 * np.spacing(np.abs(zones.a))))
+        narrowest = np.minimum(zones.b - zones.a, first_width)
+        closed = (closing >= _INSISTS) & (gap < _CLOSING * narrowest)
+        met = np.flatnonzero((gap < collapse * np.minimum(first_gap, narrowest)) | closed)
+        if len(lost) or len(met):
+            reason = "a zone has shrunk away" if len(lost) else "a gap has closed"
+            if _folded(turns):
+                reason = f"{reason}; {_at_a_fold(turns)}"
+            return Free(state, False, error, rounding, tuple(trace), value, abs(change), lost, met, reason=reason)
+
+
+def _folded(turns: list[Turn]) -> bool:
+    """Whether the search has gone to and fro between stable and unstable ends."""
+    return any(turn.growth < 0.0 for turn in turns) and any(turn.growth >= 0.0 for turn in turns)
+
+
+def _at_a_fold(turns: list[Turn]) -> str:
+    missed = min(turn.missed for turn in turns)
+    return (
+        f"the intensities asked for may lie past a fold: nearer to them than {missed:.3g} the search did not come, on both sides of where "
+        f"ends turn from stable to unstable"
+    )
+
+
+def _is_near(trace: list[Step]) -> bool:
+    """Whether the last step is one of Newton's method beside a solution."""
+    largest = _NEAR if len(trace) == 1 else max(_FALLING * trace[-2].move, _AT_REST)
+    return trace[-1].move <= largest
+
+
+def _closes(zones: Zones, equation: Equation, delta: Array) -> NDArray[np.bool_]:
+    """Whether the steps of both ends at the gap right of each zone would leave nothing of it."""
+    gap = modes.gaps(zones, equation.kernel)[1]
+    return np.asarray(delta[1] + np.roll(delta[0], -1) >= (1 - 1e-9) * gap)
+
+
+def _stays(trace: list[Step]) -> bool:
+    """Whether the zones have neither grown nor shrunk in the last steps, nor their ends come to rest."""
+    now, before = (np.diff(step.zones, axis=1) for step in (trace[-1], trace[-10]))
+    return bool(np.all((before / 3 < now) & (now < 3 * before))) and trace[-1].move > 0.7 * trace[-5].move
+
+
+def _alone(density: AnyDensity, natural: Array, signs: tuple[float, float]) -> Array:
+    """Outward steps of free zones that stand alone, cut to what their widths allow."""
+    safe, _ = _safe_slopes(density, natural, signs)
+    width = density.zones.b - density.zones.a
+    return np.clip(2 * np.array(density.intensities) / safe, -INWARD * width, OUTWARD * width)
+
+
+def _safe_slopes(density: AnyDensity, natural: Array, signs: tuple[float, float]) -> tuple[Array, NDArray[np.bool_]]:
+    """(A to divide by, where it is no guide). The bounded solution's slope at an end has the sign of the density; where the
+    guess is far off, only K tells. natural: size of the coefficients beyond the first."""
+    a, root = np.array(density.edge_slopes), np.sqrt(density.zones.half)
+    side = np.array(signs)[:, None]
+    weak = side * a <= 1e-8 * natural / root
+    return np.where(weak, side * (natural / root + 1e-300), a), weak
+
+
+def _corners(state: AnyState) -> Array:
+    """Distance of a corner from each end (2, Z), within the zone or beyond: over it the density changes; infinite without one."""
+    equation, zones = state.equation, state.density.zones
+    if not isinstance(state, State) or len(equation.forcing.kinks[0]) == 0:
+        return np.full((2, len(zones)), np.inf)
+    return corner_distances(equation.forcing, zones, equation.kernel.period)
+
+
+def _of_places(state: AnyState, corners: Array) -> Array:
+    """What ends (2, Z) are off by since the right side is known at places rounded to a unit in their last digit, e: K by about
+    sqrt(w / 2) g' e, where A is sqrt(2 w) g' if it comes from the smooth part of g alone. What comes from corners within a zone does
+    not count, since the ends' distances from these are known."""
+    zones = state.density.zones
+    rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
+    if not isinstance(state, State) or not np.isfinite(corners).any():
+        return rounding
+    # An end at a corner, as far as positions tell, is known by its distance from there.
+    rounding = np.where(corners < 4 * rounding, 0.0, rounding)
+    cornered, g = state.density.steps.kinked, state.system.g
+    smooth = _SMOOTH * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
+    known = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
+    rounding[:, cornered] *= known[:, cornered]
+    return np.asarray(rounding)
+
+
+def _held_at(zones: Zones, walls: tuple[float, float]) -> Zones:
+    """Ends that went past a wall are put there and held, singular."""
+    low, high = zones.a[0] <= walls[0], zones.b[-1] >= walls[1]
+    if not (low or high):
+        return zones
+    a, b, rest = zones.a.copy(), zones.b.copy(), zones.rest.copy()
+    left, right = list(zones.left), list(zones.right)
+    if low:
+        a[0], rest[0, 0], left[0] = walls[0], 0.0, SINGULAR
+    if high:
+        b[-1], rest[1, -1], right[-1] = walls[1], 0.0, SINGULAR
+    return replace(zones, a=a, b=b, rest=rest, left=left, right=right)
+
+
+def _release(zones: Zones, walls: tuple[float, float], density: AnyDensity) -> tuple[Zones, bool]:
+    """Ends held at a wall where the density pulls (negative intensity) become free; whether any did."""
+    if not np.isfinite(walls).any():
+        return zones, False
+    k_left, k_right = density.intensities
+    low = zones.left[0] == SINGULAR and zones.a[0] == walls[0] and k_left[0] < 0
+    high = zones.right[-1] == SINGULAR and zones.b[-1] == walls[1] and k_right[-1] < 0
+    if not (low or high):
+        return zones, False
+    left, right = list(zones.left), list(zones.right)
+    if low:
+        left[0] = FREE
+    if high:
+        right[-1] = FREE
+    return replace(zones, left=left, right=right), True
+
+
+def _intensity(end: End) -> float:
+    return end.intensity if end.moves and end.intensity is not None else 0.0
+
+
+def _newton(
+    state: AnyState, moves: NDArray[np.bool_], target: Array, sizes: Sizes, tolerance: float, signs: tuple[float, float]
+) -> tuple[Array, Array, float, bool, Turn | None]:
+    """(outward moves (2, Z), their roundoff, change of the open condition's value, whether the step can be trusted, what is seen of other
+    roots where intensities are prescribed)."""
+    equation = state.equation
+    density = state.density
+    k = np.array(density.intensities)
+    a = np.array(density.edge_slopes)
+    w = density.zones.half
+    side = np.array(signs)[:, None]
+    natural = state.natural
+    prescribed = np.any(target != 0)
+    noise_k = state.intensity_noise
+    residual = np.where(moves, k - target, 0.0)
+    unit = _unit_response(state, sizes) if equation.open_condition is not None else None
+    if prescribed:
+        assert isinstance(state, State)  # no holes where intensities are prescribed
+        delta, noise, change, growth = _full_newton(equation, state, moves, residual, noise_k, unit, sizes, tolerance, side)
+        return delta, noise, change, True, Turn(float(np.abs(residual).max()), growth)
+    safe, weak = _safe_slopes(density, natural, signs)
+    delta = np.where(moves, 2 * residual / safe, 0.0)
+    noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
+    change = 0.0
+    if unit is not None:
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            slope = np.where(moves, 2 * np.array(unit.intensities) / safe, 0.0)
+        delta, change = _bordered(equation, density.zones, delta, slope)
+        residual = np.where(moves, residual + change * np.array(unit.intensities), 0.0)
+        a = a + change * np.array(unit.edge_slopes)
+    gaps = np.array(modes.gaps(density.zones, equation.kernel))
+    jumps = len(equation.forcing.breaks_at) > 0
+    tips = tips_between(equation.forcing, density.zones, equation.kernel.period) if jumps else 0.0
+    across, holds = gap_steps(gaps, 2 * w, moves, side * residual, side * a, signs[0] == signs[1], tips)
+    delta, weak = np.where(holds, across, delta), weak & ~holds
+    noise = np.where(holds, 2 * noise_k / np.abs(np.where(holds, a, 1.0)), noise)
+    if len(equation.forcing.steps_at) or jumps:
+        toward, slopes = side * residual, np.where(weak, 0.0, side * a)
+        bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, toward, slopes, delta, INWARD, OUTWARD)
+        bent = np.where(moves & ~(holds & jumps), bent, delta)
+        # A corner that shortens the step shortens what rounding of K does.
+        noise = noise * np.minimum(np.abs(bent) / np.maximum(np.abs(delta), 1e-300), 1.0)
+        delta = bent
+    return delta, noise, change, not np.any(weak & moves), None
+
+
+def _unit_response(state: AnyState, sizes: Sizes) -> AnyDensity:
+    """What a unit of the open condition's value does. An error of it is one of a step: as good as the square of the next is enough."""
+    index = state.equation.open_condition
+    assert index is not None
+    values = np.zeros(len(state.condition_scale))
+    values[state.condition_index[index]] = 1.0
+    return state.response(values, np.sqrt(sizes.linear))
+
+
+def _bordered(equation: Equation, zones: Zones, delta: Array, slope: Array) -> tuple[Array, float]:
+    """(moves, change of the unknown value) that meet the condition on the ends; slope: moves by a unit change."""
+    miss, by_left, by_right = equation.end_conditions[0].residual(zones)
+    gradient = np.array([by_left, by_right])
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        change = -(miss + np.sum(gradient * delta)) / np.sum(gradient * slope)
+        return delta + change * slope, float(change)
+
+
+def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
+    """Moves cut to what widths and gaps allow. An end that would close its gap waits until the others have come to rest
+    within that gap: their remaining errors, squared, are what pushes it."""
+    width = zones.b - zones.a
+    room = INTO_GAP * np.array(modes.gaps(zones, equation.kernel))
+    cut = delta > room
+    largest = np.abs(np.where(cut, 0.0, delta)).max(initial=0.0)
+    limited = np.clip(delta, -INWARD * width, np.minimum(OUTWARD * width, room))
+    return np.where(cut & (largest > room), 0.0, limited)
+
+
+def _full_newton(
+    equation: Equation, state: State, moves: NDArray[np.bool_], residual: Array, noise_k: Array, unit: AnyDensity | None,
+    sizes: Sizes, tolerance: float, signs: Array,
+) -> tuple[Array, Array, float, float]:
+    """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth of a push (`Free.stable`) by Newton
+    with the full Jacobian dK_i/d(end_j), for prescribed intensities.
+
+    The rows A(e) y = b(e) are differenced in each end at fixed coefficients, and A dy = -d(A y - b) is solved with the
+    LU factors at hand. Of a mirrored pair of ends, the right one stands for both.
+    """
+    zones = state.density.zones
+    mirrored = int(zones.solved[0]) if zones.central else -1
+    ends = [(side, i) for side, i in np.argwhere(moves) if i in zones.solved and (side, i) != (0, mirrored)]
+    frozen = replace(sizes, own=sizes.own.copy())
+    jacobian = np.zeros((len(ends), len(ends)))
+    for j, (side, i) in enumerate(ends):
+        h = _NUDGE * float(zones.b[i] - zones.a[i])
+        ahead = _residual_rows(equation, _nudged(zones, side, i, h), state, frozen, tolerance)
+        behind = _residual_rows(equation, _nudged(zones, side, i, -h), state, frozen, tolerance)
+        response = state.homogeneous(-(ahead[0] - behind[0]) / (2 * h))
+        column = (ahead[1] - behind[1]) / (2 * h) + np.array(response.intensities)
+        jacobian[:, j] = [column[end] for end in ends]
+    driven = np.array([float(signs[side, 0]) for side, _ in ends])[:, None] * jacobian
+    try:
+        inverse = np.linalg.inv(jacobian)
+    except np.linalg.LinAlgError:
+        return np.full_like(residual, np.inf), noise_k, 0.0, 0.0
+
+    def spread(of_ends: Array) -> Array:
+        """Values of `ends` as (2, Z), mirrored ones filled in."""
+        out = np.zeros_like(residual)
+        for (side, i), one in zip(ends, of_ends, strict=True):
+            out[side, i] = one
+            if zones.symmetric:
+                out[1 - side, len(zones) - 1 - i] = one
+        return out
+
+    delta = spread(-inverse @ np.array([residual[end] for end in ends]))
+    noise = spread(np.abs(inverse) @ np.array([noise_k[end] for end in ends]))
+    if unit is None:
+        return delta, noise, 0.0, _growth(driven)
+    by_unit = np.array(unit.intensities)
+    slope = spread(-inverse @ np.array([by_unit[end] for end in ends]))
+    delta, change = _bordered(equation, zones, delta, slope)
+    _, by_left, by_right = equation.end_conditions[0].residual(zones)
+    normal = np.array([(by_left, by_right)[side][i] for side, i in ends])
+    by_value = np.array([float(signs[end[0], 0]) * by_unit[end] for end in ends])
+    return delta, noise, change, _growth(driven, normal, by_value)
+
+
+def _growth(driven: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
+    """Largest real part of the eigenvalues of what drives the ends by their motions; with a condition on the ends, which the unknown value
+    keeps: of motions along it."""
+    if normal is not None and by_value is not None:
+        driven = driven - np.outer(by_value, normal @ driven) / (normal @ by_value)
+        along = np.linalg.svd(normal[None])[2][1:]
+        driven = along @ driven @ along.T
+    return float(np.linalg.eigvals(driven).real.max(initial=-np.inf))
+
+
+def _nudged(zones: Zones, side: int, i: int, outward: float) -> Zones:
+    a, b = zones.a.copy(), zones.b.copy()
+    for which, k in {(side, i), (1 - side, len(zones) - 1 - i)} if zones.symmetric else {(side, i)}:
+        if which == 0:
+            a[k] -= outward
+        else:
+            b[k] += outward
+    return replace(zones, a=a, b=b)
+
+
+def _residual_rows(
+    equation: Equation, zones: Zones, state: State, sizes: Sizes, tolerance: float
+) -> tuple[Array, Array]:
+    """(rows at moved zones applied to the old coefficients, less the right side; their intensities)."""
+    scale = state.condition_scale
+    system, matrix, right, _ = assembled(equation, zones, state.system.layout.m, sizes, tolerance, scale)
+    moved = density_of(system, state.unknowns)
+    return matrix @ state.folded_unknowns - right, np.array(moved.intensities)

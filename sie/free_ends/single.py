@@ -1,0 +1,184 @@
+"""Zones that are far off, brought near on their own, in the field that the others make.
+
+Newton moves all ends together at the price of a whole system, and would have every zone wait for the few that start far off: where
+the first guess was a cell of a grid, or where a zone is being born. What the others do at such a zone is smooth there,
+
+    E(x) = sum E_k U_{k-1}(t),    E_k = c_k + g_k,
+
+known from the last solution, so that the zone can be moved alone, with h = g - E on the places it comes to:
+
+    c_k = -h_k,    w c_0 log(w / 2d) = level + mean of the primitive of h    (a level, or else a total, that stays),
+
+by the same step 2 K / A. Its neighbours hold their levels whatever it does: so d is the conformal radius between them
+(`neighbours`). Then all are solved together again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis import chebyshev
+from sie.basis.zones import Zones
+from sie.collocation import modes
+from sie.collocation.fixed import State
+from sie.collocation.neighbours import conformal_radius
+from sie.density.density import Density
+from sie.jumps.forcing import Steps
+from sie.slits.system import AnyState, PiercedState
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+Step = Callable[[Density, Array], Array]
+"""Outward steps (2, n) of the ends of a density's zones, given their coefficients' size, cut to their widths."""
+
+# A zone is far off if an end wants to move by more than this part of its width; alone, it is moved until it does not.
+FAR_OFF, _CLOSE = 0.05, 1e-3
+# If more than this part of all zones is far off, the field is not known either.
+_FEW = 0.25
+# Nodes on a zone; coefficients of the field, to which no other zone is nearer than the width of this one.
+_NODES, _FIELD = 48, 3
+# How far from where it stood a zone is looked for: in half widths, or as a part of the length over which the right side varies;
+# and how far into a gap.
+_HALVES, _WAVE, _INTO_GAP = 4.0, 0.125, 0.4
+_MOST_STEPS = 16
+# Half widths are no less than so many units in the last digit of their places: zones as narrow as that have vanished.
+_LEAST = 2
+_ORDER = np.arange(1.0, _NODES + 1)
+
+
+def far_off(state: AnyState, moves: NDArray[np.bool_], delta: Array) -> Index:
+    """Zones that want to move far and can be moved alone; none if they are many."""
+    zones, kernel = state.density.zones, state.equation.kernel
+    width = zones.b - zones.a
+    off = (np.abs(delta) > FAR_OFF * width).any(axis=0)
+    if not off.any() or np.count_nonzero(off) > _FEW * len(zones):
+        return np.zeros(0, dtype=np.intp)
+    whole, place = _whole(state, np.arange(len(zones)))
+    alone = (np.minimum(*modes.gaps(zones, kernel)) > width) & (width < 0.5 * kernel.datum)
+    alone &= np.bincount(place)[place] == 1
+    smooth = whole.sizes.own <= _NODES
+    smooth[list(whole.density.steps.kinked)] = False
+    return np.flatnonzero(off & alone & smooth[place] & moves.all(axis=0))
+
+
+def _whole(state: AnyState, zones: Index) -> tuple[State, Index]:
+    """The state of wide zones and the places of zones among them, narrow gaps being holes of wide zones."""
+    return (state.wide, state.cut.piece_zone[zones]) if isinstance(state, PiercedState) else (state, zones)
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """E on zones of the given middles and half widths; coefficients (n, k)."""
+
+    middle: Array
+    half: Array
+    coefficients: Array
+
+    @classmethod
+    def of(cls, state: AnyState, chosen: Index) -> Field:
+        zones, (whole, place) = state.density.zones, _whole(state, chosen)
+        c = np.zeros((len(chosen), _FIELD + 1))
+        for table in (whole.density.coefficients, whole.system.g):
+            count = min(_FIELD + 1, table.shape[1])
+            c[:, :count] += table[place, :count]
+        return cls(zones.middle[chosen], zones.half[chosen], c[:, 1:])
+
+    def __call__(self, x: Array) -> Array:
+        """E at x (n, m), by Clenshaw's recurrence."""
+        t = (x - self.middle[:, None]) / self.half[:, None]
+        one, two = np.zeros_like(t), np.zeros_like(t)
+        for c in self.coefficients.T[::-1]:
+            one, two = c[:, None] + 2 * t * one - two, one
+        return one
+
+
+class Moving:
+    """Chosen zones on their way, each in the others' field as it is."""
+
+    def __init__(self, state: AnyState, chosen: Index) -> None:
+        self.equation, density = state.equation, state.density
+        self.zones, self.chosen, self.field = density.zones, chosen, Field.of(state, chosen)
+        zones, field = self.zones, self.field
+        left_gap, right_gap = (gap[chosen] for gap in modes.gaps(zones, self.equation.kernel))
+        self.datum = np.minimum(self.equation.kernel.datum, conformal_radius(left_gap + field.half, right_gap + field.half))
+        reach = np.maximum(_HALVES * field.half, _WAVE * (self.equation.forcing.resolution or 0.0))
+        self.lowest = np.maximum(zones.a[chosen] - _INTO_GAP * left_gap, field.middle - reach)
+        self.highest = np.minimum(zones.b[chosen] + _INTO_GAP * right_gap, field.middle + reach)
+        whole, place = _whole(state, chosen)
+        self.total = whole.density.totals[place] / np.pi
+        # Level plus the mean of the primitive of h, and the zones and coefficients to which it belongs.
+        self.level = self.total * self._log(field.half)
+        self.middle, self.half = field.middle, field.half
+        self.h = self._coefficients(self.middle, self.half)
+
+    def _log(self, w: Array) -> Array:
+        return np.asarray(np.log(w / (2 * self.datum)))
+
+    def _coefficients(self, middle: Array, half: Array) -> Array:
+        """h_k on intervals (n, _NODES)."""
+        x = middle[:, None] + half[:, None] * chebyshev.lobatto(_NODES)[0][1:-1]
+        g = np.asarray(self.equation.forcing.value(x.ravel())).reshape(x.shape)
+        return chebyshev.u_coefficients(g - self.field(x))
+
+    def to(self, middle: Array, half: Array) -> None:
+        """Go to other intervals: the primitive of U_{k-1} is T_k / k. What lies between the middles is read off the wider one."""
+        half = np.maximum(half, _LEAST * np.spacing(np.abs(middle)))
+        h, k = self._coefficients(middle, half), _ORDER
+        wider = half > self.half
+        w, series = np.where(wider, half, self.half), np.where(wider[:, None], h, self.h)
+        between = np.where(wider, self.middle - middle, middle - self.middle) / w
+        rise = w * (np.cos(k * np.arccos(np.clip(between, -1.0, 1.0))[:, None]) / k * series).sum(axis=1)
+        w, series = np.where(wider, self.half, half), np.where(wider[:, None], self.h, h)
+        rise = rise - w * (series @ (np.cos(0.5 * np.pi * k) / k))
+        self.level = self.level + np.where(wider, -rise, rise)
+        self.middle, self.half, self.h = middle, half, h
+
+    def to_tips(self) -> None:
+        """Go to Hertz's contact at the deepest point in view: with h = kappa (x - x_0) and level L there,
+        (kappa a^2 / 2) (log(a / 2d) - 1/2) = L."""
+        middle, half, k = self.middle, self.half, _ORDER
+        self.to(0.5 * (self.lowest + self.highest), 0.5 * (self.highest - self.lowest))
+        t = chebyshev.lobatto(_NODES)[0][1:-1]
+        primitive = self.half[:, None] * (self.h @ (np.cos(np.arccos(t) * k[:, None]) / k[:, None]))
+        each, deepest = np.arange(len(middle)), np.argmin(primitive, axis=1)
+        depth = self.level + primitive[each, deepest]
+        inner = np.clip(deepest, 1, _NODES - 2)
+        slope = self.h @ (np.sin(np.arccos(t) * k[:, None]) / np.sin(np.arccos(t)))
+        kappa = (slope[each, inner - 1] - slope[each, inner + 1]) / (self.half * (t[inner - 1] - t[inner + 1]))
+        holds = (depth < 0) & (kappa > 0) & (deepest == inner)
+        a = half.copy()
+        for _ in range(8):
+            with np.errstate(divide="ignore", invalid="ignore"):
+                a = np.where(holds, np.sqrt(2 * depth / (kappa * (self._log(a) - 0.5))), half)
+        tip = np.where(holds, self.middle + self.half * t[deepest], middle)
+        left, right = np.maximum(tip - a, self.lowest), np.minimum(tip + a, self.highest)
+        self.to(0.5 * (left + right), 0.5 * (right - left))
+
+    def density(self) -> Density:
+        """The densities of the zones where they are."""
+        levels = any(c.levels for c in self.equation.conditions)
+        first = self.level / (self.half * self._log(self.half)) if levels else self.total / self.half
+        left, right = ([kinds[i] for i in self.chosen] for kinds in (self.zones.left, self.zones.right))
+        here = Zones(self.middle - self.half, self.middle + self.half, left, right)
+        return Density(here, self.equation.kernel, np.column_stack((first, -self.h)), Steps.none(), np.zeros(0))
+
+
+def moved_apart(state: AnyState, chosen: Index, step: Step) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """(new ends a, b, whether they came to rest) of the chosen zones."""
+    moving = Moving(state, chosen)
+    if any(c.levels for c in state.equation.conditions):
+        moving.to_tips()
+    for _ in range(_MOST_STEPS):
+        density = moving.density()
+        delta = step(density, np.abs(moving.h).max(axis=1))
+        a = np.maximum(density.zones.a - delta[0], moving.lowest)
+        b = np.minimum(density.zones.b + delta[1], moving.highest)
+        rest = np.abs(delta).max(axis=0) <= _CLOSE * (b - a)
+        if rest.all():
+            break
+        moving.to(0.5 * (a + b), 0.5 * (b - a))
+    return a, b, rest

@@ -1,0 +1,336 @@
+r"""Jumps of the density or of its derivatives inside the zones, carried exactly: the mirror image of `steps`.
+
+Where the wanted density is known to jump, the right side has a logarithm. With t = cos(theta), s = cos(phi) and
+
+    eta(t) = theta/pi  (t > s),   theta/pi - 1  (t < s)      = -(2/pi) sum_j (1/j) cos(j phi) sin(j theta),
+
+which vanishes at both ends like a square root and jumps by 1 at s, the kernel makes of h (t - s)^q eta(t)
+
+    (h/pi) ((t - s)^q ln(2 |t - s|) - P_q(t))                       on the zone,
+    (h/pi) ((z - s)^q ln(1 - 2 rho cos(phi) + rho^2) - P_q(z))      off it,
+    P_0 = 0,   P_1 = -s,   P_2 = -(t - 2 s) s - cos(2 phi)/4,
+
+P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of eta. So where the q-th derivative of the density
+jumps by J, h = J w^q / q!, the right side is smooth once this is subtracted: q = 0 is the slope of a gap over a kink of
+the profile, q = 1 over a jump of its curvature, q = 2 over a knot of a cubic spline.
+
+For q = 0 the caller leaves (J/pi) Lambda(x, s), Lambda the kernel's potential, out of the right side's values
+altogether: it is added here, from distances that lose no digit however narrow the zone. Those near a zone but outside
+it are carried too (`beyond`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.kernels import Kernel
+from sie.basis.zones import Zones
+from sie.jumps.exterior import Beyond
+from sie.jumps.forcing import LOG2 as _LOG2
+from sie.jumps.forcing import SERIES, Steps, of_sines, pair_blocks, power
+from sie.jumps.local_spline import LocalSpline
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Logarithms:
+    """Terms (J/pi) Lambda(x, s) of the right side: places s, and J/pi. own: the zone that holds s, or -1; near: those
+    that lie near a zone, outside it."""
+
+    kernel: Kernel
+    zones: Zones
+    at: Array
+    weight: Array
+    own: Index
+    near: Beyond
+
+    def at_points(self, x: Array) -> Array:
+        """Their sum at points x (n,)."""
+        away = x[:, None] - self.at
+        with np.errstate(divide="ignore"):
+            return np.asarray((np.log(np.abs(away) / self.kernel.datum) + self._far(away)) @ self.weight)
+
+    def on_zone(self, zone: int, left: Array) -> Array:
+        """Their sum at distances over w from a zone's left end, less (J/pi) ln(2 |t - s|) for those that lie in it, and
+        (J/pi) ln(2 |rho| |t - s|) for those near."""
+        w, kernel = self.zones.half[zone], self.kernel
+        away = w * left[:, None] + (self.zones.a[zone] - self.at)
+        if kernel.period is not None:
+            # The image that is nearest to the zone, from the zone's own ends where it lies in it.
+            away = np.where(self.own == zone, away, away - np.round((away[len(left) // 2]) / kernel.period) * kernel.period)
+        carried = self.own == zone
+        size = np.ones(len(self.at))
+        k = self.near.by_zone.get(zone)
+        if k is not None:
+            carried[self.near.which[k]], size[self.near.which[k]] = True, np.abs(self.near.rho[k])
+        with np.errstate(divide="ignore"):
+            near = np.where(carried, np.log(w / (2 * size * kernel.datum)), np.log(np.abs(away) / kernel.datum))
+        return np.asarray((near + self._far(away)) @ self.weight)
+
+    def _far(self, away: Array) -> Array:
+        """Lambda less its nearest logarithm."""
+        kernel = self.kernel
+        out = np.zeros(away.shape)
+        for shift in kernel.poles:
+            if shift != 0.0:
+                out += np.log(np.abs(away - shift) / kernel.datum)
+        if kernel.regular_potential is not None:
+            out += kernel.regular_potential(away, np.zeros(1))
+        return out
+
+
+@dataclass(frozen=True, eq=False)
+class Breaks(Steps):
+    """Jumps of the density's derivatives, h = J w^q / q!; `logarithms`: all those of order 0, wherever they are."""
+
+    logarithms: Logarithms | None = None
+
+    @classmethod
+    def inside(
+        cls, zones: Zones, at: Array, jumps: Array, orders: Index, kernel: Kernel, spline: Callable[[Array], Array] | None = None
+    ) -> Breaks:
+        """The jumps at positions `at` (repeated with the kernel's period) that lie inside a zone. spline: a quadratic spline with those
+        of order 2, if there is one."""
+        at, i, inside = cls.located(zones, at, kernel.period)
+        w = zones.half[i]
+        size = jumps * w**orders / np.array([1.0, 1.0, 2.0])[orders]
+        kinks = orders == 0
+        logarithms = None
+        if np.any(kinks):
+            own, weight = np.where(inside, i, -1)[kinks], jumps[kinks] / np.pi
+            near = Beyond.near(zones, at[kinks], weight, kernel.period)
+            logarithms = Logarithms(kernel, zones, at[kinks], weight, own, near)
+        i, at, w = i[inside], at[inside], w[inside]
+        found = cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, size[inside], orders[inside], logarithms=logarithms)
+        return found if spline is None else found._with_splines(zones, spline, LocalSpline.inside)
+
+    def __len__(self) -> int:
+        return len(self.zone) + (0 if self.logarithms is None else len(self.logarithms.near))
+
+    def _beyond(self, zone: int) -> tuple[Beyond, Index] | None:
+        """The logarithms near a zone, outside it."""
+        if self.logarithms is None or zone not in self.logarithms.near.by_zone:
+            return None
+        return self.logarithms.near, self.logarithms.near.by_zone[zone]
+
+    @cached_property
+    def by_zone(self) -> dict[int, Index]:
+        found = self.grouped()
+        if self.logarithms is not None:
+            found = {i: np.zeros(0, np.intp) for i in self.logarithms.near.by_zone} | found
+        return found
+
+    @cached_property
+    def sharp(self) -> list[int]:
+        return sorted({*self.zone[self.closed].tolist(), *(self.logarithms.near.by_zone if self.logarithms is not None else ())})
+
+    @cached_property
+    def kinked(self) -> list[int]:
+        return sorted({*self.zone[self.order == 0].tolist(), *(self.logarithms.near.by_zone if self.logarithms is not None else ())})
+
+    # the right side -------------------------------------------------------------------------------------------------
+    def adds_to(self, zone: int) -> bool:
+        return self.logarithms is not None or zone in self.by_zone
+
+    def smooth_part(self, zone: int, left: Array) -> Array:
+        out = np.zeros(left.shape) if self.logarithms is None else self.logarithms.on_zone(zone, left)
+        return out - self._on_zone(zone, left, 1)
+
+    def level_part(self, zone: int, left: Array) -> Array:
+        return np.zeros(left.shape)
+
+    def left_out(self, x: Array) -> Array:
+        return np.zeros(x.shape) if self.logarithms is None else self.logarithms.at_points(x)
+
+    def mean_offsets(self, zones: Zones) -> Array:
+        raise ValueError("a condition on potentials is for right sides without logarithms")
+
+    # the density ----------------------------------------------------------------------------------------------------
+    def density(self, zone: int, left: Array, right: Array) -> Array:
+        k = self.by_zone[zone]
+        from_right, from_left = 2 * np.arctan2(np.sqrt(right), np.sqrt(left)), 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        out = np.empty(len(left))
+        for here in pair_blocks(len(left), len(k)):
+            away = left[here, None] - self.left[k]
+            eta = np.where(away > 0, from_right[here, None], -from_left[here, None])
+            eta = np.where(away == 0, 0.5 * (from_right - from_left)[here, None], eta)
+            out[here] = (power(away, self.order[k]) * eta) @ (self.height[k] / np.pi)
+        if zone in self.splines:
+            out += self.splines[zone].density(left, right)
+        beyond = self._beyond(zone)
+        return out if beyond is None else out + beyond[0].density(beyond[1], left, right)
+
+    def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
+        """d/dtheta of `density`, by differences."""
+        theta = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))
+        order = np.argsort(theta)
+        out = np.empty(theta.shape)
+        out[order] = np.gradient(self.density(zone, left, right)[order], theta[order])
+        return out
+
+    def integral(self, zone: int, left: Array, right: Array) -> Array:
+        """Integral of a zone's parts from its left end, at distances from the ends over w; over w.
+
+        From the ends inwards: int_t^1 (tau - s)^q eta = (1/pi) int_0^theta (cos a - s)^q a sin(a) da for t > s.
+        """
+        k = self.by_zone[zone]
+        s, q = self.s[k], self.order[k]
+        on_right = left[:, None] > self.left[k]
+        from_right, from_left = 2 * np.arctan2(np.sqrt(right), np.sqrt(left)), 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        inner = np.where(on_right, from_right[:, None], from_left[:, None])
+        # Seen from the left end, t and s change sign, and so does (tau - s)^q for odd q.
+        shift = np.where(on_right, s, -s)
+        sine, cosine = np.sin(inner), np.cos(inner)
+        first = sine - inner * cosine
+        second = np.sin(2 * inner) / 8 - inner * np.cos(2 * inner) / 4
+        third = (sine - sine**3 / 3 - inner * cosine**3) / 3
+        square = third - 2 * shift * second + shift**2 * first
+        part = np.where(q == 0, first, np.where(q == 1, second - shift * first, square)) * self.height[k] / np.pi
+        total = np.pi * self._coefficients(k, np.arange(len(k)), len(k), 1)[:, 0]
+        out = np.asarray(np.where(on_right, total - part, np.where(q == 1, 1.0, -1.0) * part).sum(axis=1))
+        if zone in self.splines:
+            spline = self.splines[zone]
+            assert isinstance(spline, LocalSpline)
+            out += spline.integral(left)
+        beyond = self._beyond(zone)
+        return out if beyond is None else out + beyond[0].integral(beyond[1], left, right)
+
+    def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
+        scale, n = self.height / np.pi, len(zones)
+        left = np.bincount(self.zone, -scale * (-self.left) ** self.order, minlength=n)
+        right = np.bincount(self.zone, scale * self.right**self.order, minlength=n)
+        if self.logarithms is not None:
+            near = self.logarithms.near
+            more = (np.bincount(near.zone, part, minlength=n) for part in near.edge_slopes())
+            left, right = (one + two for one, two in zip((left, right), more, strict=True))
+        return np.asarray(left, dtype=float), np.asarray(right, dtype=float)
+
+    def t_coefficients(self, zones: Zones, count: int) -> Array:
+        out = super().t_coefficients(zones, count)
+        if self.logarithms is not None and len(self.logarithms.near) and count:
+            near = self.logarithms.near
+            np.add.at(out, near.zone, of_sines(near.sine_coefficients(count + 1))[:, :count])
+        return out
+
+    def high_coefficients(self, zones: Zones) -> Array:
+        out = super().high_coefficients(zones)
+        if self.splines and out.shape[1] == 0:
+            out = np.zeros((len(zones), SERIES))
+        for zone, spline in self.splines.items():
+            out[zone] += spline.t_coefficients(out.shape[1])
+        return out
+
+    # what the kernel makes of it ------------------------------------------------------------------------------------
+    def own_transform(self, zone: int, left: Array) -> Array:
+        return self._on_zone(zone, left, 0)
+
+    def _on_zone(self, zone: int, left: Array, least: int) -> Array:
+        """Transform on the zone itself of its parts of order `least` and above."""
+        k = self.by_zone.get(zone)
+        if k is None:
+            return np.zeros(left.shape)
+        k = k[self.order[k] >= least]
+        out, q = np.empty(left.shape), self.order[k]
+        for here in pair_blocks(len(left), len(k)):
+            away = left[here, None] - self.left[k]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                logs = np.log(2 * np.abs(away))
+                value = np.where((q > 0) & (away == 0), 0.0, power(away, q) * logs) - self._polynomial(k, left[here, None] - 1)
+            out[here] = value @ (self.height[k] / np.pi)
+        if zone in self.splines:
+            out += self.splines[zone].own_transform(left)
+        beyond = self._beyond(zone) if least == 0 else None
+        return out if beyond is None else out + beyond[0].own_transform(beyond[1], left)
+
+    def transform(self, zone: int, z: Array, rho: Array) -> Array:
+        out = super().transform(zone, z, rho) if len(self.by_zone[zone]) or zone in self.splines else np.zeros(rho.shape)
+        beyond = self._beyond(zone)
+        return out if beyond is None else out + beyond[0].transform(beyond[1], rho)
+
+    def _plain(self, k: Index, rho: Array) -> Array:
+        # |1 - rho e^{i phi}|^2 from the distance to the nearer end, where both terms are positive.
+        rho = rho[:, None]
+        end = np.where(rho > 0, self.right[k], self.left[k])
+        return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))
+
+    def _polynomial(self, k: Index, t: Array) -> Array:
+        q, s = self.order[k], self.s[k]
+        second = -(t - 2 * s) * s - np.cos(2 * self.phi[k]) / 4
+        return np.where(q == 0, 0.0, np.where(q == 1, -s, second))
+
+    @property
+    def summed(self) -> dict[int, Index]:
+        """None: a local spline has no closed potential."""
+        return {}
+
+    def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
+        """Potential of a zone's closed parts over w, less c_0 log(w); on the zone rho = e^{i theta}.
+
+        Of q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)); of others see `_near_potential`.
+        """
+        root = np.sqrt(np.maximum(left * right, 0.0))
+        turned = np.where((left >= 0) & (right >= 0), 0.5 * (left - right) + 1j * root, rho)
+        k = self.by_zone[zone]
+        out = np.zeros(turned.shape)
+        higher = k[self.closed[k] & (self.order[k] > 0)]
+        if len(higher):
+            out += self._by_reach(higher, left, right, rho)
+        for place in k[self.order[k] == 0]:
+            up = np.exp(1j * self.phi[place])
+            own = np.real(up) * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
+            both = np.real(potential_series(up, turned) + potential_series(np.conj(up), turned))
+            out += self.height[place] / np.pi * (own - both / 2)
+        beyond = self._beyond(zone)
+        if beyond is not None:
+            near, k = beyond
+            for up, weight in zip(near.rho[k], near.weight[k], strict=True):
+                own = up * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
+                out = out + weight * (own - np.real(potential_series(up, turned)))
+        return np.asarray(out)
+
+    def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
+        """The primitive of the transform that goes with -c_0 ln(2 |rho|) far away, with L = ln(1 - 2 rho cos(phi) + rho^2),
+
+            (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz + C_q,
+            R = sgn(z) sqrt(z^2 - 1),   int dz / R = -ln |rho| =: g;   R = g = 0 on the zone.
+        """
+        z, beyond = 0.5 * (left - right)[:, None], np.where(on, 0.0, np.maximum(-left, -right))[:, None]
+        g = 2 * np.arcsinh(np.sqrt(0.5 * beyond))
+        root = np.where(left > 0, 1.0, -1.0)[:, None] * np.sqrt(beyond * (beyond + 2))
+        out = np.zeros(len(left))
+        for q in (1, 2):
+            of = k[self.order[k] == q]
+            if len(of) == 0:
+                continue
+            away, s = left[:, None] - self.left[of], self.s[of]
+            with np.errstate(divide="ignore"):
+                log = np.log(2 * np.abs(away))
+            log[~on] = self._plain(of, rho[~on])
+            main = away ** (q + 1) * (np.where(away == 0, 0.0, log) / (q + 1) - 1 / (q + 1) ** 2)
+            if q == 1:
+                rest = 0.5 * (0.5 * (z * root + g) - 2 * s * root + s * s * g) + s * z - (0.25 + 0.5 * s * s) * _LOG2 - 0.5 * s * s
+            else:
+                turned = (z * z + 2) * root / 3 - 1.5 * s * (z * root + g) + s * s * (3 * root - s * g)
+                double = np.cos(2 * self.phi[of])
+                constant = -(3 * s + np.cos(3 * self.phi[of]) / 3) / 12 + s * double / 4 - s**3 + (1.5 * s + s**3) / 9 + 0.25 * s
+                rest = turned / 3 + s * z * (0.5 * z - 2 * s) + 0.25 * z * double + (0.5 * s + s**3 / 3) * _LOG2 - constant
+            out += (main + rest) @ (self.height[of] / np.pi)
+        return out
+
+    def _sine_weights(self, k: Index, j: Array) -> Array:
+        return -np.cos(j * self.phi[k][:, None])
+
+
+def potential_series(up: complex, rho: NDArray[np.complex128] | Array) -> NDArray[np.complex128]:
+    """sum_{j >= 2} (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)), and of j = 1 what has no logarithm of rho."""
+    q = up * rho
+    log = -np.log1p(-q)
+    rest = log - q
+    return np.asarray(-(up * log - rest / rho) + rho * rest - (rest - q * q / 2) / up)

@@ -1,0 +1,103 @@
+r"""Logarithms of the right side that lie just outside a zone, carried exactly.
+
+With s > 1 or s < -1 and rho = s - sgn(s) sqrt(s^2 - 1), |rho| < 1, the bounded density
+
+    beta(t) = -(2/pi) sum_j (rho^j / j) sin(j theta) = -(2/pi) atan2(rho sin(theta), 1 - rho cos(theta))
+
+is transformed to (1/pi) ln(2 |rho| |t - s|) on the zone, and to (2/pi) ln(1 - rho rho_z) off it: `breaks` with
+cos(j phi) continued to rho^j. Without this a logarithm close to an end would ask for 1/sqrt(distance) modes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.kept import Kept
+from sie.basis.zones import Zones
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# Logarithms nearer than this part of a zone's half width are carried; farther ones are smooth enough.
+_NEAR = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Beyond(Kept):
+    """Logarithms near zones, seen from each: the zone, which logarithm it is, rho, and J/pi."""
+
+    zone: Index
+    which: Index
+    rho: Array
+    weight: Array
+
+    @classmethod
+    def near(cls, zones: Zones, at: Array, weights: Array, period: float | None) -> Beyond:
+        """Those of the logarithms at `at` (repeated with the period) that lie outside a zone, but near."""
+        which = np.arange(len(at))
+        if period is not None:
+            at = at - np.floor((at - zones.a[0]) / period) * period
+            at, which = np.concatenate((at - period, at, at + period)), np.tile(which, 3)
+        order = np.argsort(at, kind="stable")
+        at, which = at[order], which[order]
+        reach = _NEAR * zones.half
+        if period is not None:
+            # Near one end only, also of a zone that is almost a period wide.
+            reach = np.clip(reach, 0.0, np.maximum(0.49 * period - zones.half, 0.0))
+        found: list[tuple[Index, Index, Array]] = []
+        for sign, ends in ((1.0, zones.b), (-1.0, zones.a)):
+            lo, hi = (ends, ends + reach) if sign > 0 else (ends - reach, ends)
+            first, last = np.searchsorted(at, lo, side="left"), np.searchsorted(at, hi, side="right")
+            count = last - first
+            zone = np.repeat(np.arange(len(zones)), count)
+            place = np.arange(len(zone)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
+            # An end on the logarithm itself has rho = 1.
+            e = np.abs(at[place] - ends[zone]) / zones.half[zone]
+            found.append((zone, which[place], sign / (1 + e + np.sqrt(e * (e + 2)))))
+        zone, which, rho = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        return cls(zone, which, rho, weights[which])
+
+    def __len__(self) -> int:
+        return len(self.zone)
+
+    @cached_property
+    def by_zone(self) -> dict[int, Index]:
+        return {int(i): np.flatnonzero(self.zone == i) for i in np.unique(self.zone)}
+
+    def sine_coefficients(self, count: int) -> Array:
+        """Coefficients of sin(j theta), j = 1 ... count, one row for each."""
+        j = np.arange(1, count + 1)
+        return np.asarray(-2 * self.weight[:, None] * self.rho[:, None] ** j / j)
+
+    def edge_slopes(self) -> tuple[Array, Array]:
+        """Coefficient of the angle from the left and from the right end, one for each."""
+        with np.errstate(divide="ignore"):
+            return -2 * self.weight * self.rho / (1 + self.rho), -2 * self.weight * self.rho / (1 - self.rho)
+
+    def density(self, k: Index, left: Array, right: Array) -> Array:
+        """Sum of parts k at points (n,) given by their distances from the zone's ends over w."""
+        theta, rho = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))[:, None], self.rho[k]
+        return np.asarray(np.arctan2(rho * np.sin(theta), 1 - rho * np.cos(theta)) @ (-2 * self.weight[k]))
+
+    def own_transform(self, k: Index, left: Array) -> Array:
+        """On the zone: ln(1 - 2 rho t + rho^2) = ln((1 - |rho|)^2 + 2 |rho| d), d the distance from the nearer end."""
+        rho, size = self.rho[k], np.abs(self.rho[k])
+        d = np.where(rho > 0, 2 - left[:, None], left[:, None])
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log((1 - size) ** 2 + 2 * size * d) @ self.weight[k])
+
+    def transform(self, k: Index, rho: Array) -> Array:
+        """Off the zone."""
+        return np.asarray(2 * np.log1p(-rho[:, None] * self.rho[k]) @ self.weight[k])
+
+    def integral(self, k: Index, left: Array, right: Array) -> Array:
+        """Integral from the zone's left end over w: minus the one to the right end at the angle theta, and the whole."""
+        theta, rho = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))[:, None], self.rho[k]
+        angle = np.arctan2(rho * np.sin(theta), 1 - rho * np.cos(theta))
+        turn = np.arctan2((1 + rho) * np.sin(theta / 2), (1 - rho) * np.cos(theta / 2))
+        part = (1 + rho**2) / (2 * rho) * turn - (1 - rho**2) * theta / (4 * rho) - np.sin(theta) / 2 - np.cos(theta) * angle
+        return np.asarray((2 * part - np.pi * rho) @ self.weight[k])

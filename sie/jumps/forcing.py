@@ -1,0 +1,541 @@
+"""Jumps of the right side or of its derivatives inside the zones, carried exactly.
+
+With t = cos(theta), s = cos(phi) and
+
+    kappa(t) = ln|sin((theta + phi)/2) / sin((theta - phi)/2)| = sum_j (2/j) sin(j phi) sin(j theta),
+
+the kernel makes of (h/pi) (t - s)^q kappa(t), on the zone and off it,
+
+    h (t - s)_+^q - C_q(t)                                  C_q(t) = (h/pi) (phi (t - s)^q + P_q(t))
+    (h/pi) ((z - s)^q 2 Im(-ln(1 - rho e^{i phi})) - P_q(z))
+    P_0 = 0,   P_1 = sin(phi),   P_2 = (t - 2 s) sin(phi) + sin(2 phi)/4,
+
+P_q from (tau - s)^q = (t - s)^q - (t - tau)(...) and the moments of kappa. Their potentials are, by parts, with the angle F =
+2 Im(-ln(1 - rho e^{i phi})) off the zone, dF/dz = -sin(phi) / ((z - s) |z^2 - 1|^(1/2)) sgn(z), and F = pi - phi or -phi on it,
+
+    (h/pi) ((z - s)^{q+1} F/(q+1) + sin(phi) R_q) + c_0 ln(w),     A = arcosh|z|, B = sgn(z) (z^2 - 1)^(1/2), zero on the zone,
+    R_0 = A - ln 2 - 1,        R_1 = (B - s A)/2 - z + s (3 + 2 ln 2)/4,
+    R_2 = (A/2 + s^2 A + B z/2 - 2 s B)/3 - z^2/2 + 3 s z/2 + sin(phi)^2/9 - s^2/2 - 1/12 - ln(2) (sin(phi)^2/6 + s^2/2).
+
+So a jump J of the q-th derivative of g,
+with h = J w^q / q!, leaves a smooth right side once this is subtracted: q = 0 is a kink of the profile, q = 1 a jump of
+its curvature, q = 2 a knot of a cubic spline.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.kept import Kept
+from sie.basis.zones import Zones
+from sie.jumps.local_spline import MANY, LocalSpline
+from sie.jumps.zone_spline import ZoneSpline
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+HIGHEST = 2
+# Of q over p; zero for p > q.
+_BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
+# Potentials of so many jumps as this are summed from their coefficients, which fall as l^(-1-q).
+_MANY = 64
+SERIES = 1024
+# Below this rho nothing is left of the terms after these.
+SERIES_REACH = float(2.0 ** (-52 / SERIES))
+# Seen from farther than this rho, the closed form cancels and the series is short.
+_FAR = 0.25
+LOG2 = float(np.log(2.0))
+# Up to which rho how many terms of the series are enough.
+_SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
+# kappa is taken no nearer to a jump than this.
+_TINY = 1e-16
+# Kinks of a zone beside which it is looked how the density follows the ends.
+_KINKS = 32
+# (point, jump) pairs handled at once.
+_PAIRS = 1 << 19
+
+
+@dataclass(frozen=True, eq=False)
+class Steps(Kept):
+    """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!, and q. splines: of zones with very many
+    jumps of order 2, what carries most of these."""
+
+    zone: Index
+    left: Array
+    right: Array
+    height: Array
+    order: Index
+    splines: dict[int, ZoneSpline] | dict[int, LocalSpline] = field(default_factory=dict)
+
+    @classmethod
+    def none(cls) -> Steps:
+        return _NONE
+
+    @classmethod
+    def within(
+        cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None, g: Callable[[Array], Array] | None = None
+    ) -> Steps:
+        """The jumps at positions `at` (repeated with the period) that lie inside a zone. g: the right side, if it is known."""
+        if len(at) == 0:
+            return _NONE
+        at, i, inside = cls.located(zones, at, period)
+        i, at, q = i[inside], at[inside], orders[inside]
+        w = zones.half[i]
+        factorial = np.array([1.0, 1.0, 2.0])[q]
+        found = cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, jumps[inside] * w**q / factorial, q)
+        return found if g is None else found._with_splines(zones, g, ZoneSpline.inside)
+
+    @staticmethod
+    def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, NDArray[np.bool_]]:
+        """(positions moved by periods to lie right of the first zone's left end, the last zone that starts before each,
+        whether they lie inside it)."""
+        if period is not None:
+            at = at + np.ceil((zones.a[0] - at) / period) * period
+        i = np.searchsorted(zones.a, at, side="right") - 1
+        return at, np.maximum(i, 0), (i >= 0) & (zones.beyond_a(at, i) > 0) & (zones.before_b(at, i) > 0)
+
+    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made) -> Any:  # type: ignore[no-untyped-def]
+        """The same with splines of f, made of knots, their jumps and f, in every zone of many jumps of order 2 and no others."""
+        height, splines, more = self.height.copy(), {}, []
+        for zone in np.flatnonzero(np.bincount(self.zone, minlength=1) >= MANY).tolist():
+            k = self.by_zone[zone]
+            if np.any(self.order[k] != HIGHEST):
+                continue
+            k = k[np.argsort(self.left[k])]
+            found = made(self.left[k], height[k], lambda left, zone=zone: f(zones.a[zone] + zones.half[zone] * left))
+            if found is not None:
+                splines[zone], height[k], others = found
+                more.append(np.column_stack((np.full(others.shape[1], zone), others.T)))
+        if not splines:
+            return self
+        keep = height != 0.0
+        zone, left, jump = np.concatenate(more).T
+        return replace(
+            self, zone=np.append(self.zone[keep], zone.astype(np.intp)), left=np.append(self.left[keep], left),
+            right=np.append(self.right[keep], 2.0 - left), height=np.append(height[keep], jump),
+            order=np.append(self.order[keep], np.full(len(zone), HIGHEST)), splines=splines,
+        )
+
+    def __len__(self) -> int:
+        return len(self.zone)
+
+    @cached_property
+    def phi(self) -> Array:
+        """Angle of each jump, s = cos(phi)."""
+        return np.asarray(2 * np.arctan2(np.sqrt(self.right), np.sqrt(self.left)))
+
+    @cached_property
+    def psi(self) -> Array:
+        """pi - phi, to all its digits beside the left end."""
+        return np.asarray(2 * np.arctan2(np.sqrt(self.left), np.sqrt(self.right)))
+
+    @cached_property
+    def sine(self) -> Array:
+        """sin(phi), to all its digits beside either end."""
+        return np.asarray(np.sin(np.minimum(self.phi, self.psi)))
+
+    @cached_property
+    def s(self) -> Array:
+        return 0.5 * (self.left - self.right)
+
+    @property
+    def count(self) -> Index:
+        """Jumps in each zone, those of its spline included, as far as there are zones with any."""
+        out = np.bincount(self.zone, minlength=max(self.splines, default=-1) + 1)
+        for zone, spline in self.splines.items():
+            out[zone] = len(spline.knots)
+        return out
+
+    def places(self, zone: int) -> tuple[Array, Index]:
+        """(distances from the left end over w, orders) of the jumps of a zone, those of its spline included."""
+        k = self.by_zone[zone]
+        if zone not in self.splines:
+            return self.left[k], self.order[k]
+        left = np.union1d(self.left[k], self.splines[zone].knots)
+        return left, np.full(len(left), HIGHEST)
+
+    def angles(self, zone: int) -> Array:
+        """Angles of the same jumps, in no order."""
+        if zone not in self.splines:
+            return self.phi[self.by_zone[zone]]
+        left = self.places(zone)[0]
+        return np.asarray(2 * np.arctan2(np.sqrt(2 - left), np.sqrt(left)))
+
+    def rounding(self, count: int) -> Array:
+        """What the sum of a zone's parts is rounded to, at the most, on each of so many zones."""
+        out = np.asarray(2.2e-16 * np.bincount(self.zone, np.abs(self.height), minlength=count))
+        for zone, spline in self.splines.items():
+            out[zone] += 2.2e-16 * spline.size
+        return out
+
+    @cached_property
+    def by_zone(self) -> dict[int, Index]:
+        """Places of the jumps of each zone that has any."""
+        return self.grouped()
+
+    def grouped(self) -> dict[int, Index]:
+        """See `by_zone`."""
+        order = np.argsort(self.zone, kind="stable")
+        zones, first = np.unique(self.zone[order], return_index=True)
+        found = dict(zip(zones.tolist(), np.split(order, first[1:]), strict=False))
+        return {zone: np.zeros(0, np.intp) for zone in self.splines} | found
+
+    def _polynomial(self, k: Index, t: Array) -> Array:
+        """P_q(t) of jumps k at t (..., 1), for each jump along the last axis."""
+        sine, q, s = self.sine[k], self.order[k], self.s[k]
+        second = (t - 2 * s) * sine + np.sin(2 * self.phi[k]) / 4
+        return np.where(q == 0, 0.0, np.where(q == 1, sine, second))
+
+    def smooth_part(self, zone: int, left: Array) -> Array:
+        """What to add to g at points of a zone, given by their distance from its left end over w, to make it smooth."""
+        k = self.by_zone.get(zone)
+        if k is None:
+            return np.zeros(left.shape)
+        out = self._added(k, left)
+        if zone in self.splines:
+            out -= self.splines[zone].own_transform(left)
+        return out
+
+    def level_part(self, zone: int, left: Array) -> Array:
+        """The same of the jumps of g itself alone: they have no slope."""
+        k = self.by_zone.get(zone)
+        return np.zeros(left.shape) if k is None else self._added(k[self.order[k] == 0], left)
+
+    def _added(self, k: Index, left: Array) -> Array:
+        out = np.empty(left.shape)
+        for here in pair_blocks(len(left), len(k)):
+            away = left[here, None] - self.left[k]
+            angle = np.where(away > 0, -self.psi[k], self.phi[k])
+            out[here] = (angle * power(away, self.order[k]) + self._polynomial(k, left[here, None] - 1)) @ (self.height[k] / np.pi)
+        return out
+
+    def mean_offsets(self, zones: Zones) -> Array:
+        """Mean over each zone of the primitive of g (zero where its values at the ends are), less what the smooth
+        part's own coefficients say, over w: see `System.levels`."""
+        phi, s, q = self.phi, self.s, self.order
+        sine, double = self.sine, np.sin(2 * phi)
+        # A jump of g itself by its distance from the nearer end: close to that the parts cancel to its square root, cubed.
+        near, angle = np.minimum(self.left, self.right), np.minimum(phi, self.psi)
+        kink = (sine - angle * (1 - near)) / np.pi - 0.5 * near
+        # Primitives of (t - s)_+^q at t = 1, and their means.
+        end = self.right ** (q + 1) / (q + 1)
+        cubic = (sine - sine**3 / 3) - 3 * s * (phi / 2 + double / 4) + 3 * s * s * sine - s**3 * phi
+        square = (phi / 2 + double / 4) - 2 * s * sine + s * s * phi
+        mean = np.where(q == 1, square / 2, cubic / 3) / np.pi
+        # Primitives of C_q, zero at t = 0: half the sum of those at both ends, and their means.
+        ends_c = np.where(q == 1, phi / 2, -s * phi + sine / 2) / np.pi
+        mean_c = np.where(q == 1, phi / 4, -s * phi / 2 + sine / 4) / np.pi
+        parts = self.height * np.where(q == 0, kink, -0.5 * end + ends_c + mean - mean_c)
+        out = np.asarray(np.bincount(self.zone, parts, minlength=len(zones)), dtype=float)
+        for zone, spline in self.splines.items():
+            assert isinstance(spline, ZoneSpline)
+            out[zone] += spline.mean_offset
+        return out
+
+    def t_coefficients(self, zones: Zones, count: int) -> Array:
+        """First `count` coefficients c_l of these parts as sums of T_l / sqrt(1 - t^2); shape (zones, count)."""
+        out = self._coefficients(np.arange(len(self.zone)), self.zone, len(zones), count)
+        for zone, spline in self.splines.items():
+            out[zone] += spline.t_coefficients(count)
+        return out
+
+    def _sine_weights(self, k: Index, j: Array) -> Array:
+        """b_j of jumps k where their function is sum_j (2/j) b_j sin(j theta)."""
+        from_left = (self.psi < self.phi)[k][:, None]
+        sines = np.sin(j * np.minimum(self.phi, self.psi)[k][:, None])
+        return np.asarray(np.where(from_left & (j % 2 == 0), -sines, sines))
+
+    def _coefficients(self, k: Index, row: Index, rows: int, count: int) -> Array:
+        """Coefficients of jumps k, added up in rows (rows, count): (t - s)^q is expanded in powers of t, so that what is done with
+        series is done once a row."""
+        highest = int(self.order[k].max(initial=0))
+        j = np.arange(1.0, count + highest + 2)
+        powers = np.zeros((highest + 1, rows, len(j)))
+        order = np.argsort(row, kind="stable")
+        block = max(1, _PAIRS // len(j))
+        for begin in range(0, len(k), block):
+            part = order[begin : begin + block]
+            some, into = k[part], row[part]
+            first = np.flatnonzero(np.diff(into, prepend=-1))
+            sines = self._sine_weights(some, j) * (2 / (np.pi * j))
+            q, s = self.order[some], self.s[some]
+            for power in range(int(q.max()) + 1):
+                weight = self.height[some] * _BINOMIAL[q, power] * (-s) ** np.maximum(q - power, 0)
+                powers[power, into[first]] += np.add.reduceat(weight[:, None] * sines, first, axis=0)
+        c = of_sines(powers[highest])
+        for series in powers[:highest][::-1]:
+            c = _times_t(c) + of_sines(series)
+        return np.asarray(c[:, :count])
+
+    def high_coefficients(self, zones: Zones) -> Array:
+        """Coefficients of the parts that have no closed potential, as many as potentials near an end need; (zones, 0) if none."""
+        high = np.flatnonzero(~self.closed)
+        out = np.zeros((len(zones), SERIES if len(high) else 0))
+        if len(high):
+            out += self._coefficients(high, self.zone[high], len(zones), SERIES)
+        return out
+
+    def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
+        """Coefficient of the angle from the left and from the right end, per zone: kappa ~ theta cot(phi/2)."""
+        cot = np.sqrt(self.left / self.right)
+        scale, n = self.height / np.pi, len(zones)
+        from_left = scale * (-self.left) ** self.order / cot
+        from_right = scale * self.right**self.order * cot
+        out = np.array([np.bincount(self.zone, part, minlength=n) for part in (from_left, from_right)], dtype=float)
+        for zone, spline in self.splines.items():
+            out[:, zone] += spline.edge_slopes
+        return out[0], out[1]
+
+    def density(self, zone: int, left: Array, right: Array) -> Array:
+        """Sum of the parts of a zone at points (n,) given by their distances from its ends over w."""
+        k = self.by_zone[zone]
+        out = np.empty(len(left))
+        for here in pair_blocks(len(left), len(k)):
+            away, kappa = self._kappa(k, left[here], right[here])
+            with np.errstate(invalid="ignore"):
+                value = np.where(self.order[k] == 0, kappa, np.where(away == 0, 0.0, power(away, self.order[k]) * kappa))
+            out[here] = value @ (self.height[k] / np.pi)
+        if zone in self.splines:
+            out += self.splines[zone].density(left, right)
+        return out
+
+    def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
+        """d/dtheta of `density` at points that are no jumps: d kappa/dtheta = sin(phi) / (t - s)."""
+        k = self.by_zone[zone]
+        out = np.empty(len(left))
+        for here in pair_blocks(len(left), len(k)):
+            away, kappa = self._kappa(k, left[here], right[here])
+            q, sine = self.order[k], np.sqrt(left[here] * right[here])[:, None]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                value = away ** (q - 1.0) * (self.sine[k] - q * sine * np.minimum(kappa, -np.log(_TINY)))
+            out[here] = value @ (self.height[k] / np.pi)
+        if zone in self.splines:
+            spline = self.splines[zone]
+            assert isinstance(spline, ZoneSpline)
+            out += spline.angular_slope(left, right)
+        return out
+
+    def _kappa(self, k: Index, left: Array, right: Array) -> tuple[Array, Array]:
+        """t - s and kappa of jumps k at points (n,), (n, jumps) each."""
+        up, vp = np.sqrt(right[:, None] * self.left[k]), np.sqrt(left[:, None] * self.right[k])
+        away = left[:, None] - self.left[k]
+        # sin((theta +- phi)/2) = (sqrt(r l_s) +- sqrt(l r_s)) / 2; their product is (s - t)/2 without cancellation. A jump beside
+        # an end, or a point, has little of kappa: then it is 2 artanh of the roots' ratio, to all digits.
+        small, large = np.minimum(up, vp), np.maximum(up, vp)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            far = 2 * np.arctanh(np.minimum(small / large, 0.5))
+            return away, np.where(small < 0.5 * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away))))
+
+    def beside_kinks(self, zone: int, nearest: float, theta: Array) -> Array:
+        """Angles of a zone at which its density is asked for: those given, and right beside the largest kinks, but none nearer
+        to a kink than `nearest` over w, or than a quarter of the kinks' mean distance."""
+        k = self.by_zone[zone]
+        k = k[self.order[k] == 0]
+        if len(k) == 0:
+            return theta
+        away, s = min(nearest, 0.25 / len(k)), np.sort(self.s[k])
+        largest = self.s[k[np.argsort(-np.abs(self.height[k]))[:_KINKS]]]
+        t = np.concatenate((np.cos(theta), largest - away, largest + away))
+        place = np.searchsorted(s, t)
+        distance = np.minimum(np.abs(t - s[np.maximum(place - 1, 0)]), np.abs(t - s[np.minimum(place, len(s) - 1)]))
+        return np.asarray(np.arccos(t[(distance > 0.999 * away) & (np.abs(t) < 1)]))
+
+    def transform(self, zone: int, z: Array, rho: Array) -> Array:
+        """Transform of a zone's parts off the zone: by their closed forms, or by the series of all of them together where
+        that is shorter or the closed forms cancel."""
+        k = self.by_zone[zone]
+        far = np.abs(rho)
+        terms = np.zeros(len(rho), dtype=np.intp)
+        for reach, count in _SERIES_TO:
+            if reach <= _FAR or count <= 8 * len(k):
+                terms[(terms == 0) & (far < reach)] = count
+        out = np.empty(len(rho))
+        near = np.flatnonzero(terms == 0)
+        out[near] = self._closed_transform(k, z[near], rho[near])
+        for count in np.unique(terms[terms > 0]):
+            here = np.flatnonzero(terms == count)
+            r, total = rho[here], np.zeros(len(here))
+            for c in self._summed(zone)[count - 1 :: -1]:
+                total = total * r + c
+            out[here] = total * (2 * r / (1 - r * r))
+        if zone in self.splines:
+            out += self.splines[zone].transform_off(z, rho)
+        return out
+
+    def _closed_transform(self, k: Index, z: Array, rho: Array) -> Array:
+        out = np.empty(len(z))
+        block = max(1, _PAIRS // max(1, len(k)))
+        q, weight = self.order[k], self.height[k] / np.pi
+        for s in range(0, len(z), block):
+            here = slice(s, s + block)
+            powers = power(z[here, None] - self.s[k], q)
+            out[here] = (powers * self._plain(k, rho[here]) - self._polynomial(k, z[here, None])) @ weight
+        return out
+
+    def _summed(self, zone: int) -> Array:
+        """Coefficients of T_l / sqrt(1 - t^2) of all parts of a zone together."""
+        if zone not in self._sums:
+            k = self.by_zone[zone]
+            self._sums[zone] = self._coefficients(k, np.zeros_like(k), 1, _SERIES_TO[-1][1])[0]
+        return self._sums[zone]
+
+    @cached_property
+    def _sums(self) -> dict[int, Array]:
+        return {}
+
+    def _plain(self, k: Index, rho: Array) -> Array:
+        """pi over h times the transform of parts with q = 0 off the zone, (points, jumps)."""
+        rho = rho[:, None]
+        return np.asarray(2 * np.arctan2(rho * self.sine[k], 1 - rho * np.cos(self.phi[k])))
+
+    def adds_to(self, zone: int) -> bool:
+        """Whether `smooth_part` has anything to add on a zone."""
+        return zone in self.by_zone
+
+    def own_transform(self, zone: int, left: Array) -> Array:
+        """Transform of a zone's parts on the zone itself: minus what they add to make g smooth."""
+        return -self.smooth_part(zone, left)
+
+    def left_out(self, x: Array) -> Array:
+        """What the right side has at points x beyond the values that the caller gives: nothing."""
+        return np.zeros(x.shape)
+
+    def chosen(self, which: NDArray[np.bool_] | Index) -> Steps:
+        """Those of the jumps alone."""
+        return Steps(self.zone[which], self.left[which], self.right[which], self.height[which], self.order[which])
+
+    def integral(self, zone: int, left: Array, right: Array) -> Array:
+        """Integral of a zone's parts from its left end, at distances from the ends over w, of kinks alone:
+        int kappa dt = (t - s) kappa - theta sin(phi)."""
+        k = self.by_zone[zone]
+        if np.any(self.order[k] > 0):
+            raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
+        away, kappa = self._kappa(k, left, right)
+        behind = 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        parts = np.where(away == 0, 0.0, away) * np.where(away == 0, 0.0, kappa) + self.sine[k] * behind[:, None]
+        return np.asarray(parts @ (self.height[k] / np.pi))
+
+    def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
+        """Potential of a zone's closed parts over w, less c_0 log(w), at points by their distances from its ends over w,
+        positive on the zone, and rho off it (see the head of this file)."""
+        k = self.by_zone[zone]
+        out = self._by_reach(k[self.closed[k]], left, right, rho)
+        if zone in self.splines:
+            spline = self.splines[zone]
+            assert isinstance(spline, ZoneSpline)
+            out += spline.potential(left, right, rho)
+        return out
+
+    @cached_property
+    def summed(self) -> dict[int, Index]:
+        """By zone, the jumps whose potential is a series far from it. On it and beside its ends this falls too slowly."""
+        open_ones = np.flatnonzero(~self.closed)
+        return {zone: open_ones[here] for zone, here in of_zones(self.zone[open_ones])}
+
+    def summed_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
+        """Potential over w, less c_0 log(w), of the jumps of a zone in `summed` by their closed forms, as `sharp_potential`."""
+        return self._by_reach(self.summed[zone], left, right, rho)
+
+    def _by_reach(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
+        """Potential of jumps k of one zone: by their series far from it, where the closed forms cancel."""
+        out = np.empty(left.shape)
+        on = (left >= 0) & (right >= 0)
+        far = ~on & (np.abs(rho) < _FAR)
+        if far.any():
+            c = self._coefficients(k, np.zeros_like(k), 1, _SERIES_TO[0][1])[0]
+            r, total = rho[far], np.zeros(int(far.sum()))
+            for l in range(len(c) - 1, 0, -1):
+                total = (total + c[l] / l) * r
+            out[far] = -c[0] * np.log(2 * np.abs(r)) - total
+        near = np.flatnonzero(~far)
+        block = max(1, _PAIRS // max(1, len(k)))
+        for start in range(0, len(near), block):
+            here = near[start : start + block]
+            out[here] = self._near_potential(k, left[here], right[here], rho[here], on[here])
+        return out
+
+    def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
+        z, beyond = 0.5 * (left - right), np.where(on, 0.0, np.maximum(-left, -right))
+        grown = 2 * np.arcsinh(np.sqrt(0.5 * beyond))[:, None]
+        root = (np.where(left > 0, 1.0, -1.0) * np.sqrt(beyond * (beyond + 2)))[:, None]
+        out, z = np.zeros(len(left)), z[:, None]
+        for q in range(HIGHEST + 1):
+            of = k[self.order[k] == q]
+            if len(of) == 0:
+                continue
+            away, sine, s = left[:, None] - self.left[of], self.sine[of], self.s[of]
+            turn = np.where(away > 0, self.psi[of], -self.phi[of])
+            turn[~on] = self._plain(of, rho[~on])
+            square = sine**2
+            if q == 0:
+                rest = grown - LOG2 - 1
+            elif q == 1:
+                rest = 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * LOG2)
+            else:
+                rest = (grown * (0.5 + s * s) + root * (0.5 * z - 2 * s)) / 3 - z * (0.5 * z - 1.5 * s)
+                rest += square / 9 - s * s / 2 - 1 / 12 - LOG2 * (square / 6 + s * s / 2)
+            out += (away ** (q + 1) * turn / (q + 1) + sine * rest) @ (self.height[of] / np.pi)
+        return out
+
+    @cached_property
+    def sharp(self) -> list[int]:
+        """Zones with jumps whose potential is `sharp_potential`."""
+        return sorted({*self.zone[self.closed].tolist(), *self.splines})
+
+    @cached_property
+    def closed(self) -> NDArray[np.bool_]:
+        """Jumps whose potential is a closed form: all but the knots of a spline, where a zone has so many that their series is
+        shorter, and falls fast enough."""
+        if len(self) == 0:
+            return np.zeros(0, dtype=bool)
+        return np.asarray((self.order < HIGHEST) | (np.bincount(self.zone)[self.zone] <= _MANY))
+
+    @cached_property
+    def kinked(self) -> list[int]:
+        """Zones with a jump of g itself."""
+        return [int(i) for i in np.unique(self.zone[self.order == 0])]
+
+
+def of_zones(zone: Index) -> Iterator[tuple[int, Index]]:
+    """Every zone that is named, with the places that name it, in ascending order."""
+    order = np.argsort(zone, kind="stable")
+    cuts = np.flatnonzero(np.diff(zone[order], prepend=-1, append=-1))
+    for start, end in zip(cuts[:-1], cuts[1:], strict=True):
+        yield int(zone[order[start]]), order[start:end]
+
+
+def power(away: Array, order: Index) -> Array:
+    """away^order; general powers take ten times as long as squares, which knots of splines ask for alone."""
+    return away * away if np.all(order == HIGHEST) else away**order
+
+
+def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
+    """Stretches of points whose pairs with so many jumps are held at once."""
+    block = max(1, _PAIRS // max(1, jumps))
+    for begin in range(0, points, block):
+        yield slice(begin, begin + block)
+
+
+def of_sines(beta: Array) -> Array:
+    """Coefficients of T_l / sqrt(1 - t^2), l = 0, 1, ..., from those of sin(j theta), j = 1, 2, ..., along the last axis."""
+    c = 0.5 * beta
+    c[..., 2:] -= 0.5 * beta[..., :-2]
+    return np.asarray(c)
+
+
+def _times_t(c: Array) -> Array:
+    """Coefficients of t times sum c_l T_l, the last one lost."""
+    out = np.zeros_like(c)
+    out[:, 1:] += 0.5 * c[:, :-1]
+    out[:, 1] += 0.5 * c[:, 0]
+    out[:, :-1] += 0.5 * c[:, 1:]
+    return out
+
+
+_NONE = Steps(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp))

@@ -1,0 +1,138 @@
+"""Zones beside narrow gaps, seen as one wide zone with holes in it.
+
+A density on one of two zones a gap g apart has a singularity of its own one g beyond its end, and takes n ~ sqrt(width / g)
+modes. On the zone that spans both, g a *hole*, everything but the hole's own share is as smooth as the right side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.kept import Kept
+from sie.basis.zones import Zones
+from sie.collocation.modes import gaps
+from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals, for_every_zone
+from sie.equation.equation import Equation
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# Gaps narrower than this part of the wider zone beside them may be holes.
+NARROW = 0.02
+# Gaps with jumps of higher derivatives of the right side than the first in them, of which there may be hundreds, must be narrower than this
+# part of both zones.
+SMALL = 0.003
+
+
+@dataclass(frozen=True, eq=False)
+class Cut(Kept):
+    """pieces: the zones as given. wide: zones that span narrow gaps; holes: those gaps, hole_zone the wide zone of each.
+    piece_zone: wide zone of each piece; shift: what to add to a piece to find it in its wide zone (periods).
+    """
+
+    pieces: Zones
+    wide: Zones
+    holes: Zones
+    hole_zone: Index
+    piece_zone: Index
+    shift: Array
+
+    @cached_property
+    def start(self) -> Array:
+        """Distance of each piece's left end from the left end of its wide zone."""
+        return np.asarray(self.pieces.a + self.shift - self.wide.a[self.piece_zone])
+
+    @cached_property
+    def rest(self) -> Array:
+        """Distance of each piece's right end from the right end of its wide zone."""
+        return np.asarray(self.wide.b[self.piece_zone] - self.pieces.b - self.shift)
+
+    @cached_property
+    def hole_before(self) -> Index:
+        """The hole that ends where a piece begins, -1 without."""
+        return self._beside(self.holes.b, self.pieces.a + self.shift)
+
+    @cached_property
+    def hole_after(self) -> Index:
+        """The hole that begins where a piece ends, -1 without."""
+        return self._beside(self.holes.a, self.pieces.b + self.shift)
+
+    def _beside(self, ends: Array, at: Array) -> Index:
+        place = np.minimum(np.searchsorted(ends, at), len(ends) - 1)
+        return np.where(ends[place] == at, place, -1)
+
+
+def cut(equation: Equation, pieces: Zones) -> Cut | None:
+    """The zones with their narrow gaps as holes, None if there are none or the equation does not allow it."""
+    kernel = equation.kernel
+    if len(pieces) < 2 or equation.grows or not _one_level(equation.conditions) or not _plain(pieces):
+        return None
+    after = gaps(pieces, kernel)[1]
+    width = pieces.b - pieces.a
+    following = np.roll(width, -1)
+    # A hole has its neighbours' far ends as its singularities, as these have the hole's: whichever asks for less.
+    narrow = (after < NARROW * np.maximum(width, following)) & (after**2 < width * following)
+    narrow &= _free(pieces)
+    if kernel.period is None or pieces.symmetric:
+        narrow[-1] = False
+    narrow &= ~_bent(equation, pieces, after) | (after < SMALL * np.minimum(width, following))
+    if not narrow.any():
+        return None
+    count = len(pieces)
+    first = 0
+    if narrow[-1]:
+        # The border of the period lies in the widest gap.
+        first = (int(np.argmax(np.where(narrow, -np.inf, after))) + 1) % count
+        if narrow.all():
+            narrow[first - 1] = False
+    order = (first + np.arange(count)) % count
+    shift = np.where(np.arange(count) < first, kernel.period or 0.0, 0.0)
+    a, b, joined = (pieces.a + shift)[order], (pieces.b + shift)[order], narrow[order[:-1]]
+    starts = np.concatenate(([0], np.flatnonzero(~joined) + 1))
+    stops = np.concatenate((starts[1:], [count])) - 1
+    zone = np.empty(count, dtype=np.intp)
+    zone[order] = np.repeat(np.arange(len(starts)), stops - starts + 1)
+    left = [pieces.left[order[s]] for s in starts]
+    right = [pieces.right[order[s]] for s in stops]
+    rest = np.array([pieces.rest[0][order[starts]], pieces.rest[1][order[stops]]])
+    wide = Zones(a[starts], b[stops], left, right, pieces.symmetric, rest)
+    at = np.flatnonzero(joined)
+    holes = Zones.of(np.column_stack((b[at], a[at + 1])))
+    return Cut(pieces, wide, holes, zone[order[at]], zone, shift)
+
+
+def _one_level(conditions: Sequence[Condition]) -> bool:
+    """Whether all zones are held at one level, so that the gap between neighbours integrates to zero, and no condition speaks of
+    zones one by one, which become fewer: those of a user's own may."""
+    rows = [type(condition).rows for condition in conditions]
+    one_by_one = ZoneTotals.rows in rows or any(one not in BUILT_IN for one in rows)
+    return not one_by_one and any(for_every_zone(condition) == "levels" for condition in conditions)
+
+
+def _plain(pieces: Zones) -> bool:
+    """Whether no intensity is prescribed but zero at ends that move."""
+    return all(end.intensity is None or (end.moves and end.intensity == 0.0) for end in (*pieces.left, *pieces.right))
+
+
+def _free(pieces: Zones) -> NDArray[np.bool_]:
+    """Whether the right end of each piece and the left end of the next one move."""
+    left, right = np.array([end.moves for end in pieces.left]), np.array([end.moves for end in pieces.right])
+    return np.asarray(right & np.roll(left, -1))
+
+
+def _bent(equation: Equation, pieces: Zones, after: Array) -> NDArray[np.bool_]:
+    """Gaps with a jump of a higher derivative of the right side in them than the first."""
+    forcing, period = equation.forcing, equation.kernel.period
+    at = forcing.steps_at[forcing.orders > 1] if forcing.orders is not None else np.zeros(0)
+    if period is not None:
+        at = at - np.floor((at - pieces.a[0]) / period) * period
+    i = np.searchsorted(pieces.a, at, side="right") - 1
+    within = (i >= 0) & (at >= pieces.b[i]) & (at <= pieces.b[i] + after[i])
+    found = np.zeros(len(pieces), dtype=bool)
+    found[i[within]] = True
+    return found

@@ -1,0 +1,494 @@
+"""Solutions on zones beside narrow gaps: the system of the wide zones, released on their holes.
+
+The holes change the right side of the wide zones' system by -s, and the level of each by the mean of what s opens; the wide
+zones' coefficients are the right sides of the holes. A hole bends its surroundings by the square of its width over its distance,
+so with factors at hand a few alternations come to rest; by iteration the holes' answer is part of the rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.kept import Kept
+from sie.basis.zones import Zones
+from sie.collocation.fixed import (
+    LOOKS,
+    Carried,
+    SingularSystem,
+    Sizes,
+    Solver,
+    State,
+    density_of,
+    first_sizes,
+    residual_error,
+    solve_fixed,
+)
+from sie.collocation.iterative import Iterative
+from sie.density.density import Density
+from sie.equation.conditions import Linear, asked
+from sie.equation.equation import Equation
+from sie.fast.krylov import gmres
+from sie.jumps.forcing import Steps
+from sie.slits.density import Pierced
+from sie.slits.merged import Cut, cut
+from sie.slits.slits import TOLD, Holes
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+_ALTERNATIONS = 60
+# Alternations that shrink by less than this are given up.
+_SLOW = 0.7
+# Solutions by GMRES, the second of what rounding has left of the first.
+_CORRECTIONS = 2
+# Tolerance of the wide zones' own solution by iteration, from which the holes' one starts.
+_START = 0.1
+_ROUNDING = 2.2e-16
+# What alternating may leave over the largest coefficient, to be stated as an error; more is no solution.
+_SETTLED = 1e-10
+# Times the tolerance: with such an error the zones are looked at by themselves too, where a kink lies between them.
+_CARELESS = 1e3
+# On a hole the rounding of the right side and of all terms are seen at one place, where at the end of a zone they average.
+_SAFETY = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only."""
+
+    zones: Zones
+    s: Array
+    mean_opening: Array
+    moments: Callable[[Callable[[Array], Array], int, int, int | None], Array]
+    coupled: Index
+    multiple: Array
+
+    def _constants(self, values: Array) -> Linear:
+        return np.zeros((len(values), 0)), values
+
+    def totals(self) -> Linear:
+        return self._constants(np.zeros(len(self.zones.solved)))
+
+    def levels(self) -> Linear:
+        return self._constants(self.mean_opening[self.zones.solved])
+
+    def level_steps(self) -> Linear:
+        return self._constants(np.diff(self.mean_opening[self.zones.solved]))
+
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        """Beyond the coupled modes, whose coefficients are unknowns, s adds to those of the density."""
+        out = np.zeros(len(self.zones.solved))
+        for place, i in enumerate(self.zones.solved):
+            values = self.moments(weight, int(i), self.s.shape[1], degree)
+            beyond = np.arange(self.coupled[i] + 1, min(self.s.shape[1], len(values)))
+            out[place] = np.pi * self.zones.half[i] * (values[beyond] @ self.s[i, beyond])
+        return self._constants(out)
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        raise AssertionError("a condition on intensities is of a user's own, and is solved zone by zone (`cuts`)")
+
+    def amplitude(self, k: int) -> Linear:
+        return self._constants(np.zeros(1))
+
+    def multiplicity(self) -> Array:
+        return self.multiple
+
+
+class HolesUnsettled(SingularSystem):
+    """System and holes, solved in turn, do not come to rest: a hole bends its surroundings too much."""
+
+
+class Release(Kept):
+    """The holes of all wide zones, solved together with the system of these."""
+
+    def __init__(self, cut: Cut, base: State, linear: float) -> None:
+        self.cut, self.base, self.system = cut, base, base.system
+        # Solutions with a matrix at hand are as tight as rounding allows, at no cost.
+        self.linear = linear if isinstance(base.solver, Iterative) else 0.0
+        system = self.system
+        modes = base.sizes.own[: len(cut.wide)]
+        self.holes = tuple(
+            Holes(cut, int(i), int(max(modes[i], system.layout.m[i])), system.steps) for i in np.unique(cut.hole_zone)
+        )
+
+    @cached_property
+    def _given(self) -> list[Array]:
+        """Right sides of the holes' rows by what is known: jumps, and coefficients beyond the coupled ones."""
+        out = []
+        for here in self.holes:
+            m = int(self.system.layout.m[here.zone])
+            c = np.zeros(here.modes + 1)
+            count = min(self.system.g.shape[1], len(c))
+            c[: m + 1] = -self.system.taken[here.zone, : m + 1]
+            c[m + 1 : count] = -self.system.g[here.zone, m + 1 : count]
+            # Their coefficients are what the rows find less what s adds to them, and so what the kinks in holes do.
+            seen = np.where(np.arange(here.modes + 1) <= m, here.told_by_valleys[: here.modes + 1], 0.0)
+            out.append(here.by_coefficients @ (c - seen) + here.of_steps(self.system.steps))
+        return out
+
+    @cached_property
+    def _answers(self) -> list[tuple[Array, Array]]:
+        """(by the zone's coefficients with what s adds to them, by what is given): series of the holes of each wide zone."""
+        out = []
+        for here, given in zip(self.holes, self._given, strict=True):
+            m = int(self.system.layout.m[here.zone])
+            smooth = here.solve(here.by_coefficients[:, : m + 1])
+            both = np.column_stack((smooth, here.solve(given)))
+            answer = np.linalg.solve(np.eye(len(smooth)) + smooth @ here.told[: m + 1], both)
+            out.append((np.asarray(answer[:, :-1], dtype=float), np.asarray(answer[:, -1], dtype=float)))
+        return out
+
+    def _series(self, folded: Array, homogeneous: bool) -> tuple[Array, ...]:
+        """Series of all holes for unknowns of the wide zones."""
+        y, offset = self._unfold(folded), self.system.layout.offset
+        return tuple(
+            by @ y[offset[here.zone] : offset[here.zone] + by.shape[1]] + (0.0 if homogeneous else given)
+            for here, (by, given) in zip(self.holes, self._answers, strict=True)
+        )
+
+    def solve(self, values: Array | None = None, loose: float = 0.0) -> tuple[Array, tuple[Array, ...], float]:
+        """(unknowns of the wide zones, series of all holes, size of the last change).
+
+        values: of the side conditions, with no right side and no jumps; None: the equation itself. loose: tolerance of an iteration, where
+        that is more than the one at hand.
+        """
+        solver, homogeneous = self.base.solver, values is not None
+        right_side = self._first(values)
+        if isinstance(solver, Iterative):
+            # The holes' answer is part of the rows: what is iterated on is both at once.
+            nothing = tuple(np.zeros(here.offset[-1]) for here in self.holes)
+            given = nothing if homogeneous else tuple(one for _, one in self._answers)
+            near = None if homogeneous else self.base.folded_unknowns
+            folded = solver(
+                right_side + self._right(given, homogeneous), near, max(self.linear, loose),
+                lambda y: self._right(self._series(y, True), True),
+            )
+            return folded, self._series(folded, homogeneous), 0.0
+        first = folded = solver(right_side) if homogeneous else self.base.folded_unknowns
+        d = self._series(folded, homogeneous)
+        change, before = np.inf, np.inf
+        for _ in range(_ALTERNATIONS):
+            folded = first + solver(self._right(d, homogeneous))
+            new = self._series(folded, homogeneous)
+            size = max(float(np.abs(folded).max()), 1e-300)
+            change = max(float(np.abs(one - old).max()) for one, old in zip(new, d, strict=True)) / size
+            d = new
+            if change <= _ROUNDING or (change < 1e-13 and change > 0.5 * before):
+                break
+            if change > _SLOW * before:
+                folded, d, change = self._together(first, homogeneous)
+                break
+            before = change
+        if not np.isfinite(change) or change > max(_SETTLED, 10 * self.linear):
+            raise HolesUnsettled("the holes of a wide zone do not come to rest")
+        return folded, d, change
+
+    def _together(self, first: Array, homogeneous: bool) -> tuple[Array, tuple[Array, ...], float]:
+        """The same where going to and fro does not lead on, as when holes are near to each other or to an end: by GMRES on the
+        holes' series."""
+        solver, bounds = self.base.solver, np.cumsum([here.offset[-1] for here in self.holes])[:-1]
+
+        def answer(series: Array, homogeneous: bool, start: Array | float) -> tuple[Array, Array]:
+            folded = start + solver(self._right(tuple(np.split(series, bounds)), homogeneous))
+            return folded, np.concatenate(self._series(folded, homogeneous))
+
+        series = np.zeros(sum(here.offset[-1] for here in self.holes))
+        folded, again = answer(series, homogeneous, first)
+        for _ in range(_CORRECTIONS):
+            missing = again - series
+            series = series + gmres(lambda v: v - answer(v, True, 0.0)[1], missing, _ROUNDING * float(np.linalg.norm(missing))).x
+            folded, again = answer(series, homogeneous, first)
+        change = float(np.abs(again - series).max()) / max(float(np.abs(folded).max()), 1e-300)
+        return folded, tuple(np.split(series, bounds)), change
+
+    def _first(self, values: Array | None) -> Array:
+        """The right side without holes; for a matrix only that of values, its solution of the equation being at hand."""
+        solver = self.base.solver
+        if values is None:
+            return solver.right() if isinstance(solver, Iterative) else np.zeros(0)
+        right = np.zeros(solver.size)
+        right[self.base.conditions_from :] = values / self.base.condition_scale
+        return right
+
+    def _unfold(self, folded: Array) -> Array:
+        return self.base.folding.unfold(folded)
+
+    def s_table(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
+        """s_k of every wide zone."""
+        count = max(int(self.system.layout.m.max()), max(here.modes for here in self.holes), TOLD) + 1
+        out = np.zeros((len(self.cut.wide), count))
+        for here, one in zip(self.holes, d, strict=True):
+            told = here.told @ one + (0.0 if homogeneous else here.told_by_valleys)
+            out[here.zone, : len(told)] = told
+        return out
+
+    def mean_openings(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
+        out = np.zeros(len(self.cut.wide))
+        for here, one in zip(self.holes, d, strict=True):
+            out[here.zone] = here.mean_row @ one + (0.0 if homogeneous else here.mean_of_valleys)
+        return out
+
+    def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
+        """What s adds to the right side of the wide zones' rows."""
+        system, zones, base = self.system, self.cut.wide, self.base
+        s = self.s_table(d, homogeneous)
+        rows = -system.layout.flat(s)[system.diagonal]
+        view = Opened(zones, s, self.mean_openings(d, homogeneous), system.moments, system.layout.m, system.multiplicity())
+        constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
+        conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
+        return np.concatenate((rows, conditions))
+
+    def density(self, folded: Array, d: tuple[Array, ...], homogeneous: bool = False) -> tuple[State, Pierced]:
+        """(state of the wide zones, density) for solved unknowns."""
+        base, system = self.base, self.system
+        y = self._unfold(folded)
+        if homogeneous:
+            layout = system.layout
+            whole = Density(self.cut.wide, base.density.kernel, layout.padded(y), Steps.none(), y[layout.coefficients :])
+        else:
+            whole = density_of(system, y)
+        s = self.s_table(d, homogeneous)
+        count = max(s.shape[1], whole.coefficients.shape[1])
+        table = np.pad(whole.coefficients, ((0, 0), (0, count - whole.coefficients.shape[1])))
+        s = np.pad(s, ((0, 0), (0, count - s.shape[1])))
+        within = np.arange(count) <= system.layout.m[:, None]
+        smooth = replace(whole, coefficients=np.where(within, table - s, table))
+        whole = replace(whole, coefficients=np.where(within, table, table + s))
+        left_over = base.solver.error if isinstance(base.solver, Iterative) else base.linear_error
+        state = replace(base, folded_unknowns=folded, unknowns=y, density=whole, linear_error=left_over)
+        return state, Pierced(self.cut, smooth, whole, self.holes, d, forced=not homogeneous)
+
+
+@dataclass(frozen=True, eq=False)
+class PiercedState(Kept):
+    """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the holes.
+
+    wide: state of the wide zones, holes included; rest: what alternating left, over the largest coefficient.
+    """
+
+    release: Release
+    wide: State
+    density: Pierced
+    series: tuple[Array, ...]
+    rest: float
+    sizes: Sizes
+
+    @property
+    def cut(self) -> Cut:
+        return self.release.cut
+
+    def settled(self) -> PiercedState:
+        return replace(self, density=self.density.settled())
+
+    @property
+    def equation(self) -> Equation:
+        return self.wide.equation
+
+    @property
+    def solver(self) -> Solver:
+        return self.wide.solver
+
+    @property
+    def condition_scale(self) -> Array:
+        return self.wide.condition_scale
+
+    @property
+    def condition_index(self) -> Index:
+        return self.wide.condition_index
+
+    @property
+    def linear_error(self) -> Array:
+        return self.wide.linear_error[self.cut.piece_zone]
+
+    @property
+    def unresolved(self) -> bool:
+        return self.wide.unresolved
+
+    @property
+    def iterated(self) -> bool:
+        return self.wide.iterated
+
+    # further right sides --------------------------------------------------------------------------------------------
+    def _answer(self, values: Array, loose: float = 0.0) -> tuple[Array, tuple[Array, ...]]:
+        """(unknowns, series) for unit changes of the side conditions' values."""
+        folded, series, _ = self.release.solve(values, loose)
+        return folded, series
+
+    def response(self, values: Array, tolerance: float = 0.0) -> Pierced:
+        """See `State.response`."""
+        return self.release.density(*self._answer(values, tolerance), homogeneous=True)[1]
+
+    def with_value(self, condition: int, change: float) -> PiercedState:
+        """See `State.with_value`."""
+        values = np.zeros(len(self.condition_scale))
+        values[self.condition_index[condition]] = change
+        folded, series = self._answer(values)
+        both = tuple(one + other for one, other in zip(self.series, series, strict=True))
+        wide, density = self.release.density(self.wide.folded_unknowns + folded, both)
+        return replace(self, wide=wide, density=density, series=both)
+
+    @property
+    def levels(self) -> Array:
+        """Level of each solved wide zone."""
+        opened = self.release.mean_openings(self.series, False)
+        return self.wide.levels + opened[self.cut.wide.solved]
+
+    def level_rates(self, values: Array) -> Array:
+        folded, series = self._answer(values)
+        opened = self.release.mean_openings(series, True)
+        return self.wide.system.level_changes(self.wide.folding.unfold(folded)) + opened[self.cut.wide.solved]
+
+    # errors ---------------------------------------------------------------------------------------------------------
+    @property
+    def natural(self) -> Array:
+        return self.wide.natural[self.cut.piece_zone]
+
+    @cached_property
+    def noise(self) -> Array:
+        return self.wide.noise[self.cut.piece_zone]
+
+    def _intensities_of(self, of_coefficients: Array, at_holes: float = 1.0) -> Array:
+        """K at the left and right ends of the pieces (2, n) for errors of the wide zones' coefficients, in sum; at_holes:
+        factor there."""
+        cut = self.cut
+        wide = np.sqrt(cut.wide.half / 2) * of_coefficients
+        holes = at_holes * np.sqrt(cut.holes.half / 2) * of_coefficients[cut.hole_zone]
+        at_left, at_right = self.density.hole_roots
+        left = np.where(cut.hole_before < 0, wide[cut.piece_zone], (holes / at_right)[cut.hole_before])
+        right = np.where(cut.hole_after < 0, wide[cut.piece_zone], (holes / at_left)[cut.hole_after])
+        return np.array([left, right])
+
+    @cached_property
+    def intensity_noise(self) -> Array:
+        """See `State.intensity_noise`."""
+        rest = self.rest * np.abs(self.wide.density.coefficients).max()
+        return self._intensities_of(self.wide.coefficient_noise + rest, _SAFETY)
+
+    @cached_property
+    def _tails(self) -> Array:
+        """What the neglected coefficients of the holes of each wide zone may amount to, by the fall of the last ones."""
+        out = np.zeros(len(self.cut.wide))
+        for here, row in zip(self.release.holes, self.density.series, strict=True):
+            for d in row:
+                # Of two neighbours one may vanish for symmetry.
+                last, before = np.abs(d[-2:]).max(), np.abs(d[-4:-2]).max()
+                fall = min(last / before, 1.0) if before > 0 else 0.0
+                out[here.zone] = max(out[here.zone], last * fall * len(d))
+        return out
+
+    @cached_property
+    def _sizes(self) -> Array:
+        """The largest coefficient of each wide zone."""
+        known = np.abs(self.wide.system.known).max(axis=1, initial=0.0)
+        return np.asarray(np.abs(self.wide.density.coefficients).max(axis=1) + known)
+
+    @property
+    def size(self) -> float:
+        """See `State.size`."""
+        return float(self._sizes.max())
+
+    @cached_property
+    def _neglected(self) -> Array:
+        """Sum of the coefficients that each wide zone neglects, as in `State`."""
+        wide = self.wide
+        neglected = wide.neglected * self._sizes / np.maximum(wide.sizes.own[: len(self._sizes)], 1)
+        return np.asarray(np.minimum(neglected, 10 * self._residual))
+
+    @cached_property
+    def missing(self) -> Array:
+        """What is neglected of each wide zone's coefficients and of the equation between its nodes, in all."""
+        rounding = 2e-15 * self._sizes + self.wide.jumps_rounding
+        return np.asarray(self._neglected + 3 * np.maximum(self._residual - rounding, 0.0) + self._tails)
+
+    @cached_property
+    def _residual(self) -> Array:
+        """The largest residual of each wide zone."""
+        out = np.zeros(len(self.cut.wide))
+        np.maximum.at(out, self.cut.piece_zone, np.abs(self._residuals).max(axis=1))
+        return out
+
+    @cached_property
+    def _residuals(self) -> Array:
+        """Residual of the equation times the wide zone's sqrt(1 - t^2) at a few points of each piece."""
+        zones, cut = self.density.zones, self.cut
+        theta = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
+        x = (zones.middle[:, None] + zones.half[:, None] * np.cos(theta)).ravel()
+        value = self.density.transform(x) - self.equation.forcing.value(x)
+        for amplitude, column in zip(self.density.amplitudes, self.equation.columns, strict=True):
+            value = value - amplitude * column.value(x)
+        left = cut.start[:, None] + (zones.half[:, None] * (1 + np.cos(theta)))
+        right = cut.rest[:, None] + (zones.half[:, None] * (1 - np.cos(theta)))
+        root = np.sqrt(left * right) / cut.wide.half[cut.piece_zone][:, None]
+        return np.asarray(value.reshape(root.shape) * root)
+
+    @cached_property
+    def density_error(self) -> float:
+        """See `State.density_error`."""
+        wide, peak = self.wide, self.size
+        if peak == 0.0:
+            return 0.0
+        coupled = wide.system.layout.m
+        zone = self.cut.piece_zone
+        seen = residual_error(self._residuals, peak, coupled[zone], wide.jumps_rounding[zone], np.bincount(zone)[zone] == 1)
+        holes = (float(self._tails.max()) + wide.density_rounding) / peak + self.rest
+        neglected = float((self._neglected * np.maximum(wide.sizes.own[: len(coupled)], 1)).max()) / peak
+        return neglected + seen + holes
+
+    @cached_property
+    def end_truncation(self) -> Array:
+        """See `State.end_truncation`, of the pieces."""
+        zones = self.density.zones
+        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+        slopes = np.where(moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
+        return np.asarray(self._intensities_of(self.missing) / np.maximum(slopes, 1e-300) / zones.half).T
+
+
+AnyState = State | PiercedState
+AnyDensity = Density | Pierced
+
+
+def solve_zones(
+    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None
+) -> AnyState:
+    """`solve_fixed`, with narrow gaps between zones as holes of the wide zones that span them."""
+    equation.check_count(zones)
+    found = cut(equation, zones)
+    if found is None:
+        return solve_fixed(equation, zones, tolerance, sizes)
+    if sizes is None:
+        sizes = first_sizes(equation, zones)
+    inner = sizes.wide
+    if inner is None or len(inner.own) != len(found.wide):
+        inner = first_sizes(equation, found.wide)
+    # By iteration the wide zones alone are no more than a start.
+    inner.linear, inner.value = max(sizes.linear, _START), sizes.value
+    profile, kernel, iterations = inner.profile_evaluations, inner.kernel_evaluations, inner.iterations
+    state = solve_fixed(equation, found.wide, tolerance, inner)
+    release = Release(found, state, sizes.linear)
+    try:
+        folded, series, rest = release.solve()
+    except HolesUnsettled:
+        return solve_fixed(equation, zones, tolerance, sizes)
+    if isinstance(state.solver, Iterative):
+        more = state.solver.iterations - (inner.iterations - iterations)
+        inner.iterations += more
+        inner.kernel_evaluations += more * state.solver.system.sums.size
+    wide, density = release.density(folded, series)
+    if inner.carried is not None:
+        inner.carried = Carried.of(inner.carried.punches, wide.system.layout, wide.unknowns)
+    sizes.wide = inner
+    sizes.solves += 1
+    sizes.profile_evaluations += inner.profile_evaluations - profile
+    sizes.kernel_evaluations += inner.kernel_evaluations - kernel
+    sizes.iterations += inner.iterations - iterations
+    found_state = PiercedState(release, wide, density, series, rest, sizes)
+    if any(here.valleys for here in release.holes) and found_state.density_error > max(_CARELESS * tolerance, _SETTLED):
+        # A jump of a derivative that is not declared lies between zones by themselves, but within a wide one.
+        apart = solve_fixed(equation, zones, tolerance, sizes)
+        return apart if apart.density_error < found_state.density_error else found_state
+    return found_state
