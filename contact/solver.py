@@ -26,7 +26,7 @@ from contact.search.coarse import MOST_POINTS
 from contact.search.first_order import FirstOrder
 from contact.search.gap_topology import find_gaps, settle_gaps
 from contact.search.plateau import refuse_below_plateau
-from contact.search.proposals import about, load_of_width, placed, proposed
+from contact.search.proposals import Proposed, about, of_width, placed, proposed
 from contact.search.scaling import Framed, framed, framed_about, lowest
 from contact.search.tilt import known_part
 from contact.search.topology import Progress, WrongTopology, same_end, settle
@@ -273,7 +273,10 @@ class _Run:
             if gapped is not None:
                 return gapped
             with self.plan.timed("coarse search"):
-                first = load_of_width(self.frame, problem, control.value) * problem.units.load
+                proposal = of_width(self.frame, problem, control.value)
+            first, found = proposal.load, self._from_width(problem, control, proposal)
+            if found is not None:
+                return found
         else:
             first = self.near.load
         goal, near_enough, last, off = self.scene.control[1], _NEAR_WIDTH, None, 1.0
@@ -295,6 +298,24 @@ class _Run:
                 pass
         assert last is not None
         return self._under_load_of(problem, control, last)
+
+    def _from_width(self, problem: Problem, control: Control, proposal: Proposed) -> Found | Gapped | None:
+        """From zones of about the width that a grid has found; None if they do not lead on."""
+        self.plan["coarse search"].detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
+        if proposal.full or len(proposal.zones) == 0:
+            return None
+        table = placed(problem, proposal.zones)
+        gapped = self._by_gaps(problem, control, control.value, table)
+        if gapped is not None:
+            return gapped
+        with self.plan.timed("zone ends"):
+            try:
+                return settle(
+                    problem, control, table, self.tolerance, self.progress, timed=self.plan.timed,
+                    value=proposal.load / problem.units.load, steps=_FEW, rounds=_FEW_ROUNDS,
+                )
+            except (WrongTopology, OutOfRange):
+                return None
 
     def _under_load_of(self, problem: Problem, control: Control, near: Solution) -> Found | Gapped:
         """The contact under the load that has the width, where the zones of the width itself do not settle: right at a birth or a
