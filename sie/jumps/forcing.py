@@ -57,6 +57,8 @@ _SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
 _TINY = 1e-16
 # Kinks of a zone beside which it is looked how the density follows the ends.
 _KINKS = 32
+# Zones whose series are found together.
+_TOGETHER = 256
 # (point, jump) pairs handled at once.
 _PAIRS = 1 << 19
 
@@ -204,8 +206,10 @@ class Steps(Kept):
 
     def level_part(self, zone: int, left: Array) -> Array:
         """The same of the jumps of g itself alone: they have no slope."""
-        k = self.by_zone.get(zone)
-        return np.zeros(left.shape) if k is None else self._added(k[self.order[k] == 0], left)
+        if zone not in self.kinked:
+            return np.zeros(left.shape)
+        k = self.by_zone[zone]
+        return self._added(k[self.order[k] == 0], left)
 
     def _added(self, k: Index, left: Array) -> Array:
         out = np.empty(left.shape)
@@ -381,8 +385,11 @@ class Steps(Kept):
     def _summed(self, zone: int) -> Array:
         """Coefficients of T_l / sqrt(1 - t^2) of all parts of a zone together."""
         if zone not in self._sums:
-            k = self.by_zone[zone]
-            self._sums[zone] = self._coefficients(k, np.zeros_like(k), 1, _SERIES_TO[-1][1])[0]
+            # With the zones after it, which are asked for next: one by one takes several times as long.
+            zones = [other for other in self.by_zone if zone <= other < zone + _TOGETHER]
+            row = np.repeat(np.arange(len(zones)), [len(self.by_zone[other]) for other in zones])
+            k = np.concatenate([self.by_zone[other] for other in zones])
+            self._sums.update(zip(zones, self._coefficients(k, row, len(zones), _SERIES_TO[-1][1]), strict=True))
         return self._sums[zone]
 
     @cached_property
@@ -448,7 +455,10 @@ class Steps(Kept):
         on = (left >= 0) & (right >= 0)
         far = ~on & (np.abs(rho) < _FAR)
         if far.any():
-            c = self._coefficients(k, np.zeros_like(k), 1, _SERIES_TO[0][1])[0]
+            zone = int(self.zone[k[0]]) if len(k) else -1
+            whole = zone in self.by_zone and len(k) == len(self.by_zone[zone])
+            count = _SERIES_TO[0][1]
+            c = self._summed(zone)[:count] if whole else self._coefficients(k, np.zeros_like(k), 1, count)[0]
             r, total = rho[far], np.zeros(int(far.sum()))
             for l in range(len(c) - 1, 0, -1):
                 total = (total + c[l] / l) * r
