@@ -21,7 +21,7 @@ from contact.search.by_load import approach, contact_fraction, nearer
 from contact.search.gap_topology import settle_gaps
 from contact.search.gaps import OF_GAPS, by_gaps, tightened_gaps
 from contact.search.missed import Missed
-from contact.search.proposals import load_of_width, placed
+from contact.search.proposals import Proposed, of_width, placed
 from contact.search.scaling import Framed, framed_about
 from contact.search.task import Task
 from contact.search.tilt import known_part
@@ -91,7 +91,12 @@ def by_fraction(task: Task, frame: Framed) -> Found | Gapped:
                 return gapped
             task.left("gaps", gapped)
         with task.plan.timed("coarse search"):
-            first = load_of_width(frame, problem, control.value) * problem.units.load
+            proposal = of_width(frame, problem, control.value)
+        found = _from_proposal(task, problem, control, proposal)
+        if not isinstance(found, Missed):
+            return found
+        task.left("zones of a grid of about this width", found)
+        first = proposal.load
     else:
         first = task.near.load
     near_enough, last, off = _NEAR_WIDTH, None, 1.0
@@ -114,6 +119,18 @@ def by_fraction(task: Task, frame: Framed) -> Found | Gapped:
             raise task.error(found, problem)
     assert last is not None
     return _under_load_of(task, problem, control, last)
+
+
+def _from_proposal(task: Task, problem: Problem, control: Control, proposal: Proposed) -> Found | Gapped | Missed:
+    """From zones of about the width that a grid has found."""
+    task.plan["coarse search"].detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
+    if proposal.full or len(proposal.zones) == 0:
+        return Missed("the grid is in full contact, or in none")
+    table = placed(problem, proposal.zones)
+    gapped = by_gaps(task, problem, control, control.value, table)
+    if isinstance(gapped, Gapped):
+        return gapped
+    return task.settle(problem, control, table, value=proposal.load / problem.units.load, steps=_FEW, rounds=_FEW_ROUNDS)
 
 
 def _under_load_of(task: Task, problem: Problem, control: Control, near: Solution) -> Found | Gapped:

@@ -207,7 +207,9 @@ def load_controlled(problem: Problem, control: Control, free: sie.Free, toleranc
     right = [problem.end if end == problem.held_end else end for end in zones.right]
     ends = replace(zones, left=left, right=right)
     equation = problem.equation(Load(total))
-    state = sie.solve_zones(equation, ends, max(0.1 * tolerance, 3e-16))
+    # On about the same zones: with their modes, and by iteration from their solution.
+    sizes = replace(free.state.sizes, value=0.0)
+    state = sie.solve_zones(equation, ends, max(0.1 * tolerance, 3e-16), sizes)
     return ZoneFields(problem, state.settled())
 
 
