@@ -71,6 +71,8 @@ _OF_GAPS = 0.01
 _CENTRINGS, _LONGER, _SHORTENED = 30, 16.0, 3
 # A smaller inner tolerance that leaves more of the error than this does no good: what is left is rounding.
 _USELESS = 0.5
+# Half widths of a zone over the length of the kernel's smooth part: the modes of a zone show it to rounding, or not at all.
+_RESOLVED, _HOPELESS = 40.0, 150.0
 # The smallest tolerance that is asked of the engine.
 _LEAST = 2e-15
 # In how many steps of it the miss must halve.
@@ -353,7 +355,8 @@ class _Run:
         useless = False
         for _ in range(3):
             error = stated_error(found, self.control)
-            if error <= self.tol or self.tolerance <= _LEAST or self._is_rounding(found):
+            hopeless = self._is_rounding(found) or self._too_thin(found.fields.problem, found.free.density.zones.table) != ""
+            if error <= self.tol or self.tolerance <= _LEAST or hopeless:
                 break
             self.tolerance = _LEAST if useless else max(_LEAST, 0.05 * self.tolerance * self.tol / error)
             try:
@@ -582,6 +585,9 @@ class _Run:
             )
 
     def _settle(self, problem: Problem, control: Control, table: Array, near: bool = False) -> Found:
+        thin = self._too_thin(problem, table, _HOPELESS)
+        if thin:
+            raise OutOfRange(thin)
         return settle(problem, control, table, self.tolerance, self.progress, timed=self.plan.timed, near=near)
 
     def _settled(self, problem: Problem, control: Control, table: Array) -> Found:
@@ -841,9 +847,25 @@ class _Run:
         solution = Solution(self.scene, table, fields, error, found.certificate, plan, found.free.trace)
         return self._within_tolerance(solution, found.free, "gap")
 
+    def _too_thin(self, problem: Problem, table: Array, limit: float = _RESOLVED) -> str:
+        """Why modes do not show the smooth part of the body's kernel on scaled zones; empty if they do."""
+        kernel = problem.kernel
+        half = 0.5 * float((table[:, 1] - table[:, 0]).max(initial=0.0))
+        if not half > limit * kernel.length:
+            return ""
+        unit = self.problem.units.length
+        return (
+            f"the kernel of {self.scene.substrate.name} varies over {kernel.length * unit:.2g} m, 1/{2 * half / kernel.length:.0f} of a "
+            "zone's width, more than the modes of a zone show: ask for a larger tolerance, or for narrower zones"
+        )
+
+    def _too_thin_of(self, solution: Solution) -> str:
+        fields = solution.fields
+        return self._too_thin(fields.problem, fields.density.zones.table) if isinstance(fields, ZoneFields) else ""
+
     def _within_tolerance(self, solution: Solution, free: sie.Free, of: str, positions: float = 0.0) -> Solution:
         if solution.error > self.tol:
-            why = limit_of_approach(solution, self.tol) or limit(free, self.tol, of, positions)
+            why = limit_of_approach(solution, self.tol) or self._too_thin_of(solution) or limit(free, self.tol, of, positions)
             raise NotConverged(
                 f"the stated error {solution.error:.2g} is above the tolerance {self.tol:.2g}{': ' if why else ''}{why}; the best "
                 "state is attached",

@@ -145,7 +145,8 @@ class Operator(sie.Kept):
         if smooth.is_zero:
             return plain
         raised = self._raised(datum)
-        return plain + sie.Smooth(_Lines(smooth.value, plain.poles, unit, unit), _Lines(smooth.potential, plain.poles, unit, 1.0, raised))
+        value = _Lines(smooth.value, plain.poles, unit, unit)
+        return plain + sie.Smooth(value, _Lines(smooth.potential, plain.poles, unit, 1.0, raised), smooth.length / unit)
 
     def _raised(self, datum: float | None) -> float:
         """What makes the potential of a line load vanish in the datum [m], or far away from a body with a base."""

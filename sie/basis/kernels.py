@@ -31,6 +31,8 @@ class Kernel:
     sure: whether the reach alone tells how many nodes and modes the regular part needs, as it does where that part is no larger off
         the zones than on them. If not, as of a user's own, a zone's modes grow until they show it.
     datum: Lambda is log|(x - xi - s) / datum| summed over the poles.
+    length: how near to the real axis the singularities of the regular part are, where that is known (inf: not): a zone of half width w
+        begins with as many modes as w over that asks for, and may take more than other regular kernels.
     """
 
     poles: tuple[float, ...] = (0.0,)
@@ -40,6 +42,7 @@ class Kernel:
     reach: float = math.inf
     datum: float = 1.0
     sure: bool = False
+    length: float = math.inf
 
     def __post_init__(self) -> None:
         poles = np.asarray(self.poles, dtype=float)
@@ -63,16 +66,18 @@ class Kernel:
         # Without one of the potentials there is none of the sum.
         lacking = other.potential is None or (self.regular is not None and self.regular_potential is None)
         potential = None if lacking else _summed(self.regular_potential, other.potential)
-        return Kernel(self.poles, self.period, _summed(self.regular, other.value), potential, 0.0, self.datum)
+        length = min(self.length, other.length)
+        return Kernel(self.poles, self.period, _summed(self.regular, other.value), potential, 0.0, self.datum, length=length)
 
 
 @dataclass(frozen=True)
 class Smooth:
     """A regular kernel value(x, xi), smooth on all zones; `potential` is its antiderivative in x, needed only by side
-    conditions on potentials."""
+    conditions on potentials. `length`: how near to the real axis its singularities are, where that is known."""
 
     value: Regular
     potential: Regular | None = None
+    length: float = math.inf
 
 
 def _summed(first: Regular | None, second: Regular | None) -> Regular | None:

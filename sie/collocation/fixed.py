@@ -226,7 +226,7 @@ class State(Kept):
     @property
     def unresolved(self) -> bool:
         """Whether the most modes that zones are given do not show what the columns do on them."""
-        return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.COUPLED_SIZES[-1]
+        return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.most(self.system.equation.kernel)
 
     @property
     def iterated(self) -> bool:
@@ -384,7 +384,11 @@ def residual_error(residuals: Array, size: float, coupled: Index, rounding: Arra
 
 def first_sizes(equation: Equation, zones: Zones) -> Sizes:
     """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for."""
-    least = 16 if equation.grows else max((column.modes or 0 for column in equation.columns), default=0)
+    least: int | Index
+    if equation.grows:
+        least = modes.least(zones, equation.kernel)
+    else:
+        least = max((column.modes or 0 for column in equation.columns), default=0)
     return Sizes(np.full(len(zones), 16), least)
 
 
@@ -416,7 +420,7 @@ def solve_fixed(
                 raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
         state = _solve_once(equation, zones, m, samples, steps, sizes)
         # Each zone by itself: what one asks for would cost all of them too much.
-        few = (state.tails > tolerance * 10) & (m < modes.COUPLED_SIZES[-1])
+        few = (state.tails > modes.enough(kernel, tolerance)) & (m < modes.most(kernel))
         if not equation.grows or not few.any():
             return state
         sizes.least = np.where(few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m)
