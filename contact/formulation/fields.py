@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import sie
+from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
-from contact.formulation.problem import Control, Problem
+from contact.formulation.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -345,7 +346,7 @@ class ZoneFields(sie.Kept):
         problem, density = self.problem, self.density
         if problem.moment is None:
             whole = replace(density.zones, symmetric=False)
-            equation = replace(problem, moment=self.scaled_moment).equation(Control("load", density.total))
+            equation = replace(problem, moment=self.scaled_moment).equation(Load(density.total))
             state = sie.solve_zones(equation, whole, 1e-14)
         else:
             state = self.state

@@ -120,6 +120,19 @@ def period_samples(profile: Profile) -> Array:
     return np.asarray(profile.x0 + length * np.arange(n + 1) / n)
 
 
+def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
+    """min f, over the period or, without one, over a window that holds the tip."""
+    if profile.summits is not None:
+        return float(np.min(profile.height(np.asarray(profile.summits))))
+    if profile.period is not None:
+        x = period_samples(profile)
+    else:
+        assert cell is not None
+        per_feature = 0.0 if profile.resolution is None else 4 * (cell[1] - cell[0]) / profile.resolution
+        x = np.linspace(*cell, int(np.clip(per_feature, 1025, 2**20)))
+    return -maximum(lambda points: -np.asarray(profile.height(points)), x)[1]
+
+
 @dataclass(frozen=True, eq=False)
 class FullFields(sie.Kept):
     """Full contact of a periodic profile: p = pbar - (E*/2) R; no gap. mean_height: mean f - min f [m]."""

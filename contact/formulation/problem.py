@@ -18,6 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
+from contact.formulation.controls import Control
+from contact.formulation.units import Units
 from contact.model.interactions.base import Interaction
 from contact.model.laws.base import Law
 from contact.model.operator import Operator
@@ -28,70 +30,9 @@ from contact.model.substrates.base import Substrate
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Units:
-    """origin and length [m], slope [1], and what follows for pressure and load; E_star [Pa].
-
-    The length is a power of two: counted in it, places lose no digit.
-    """
-
-    origin: float
-    length: float
-    slope: float
-    E_star: float
-
-    @property
-    def pressure(self) -> float:
-        return 0.5 * self.E_star * self.slope
-
-    @property
-    def load(self) -> float:
-        return self.pressure * self.length
-
-    @property
-    def height(self) -> float:
-        return self.slope * self.length
-
-    @property
-    def intensity(self) -> float:
-        """Of a pressure K / sqrt(d)."""
-        return self.pressure * self.length**0.5
-
-    @property
-    def moment(self) -> float:
-        return self.load * self.length
-
-    @property
-    def lever(self) -> float:
-        """The origin's own place, scaled: x = length (lever + scaled x)."""
-        return self.origin / self.length
-
-    def x(self, scaled: Array) -> Array:
-        return self.origin + self.length * scaled
-
-    def scaled(self, x: Array) -> Array:
-        return np.asarray((x - self.origin) / self.length)
-
-    def placed(self, scaled: Array) -> Array:
-        """Where scaled places come to stand by the rounding of x."""
-        return self.scaled(self.x(scaled))
-
-    def minus_place(self, scaled: Array) -> Array:
-        """-x, scaled."""
-        return np.asarray(-(scaled + self.lever))
-
-
 def minus_one(x: Array) -> Array:
     """-1 at all places: the slope of a column that turns, or of a load that presses everywhere."""
     return np.full(np.shape(x), -1.0)
-
-
-@dataclass(frozen=True)
-class Control:
-    """What is given, scaled: "load", "approach" (minus the level), "half_width" or "width" (of all zones together)."""
-
-    kind: str
-    value: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,16 +179,7 @@ class Problem(sie.Kept):
             closure: tuple[sie.Condition, ...] = (sie.Amplitude(0, self.amplitude or 0.0),)
         else:
             closure = self.interaction.side_conditions(self.period)
-        ends: tuple[sie.TotalWidth, ...] = ()
-        conditions: tuple[sie.Condition, ...]
-        if control.kind == "load":
-            conditions = (sie.Total(control.value), sie.EqualPotential())
-        elif control.kind == "approach":
-            conditions = (sie.Level(-control.value),)
-        elif control.kind == "width":
-            conditions, ends = (sie.Total(None), sie.EqualPotential()), (sie.TotalWidth(control.value),)
-        else:
-            conditions = ()
+        conditions, ends = control.conditions()
         if self.moment is not None:
             closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
         return sie.Equation(self.kernel, self.forcing, (*conditions, *closure), (*self.columns, *self._turning), ends)

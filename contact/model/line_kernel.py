@@ -125,12 +125,15 @@ class SmoothPart:
 
 def _shortest(symbol: Symbol) -> float | None:
     """The wave [1/m] from which on L = 1; None if L = 1 everywhere."""
-    seen = np.flatnonzero(np.abs(np.asarray(symbol(WAVES)) - 1) > ONE)
+    off = np.abs(np.asarray(symbol(WAVES)) - 1)
+    # Of the shortest waves rounding alone is left.
+    level = max(ONE, 4 * float(off[-8:].max()))
+    seen = np.flatnonzero(off > level)
     if len(seen) == 0:
         return None
     lo, hi = WAVES[seen[-1]], WAVES[min(seen[-1] + 1, len(WAVES) - 1)]
     finer = np.geomspace(lo, hi, 33)
-    return float(finer[np.flatnonzero(np.abs(np.asarray(symbol(finer)) - 1) > ONE)[-1]])
+    return float(finer[np.flatnonzero(np.abs(np.asarray(symbol(finer)) - 1) > level)[-1]])
 
 
 def _longest(symbol: Symbol) -> float:

@@ -27,6 +27,10 @@ _PASSING = 1e-3  # tolerance of the grids before the last
 NARROW = 3  # cells: below this a zone or a gap is not resolved
 
 
+class NoWindow(OutOfRange):
+    """However wide a window is, the contact reaches its border."""
+
+
 @dataclass(frozen=True)
 class Proposal:
     """Zones to start Newton from. `points` is the size of the last grid, `iterations` the sum over all grids;
@@ -312,7 +316,7 @@ class _Window:
             if wanted == window or centre + 0.5 * h == centre:  # at the limits, or below the digits of x
                 return window, state
             window = wanted
-        raise OutOfRange(
+        raise NoWindow(
             f"no window holds the contact (last tried: {window}): does the profile rise on both sides?"
         )
 

@@ -23,7 +23,8 @@ from numpy.typing import NDArray
 
 from contact.errors import NotConverged, OutOfRange
 from contact.extras import require
-from contact.formulation.problem import Control, Problem
+from contact.formulation.controls import Control, HalfWidth, Load, Width
+from contact.formulation.problem import Problem
 from contact.model.interactions.isolated import Isolated
 from contact.verify.accuracy import Found
 
@@ -53,9 +54,9 @@ class FirstOrder:
     def found(self, control: Control, guess: float) -> tuple[Found, float]:
         """The zones that carry the control, and d amplitude / d load at them (for the stiffness). guess: of their total width where
         there is one about the origin, else of the amplitude."""
-        if control.kind == "half_width":
+        if control.half_width is not None:
             self.single = True
-            found, amplitude = self._at_width(2 * control.value)
+            found, amplitude = self._at_width(2 * control.half_width)
         elif self.single:
             found, amplitude = self._at_width(self._width_for(control, guess))
         else:
@@ -64,8 +65,8 @@ class FirstOrder:
             found = self.together
         rate = self._rate(found) if self.single else self._rate_of_miss(found, amplitude)
         load = found.fields.density.total
-        final = self.strip(found.fields.problem.with_amplitude(amplitude), Control("load", load), _table(found))
-        return replace(final, fields=replace(final.fields, amplitude_rate=rate)), amplitude
+        final = self.strip(found.fields.problem.with_amplitude(amplitude), Load(load), _table(found))
+        return replace(final, fields=replace(final.fields, amplitude_rate=rate), control=control), amplitude
 
     @property
     def _period(self) -> float:
@@ -82,7 +83,7 @@ class FirstOrder:
         return self.together, amplitude
 
     def _of_width(self, width: float) -> Control:
-        return Control("half_width", 0.5 * width) if self.single else Control("width", width)
+        return HalfWidth(0.5 * width) if self.single else Width(width)
 
     def _rate(self, found: Found) -> float:
         """d amplitude / d load = dP0/dW over dP/dW, by central differences: the stiffness needs no more digits than they have."""
@@ -97,7 +98,7 @@ class FirstOrder:
 
         def miss(more_load: float, more: float) -> float:
             self.together = found
-            return self._miss(Control("load", load * (1 + more_load)), amplitude * (1 + more))
+            return self._miss(Load(load * (1 + more_load)), amplitude * (1 + more))
 
         by_load = (miss(_APART, 0.0) - miss(-_APART, 0.0)) / load
         by_amplitude = (miss(0.0, _APART) - miss(0.0, -_APART)) / amplitude
@@ -108,7 +109,7 @@ class FirstOrder:
 
         def miss(width: float) -> float:
             found, _ = self._at_width(width)
-            got = found.fields.density.total if control.kind == "load" else -found.fields.level
+            got = found.fields.density.total if control.load is not None else -found.fields.level
             return got - control.value
 
         limit = 0.9998 * self._period
@@ -201,10 +202,10 @@ class FirstOrder:
 
     def _refused(self, control: Control, width: float | None = None, miss: float = 0.0) -> OutOfRange:
         units = self.problem.units
-        unit = units.load if control.kind == "load" else units.height
+        unit = control.unit(units)
         largest = "" if width is None else f", {(control.value + miss) * unit:.6g} at total width {width * units.length:.6g} m"
         return OutOfRange(
-            f"{control.kind} {control.value * unit:.6g} is beyond the largest that the first-order closure carries on the branch from zero "
+            f"{control.told(units)} is beyond the largest that the first-order closure carries on the branch from zero "
             f"load{largest}; interaction = Periodic() has no such limit"
         )
 

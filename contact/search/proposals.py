@@ -10,7 +10,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.formulation.problem import Control, Problem, Units
+from contact.formulation.controls import Control, Load
+from contact.formulation.problem import Problem
+from contact.formulation.units import Units
 from contact.model.interactions.periodic import Periodic
 from contact.search.coarse import Proposal, grid_height, propose
 from contact.search.scaling import Framed
@@ -58,7 +60,7 @@ def proposed(
     if problem.moment is not None:
         return _by_moment(frame, problem, control, points)
     units, profile, interaction = problem.units, problem.profile, problem.interaction
-    operator, by_load = problem.operator, control.kind == "load"
+    operator, by_load = problem.operator, control.load is not None
     # Of a strip the grid of the whole period tells where to cut.
     whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
     found = propose(
@@ -78,7 +80,7 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     strip is cut there, or where it would leave the last one, and then follows its zones."""
     units, profile, interaction = problem.units, problem.profile, problem.interaction
     assert profile.period is not None and problem.period is not None
-    load = control.value * units.load if control.kind == "load" else whole.state.load
+    load = whole.state.load if control.load is None else control.load * units.load
     nominal = load / units.load / problem.period if problem.amplitude is None else problem.amplitude
     middle = _cut(whole, profile.x0, profile.period) + 0.5 * profile.period
     if held:
@@ -154,7 +156,7 @@ def load_of_width(frame: Framed, problem: Problem, width: float) -> float:
     points = 2 ** int(np.clip(np.ceil(np.log2(max(_PER_FEATURE * features, least))), 8, 17))
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
     for _ in range(60):
-        found = proposed(frame, problem, Control("load", load), points, _ROUGHLY).width / units.length
+        found = proposed(frame, problem, Load(load), points, _ROUGHLY).width / units.length
         if abs(found - width) < near_enough or high < _CLOSE_BY * low:
             break
         # Of what is in contact to what is not, the logarithm goes about straight with that of the load.

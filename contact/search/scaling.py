@@ -16,14 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
-from contact.formulation.full import period_samples
-from contact.formulation.maxima import maximum
-from contact.formulation.problem import Control, Problem, Units
+from contact.formulation.controls import Control, scaled_control
+from contact.formulation.full import lowest
+from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
+from contact.formulation.units import Units
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
-from contact.search.coarse import find_window, grid_height
+from contact.search.coarse import NoWindow, find_window, grid_height
 from contact.search.tilt import Window, held_by, known_part, leaning, window_at_load
 
 Array = NDArray[np.float64]
@@ -103,9 +104,7 @@ def _window(scene: Scene, profile: Tilted) -> Window:
                 f"{deepest - level:.6g} m on"
             )
         return fixed or find(profile.height, scene.E_star, level=level + value)
-    except OutOfRange as failure:
-        if "no window" not in str(failure):
-            raise
+    except NoWindow as failure:
         raise OutOfRange(f"turned by {profile.tilt:.6g}, the body finds no hold: {failure}") from failure
 
 
@@ -183,19 +182,6 @@ def _middle_or_tip(profile: Profile, window: Window) -> float:
     return float(tips[np.argmin(profile.height(tips))]) if len(tips) else 0.5 * (window[0] + window[1])
 
 
-def lowest(profile: Profile, cell: Window | None = None) -> float:
-    """min f, over the period or, without one, over a window that holds the tip."""
-    if profile.summits is not None:
-        return float(np.min(profile.height(np.asarray(profile.summits))))
-    if profile.period is not None:
-        x = period_samples(profile)
-    else:
-        assert cell is not None
-        per_feature = 0.0 if profile.resolution is None else 4 * (cell[1] - cell[0]) / profile.resolution
-        x = np.linspace(*cell, int(np.clip(per_feature, 1025, 2**20)))
-    return -maximum(lambda points: -np.asarray(profile.height(points)), x)[1]
-
-
 def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) -> float:
     lo, hi = cell
     x = lo + (hi - lo) * (np.arange(32) + 0.4142) / 32
@@ -207,22 +193,3 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
     # A flat punch, turned or not, bears its load by its corners.
     kind, value = scene.control
     return max(slope, value / (scene.E_star * length) if kind == "load" else 1.0)
-
-
-def scaled_control(scene: Scene, units: Units) -> Control:
-    """The scene's control in scaled variables."""
-    kind, value = scene.control
-    load = scene.given_load
-    if load is not None:
-        kind, value, unit = "load", load, units.load
-    elif kind == "contact_fraction":
-        assert scene.profile.period is not None
-        kind, value, unit = "width", value * scene.profile.period, units.length
-    else:
-        unit = units.height if kind == "approach" else units.length
-    scaled = value / unit if unit > 0.0 else math.inf
-    if not math.isfinite(scaled) or (scaled == 0.0 and value != 0.0):
-        raise OutOfRange(
-            f"{kind} {value:.6g} and the scene's own size, {unit:.6g}, lie farther apart than numbers reach: are the units those of SI?"
-        )
-    return Control(kind, scaled)

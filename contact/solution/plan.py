@@ -25,10 +25,12 @@ class Part:
 
 @dataclass
 class Plan:
-    """The parts in order, counts of work done, and the seconds that it all took (None if it has not run)."""
+    """The parts in order, counts of work done, what was tried on the way and why it was left, and the seconds that it all took (None
+    if it has not run)."""
 
     parts: list[Part] = field(default_factory=list)
     counts: dict[str, int] = field(default_factory=dict)
+    tried: list[str] = field(default_factory=list)
     seconds: float | None = None
     _within: list[float] = field(default_factory=list, repr=False)
 
@@ -68,10 +70,11 @@ class Plan:
             }
             for p in self.parts
         ]
-        return {"parts": parts, "counts": dict(self.counts), "seconds": self.seconds}
+        return {"parts": parts, "counts": dict(self.counts), "tried": list(self.tried), "seconds": self.seconds}
 
     def __str__(self) -> str:
         lines = [f"{'used' if p.used else 'left out':9}{p.name:22}{p.reason} {p.detail}" for p in self.parts]
+        lines += [f"{'tried':9}{left}" for left in self.tried]
         return "\n".join(line.rstrip() for line in lines)
 
 

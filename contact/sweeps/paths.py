@@ -25,14 +25,15 @@ from numpy.typing import ArrayLike, NDArray
 import sie
 from contact.errors import NotConverged, SceneError, unwarned, warn
 from contact.extras import require
+from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.maxima import maximum
-from contact.formulation.problem import Control
 from contact.model.checks import finite_array
 from contact.model.scene import Scene
 from contact.search.gap_topology import with_gaps
-from contact.search.topology import Progress, WrongTopology, kinds
+from contact.search.missed import WrongTopology
+from contact.search.topology import Progress, kinds
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solve
@@ -267,7 +268,7 @@ class _Condition:
 
     def formal(self, load: float) -> Any:
         """Fields with this number of zones at a load, whatever the signs; later calls start from these zones."""
-        control = Control("load", load)
+        control = Load(load)
         zones, equation = kinds(self.problem, control, self.start(load)), self.problem.equation(control)
         try:
             free = sie.find_ends(equation, zones, _ENDS, walls=self.problem.walls, decay=_DECAY, settled=False)

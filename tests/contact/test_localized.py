@@ -9,7 +9,7 @@ import pytest
 
 import contact
 import sie
-from contact.formulation.problem import Control
+from contact.formulation.controls import Width
 from contact.reference import exact
 from contact.reference.inverse import design
 from tests.contact.judge import relative, solve, true_error
@@ -155,7 +155,7 @@ class TestStrips:
         alone = replace(fields.problem, interaction=contact.Isolated(), amplitude=None, reference=True)
         zones = fields.density.zones
         width = float((zones.b - zones.a).sum())
-        free = sie.find_ends(alone.equation(Control("width", width)), sie.Zones.of(zones.table), 1e-10)
+        free = sie.find_ends(alone.equation(Width(width)), sie.Zones.of(zones.table), 1e-10)
         assert free.converged
         assert abs(free.density.total / fields.problem.period / float(fields.density.amplitudes[0]) - 1) < 1e-8
 
