@@ -17,7 +17,6 @@ def modes(k, s):
 @dataclass(frozen=True)
 class Coats(contact.Substrate):
     """Thicknesses [m] and moduli over that of the base, from the base outwards; all of one Poisson ratio."""
-
     thicknesses: tuple[float, ...]
     moduli: tuple[float, ...]
     nu: float = 0.3
@@ -38,4 +37,4 @@ def main():
 
 
 if __name__ == "__main__":
-    print(main())
+    print(main().zones)
