@@ -146,7 +146,7 @@ class Operator(sie.Kept):
             return plain
         raised = self._raised(datum)
         value = _Lines(smooth.value, plain.poles, unit, unit)
-        return plain + sie.Smooth(value, _Lines(smooth.potential, plain.poles, unit, 1.0, raised), smooth.length / unit)
+        return plain + sie.Smooth(value, _Lines(smooth.potential, plain.poles, unit, 1.0, raised), length=smooth.length / unit)
 
     def _raised(self, datum: float | None) -> float:
         """What makes the potential of a line load vanish in the datum [m], or far away from a body with a base."""

@@ -92,4 +92,4 @@ def kernel_of(excess: Array, period: float) -> sie.Kernel:
     value, potential = (Sum.of(np.asarray(c, dtype=np.complex128)) for c in (-2j * np.pi / period * excess, -excess / n))
     # The harmonics fall by so much as exp(-2 pi n length / l) does; but for a few of them there is no telling.
     length = -np.log(_ONE) * period / (2 * np.pi * len(excess)) if len(excess) >= _FALLING else np.inf
-    return plain + sie.Smooth(_Waves(value, period), _Waves(potential, period), float(length))
+    return plain + sie.Smooth(_Waves(value, period), _Waves(potential, period), length=float(length))
