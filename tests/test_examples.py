@@ -30,10 +30,12 @@ def module(name: str) -> ModuleType:
 @pytest.fixture
 def own_names():
     """Names that examples register are taken out again."""
-    before = set(contact.profiles())
+    registries = contact.model.registry.PROFILES, contact.model.registry.SUBSTRATES
+    before = [set(registry.all()) for registry in registries]
     yield
-    for name in set(contact.profiles()) - before:
-        contact.model.registry.PROFILES.forget(name)
+    for registry, known in zip(registries, before, strict=True):
+        for name in set(registry.all()) - known:
+            registry.forget(name)
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda f: f.stem)
@@ -49,6 +51,7 @@ COUNTS = {
     "designed_texture": (36, 240, 3e4, 2e4),
     "flat_punch": (100, 48, 1e3, 4e3),
     "own_profile": (6, 72, 1e2, 3e4),
+    "own_substrate": (100, 300, 1e6, 1e5),
     "rounded_punch": (24, 48, 1e2, 2e5),
     "tilted_punch": (120, 48, 1e3, 1e5),
     "two_zones": (50, 120, 3e4, 1e4),
@@ -117,6 +120,14 @@ def test_the_rounded_wedge_carries_the_load_of_its_closed_form(own_names) -> Non
     load = 0.5e11 * np.pi * a * np.mean(solution.scene.profile.slope(a * t) * t)
     assert load == pytest.approx(solution.load, rel=1e-12)
     assert solution.scene.profile.slope(a) > 0
+
+
+def test_a_coat_on_a_base_that_hardly_yields_is_a_bonded_layer(own_names) -> None:
+    coats = module("own_substrate").Coats
+    q = np.geomspace(3e6, 3e7, 9)
+    assert coats((1e-6,), (1e-9,)).symbol(q) == pytest.approx(contact.Layer(1e-6, 0.3).symbol(q), rel=1e-8)
+    assert np.abs(coats((1e-6, 2e-6), (1.0, 1.0)).symbol(q) - 1).max() < 1e-14
+    assert contact.testing.check_substrate(coats((1e-6, 2e-6), (2.0, 4.0))).ok
 
 
 def test_the_rounded_punch_carries_the_load_of_its_closed_form() -> None:

@@ -155,7 +155,8 @@ class Operator(sie.Kept):
         if smooth.is_zero:
             return plain
         potential = _Lines(smooth.potential, plain.poles, unit, 1.0, self._raised(datum))
-        return plain + sie.Smooth(_Lines(smooth.value, plain.poles, unit, unit), potential, of_lag=True)
+        value = _Lines(smooth.value, plain.poles, unit, unit)
+        return plain + sie.Smooth(value, potential, of_lag=True, length=smooth.length / unit)
 
     def _raised(self, datum: float | None) -> float:
         """What makes the potential of a line load vanish in the datum [m], or far away from a body with a base."""

@@ -13,6 +13,7 @@ import resource
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -105,7 +106,7 @@ def of_kinds(points: int, positions: str = "uneven", seed: int = 0, out: Path | 
         slowest, times, largest, failed = ("", "", ""), [], 0.0, []
         for control in KIND_CONTROLS:
             name, value = control.split("_")
-            given = {"mean_pressure": float(value) * full} if name == "load" else {"contact_fraction": float(value)}
+            given: dict[str, Any] = {"mean_pressure": float(value) * full} if name == "load" else {"contact_fraction": float(value)}
             start = time.process_time()
             try:
                 with limited(_LIMIT):

@@ -37,6 +37,8 @@ class Kernel(Kept):
     regular_slope: derivative of the regular part by x, only asked for by derivatives at complex points.
     datum: Lambda is log|(x - xi - s) / datum| summed over the poles.
     of_lag: whether the regular part depends on x - xi alone: then it is summed fast, however many zones there are.
+    length: how near to the real axis the singularities of the regular part are, where that is known (inf: not): a zone of half width w
+        begins with as many modes as w over that asks for, and may take more than other regular kernels.
 
     Examples
     --------
@@ -54,6 +56,7 @@ class Kernel(Kept):
     sure: bool = False
     regular_slope: Regular | None = None
     of_lag: bool = False
+    length: float = math.inf
 
     def __post_init__(self) -> None:
         poles = np.asarray(self.poles, dtype=float)
@@ -84,16 +87,18 @@ class Kernel(Kept):
         potential = None if lacking else _summed(self.regular_potential, other.potential)
         without = other.slope is None or (self.regular is not None and self.regular_slope is None)
         slope = None if without else _summed(self.regular_slope, other.slope)
-        of_lag = other.of_lag and (self.regular is None or self.of_lag)
+        of_lag, length = other.of_lag and (self.regular is None or self.of_lag), min(self.length, other.length)
         regular = _summed(self.regular, other.value)
-        return Kernel(self.poles, self.period, regular, potential, 0.0, self.datum, regular_slope=slope, of_lag=of_lag)
+        return Kernel(
+            self.poles, self.period, regular, potential, 0.0, self.datum, regular_slope=slope, of_lag=of_lag, length=length
+        )
 
 
 @dataclass(frozen=True)
 class Smooth:
     """A regular kernel value(x, xi), smooth on all zones; `potential` is its antiderivative in x, needed only by side
     conditions on potentials, `slope` its derivative in x, only by derivatives at complex points. of_lag: whether it depends on x - xi
-    alone.
+    alone. length: how near to the real axis its singularities are, where that is known.
 
     Examples
     --------
@@ -108,6 +113,7 @@ class Smooth:
     potential: Regular | None = None
     slope: Regular | None = None
     of_lag: bool = False
+    length: float = math.inf
 
 
 def _summed(first: Regular | None, second: Regular | None) -> Regular | None:

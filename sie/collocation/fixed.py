@@ -251,7 +251,7 @@ class State(Kept):
     @property
     def unresolved(self) -> bool:
         """Whether the most modes that zones are given do not show what the columns do on them."""
-        return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.COUPLED_SIZES[-1]
+        return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.most(self.system.equation.kernel)
 
     @property
     def iterated(self) -> bool:
@@ -409,10 +409,14 @@ def residual_error(residuals: Array, size: float, coupled: Index, rounding: Arra
 
 def first_sizes(equation: Equation, zones: Zones) -> Sizes:
     """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for."""
-    least: int | Index = 16 if equation.grows else max((column.modes or 0 for column in equation.columns), default=0)
+    least: int | Index
     panels = panels_over(equation.kernel, zones)
     if panels is not None and all(column.modes is not None for column in equation.columns):
-        least = np.minimum(panels.modes(zones.half), 16)
+        least = np.minimum(panels.modes(zones.half), modes.least(zones, equation.kernel))
+    elif equation.grows:
+        least = modes.least(zones, equation.kernel)
+    else:
+        least = max((column.modes or 0 for column in equation.columns), default=0)
     return Sizes(np.full(len(zones), 16), least)
 
 
@@ -480,7 +484,8 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
 
     Each zone by itself: what one asks for would cost all of them too much. An iteration leaves its own error in all modes."""
     m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
-    few = (tails > 10 * max(tolerance, state.sizes.linear if state.iterated else 0.0)) & (m < modes.COUPLED_SIZES[-1])
+    kernel = state.equation.kernel
+    few = (tails > max(modes.enough(kernel, tolerance), 10 * state.sizes.linear if state.iterated else 0.0)) & (m < modes.most(kernel))
     if panels is not None and not any(column.modes is None for column in state.equation.columns):
         # Of the regular part nothing is left beyond these.
         few &= m < panels.modes(zones.half)
