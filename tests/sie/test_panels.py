@@ -20,14 +20,14 @@ def kernel(eps, depth, period=None, of_lag=True):
     if period is None:
         smooth = sie.Smooth(
             lambda x, xi: eps * (x - xi) / ((x - xi) ** 2 + depth**2),
-            lambda x, xi: 0.5 * eps * np.log((x - xi) ** 2 + depth**2), of_lag,
+            lambda x, xi: 0.5 * eps * np.log((x - xi) ** 2 + depth**2), of_lag=of_lag,
         )
         return sie.cauchy() + smooth
     k = 2 * np.pi / period
     r = np.exp(-k * depth)
     smooth = sie.Smooth(
         lambda x, xi: k * eps * r * np.sin(k * (x - xi)) / (1 - 2 * r * np.cos(k * (x - xi)) + r * r),
-        lambda x, xi: 0.5 * eps * np.log(1 - 2 * r * np.cos(k * (x - xi)) + r * r), of_lag,
+        lambda x, xi: 0.5 * eps * np.log(1 - 2 * r * np.cos(k * (x - xi)) + r * r), of_lag=of_lag,
     )
     return sie.hilbert(period) + smooth
 
