@@ -47,6 +47,8 @@ def centred(task: Task, frame: Framed, start: Array | None) -> Found:
         frame = replace(frame, problem=about(frame.problem, start))
     found = _in_strip(task, frame, start)
     certified, before, moved = True, None, math.inf
+    # How far ends move with what their middle is off the centre.
+    follows = 1.0
     passed: list[float] = []
     for _ in range(_CENTRINGS):
         zones, problem = found.free.density.zones, found.fields.problem
@@ -55,7 +57,7 @@ def centred(task: Task, frame: Framed, start: Array | None) -> Found:
         # Near the digits of the zones the centre no longer comes nearer.
         if abs(miss) <= 0.1 * task.tolerance * width + np.spacing(abs(centre)) or moved / 4 < abs(miss) < 1e-7 * width:
             if certified:
-                return found
+                return replace(found, off=found.off + abs(miss) * follows / width)
             found, certified, before, moved = _in_strip(task, replace(frame, problem=problem), zones.table), True, None, math.inf
             continue
         passed.append(abs(miss))
@@ -65,6 +67,7 @@ def centred(task: Task, frame: Framed, start: Array | None) -> Found:
         if before is not None and before.table.shape == zones.table.shape and before.miss != miss:
             step = float(np.clip(miss * (centre - before.centre) / (before.miss - miss), -_LONGER * abs(miss), _LONGER * abs(miss)))
             rate = (zones.table - before.table) / (centre - before.centre)
+            follows = float(np.abs(rate).max()) * abs((centre - before.centre) / (before.miss - miss))
         before, moved = _Centring(centre, miss, zones.table), abs(miss)
         found, certified = _moved(task, frame, found, step, rate)
     raise task.error(Missed(f"the centre of the strip did not settle; {EXACT}", found.free), found.fields.problem)

@@ -75,6 +75,7 @@ def _rounds(
     for done in range(1, rounds + 1):
         if len(table) == 0:
             raise WrongTopology("all zones vanished", free)
+        _within_strip(problem, table)
         if not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
             raise WrongTopology("the zones are too narrow to tell their ends apart", free)
         if progress is not None:
@@ -208,6 +209,13 @@ def load_controlled(problem: Problem, control: Control, free: sie.Free, toleranc
     equation = problem.equation(Load(total))
     state = sie.solve_zones(equation, ends, max(0.1 * tolerance, 3e-16))
     return ZoneFields(problem, state.settled())
+
+
+def _within_strip(problem: Problem, table: Array) -> None:
+    """What the nominal pressure does beyond a strip has no meaning there."""
+    if problem.interaction.strip and problem.period is not None and not problem.reference:
+        if float(np.abs(table - problem.centre).max()) >= 0.5 * problem.period:
+            raise WrongTopology("a contact zone reaches the border of the strip", None, beyond=True)
 
 
 def _within_borders(problem: Problem, zones: sie.Zones) -> None:

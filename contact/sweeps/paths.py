@@ -24,11 +24,11 @@ from numpy.typing import ArrayLike, NDArray
 
 import sie
 from contact.errors import NotConverged, SceneError, unwarned, warn
-from contact.extras import require
 from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.maxima import maximum
+from contact.formulation.roots import bracketed
 from contact.model.checks import finite_array
 from contact.model.scene import Scene
 from contact.search.gap_topology import with_gaps
@@ -187,9 +187,7 @@ class _Path:
             known = {end: condition(end) for end in (low.load / load, high.load / load)}
             if not np.prod(np.sign(list(known.values()))) < 0:
                 return None
-            root = require("scipy.optimize").brentq(
-                lambda at: known[at] if at in known else condition(at), *known, xtol=1e-300, rtol=4e-15, maxiter=100
-            )
+            root = bracketed(condition, known, xtol=1e-300, strict=True)
         except WrongTopology:
             return None
         condition(root)

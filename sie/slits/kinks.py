@@ -55,7 +55,7 @@ class Valley(Kept):
         return 0.5 * (left - right)
 
     @cached_property
-    def _mean_places(self) -> tuple[Array, Array, Array]:
+    def mean_places(self) -> tuple[Array, Array, Array]:
         """Gauss nodes of the equilibrium measure: z, and distances from the wide zone's ends."""
         theta = (np.arange(_MEANS) + 0.5) * np.pi / _MEANS
         left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
@@ -123,18 +123,18 @@ class Valley(Kept):
         return float(over @ (0.5 * (from_left - from_right))), float(over.sum())
 
     @cached_property
-    def _turn(self) -> float:
+    def turn(self) -> float:
         """(h/pi)(phi - bar(phi)), which multiplies X for q = 1; else 0."""
         if self.order == 0:
             return 0.0
-        _, l, r = self._mean_places
+        _, l, r = self.mean_places
         own = 2 * np.arctan2(np.sqrt(self.from_right), np.sqrt(self.from_left))
         return self.jump / np.pi * float(np.mean(own - 2 * np.arctan2(np.sqrt(r), np.sqrt(l))))
 
     def in_hole(self, from_left: Array, from_right: Array, z: Array) -> Array:
         """X ((h/pi)(t - s)^q kappa + P[psi]) at distances from the wide zone's ends, on this hole or another one; z: in this hole."""
         root, (a_0, a_1) = np.sqrt(from_left * from_right), self.edge
-        value = self.jump / np.pi * self._spread(from_left, from_right, z) - self._turn * root
+        value = self.jump / np.pi * self._spread(from_left, from_right, z) - self.turn * root
         return np.asarray(root * value + a_0 + a_1 * 0.5 * (from_left - from_right))
 
     def beside(self, from_left: Array, from_right: Array, outside: Array, past: NDArray[np.bool_]) -> Array:
@@ -144,11 +144,11 @@ class Valley(Kept):
         sums = 2 * np.log(np.sqrt(from_right * self.from_left) + np.sqrt(from_left * self.from_right)) - np.log(2.0)
         own = (sums - np.log(self.half * away)) * (self.half * np.where(past, away, -away)) ** self.order
         spread = self._spread(from_left, from_right, z)
-        return np.asarray(-self.jump / np.pi * (own - spread) - self._turn * np.sqrt(from_left * from_right))
+        return np.asarray(-self.jump / np.pi * (own - spread) - self.turn * np.sqrt(from_left * from_right))
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
         """bar(kappa); for q = 1 bar((t - .) kappa) + (m - s) bar(kappa)."""
-        nodes, l, r = self._mean_places
+        nodes, l, r = self.mean_places
         sums = 2 * np.log(np.sqrt(from_right[..., None] * l) + np.sqrt(from_left[..., None] * r)) - np.log(2.0)
         beyond = np.maximum(np.abs(z) - 1, 0.0)
         root = np.sqrt(beyond * (beyond + 2))
@@ -163,7 +163,7 @@ class Valley(Kept):
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
         """Coefficient of the angle from the wide zone's left and right end in what `beside` gives."""
-        _, l, r = self._mean_places
+        _, l, r = self.mean_places
         out = []
         sides = ((-1.0, l, r, self.from_left, self.from_right), (1.0, r, l, self.from_right, self.from_left))
         for sign, near, far, own_near, own_far in sides:
@@ -171,5 +171,5 @@ class Valley(Kept):
             spread = float(np.mean((sign * near) ** self.order * np.sqrt(far / near)))
             if self.order == 1:
                 spread -= self.half * self.zeta * float(np.mean(np.sqrt(far / near)))
-            out.append(-self.jump / np.pi * (own - spread) - self._turn)
+            out.append(-self.jump / np.pi * (own - spread) - self.turn)
         return out[0], out[1]

@@ -20,14 +20,14 @@ def kernel(eps, depth, period=None, of_lag=True):
     if period is None:
         smooth = sie.Smooth(
             lambda x, xi: eps * (x - xi) / ((x - xi) ** 2 + depth**2),
-            lambda x, xi: 0.5 * eps * np.log((x - xi) ** 2 + depth**2), of_lag,
+            lambda x, xi: 0.5 * eps * np.log((x - xi) ** 2 + depth**2), of_lag=of_lag,
         )
         return sie.cauchy() + smooth
     k = 2 * np.pi / period
     r = np.exp(-k * depth)
     smooth = sie.Smooth(
         lambda x, xi: k * eps * r * np.sin(k * (x - xi)) / (1 - 2 * r * np.cos(k * (x - xi)) + r * r),
-        lambda x, xi: 0.5 * eps * np.log(1 - 2 * r * np.cos(k * (x - xi)) + r * r), of_lag,
+        lambda x, xi: 0.5 * eps * np.log(1 - 2 * r * np.cos(k * (x - xi)) + r * r), of_lag=of_lag,
     )
     return sie.hilbert(period) + smooth
 
@@ -93,7 +93,10 @@ def test_a_mode_beyond_the_coupled_ones_acts_through_the_smooth_part(period):
     # All of the density is T_40 / sqrt(1 - t^2), of no load: the few coupled modes have nothing that would ask for more of them.
     zones = sie.Zones.of([[-0.3, 0.3]])
     right = sie.Forcing(lambda x: np.sin(40 * np.arccos(x / 0.3)) / np.sqrt(1 - (x / 0.3) ** 2))
-    state = sie.solve_fixed(sie.Equation(kernel(2.0, 0.1, period), right, (sie.Total(0.0),)), zones)
+    wanted = sie.Equation(kernel(2.0, 0.1, period), right, (sie.Total(0.0),))
+    sizes = fixed.first_sizes(wanted, zones)
+    sizes.own[:] = 64
+    state = sie.solve_fixed(wanted, zones, sizes=sizes)
     x = 0.3 * np.linspace(-0.95, 0.95, 21)
     assert np.abs(state.density.transform(x) - right.value(x)).max() < 1e-10
 
