@@ -285,23 +285,16 @@ class System:
     @cached_property
     def unseen_moments(self) -> Array | None:
         """Moments of the coefficients that are no unknowns, as far as the regular part sees them; None where it sees none."""
-        count = max(self.g.shape[1], 0 if self.panels is None else int(self.panels.modes(self.zones.half).max()) + 1)
-        table = np.zeros((len(self.zones), count))
-        table[:, : self.g.shape[1]] = -self.g
-        if self.panels is not None and len(self.steps):
-            table += self.steps.t_coefficients(self.zones, count)
-        return self.moments_beyond(table)
-
-    def moments_beyond(self, table: Array) -> Array | None:
-        """Moments of T coefficients (zones, n + 1) beyond the coupled modes, as far as the regular part sees them."""
-        if self.panels is None:
+        zones, panels = self.zones, self.panels
+        if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):
             return None
-        modes = self.panels.modes(self.zones.half)
-        if np.all(modes <= self.layout.m):
-            return None
-        k = np.arange(min(table.shape[1], int(modes.max()) + 1))
-        beyond = np.where(k > self.layout.m[:, None], table[:, : len(k)], 0.0)
-        return moments_of(self.panels, self.zones, self.equation.kernel, beyond, Steps.none())
+        count = int(panels.modes(zones.half).max()) + 1
+        table, given = np.zeros((len(zones), count)), min(count, self.g.shape[1])
+        table[:, :given] = -self.g[:, :given]
+        if len(self.steps):
+            table += self.steps.t_coefficients(zones, count)
+        table = np.where(np.arange(count) > self.layout.m[:, None], table, 0.0)
+        return moments_of(panels, zones, self.equation.kernel, table, Steps.none())
 
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
         """(rows of the equation, levels) of what has these moments on the panels."""

@@ -152,8 +152,8 @@ def _within(steps: Steps, zone: int, start: Array, length: Array) -> tuple[Index
 class Holes(Kept):
     """The holes of one wide zone, and the density there made zero by them."""
 
-    def __init__(self, cut: Cut, zone: int, modes: int, steps: Steps, told_to: int = TOLD) -> None:
-        self.zone, self.told_to = zone, max(modes, told_to)
+    def __init__(self, cut: Cut, zone: int, modes: int, steps: Steps) -> None:
+        self.zone = zone
         self.which = np.flatnonzero(cut.hole_zone == zone)
         a, b = cut.holes.a[self.which], cut.holes.b[self.which]
         w = self.w = float(cut.wide.half[zone])
@@ -280,13 +280,13 @@ class Holes(Kept):
 
     @cached_property
     def told(self) -> Array:
-        """(count + 1, all d): s_k of the zone, k = 0 ... told_to."""
-        return np.concatenate([hole.told(self.told_to) for hole in self.holes], axis=1)
+        """(count + 1, all d): s_k of the zone, k = 0 ... max(modes, TOLD)."""
+        return np.concatenate([hole.told(max(self.modes, TOLD)) for hole in self.holes], axis=1)
 
     @cached_property
     def told_by_valleys(self) -> Array:
         """What the jumps in holes add to s_k."""
-        count = self.told_to
+        count = max(self.modes, TOLD)
         return np.sum([np.zeros(count + 1), *(valley.told(count) for _, valley in self.valleys)], axis=0)
 
     @property

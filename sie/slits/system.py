@@ -50,8 +50,6 @@ _SLOW = 0.7
 _CORRECTIONS = 2
 # Tolerance of the wide zones' own solution by iteration, from which the holes' one starts.
 _START = 0.1
-# Coefficients of s at the most that a smooth part of the kernel sees.
-_MOST_TOLD = 1024
 _ROUNDING = 2.2e-16
 # What alternating may leave over the largest coefficient, to be stated as an error; more is no solution.
 _SETTLED = 1e-10
@@ -116,10 +114,8 @@ class Release(Kept):
         self.linear = linear if isinstance(base.solver, Iterative) else 0.0
         system = self.system
         modes = base.sizes.own[: len(cut.wide)]
-        # A smooth part of the kernel sees as many coefficients of s as it has itself on a wide zone.
-        told = np.full(len(cut.wide), TOLD) if system.panels is None else np.clip(system.panels.modes(cut.wide.half), TOLD, _MOST_TOLD)
         self.holes = tuple(
-            Holes(cut, int(i), int(max(modes[i], system.layout.m[i])), system.steps, int(told[i])) for i in np.unique(cut.hole_zone)
+            Holes(cut, int(i), int(max(modes[i], system.layout.m[i])), system.steps) for i in np.unique(cut.hole_zone)
         )
 
     @cached_property
@@ -226,7 +222,7 @@ class Release(Kept):
 
     def s_table(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """s_k of every wide zone."""
-        count = max(int(self.system.layout.m.max()), max(here.told_to for here in self.holes)) + 1
+        count = max(int(self.system.layout.m.max()), max(here.modes for here in self.holes), TOLD) + 1
         out = np.zeros((len(self.cut.wide), count))
         for here, one in zip(self.holes, d, strict=True):
             told = here.told @ one + (0.0 if homogeneous else here.told_by_valleys)
@@ -244,12 +240,7 @@ class Release(Kept):
         system, zones, base = self.system, self.cut.wide, self.base
         s = self.s_table(d, homogeneous)
         rows = -system.layout.flat(s)[system.diagonal]
-        openings, beyond = self.mean_openings(d, homogeneous), system.moments_beyond(s)
-        if beyond is not None:
-            seen, levels = system.of_panels(beyond)
-            rows -= seen
-            openings[zones.solved] += levels
-        view = Opened(zones, s, openings, system.moments, system.layout.m, system.multiplicity())
+        view = Opened(zones, s, self.mean_openings(d, homogeneous), system.moments, system.layout.m, system.multiplicity())
         constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
         return np.concatenate((rows, conditions))

@@ -78,14 +78,27 @@ def test_a_density_is_the_same_with_panels_and_without(depth, period):
 def test_jumps_and_modes_that_are_no_unknowns_are_seen_by_the_smooth_part(period):
     # A kink in a zone, and a right side of many more modes than zones far apart have unknowns.
     right = sie.Forcing(
-        lambda x: np.sign(x - 0.1) + np.cos(40 * x), lambda x: np.abs(x - 0.1) + np.sin(40 * x) / 40, np.array([0.1]), np.array([2.0])
+        lambda x: np.sign(x - 0.1) + np.cos(120 * x), lambda x: np.abs(x - 0.1) + np.sin(120 * x) / 120, np.array([0.1]), np.array([2.0])
     )
     conditions = (sie.Total(1.0), sie.EqualPotential())
     zones, x = sie.Zones.of(FEW), np.linspace(-0.95, 0.95, 31)
-    state = sie.solve_fixed(sie.Equation(kernel(2.0, 0.3, period), right, conditions), zones)
+    state = sie.solve_fixed(sie.Equation(kernel(2.0, 0.1, period), right, conditions), zones)
     inside = np.any((x[:, None] > FEW[:, 0]) & (x[:, None] < FEW[:, 1]), axis=1)
     off = state.density.transform(x[inside]) - right.value(x[inside])
     assert np.abs(off).max() < 1e-10 and np.ptp(state.levels) < 1e-11
+
+
+@pytest.mark.parametrize("period", [None, PERIOD])
+def test_a_mode_beyond_the_coupled_ones_acts_through_the_smooth_part(period):
+    # All of the density is T_40 / sqrt(1 - t^2), of no load: the few coupled modes have nothing that would ask for more of them.
+    zones = sie.Zones.of([[-0.3, 0.3]])
+    right = sie.Forcing(lambda x: np.sin(40 * np.arccos(x / 0.3)) / np.sqrt(1 - (x / 0.3) ** 2))
+    wanted = sie.Equation(kernel(2.0, 0.1, period), right, (sie.Total(0.0),))
+    sizes = fixed.first_sizes(wanted, zones)
+    sizes.own[:] = 64
+    state = sie.solve_fixed(wanted, zones, sizes=sizes)
+    x = 0.3 * np.linspace(-0.95, 0.95, 21)
+    assert np.abs(state.density.transform(x) - right.value(x)).max() < 1e-10
 
 
 @pytest.mark.parametrize("period", [None, PERIOD])
