@@ -4,26 +4,45 @@
 from contact import interrupts  # noqa: F401  isort: skip
 from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
-from contact.model.profiles import Biquadratic, Flat, Fourier, Parabola, Polynomial, Profile, Sampled, Sinusoid, Wedge
+from contact.model.laws import Frictionless, Law
+from contact.model.profiles import (
+    Biquadratic,
+    Flat,
+    Fourier,
+    Parabola,
+    Polynomial,
+    Profile,
+    Sampled,
+    Sinusoid,
+    Wedge,
+)
 from contact.model.registry import (
     interaction,
     interactions,
+    law,
+    laws,
     profile,
     profiles,
     register_interaction,
+    register_law,
     register_profile,
+    register_substrate,
+    substrate,
+    substrates,
 )
 from contact.model.scene import E_star, Scene
 from contact.model.scene_file import load_scene
+from contact.model.substrates import HalfPlane, Layer, Substrate
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.solver import solve
 from contact.sweeps.paths import Event, Path, path
 
 __all__ = [
-    "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Interaction", "Isolated", "Localized", "MissingExtra",
+    "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated",
+    "Law", "Layer", "Localized", "MissingExtra",
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",
-    "Sinusoid", "Solution", "Wedge", "interaction", "interactions", "load_scene", "path", "plan", "profile", "profiles",
-    "register_interaction", "register_profile", "solve",
+    "Sinusoid", "Solution", "Substrate", "Wedge", "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",
+    "profiles", "register_interaction", "register_law", "register_profile", "register_substrate", "solve", "substrate", "substrates",
 ]

@@ -1,10 +1,12 @@
-"""For authors of profiles: `check_profile(MyProfile(...))` says what is wrong with one.
+"""For authors of profiles and substrates: `check_profile(MyProfile(...))`, `check_substrate(MyBody(...))` say what is wrong with one.
 
-Every claim a profile makes (its slope, period, symmetry, kinks, tips, conjugate) is held against its height.
+Every claim a profile makes (its slope, period, symmetry, kinks, tips, conjugate) is held against its height; those of a substrate against
+its symbol.
 """
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import warnings
 from collections.abc import Callable, Iterator
@@ -18,6 +20,8 @@ from contact.errors import ContactError, shown
 from contact.model.profiles.base import Profile
 from contact.model.profiles.derive import by_ladder
 from contact.model.profiles.one_sided import Seen, jumps_at
+from contact.model.substrates.base import Substrate
+from contact.model.substrates.declared import require_body
 
 Array = NDArray[np.float64]
 
@@ -34,12 +38,20 @@ _MOST_BENDS = 50  # places looked at where the second derivative seems to jump
 _CONJUGATE = 2e-3  # of the largest slope: the rule below is of second order and kinks cost it digits
 
 
-class ProfileFault(ContactError, AssertionError):
-    """A profile that contradicts itself; `report` has the whole list."""
+class Fault(ContactError, AssertionError):
+    """A plug-in that contradicts itself; `report` has the whole list."""
 
     def __init__(self, report: Report) -> None:
         super().__init__(str(report))
         self.report = report
+
+
+class ProfileFault(Fault):
+    """A profile that does."""
+
+
+class SubstrateFault(Fault):
+    """A substrate that does."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -93,6 +105,33 @@ def check_profile(profile: Profile, window: tuple[float, float] | None = None, r
     report = Report(subject, tuple(checked), tuple(faults), tuple(notes))
     if raises and faults:
         raise ProfileFault(report)
+    return report
+
+
+def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
+    """Check a substrate: that its symbol is one of an elastic body, and that scenes can hold and compare it.
+
+    Raises SubstrateFault if anything is wrong, or returns the report either way with raises=False.
+    """
+    faults: list[str] = []
+    notes: list[str] = []
+    if not isinstance(substrate, Substrate):
+        faults.append(f"{type(substrate).__name__} does not derive from contact.Substrate")
+    else:
+        try:
+            require_body(substrate)
+        except ContactError as error:
+            faults.append(str(error))
+        try:
+            if substrate != copy.copy(substrate) or hash(substrate) != hash(copy.copy(substrate)):
+                faults.append("it does not equal its own copy: make it a frozen dataclass")
+        except Exception as error:  # the author's code may fail in any way; the report says how
+            faults.append(f"it cannot be compared or hashed ({type(error).__name__}: {error}): make it a frozen dataclass")
+        if not getattr(type(substrate), "name", ""):
+            notes.append("it has no name: @contact.register_substrate(\"...\") makes it known to scene files")
+    report = Report(shown(substrate), ("symbol", "compression", "copies"), tuple(faults), tuple(notes))
+    if raises and faults:
+        raise SubstrateFault(report)
     return report
 
 

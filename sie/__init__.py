@@ -24,11 +24,12 @@ from sie.fast.piecewise import PiecewiseTransform
 from sie.free_ends.newton import Free, find_ends
 from sie.slits.density import Pierced
 from sie.slits.system import AnyDensity, AnyState, solve_zones
+from sie.solver import NotConverged, Solution, solve
 
 __all__ = [
     "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EqualPotential",
-    "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "PiecewiseTransform",
-    "Pierced", "SingularSystem", "Smooth", "State", "Total",
+    "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "NotConverged", "PiecewiseTransform",
+    "Pierced", "SingularSystem", "Smooth", "Solution", "State", "Total",
     "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "cauchy", "find_ends", "free_with_intensity", "hilbert",
-    "images", "moment", "solve_fixed", "solve_zones",
+    "images", "moment", "solve", "solve_fixed", "solve_zones",
 ]

@@ -1,4 +1,4 @@
-"""The command line: `contact solve | plan | compare | figures | bench | stability | profiles | interactions`.
+"""The command line: `contact solve | plan | compare | figures | bench | stability | profiles | interactions | substrates | laws`.
 
 Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but 0 stderr has one line, after a
 line for each warning.
@@ -23,7 +23,7 @@ from contact import interrupts
 from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
 from contact.extras import require
 from contact.model.interactions.base import TURNING
-from contact.model.registry import interactions, profiles
+from contact.model.registry import interactions, laws, profiles, substrates
 from contact.model.scene_file import load_scene
 from contact.model.units import quantity
 from contact.solution.answer import Answer
@@ -243,6 +243,20 @@ def interactions_command() -> None:
     show_table("interactions", ("model", "parameters", "controls", "what it is"), rows)
 
 
+@main.command("substrates")
+def substrates_command() -> None:
+    """List the elastic bodies a scene file can name, with their parameters."""
+    rows = [(name, _parameters(body), _description(body)) for name, body in substrates().items()]
+    show_table("substrates", ("model", "parameters", "what it is"), rows)
+
+
+@main.command("laws")
+def laws_command() -> None:
+    """List the laws of the interface a scene file can name, with their parameters and controls."""
+    rows = [(name, _parameters(law), ", ".join(law.allows), _description(law)) for name, law in laws().items()]
+    show_table("laws", ("model", "parameters", "controls", "what it is"), rows)
+
+
 Write = Callable[[Answer, Path], None]
 
 
@@ -280,9 +294,10 @@ def _write_figure(solution: Answer, path: Path) -> None:
 
 def _show_solution(solution: Answer, seconds: float) -> None:
     scene = solution.scene
+    others = [what for what, part in (("substrate", scene.substrate), ("law", scene.law)) if part != type(scene).__dict__[what]]
     fraction = solution.contact_fraction
     show_table(
-        f"{scene.profile.name} profile, {scene.interaction.name} interaction",
+        ", ".join((f"{scene.profile.name} profile", f"{scene.interaction.name} interaction", *others)),
         ("quantity", "value"),
         [
             ("load", quantity(solution.load, "N/m", 10)),

@@ -23,7 +23,8 @@ from scipy import fft
 from scipy.special import zeta
 
 import sie
-from contact.formulation.problem import Problem, Units
+from contact.formulation.problem import Problem
+from contact.formulation.units import Units
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum
 

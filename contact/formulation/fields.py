@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import sie
+from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
-from contact.formulation.problem import Control, Problem
+from contact.formulation.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -102,7 +103,7 @@ class ZoneFields(sie.Kept):
     @property
     def approach(self) -> float | None:
         """Approach [m], None for an isolated punch without a datum."""
-        if not self.problem.interaction.has_approach:
+        if not self.problem.operator.has_approach:
             return None
         return -self.level * self.problem.units.height
 
@@ -126,13 +127,13 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def mean_gap(self) -> float:
-        """Mean gap over a period [m]: mean f - approach where the displacement has no mean, else by quadrature."""
+        """Mean gap over a period [m]: mean f + mean u - approach where all periods act, else by quadrature."""
         units, period = self.problem.units, self.problem.period
         assert period is not None
         if self.problem.walls != (-np.inf, np.inf):
             return np.inf
         if not self.problem.interaction.strip:
-            return (mean_shape(self.problem) + self.level) * units.height
+            return (mean_shape(self.problem) + self.mean_displacement + self.level) * units.height
         t, weights = np.polynomial.legendre.leggauss(24)
         total = 0.0
         for lo, hi, _, _ in self.strip_intervals():
@@ -143,6 +144,12 @@ class ZoneFields(sie.Kept):
                 x = a + (b - a) * np.sin(angle) ** 2
                 total += float(self.scaled_gap(x) @ (weights * np.pi / 4 * (b - a) * np.sin(2 * angle)))
         return total / period * units.height
+
+    @property
+    def mean_displacement(self) -> float:
+        """Scaled, of all periods: by the compression of a substrate with a base; else 0."""
+        assert self.problem.period is not None
+        return self.problem.compression * self.density.total / self.problem.period
 
     def strip_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
         """Open intervals with the outermost one cut at the border of the strip, beyond which it is another strip's."""
@@ -339,7 +346,7 @@ class ZoneFields(sie.Kept):
         problem, density = self.problem, self.density
         if problem.moment is None:
             whole = replace(density.zones, symmetric=False)
-            equation = replace(problem, moment=self.scaled_moment).equation(Control("load", density.total))
+            equation = replace(problem, moment=self.scaled_moment).equation(Load(density.total))
             state = sie.solve_zones(equation, whole, 1e-14)
         else:
             state = self.state

@@ -19,6 +19,7 @@ import sie
 from contact.formulation.conjugate import Conjugate, conjugate_of
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
+from contact.model.laws.base import Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum
@@ -39,10 +40,10 @@ class FullLimit(sie.Kept):
     possible: whether some load reaches it, and the model tells what the pressure then is.
     """
 
-    def __init__(self, profile: Profile, E_star: float, operator: Operator) -> None:
-        self.profile, self.E_star, self.operator = profile, E_star, operator
+    def __init__(self, profile: Profile, E_star: float, operator: Operator, law: Law) -> None:
+        self.profile, self.E_star, self.operator, self.law = profile, E_star, operator, law
         self.approached = operator.is_periodic and profile.support is None
-        self.possible = self.approached and operator.has_inverse and not has_kinked_valley(profile)
+        self.possible = self.approached and operator.has_inverse and law.full_contact and not has_kinked_valley(profile)
 
     @cached_property
     def conjugate(self) -> Conjugate:
@@ -119,9 +120,22 @@ def period_samples(profile: Profile) -> Array:
     return np.asarray(profile.x0 + length * np.arange(n + 1) / n)
 
 
+def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
+    """min f, over the period or, without one, over a window that holds the tip."""
+    if profile.summits is not None:
+        return float(np.min(profile.height(np.asarray(profile.summits))))
+    if profile.period is not None:
+        x = period_samples(profile)
+    else:
+        assert cell is not None
+        per_feature = 0.0 if profile.resolution is None else 4 * (cell[1] - cell[0]) / profile.resolution
+        x = np.linspace(*cell, int(np.clip(per_feature, 1025, 2**20)))
+    return -maximum(lambda points: -np.asarray(profile.height(points)), x)[1]
+
+
 @dataclass(frozen=True, eq=False)
 class FullFields(sie.Kept):
-    """Full contact of a periodic profile: p = pbar - (E*/2) R; no gap."""
+    """Full contact of a periodic profile: p = pbar - (E*/2) R; no gap. mean_height: mean f - min f [m]."""
 
     problem: Problem
     mean_pressure: float
@@ -130,8 +144,13 @@ class FullFields(sie.Kept):
 
     @property
     def approach(self) -> float:
-        """mean f - min f, at any load: the displacement has no mean."""
-        return self.mean_height
+        """mean f - min f and the mean displacement, which only a body with a base has."""
+        return self.mean_height + self._compressed * self.mean_pressure
+
+    @property
+    def _compressed(self) -> float:
+        """Mean displacement of a unit of mean pressure [m/Pa]."""
+        return 2 * (self.problem.operator.compression or 0.0) / self.problem.units.E_star
 
     def pressure(self, x: ArrayLike) -> Array:
         slope = self.relief(np.asarray(x, dtype=float))
@@ -142,7 +161,7 @@ class FullFields(sie.Kept):
 
     def displacement(self, x: ArrayLike) -> Array:
         height = np.asarray(self.problem.profile.height(x))
-        return np.asarray(self.mean_height + self.problem.lowest - height)
+        return np.asarray(self.approach + self.problem.lowest - height)
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         raise IndexError("full contact has no zones: use pressure(x)")
@@ -171,7 +190,8 @@ class FullFields(sie.Kept):
 
     @property
     def stiffness(self) -> float:
-        return np.inf
+        assert self.problem.profile.period is not None
+        return self.problem.profile.period / self._compressed if self._compressed else np.inf
 
     @property
     def mean_gap(self) -> float:

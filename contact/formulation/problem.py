@@ -18,60 +18,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
+from contact.formulation.controls import Control
+from contact.formulation.units import Units
 from contact.model.interactions.base import Interaction
+from contact.model.laws.base import Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
+from contact.model.substrates.base import Substrate
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Units:
-    """origin and length [m], slope [1], and what follows for pressure and load; E_star [Pa].
-
-    The length is a power of two: counted in it, places lose no digit.
-    """
-
-    origin: float
-    length: float
-    slope: float
-    E_star: float
-
-    @property
-    def pressure(self) -> float:
-        return 0.5 * self.E_star * self.slope
-
-    @property
-    def load(self) -> float:
-        return self.pressure * self.length
-
-    @property
-    def height(self) -> float:
-        return self.slope * self.length
-
-    @property
-    def moment(self) -> float:
-        return self.load * self.length
-
-    @property
-    def lever(self) -> float:
-        """The origin's own place, scaled: x = length (lever + scaled x)."""
-        return self.origin / self.length
-
-    def x(self, scaled: Array) -> Array:
-        return self.origin + self.length * scaled
-
-    def scaled(self, x: Array) -> Array:
-        return np.asarray((x - self.origin) / self.length)
-
-    def placed(self, scaled: Array) -> Array:
-        """Where scaled places come to stand by the rounding of x."""
-        return self.scaled(self.x(scaled))
-
-    def minus_place(self, scaled: Array) -> Array:
-        """-x, scaled."""
-        return np.asarray(-(scaled + self.lever))
 
 
 def minus_one(x: Array) -> Array:
@@ -79,22 +35,16 @@ def minus_one(x: Array) -> Array:
     return np.full(np.shape(x), -1.0)
 
 
-@dataclass(frozen=True)
-class Control:
-    """What is given, scaled: "load", "approach" (minus the level), "half_width" or "width" (of all zones together)."""
-
-    kind: str
-    value: float
-
-
 @dataclass(frozen=True, eq=False)
 class Problem(sie.Kept):
-    """Profile and interaction in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
+    """Profile, interaction, substrate and law in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
     reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell.
     moment: scaled, about x = 0; None where the tilt of the profile is not an unknown."""
 
     profile: Profile
     interaction: Interaction
+    substrate: Substrate
+    law: Law
     units: Units
     lowest: float
     centre: float = 0.0
@@ -121,7 +71,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def operator(self) -> Operator:
-        return Operator(self.interaction, self.profile.period if self.interaction.needs_period else None)
+        return Operator(self.interaction, self.substrate, self.profile.period if self.interaction.needs_period else None)
 
     @cached_property
     def kernel(self) -> sie.Kernel:
@@ -195,7 +145,26 @@ class Problem(sie.Kept):
 
     @cached_property
     def columns(self) -> tuple[sie.Forcing, ...]:
-        return self.interaction.columns(self.period, self.centre)
+        return self.operator.columns(self.centre, self.units.length)
+
+    @cached_property
+    def compression(self) -> float:
+        """Displacement of a unit of scaled uniform pressure, in units of height; 0 where it is not counted."""
+        return (self.operator.compression or 0.0) / self.units.length
+
+    @cached_property
+    def end(self) -> sie.End:
+        """The kind of an end that is free to move, by the law."""
+        return sie.free_with_intensity(self._intensity)
+
+    @cached_property
+    def held_end(self) -> sie.End:
+        """The kind of an end whose place is given."""
+        return sie.End(moves=False, intensity=self._intensity)
+
+    @property
+    def _intensity(self) -> float:
+        return self.law.intensity(self.units.E_star) / self.units.intensity
 
     @property
     def _turning(self) -> tuple[sie.Forcing, ...]:
@@ -210,16 +179,7 @@ class Problem(sie.Kept):
             closure: tuple[sie.Condition, ...] = (sie.Amplitude(0, self.amplitude or 0.0),)
         else:
             closure = self.interaction.side_conditions(self.period)
-        ends: tuple[sie.TotalWidth, ...] = ()
-        conditions: tuple[sie.Condition, ...]
-        if control.kind == "load":
-            conditions = (sie.Total(control.value), sie.EqualPotential())
-        elif control.kind == "approach":
-            conditions = (sie.Level(-control.value),)
-        elif control.kind == "width":
-            conditions, ends = (sie.Total(None), sie.EqualPotential()), (sie.TotalWidth(control.value),)
-        else:
-            conditions = ()
+        conditions, ends = control.conditions()
         if self.moment is not None:
             closure = (*closure, sie.moment(self.moment, about=-self.units.lever))
         return sie.Equation(self.kernel, self.forcing, (*conditions, *closure), (*self.columns, *self._turning), ends)

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 import sie
 from contact.errors import OutOfRange
 from contact.extras import require
-from contact.formulation.problem import Control, Problem
+from contact.formulation.controls import Control, HalfWidth
+from contact.formulation.problem import Problem
 
 Array = NDArray[np.float64]
 
@@ -31,10 +32,10 @@ _ANYWHERE = np.geomspace(1e-12, 1e12, 97)
 
 def guess_half_width(problem: Problem, control: Control) -> float:
     """Scaled half width at which one zone would carry about the control; the widest that still gains if none does."""
-    if control.kind == "half_width":
-        return control.value
-    if control.kind == "width":
-        return 0.5 * control.value
+    if control.half_width is not None:
+        return control.half_width
+    if control.width is not None:
+        return 0.5 * control.width
     limit = widest(problem)
     a = limit * _WITHIN if math.isfinite(limit) else _ANYWHERE
     value = _carried(problem, control, a)
@@ -95,7 +96,7 @@ def _carried(problem: Problem, control: Control, a: Array) -> Array:
         if period is not None and not repeats:
             root = np.sqrt(np.maximum(1 - (2 * a / period) ** 2, 1e-300))
             value = value * (2 - root) if problem.interaction.follows_isolated else value / root
-        if control.kind == "approach":
+        if control.approach is not None:
             shape = problem.shape(x.ravel()).reshape(x.shape).mean(axis=1)
             half = np.sin(np.pi * a / period) if period is not None else 0.5 * a / problem.kernel.datum
             value = shape - value / np.pi * np.log(half)
@@ -108,11 +109,11 @@ def _carried(problem: Problem, control: Control, a: Array) -> Array:
     return np.asarray(value)
 
 
-def carried_by(problem: Problem, kind: str, a: float) -> float:
-    """Load (scaled) or approach (scaled) of one zone of half width a, bounded at both ends: one linear solve."""
-    zones = sie.Zones.of([[-a, a]], sie.BOUNDED, sie.BOUNDED, symmetric=True)
-    state = sie.solve_fixed(problem.equation(Control("half_width", a)), zones, 1e-13)
-    if kind == "load":
+def carried_by(problem: Problem, control: Control, a: float) -> float:
+    """The controlled quantity, load or approach, of one zone of half width a, bounded at both ends: one linear solve."""
+    zones = sie.Zones.of([[-a, a]], problem.held_end, problem.held_end, symmetric=True)
+    state = sie.solve_fixed(problem.equation(HalfWidth(a)), zones, 1e-13)
+    if control.load is not None:
         return state.density.total
     matrix, constants = state.system.levels()
     return -float((matrix @ state.unknowns + constants)[0])
@@ -124,14 +125,14 @@ def single_half_width(problem: Problem, control: Control) -> float | None:
     if control.value > highest:
         return None
     low = top
-    while carried_by(problem, control.kind, low) > control.value:
+    while carried_by(problem, control, low) > control.value:
         low *= 0.5
         if low < 1e-300:
             return None
     if low == top:
         return top
     root = require("scipy.optimize").brentq(
-        lambda a: carried_by(problem, control.kind, a) - control.value, low, top, xtol=1e-15 * top, rtol=1e-14
+        lambda a: carried_by(problem, control, a) - control.value, low, top, xtol=1e-15 * top, rtol=1e-14
     )
     return float(root)
 
@@ -143,14 +144,14 @@ def largest_single_load(problem: Problem, control: Control) -> tuple[float, floa
         limit = 1e3 * guess_half_width(problem, control)
     # Even steps where the period limits the width, geometric ones where nothing does.
     a = limit * (np.linspace(0, 1, _SCAN + 1)[1:] if problem.cell is not None else np.geomspace(1e-4, 1, _SCAN))
-    values = [carried_by(problem, control.kind, float(x)) for x in a]
+    values = [carried_by(problem, control, float(x)) for x in a]
     falls = np.flatnonzero(np.diff(values) < 0)
     if len(falls) == 0:
         return float(a[-1]), float(values[-1])
     k = int(falls[0])
     low, high = float(a[max(k - 1, 0)]), float(a[k + 1])
     best = require("scipy.optimize").minimize_scalar(
-        lambda x: -carried_by(problem, control.kind, x), bounds=(low, high), method="bounded",
+        lambda x: -carried_by(problem, control, x), bounds=(low, high), method="bounded",
         options={"xatol": 1e-9 * high},
     )
     return float(best.x), float(-best.fun)

@@ -1,13 +1,17 @@
-"""The elastic operator of a scene: its kernel, what it differs by from a half-plane's, and whether it can be inverted.
+"""The elastic operator of a scene: what the pressure does to the surface, composed of the interaction and the substrate.
 
-Zones are found, and certified, by any model's own kernel. Everything else needs more than a kernel:
+The symbol of the substrate is the one source of all of it:
 
-    full contact  p_q = -E* q f_q / 2 L(q) + mean       a model of all periods that declares its symbol L
-    by the gaps   the slope of the gap as the unknown   such a model with L = 1, the half-plane
-    a maximum     u is harmonic below the surface       half-plane sources and nothing else: contact only grows with the load, and a
-                                                        flat top is in contact as a whole
+    kernel        of a line load, 1/r + int (L - 1) sin(qr) dq (contact.model.line_kernel), alone or with the images of a strip;
+                  of all periods, Hilbert's and sum (L_n - 1) sin(2 pi n r / l) 2 pi / l (contact.model.spectrum)
+    grid          the multiplier 2 L / (E* q)
+    full contact  p_q = -E* q f_q / 2 L(q) + mean
+    by the gaps   the slope of the gap as the unknown, under the symbol 1/L: so far of the half-plane, L = 1
+    a maximum     u is harmonic below the surface: half-plane sources and nothing else; contact only grows with the load, and a flat
+                  top is in contact as a whole
 
-A model that declares no symbol has no inverse: neither full contact nor the gap formulation is offered.
+An interaction of someone's own may give a kernel itself, for zones, their pressure and what is certified; without the symbol of that
+kernel the operator has no inverse: neither full contact nor the gap formulation is offered.
 """
 
 from __future__ import annotations
@@ -17,24 +21,35 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy.fft
 from numpy.typing import NDArray
 
 import sie
+from contact.errors import SceneError
 from contact.model.interactions.base import Interaction
-from contact.model.spectrum import excess
+from contact.model.line_kernel import SmoothPart
+from contact.model.spectrum import checked, excess, kernel_of
+from contact.model.strip import BeyondStrip
+from contact.model.substrates.base import Substrate
 
 Array = NDArray[np.float64]
 Potential = Callable[[Array, Array], Array]
+Symbol = Callable[[Array], Array]
+# Of lags and the width of a cell.
+Rest = Callable[[Array, float], Array]
 
 # Places over a period at which a kernel is compared with Hilbert's, and what rounding makes of no difference.
 _PLACES, _NOTHING = 4096, 1e-13
+# The smallest compliance over the half-plane's.
+_SOFTEST = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class Operator(sie.Kept):
-    """The operator of an interaction under a period [m] of the solution, None where nothing repeats."""
+    """The operator of an interaction on a substrate under a period [m] of the solution, None where nothing repeats."""
 
     interaction: Interaction
+    substrate: Substrate
     period: float | None
 
     @property
@@ -42,13 +57,31 @@ class Operator(sie.Kept):
         """Whether all periods act, so that harmonics stay harmonics."""
         return self.period is not None and not self.interaction.strip
 
+    @property
+    def is_own(self) -> bool:
+        """Whether the interaction gives a kernel, or the symbol of one, and asks nothing of the substrate."""
+        cls = type(self.interaction)
+        return cls.kernel is not Interaction.kernel or cls.symbol is not Interaction.symbol
+
+    @cached_property
+    def symbol(self) -> Symbol | None:
+        """L of q [1/m]; None of an interaction's own kernel without one."""
+        if not self.is_own:
+            return self.substrate.symbol
+        given = type(self.interaction).symbol is not Interaction.symbol
+        return self.interaction.symbol if given else None  # type: ignore[return-value]
+
+    @property
+    def _named(self) -> str:
+        return "interaction" if self.is_own else "substrate"
+
     @cached_property
     def excess(self) -> Array | None:
-        """L_n - 1 of the harmonics of the period, as far as it is not zero; None where no symbol is declared."""
-        if not self.is_periodic:
+        """L_n - 1 of the harmonics of the period, as far as it is not zero; None without a symbol."""
+        if not self.is_periodic or self.symbol is None:
             return None
         assert self.period is not None
-        return excess(self.interaction.symbol, self.period)
+        return excess(self.symbol, self.period, self._named)
 
     @property
     def has_inverse(self) -> bool:
@@ -58,29 +91,161 @@ class Operator(sie.Kept):
     @property
     def is_half_plane(self) -> bool:
         """Whether the inverse is that of the half-plane: the gap formulation."""
-        return self.excess is not None and len(self.excess) == 0
+        return self.excess is not None and len(self.excess) == 0 and not self.compression
+
+    @cached_property
+    def is_plain(self) -> bool:
+        """Whether there is nothing beyond half-plane sources."""
+        if self.is_own:
+            return self.interaction.strip or self.rest is None
+        return self.compression is None and (self.is_half_plane if self.is_periodic else self.smooth_part.is_zero)
+
+    @property
+    def compression(self) -> float | None:
+        """By how much a uniform pressure p displaces the surface, over 2 p / E* [m]; None where that is not counted, or not finite."""
+        return None if self.is_own else self.substrate.compression
+
+    # Displacements and what they count from ---------------------------------------------------------------------------
+    @property
+    def smooth_part(self) -> SmoothPart:
+        """Of a line load on the substrate."""
+        return self.substrate.smooth_part
+
+    @property
+    def has_approach(self) -> bool:
+        return self.interaction.needs_period or self.interaction.datum is not None or self.compression is not None
+
+    @property
+    def datum(self) -> float | None:
+        """The length in the logarithm of a line load's displacement, where nothing repeats [m]; None where there is no approach."""
+        datum: float | None = self.smooth_part.scale if self.compression is not None else self.interaction.datum
+        return datum
 
     def kernel(self, unit: float) -> sie.Kernel:
-        """The kernel in scaled lengths; that of all periods with a potential that has no mean, so that u has none."""
+        """The kernel in scaled lengths; that of all periods with a potential that has no mean but that of the compression."""
         period = None if self.period is None else self.period / unit
-        kernel = self.interaction.kernel(period, unit)
-        if not self.is_periodic or self.is_half_plane or kernel.regular_potential is None:
+        if self.is_own:
+            return self._own_kernel(period, unit)
+        if not self.is_periodic:
+            return self._line_kernel(period, unit)
+        assert self.excess is not None and period is not None
+        kernel = kernel_of(self.excess, period)
+        if not self.compression:
+            return kernel
+        assert kernel.regular_potential is not None
+        return replace(kernel, regular_potential=_Lowered(kernel.regular_potential, np.pi * self.compression / unit / period))
+
+    def _line_kernel(self, period: float | None, unit: float) -> sie.Kernel:
+        """1/r and the smooth part of a line load, with the images of a strip; its length vanishes far away, or in the datum."""
+        smooth, own = self.smooth_part, self.compression is not None
+        shifts = 0 if period is None else self.interaction.neighbours
+        datum = self.datum if period is None or own else self.period
+        scaled = 1.0 if datum is None else datum / unit
+        plain = sie.images(period, shifts, datum=scaled) if period is not None else sie.cauchy(scaled)
+        if smooth.is_zero:
+            return plain
+        raised = self._raised(datum)
+        return plain + sie.Smooth(_Lines(smooth.value, plain.poles, unit, unit), _Lines(smooth.potential, plain.poles, unit, 1.0, raised))
+
+    def _raised(self, datum: float | None) -> float:
+        """What makes the potential of a line load vanish in the datum [m], or far away from a body with a base."""
+        return 0.0 if self.compression is not None or datum is None else -float(self.smooth_part.potential(np.array(datum)))
+
+    def _own_kernel(self, period: float | None, unit: float) -> sie.Kernel:
+        interaction = self.interaction
+        given = type(interaction).kernel is not Interaction.kernel
+        kernel = interaction.kernel(period, unit) if given else None
+        if not given:
+            if period is None or self.excess is None:
+                raise SceneError("an interaction with a symbol and no kernel needs a period, and no strip", "interaction")
+            kernel = kernel_of(self.excess, period)
+        if not isinstance(kernel, sie.Kernel):
+            raise SceneError.of("interaction.kernel(period, unit)", kernel, "a sie.Kernel, such as sie.hilbert(period) + sie.Smooth(...)")
+        if not self.is_periodic or kernel.regular_potential is None or self.is_half_plane:
             return kernel
         assert period is not None
         return replace(kernel, regular_potential=_Lowered(kernel.regular_potential, _mean_beyond(kernel, period)))
 
+    def columns(self, centre: float, unit: float) -> tuple[sie.Forcing, ...]:
+        """Terms of the right side with an unknown amplitude, scaled, about the centre of the strip."""
+        interaction = self.interaction
+        period = None if self.period is None else self.period / unit
+        if self.is_own or type(interaction).columns is not Interaction.columns or not interaction.strip:
+            return interaction.columns(period, centre)
+        assert period is not None
+        beyond = BeyondStrip(
+            0.5 * (2 * interaction.neighbours + 1) * period, period, centre, self.smooth_part, unit, self.compression
+        )
+        return (sie.Forcing(beyond.slope, beyond.height),)
+
+    # For grids --------------------------------------------------------------------------------------------------------
+    def multiplier(self, q: Array) -> Array:
+        """L of the first harmonics q of the period: declared, or found from the kernel."""
+        assert self.period is not None
+        if self.symbol is not None:
+            return checked(self.symbol, q, self._named)
+        rest = self.rest
+        if rest is None:
+            return np.ones_like(q)
+        places = _PLACES * -(-2 * (len(q) + 1) // _PLACES)
+        values = rest(np.asarray(self.period / places * np.arange(places)), 0.0)
+        n = np.arange(1, len(q) + 1)
+        found = 1.0 - q / np.pi * (self.period / places) * scipy.fft.rfft(values).real[n]
+        return np.asarray(np.maximum(found, _SOFTEST), dtype=np.float64)
+
     @cached_property
-    def rest(self) -> Callable[[Array], Array] | None:
-        """Potential of the lag x - xi [m], less that of half-plane sources; None where there is nothing else, or only a strip."""
-        if self.interaction.strip or self.is_half_plane:
+    def rest(self) -> Rest | None:
+        """Potential of the lag x - xi [m], less that of half-plane sources, in the mean of cells of a width [m]; None where there is
+        nothing else, or only a strip."""
+        if self.interaction.strip or (not self.is_own and self.is_plain):
             return None
         if self.period is None:
-            kernel = self.interaction.kernel(None, 1.0)
-            return None if kernel.regular is None else _Rest(kernel)
+            kernel = self.kernel(1.0)
+            if self.is_own:
+                return None if kernel.regular is None else _Rest(kernel)
+            return _Cells(self.smooth_part.primitive, (0.0,), self._raised(self.datum))
+        if self.is_half_plane:
+            return None
         kernel = self.kernel(1.0)
         lag = self.period * (np.arange(_PLACES) + 0.5) / _PLACES
         rest = _Rest(kernel, self.period)
         return rest if float(np.abs(rest(lag)).max()) > _NOTHING else None
+
+    @cached_property
+    def strip_rest(self) -> Rest | None:
+        """The same of a strip and its images, up to a constant; None on a half-plane."""
+        if self.is_own or self.smooth_part.is_zero:
+            return None
+        return _Cells(self.smooth_part.primitive, self.kernel(1.0).poles)
+
+
+@dataclass(frozen=True, eq=False)
+class _Lines:
+    """A function of x - xi - s [m] summed over the poles s, times a factor and raised by a constant for each."""
+
+    of: Callable[[Array], Array]
+    poles: tuple[float, ...]
+    unit: float
+    factor: float
+    raised: float = 0.0
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        lag = x - xi
+        total = sum((self.of((lag - pole) * self.unit) for pole in self.poles), np.zeros(np.shape(lag)))
+        return np.asarray(self.factor * total + len(self.poles) * self.raised)
+
+
+@dataclass(frozen=True, eq=False)
+class _Cells:
+    """The mean of a potential over a cell about the lag [m], by its primitive, summed over images: cells may be wider than it varies."""
+
+    primitive: Callable[[Array], Array]
+    poles: tuple[float, ...]
+    raised: float = 0.0
+
+    def __call__(self, lag: Array, width: float) -> Array:
+        rise = sum((self.primitive(lag - s + 0.5 * width) - self.primitive(lag - s - 0.5 * width) for s in self.poles), np.zeros(len(lag)))
+        return np.asarray(rise / width + self.raised)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +266,7 @@ class _Rest:
     kernel: sie.Kernel
     period: float | None = None
 
-    def __call__(self, lag: Array) -> Array:
+    def __call__(self, lag: Array, width: float = 0.0) -> Array:
         if self.period is None:
             return smooth_potential(self.kernel, lag)
         lag = lag - np.round(lag / self.period) * self.period

@@ -1,7 +1,7 @@
-"""Names for profiles and interactions: `@register_profile("cosh")` makes a class known to scene files.
+"""Names for profiles, interactions, substrates and laws: `@register_profile("cosh")` makes a class known to scene files.
 
-Classes of other installed packages come through the entry-point groups `contact.profiles` and
-`contact.interactions`, loaded on the first look-up of a name that is not built in, or when all names are
+Classes of other installed packages come through the entry-point groups `contact.profiles`, `contact.interactions`,
+`contact.substrates` and `contact.laws`, loaded on the first look-up of a name that is not built in, or when all names are
 listed; one that fails is warned about and skipped.
 """
 
@@ -109,6 +109,8 @@ def construct(cls: Callable[..., Any], what: str, params: Mapping[str, Any]) -> 
 
 PROFILES = Registry("profile", "contact.profiles", ("height", "from_table"))
 INTERACTIONS = Registry("interaction", "contact.interactions")
+SUBSTRATES = Registry("substrate", "contact.substrates", ("symbol",))
+LAWS = Registry("law", "contact.laws", ("intensity",))
 
 
 def register_profile(name: str) -> Callable[[C], C]:
@@ -121,6 +123,21 @@ def register_interaction(name: str) -> Callable[[C], C]:
     return INTERACTIONS.register(name)
 
 
+def register_substrate(name: str) -> Callable[[C], C]:
+    """Class decorator: make a substrate known by name."""
+    return SUBSTRATES.register(name)
+
+
+def register_law(name: str) -> Callable[[C], C]:
+    """Class decorator: make a law known by name."""
+    return LAWS.register(name)
+
+
+def from_table(registry: Registry, name: str, params: Mapping[str, Any], key: str | None = None) -> Any:
+    """The object of that name with these parameters; `key` is what a scene file calls the name."""
+    return construct(registry.find(name, key), f"{registry.kind} {name!r}", params)
+
+
 def profile(name: str, **params: Any) -> Any:
     """The profile of that name with these parameters, as a scene file would give them."""
     return PROFILES.find(name).from_table(params)
@@ -128,12 +145,17 @@ def profile(name: str, **params: Any) -> Any:
 
 def interaction(name: str, **params: Any) -> Any:
     """The interaction of that name with these parameters."""
-    return interaction_from_table(name, params)
+    return from_table(INTERACTIONS, name, params)
 
 
-def interaction_from_table(name: str, params: Mapping[str, Any], key: str | None = None) -> Any:
-    """The same; `key` is what a scene file calls the name."""
-    return construct(INTERACTIONS.find(name, key), f"interaction {name!r}", params)
+def substrate(name: str, **params: Any) -> Any:
+    """The substrate of that name with these parameters."""
+    return from_table(SUBSTRATES, name, params)
+
+
+def law(name: str, **params: Any) -> Any:
+    """The law of that name with these parameters."""
+    return from_table(LAWS, name, params)
 
 
 def profiles() -> dict[str, Any]:
@@ -144,3 +166,13 @@ def profiles() -> dict[str, Any]:
 def interactions() -> dict[str, Any]:
     """Every known interaction: name to class."""
     return INTERACTIONS.all()
+
+
+def substrates() -> dict[str, Any]:
+    """Every known substrate: name to class."""
+    return SUBSTRATES.all()
+
+
+def laws() -> dict[str, Any]:
+    """Every known law: name to class."""
+    return LAWS.all()

@@ -1,4 +1,4 @@
-"""A contact scene: a profile, a material, an interaction and one control.
+"""A contact scene: a profile, a material, an interaction, a substrate, a law and one control.
 
 The material enters through the reduced modulus alone, equation (2) of Goryacheva & Tsukanov (2020),
 
@@ -13,6 +13,7 @@ Everything is checked when the scene is made, so that the solver need not check 
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
+from math import isfinite
 
 import numpy as np
 
@@ -20,9 +21,12 @@ from contact.errors import SceneError
 from contact.model.checks import finite, finite_or_none, positive
 from contact.model.interactions.base import CONTROLS, TURNING, Interaction
 from contact.model.interactions.declared import require_elastic
+from contact.model.laws import Frictionless, Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.declared import require_declared
+from contact.model.substrates import HalfPlane, Substrate
+from contact.model.substrates.declared import require_body
 
 
 def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = None) -> float:
@@ -50,6 +54,8 @@ def _plane_compliance(modulus_name: str, modulus: float, ratio_name: str, ratio:
 class Scene:
     """One contact problem in full. Exactly one of the five controls is given, the others stay None.
 
+    substrate: the elastic body, a half-plane if left out; law: what happens at the interface, frictionless if left out.
+
     tilt [rad]: the gap at zero load is f(x) - tilt x: where it is positive, the body is turned so that x > 0 comes down.
     moment [N]: int p x dx, about x = 0 and per unit thickness, positive where more of the load is at x > 0; the tilt is then
     unknown. At most one of the two, and only under a model that lets the body turn (`isolated`); without either the tilt is 0.
@@ -59,6 +65,8 @@ class Scene:
     E_star: float
     interaction: Interaction
     _: KW_ONLY
+    substrate: Substrate = HalfPlane()
+    law: Law = Frictionless()
     load: float | None = None
     mean_pressure: float | None = None
     approach: float | None = None
@@ -72,6 +80,8 @@ class Scene:
         if not type(self.profile).__module__.startswith("contact."):
             require_declared(self.profile)
         _require_instance("interaction", self.interaction, Interaction, "Periodic()")
+        _require_instance("substrate", self.substrate, Substrate, "HalfPlane()")
+        _require_instance("law", self.law, Law, "Frictionless()")
         object.__setattr__(self, "E_star", positive("E_star", self.E_star))
 
         for turning in TURNING:
@@ -84,10 +94,9 @@ class Scene:
             raise SceneError.of(name, value, "above 0 and at most 1")
 
         self._check_period()
-        if not type(self.interaction).__module__.startswith("contact."):
-            ends, resolution = self.profile.support, self.profile.resolution
-            require_elastic(self.interaction, self.period, resolution or (ends[1] - ends[0] if ends else self.profile.period or 1.0))
+        self._check_body()
         self._check_control_suits_interaction(name)
+        self._check_law(name)
         self._check_turning(name)
         if name == "half_width":
             self._check_half_width()
@@ -121,7 +130,7 @@ class Scene:
     @property
     def operator(self) -> Operator:
         """What the pressure does to the surface."""
-        return Operator(self.interaction, self.period)
+        return Operator(self.interaction, self.substrate, self.period)
 
     def _the_one_control(self) -> tuple[str, float]:
         given = {name: value for name in CONTROLS if (value := getattr(self, name)) is not None}
@@ -138,12 +147,46 @@ class Scene:
         model = self.interaction
         if name == "mean_pressure" and self.profile.period is None:
             raise SceneError.of(name, self.mean_pressure, "left out: without a period there is no mean pressure")
-        if name == "approach" and not model.has_approach:
-            allowed = f"left out, or {model.name} given a datum: without one a half-plane has no approach"
+        if name == "approach" and not self.operator.has_approach:
+            allowed = f"left out, or {model.name} given a datum: without one a {self.substrate.name} has no approach"
             raise SceneError.of(name, self.approach, allowed)
         if name not in model.allows:
             allowed = f"left out: the controls of {model.name} are {', '.join(model.allows)}"
             raise SceneError.of(name, getattr(self, name), allowed)
+
+    def _check_body(self) -> None:
+        """The substrate, and the interaction on it: each by itself, and whether they go together."""
+        model, body = self.interaction, self.substrate
+        if not type(body).__module__.startswith("contact."):
+            require_body(body)
+        operator = self.operator
+        if operator.is_own:
+            if not isinstance(body, HalfPlane):
+                allowed = f"left out with {model.name}, which gives a kernel of its own in place of the substrate's"
+                raise SceneError.of("substrate", body.name, allowed)
+            if not type(model).__module__.startswith("contact."):
+                ends, resolution = self.profile.support, self.profile.resolution
+                require_elastic(operator, resolution or (ends[1] - ends[0] if ends else self.profile.period or 1.0))
+        elif body.compression is not None and model.datum is not None:
+            allowed = f"left out with {body.name}, which has a base that displacements count from"
+            raise SceneError.of("interaction.datum", model.datum, allowed)
+        if operator.is_periodic and operator.symbol is not None:
+            # Looked at over the harmonics of the period, too.
+            assert operator.excess is not None
+
+    def _check_law(self, name: str) -> None:
+        law = self.law
+        if name not in law.allows:
+            allowed = f"left out: the controls of {law.name} are {', '.join(law.allows)}"
+            raise SceneError.of(name, getattr(self, name), allowed)
+        if not law.turns and self.turned:
+            turning = "tilt" if self.moment is None else "moment"
+            raise SceneError.of(turning, getattr(self, turning), f"left out: {law.name} is not solved for bodies that turn")
+        if not isfinite(law.intensity(self.E_star)):
+            raise SceneError.of("law.intensity(E_star)", law.intensity(self.E_star), "finite [Pa m^(1/2)]")
+        why = law.refuses(self)
+        if why is not None:
+            raise SceneError.of("law", law.name, f"another one: {law.name} {why}")
 
     def _check_turning(self, name: str) -> None:
         given = {turning: value for turning in TURNING if (value := getattr(self, turning)) is not None}

@@ -1,28 +1,32 @@
-"""Scenes from TOML files: four tables, [profile], [material], [interaction] and [control], and nothing else.
+"""Scenes from TOML files: the tables [profile], [material], [interaction] and [control], and where they are not the usual ones [substrate]
+and [law].
 
-The keys of a table are the arguments of the Python object it stands for, in the same units, so that a profile or
-an interaction is readable from a file as soon as it is registered. File names are relative to the scene file.
+The keys of a table are the arguments of the Python object it stands for, in the same units, so that a profile,
+an interaction, a substrate or a law is readable from a file as soon as it is registered. File names are relative to the scene file.
 """
 
 from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Collection, Mapping
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeVar
 
 from contact.errors import SceneError
 from contact.model.checks import text
-from contact.model.interactions.base import CONTROLS, TURNING, Interaction
+from contact.model.interactions.base import CONTROLS, TURNING
 from contact.model.profiles.base import Profile
-from contact.model.registry import PROFILES, interaction_from_table
+from contact.model.registry import INTERACTIONS, LAWS, PROFILES, SUBSTRATES, Registry, from_table
 from contact.model.scene import E_star, Scene
 
 Table = Mapping[str, Any]
 T = TypeVar("T")
 
 TABLES = ("profile", "material", "interaction", "control")
+# Tables that may be left out, and what they name.
+OPTIONAL = {"substrate": SUBSTRATES, "law": LAWS}
 MODULI = ("E_star", "E1", "nu1", "E2", "nu2")
 
 
@@ -45,19 +49,23 @@ def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Sc
     """The scene of tables already read; files they name are looked for from `directory`."""
     if not isinstance(tables, Mapping):
         raise SceneError.of("tables", tables, f"a mapping with the keys {', '.join(TABLES)}")
-    _require_known("table", tables, TABLES)
+    _require_known("table", tables, (*TABLES, *OPTIONAL))
     missing = [f"[{name}]" for name in TABLES if name not in tables]
     if missing:
         raise SceneError(f"{' and '.join(missing)} missing: a scene has the tables {', '.join(TABLES)}")
-    for name in TABLES:
+    for name in (*TABLES, *(name for name in OPTIONAL if name in tables)):
         if not isinstance(tables[name], Mapping):
             raise SceneError.of(name, tables[name], f"a table, written [{name}]")
     profile = _under("[profile]", lambda: _read_profile(tables["profile"], Path(directory)))
     modulus = _under("[material]", lambda: _read_material(tables["material"]))
-    model = _under("[interaction]", lambda: _read_interaction(tables["interaction"]))
+    model = _under("[interaction]", lambda: _read_model(tables["interaction"], INTERACTIONS))
+    others: dict[str, Any] = {}
+    for name in OPTIONAL:
+        if name in tables:
+            others[name] = _under(f"[{name}]", partial(_read_model, tables[name], OPTIONAL[name]))
     control = _under("[control]", lambda: _read_control(tables["control"]))
     try:
-        return Scene(profile, modulus, model, **control)
+        return Scene(profile, modulus, model, **others, **control)
     except SceneError as error:
         raise _placed(error, tables) from error
 
@@ -82,13 +90,12 @@ def _read_material(table: Table) -> float:
     return E_star(**table)
 
 
-def _read_interaction(table: Table) -> Interaction:
+def _read_model(table: Table, registry: Registry) -> Any:
     model, parameters = _named(table, "model")
-    built: Interaction = interaction_from_table(model, parameters, "model")
-    return built
+    return from_table(registry, model, parameters, "model")
 
 
-def _read_control(table: Table) -> dict[str, float]:
+def _read_control(table: Table) -> dict[str, Any]:
     _require_known("key", table, (*CONTROLS, *TURNING))
     controls = [name for name in table if name in CONTROLS]
     if len(controls) != 1:
@@ -113,10 +120,11 @@ def _require_known(what: str, given: Collection[str], known: Collection[str]) ->
 
 def _placed(error: SceneError, tables: Table) -> SceneError:
     """A fault of the scene as a whole, by the table and the key that it was written under."""
-    table = next((name for name in TABLES if error.field == name or error.field in tables[name]), None)
+    table = next((name for name in tables if error.field == name or error.field in tables[name]), None)
     if table is None or error.allowed is None:
         return error
-    key, value = {"profile": ("shape", None), "interaction": ("model", None)}.get(table, (error.field, error.value))
+    names = {"profile": ("shape", None), **dict.fromkeys(("interaction", *OPTIONAL), ("model", None))}
+    key, value = names.get(table, (error.field, error.value))
     if value is None:
         value = tables[table].get(key)
     assert key is not None

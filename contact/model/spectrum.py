@@ -27,27 +27,44 @@ _FIRST, _MOST = 2**12, 2**16
 _ONE = 1e-15
 
 
-def excess(symbol: Callable[[Array], Array | None], period: float) -> Array | None:
-    """L_n - 1, n = 1, 2, ..., up to the last that is not zero; None where there is no symbol. SceneError where it is none of a body."""
+def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
+    """L(q); SceneError where it is none of a body. of: what the symbol belongs to."""
+    name = f"{of}.symbol(q)"
+    try:
+        with np.errstate(all="ignore"):
+            value = symbol(q.copy())
+    except SceneError:
+        raise
+    except Exception as error:  # the author's code may fail in any way
+        raise SceneError(f"{name} raises {type(error).__name__} for an array of shape {q.shape}: {error}", of) from error
+    try:
+        found = np.asarray(value)
+    except ValueError:
+        found = np.asarray(None)
+    if found.dtype.kind not in "iuf" or found.shape != q.shape or not np.all(np.isfinite(found)):
+        at = ""
+        if found.dtype.kind in "iuf" and found.shape == q.shape:
+            at = f" (not at q = {q[~np.isfinite(found)].ravel()[0]:.6g} 1/m: exponentials that grow overflow, those that fall do not)"
+        raise SceneError.of(name, value, f"real, finite, and of the shape of q{at}")
+    if not np.all(found > 0):
+        lowest = q.ravel()[np.argmin(found)]
+        raise SceneError.of(name, float(found.min()), f"above 0: at q = {lowest:.6g} 1/m pressure would lift the surface")
+    return np.asarray(found, dtype=np.float64)
+
+
+def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
+    """L_n - 1, n = 1, 2, ..., up to the last that is not zero. SceneError where the symbol is none of a body."""
     count = _FIRST
     while True:
         q = np.asarray(2 * np.pi / period * np.arange(1, count + 1), dtype=np.float64)
-        value = symbol(q)
-        if value is None:
-            return None
-        found = np.asarray(value)
-        if found.dtype.kind not in "iuf" or found.shape != q.shape or not np.all(np.isfinite(found)):
-            raise SceneError.of("interaction.symbol(q)", value, "real, finite, and of the shape of q")
-        if not np.all(found > 0):
-            lifts = f"above 0: at q = {q[np.argmin(found)]:.6g} 1/m pressure would lift the surface"
-            raise SceneError.of("interaction.symbol(q)", float(found.min()), lifts)
+        found = checked(symbol, q, of)
         off = np.asarray(found - 1.0, dtype=np.float64)
         seen = np.flatnonzero(np.abs(off) > _ONE)
         if len(seen) == 0 or seen[-1] < 0.9 * count:
             return off[: seen[-1] + 1] if len(seen) else np.zeros(0)
         if count >= _MOST:
             raise SceneError.of(
-                "interaction.symbol(q)", float(found[-1]), f"1 for short waves: to {_ONE:.0e} from harmonic {_MOST} of the period on"
+                f"{of}.symbol(q)", float(found[-1]), f"1 for short waves: to {_ONE:.0e} from harmonic {_MOST} of the period on"
             )
         count *= 4
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange
 from contact.model.profiles.base import Profile
-from contact.search.grid import GridState, Influence, Mask, Rest, solve_grid
+from contact.search.grid import GridState, Influence, Mask, Rest, Symbol, solve_grid
 
 Array = NDArray[np.float64]
 Height = Callable[[Array], ArrayLike]
@@ -25,6 +25,10 @@ COARSEST = 64  # points of the first of the nested grids
 MOST_POINTS = 2**22  # of the last grid, however fine the shape is
 _PASSING = 1e-3  # tolerance of the grids before the last
 NARROW = 3  # cells: below this a zone or a gap is not resolved
+
+
+class NoWindow(OutOfRange):
+    """However wide a window is, the contact reaches its border."""
 
 
 @dataclass(frozen=True)
@@ -166,6 +170,8 @@ def propose(
     max_points: int = 2**17,
     extra: Height | None = None,
     rest: Rest | None = None,
+    symbol: Symbol | None = None,
+    compression: float = 0.0,
     tol: float = 1e-8,
 ) -> Proposal:
     """Zones of `height` (+ `extra`) on one period or window `cell` from nested grids.
@@ -173,7 +179,8 @@ def propose(
     `resolution` is the smallest length of the shape and sets the first final grid, doubled up to `max_points`
     while something is narrower than three cells; `points` fixes the final grid instead. `periodic=False` is isolated, with
     `images` copies of the cell each side; then `level` is counted with the length `datum` in the
-    logarithm. `rest` is what the kernel has beyond the half-plane's (contact.search.grid)."""
+    logarithm. `rest` is what the kernel has beyond the half-plane's; `symbol` and `compression` are the body's under a period
+    (contact.search.grid)."""
     width = cell[1] - cell[0]
     if points is not None:
         target = limit = int(points)
@@ -195,7 +202,7 @@ def propose(
         if extra is not None:
             f = f + np.asarray(extra(x), dtype=np.float64)
         influence = (
-            Influence.periodic(n, h, E, rest)
+            Influence.periodic(n, h, E, symbol, compression)
             if periodic
             else Influence.isolated(n, h, E, images=images, datum=datum, rest=rest)
         )
@@ -309,7 +316,7 @@ class _Window:
             if wanted == window or centre + 0.5 * h == centre:  # at the limits, or below the digits of x
                 return window, state
             window = wanted
-        raise OutOfRange(
+        raise NoWindow(
             f"no window holds the contact (last tried: {window}): does the profile rise on both sides?"
         )
 

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 import sie
 from contact.formulation.conjugate import ScaledConjugate
+from contact.formulation.controls import Control, Load
 from contact.formulation.fields import mean_shape
 from contact.formulation.gaps import GapFields
 from contact.formulation.maxima import maximum
-from contact.formulation.problem import Control, Problem, minus_one
-from contact.search.topology import TIGHT, WrongTopology
+from contact.formulation.problem import Problem, minus_one
+from contact.search.missed import Missed, WrongTopology
+from contact.search.topology import TIGHT
 from contact.verify.gap_accuracy import Gapped
 from contact.verify.gap_certificate import NARROWEST, certify_gaps
 
@@ -32,32 +34,41 @@ _UNSEEN = 4
 def find_gaps(
     problem: Problem, control: Control, conjugate: ScaledConjugate, tolerance: float, width: float, zones: Array | None = None,
     near: bool = False,
-) -> Gapped:
+) -> Gapped | Missed:
     """The gaps under a control (load, approach, or width): first guesses, Newton, then the signs on the whole period.
 
     width: about that of all contact, zones: about where it is, both scaled; near: these are those of a solution, and given up as soon
-    as they turn out to be far. Raises WrongTopology where that does not come to an end that passes.
+    as they turn out to be far.
     """
     assert problem.period is not None
-    first = _First.of(problem, conjugate)
-    if control.kind == "width":
-        width = control.value
-    mean = control.value / problem.period if control.kind == "load" else first.mean_of(width)
-    if zones is not None and len(zones) > 0:
-        # Where zones are known about, so are the gaps; but not those that a grid does not see.
-        between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + problem.period)))
-        try:
-            return settle_gaps(problem, control, conjugate, _united(between, problem.period), mean, tolerance, near)
-        except WrongTopology:
-            if near:
-                raise
-    return settle_gaps(problem, control, conjugate, first.gaps(mean), mean, tolerance)
+    try:
+        first = _First.of(problem, conjugate)
+        width = width if control.width is None else control.width
+        mean = first.mean_of(width) if control.load is None else control.load / problem.period
+        if zones is not None and len(zones) > 0:
+            # Where zones are known about, so are the gaps; but not those that a grid does not see.
+            between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + problem.period)))
+            found = settle_gaps(problem, control, conjugate, _united(between, problem.period), mean, tolerance, near)
+            if near or isinstance(found, Gapped):
+                return found
+        return settle_gaps(problem, control, conjugate, first.gaps(mean), mean, tolerance)
+    except WrongTopology as wrong:
+        return wrong.missed
 
 
 def settle_gaps(
     problem: Problem, control: Control, conjugate: ScaledConjugate, table: Array, mean: float, tolerance: float, near: bool = False
-) -> Gapped:
+) -> Gapped | Missed:
     """From proposed gaps (n, 2) to gaps that pass; mean: the scaled mean pressure, or a guess of it; near: see `find_gaps`."""
+    try:
+        return _settled(problem, control, conjugate, table, mean, tolerance, near)
+    except WrongTopology as wrong:
+        return wrong.missed
+
+
+def _settled(
+    problem: Problem, control: Control, conjugate: ScaledConjugate, table: Array, mean: float, tolerance: float, near: bool
+) -> Gapped:
     equation = gap_equation(problem, control, conjugate)
     free: sie.Free | None = None
     for _ in range(_ROUNDS):
@@ -92,37 +103,37 @@ def settle_gaps(
 
 def _decided(slight: Gapped, problem: Problem, control: Control, conjugate: ScaledConjugate, mean: float) -> Gapped:
     """The gaps as tightly as rounding allows, where a dip of the pressure may be one more; undecided if that cannot be told."""
-    try:
-        return settle_gaps(problem, control, conjugate, slight.fields.density.zones.table, mean, TIGHT)
-    except WrongTopology:
+    tight = settle_gaps(problem, control, conjugate, slight.fields.density.zones.table, mean, TIGHT)
+    if isinstance(tight, Missed):
         return replace(slight, certificate=replace(slight.certificate, undecided=True))
+    return tight
 
 
 def _under_mean(
     problem: Problem, control: Control, conjugate: ScaledConjugate, free: sie.Free, mean: float, tolerance: float
 ) -> sie.AnyState:
     """The same gaps under their mean pressure, whatever the control was: stiffness is read from this state."""
-    if control.kind == "load":
+    if control.load is not None:
         return free.state
     assert problem.period is not None
-    equation = gap_equation(problem, Control("load", mean * problem.period), conjugate)
+    equation = gap_equation(problem, Load(mean * problem.period), conjugate)
     return sie.solve_fixed(equation, free.density.zones, max(0.1 * tolerance, 3e-16)).settled()
 
 
 def _rounding_of_mean(control: Control, fields: GapFields) -> float:
     """How far rounding may take the mean pressure that comes with an approach: a difference of numbers of the size of the
     profile, which hardly changes near full contact."""
-    if control.kind != "approach":
+    if control.approach is None:
         return 0.0
     units = fields.problem.units
     rate = fields.stiffness / fields.period * units.height / units.load
-    return 6e-16 * (abs(fields.mean) + abs(rate) * max(control.value, mean_shape(fields.problem)))
+    return 6e-16 * (abs(fields.mean) + abs(rate) * max(control.approach, mean_shape(fields.problem)))
 
 
 def with_gaps(fields: GapFields, mean: float, table: Array, tolerance: float, decay: float) -> GapFields:
     """The same profile at another mean pressure with this many gaps, whatever the signs. tolerance: of their ends, decay: of the
     coefficients."""
-    equation = gap_equation(fields.problem, Control("load", mean * fields.period), fields.conjugate)
+    equation = gap_equation(fields.problem, Load(mean * fields.period), fields.conjugate)
     free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, signs=(1.0, -1.0), decay=decay, settled=False)
     if not free.converged:
         raise WrongTopology("the ends of the gaps did not settle", free)
@@ -138,16 +149,8 @@ def gap_equation(problem: Problem, control: Control, conjugate: ScaledConjugate)
         conjugate.smooth, breaks_at=np.asarray(jumps.steps_at), breaks=np.asarray(jumps.steps), break_orders=jumps.orders,
         spline=jumps.value,
     )
-    ends: tuple[sie.TotalWidth, ...] = ()
-    if control.kind == "load":
-        given: sie.Condition = sie.Amplitude(0, control.value / problem.period)
-    elif control.kind == "approach":
-        # min f = 0 and mean u = 0: the mean of f less the mean gap.
-        given = sie.ZoneMoments((control.value - mean_shape(problem)) * problem.period)
-    else:
-        given, ends = sie.Amplitude(0, None), (sie.TotalWidth(problem.period - control.value),)
-    column = sie.Forcing(minus_one, modes=1)
-    return sie.Equation(problem.kernel, right, (given, sie.ZoneTotals(0.0)), (column,), ends)
+    conditions, ends = control.gap_conditions(problem.period, partial(mean_shape, problem))
+    return sie.Equation(problem.kernel, right, conditions, (sie.Forcing(minus_one, modes=1),), ends)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,8 @@ where S is the influence of the pressure on the displacement u,
     periodic:  u_k = 2 p_k / (E |k|), k = 2 pi j / (n h), u_0 = 0,
     isolated:  u(x) = -(2 / (pi E)) int p(xi) ln(|x - xi| / d) dxi, p constant on a cell, integral closed,
 
-and where the kernel has a smooth `rest` beyond the half-plane's, a function of the lag x - xi, that in place of the logarithm too.
+and on other bodies u_k times their symbol, and u_0 = 2 p_0 c / E, c their compression; or, isolated, with what their potential has beyond
+the logarithm, a smooth `rest` of the lag x - xi and the width of a cell.
 
 This is the problem of Polonsky & Keer (1999), Wear 231, 206-219, doi 10.1016/S0043-1648(99)00113-1, and like
 theirs the method is a conjugate gradient under FFTs. Two things differ, because here the iterations must not
@@ -39,10 +40,8 @@ from contact.errors import OutOfRange
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-Rest = Callable[[Array], Array]
-
-# Lags at which what a kernel has beyond the half-plane's is sampled at least, and the smallest compliance over the half-plane's.
-_LAGS, _SOFTEST = 4096, 1e-9
+Rest = Callable[[Array, float], Array]
+Symbol = Callable[[Array], Array]
 
 _AS_GOOD_AS_FULL = (
     "the approach is the mean of the profile, as nearly as a grid can tell: contact is full or as good as full; give a load, a mean "
@@ -64,13 +63,19 @@ class Influence:
     _offset: float = 0.0  # u = ... + _offset * sum p h: the part of the datum, kept apart from the shape of u
 
     @classmethod
-    def periodic(cls, n: int, h: float, E: float, rest: Rest | None = None) -> Influence:
+    def periodic(cls, n: int, h: float, E: float, symbol: Symbol | None = None, compression: float = 0.0) -> Influence:
         stiffness = _wave_stiffness(n, h, E)
-        if rest is not None:
-            stiffness /= _symbol(n, h, rest)
+        if symbol is not None:
+            stiffness[1:] /= symbol(np.asarray(2.0 * np.pi / (n * h) * np.arange(1, n // 2 + 1), dtype=np.float64))
         compliance = np.zeros_like(stiffness)
         compliance[1:] = 1.0 / stiffness[1:]
+        compliance[0] = 2.0 * compression / E
         return cls(n, h, E, True, 0, compliance, stiffness)
+
+    @property
+    def yields(self) -> float:
+        """Displacement of a unit of uniform pressure on a period."""
+        return float(self._compliance[0]) if self.is_periodic else 0.0
 
     @classmethod
     def isolated(
@@ -81,7 +86,7 @@ class Influence:
         step = n if period is None else period / h
         kernel = sum((_log_cell(lag + j * step) for j in range(-images, images + 1)), np.zeros(n + 1))
         if rest is not None:
-            kernel = kernel + rest(np.asarray(h * lag))
+            kernel = kernel + rest(np.asarray(h * lag), h)
         circulant = np.concatenate((kernel, kernel[n - 1 : 0 : -1]))
         scale = -2.0 / (np.pi * E)
         compliance = scale * h * scipy.fft.rfft(circulant).real
@@ -104,15 +109,6 @@ class Influence:
 
 def _wave_stiffness(n: int, h: float, E: float) -> Array:
     return np.asarray(0.5 * E * (2.0 * np.pi / (n * h)) * np.arange(n // 2 + 1), dtype=np.float64)
-
-
-def _symbol(n: int, h: float, rest: Rest) -> Array:
-    """u_k over that of the half-plane, 1 - (k / pi) int rest(d) cos(k d) dd: sampled more closely than a coarse grid."""
-    finer = -(-_LAGS // n)
-    values = rest(np.asarray(h / finer * np.arange(finer * n), dtype=np.float64))
-    wave = 2.0 * np.pi / (n * h) * np.arange(n // 2 + 1)
-    found = 1.0 - wave / np.pi * (h / finer) * scipy.fft.rfft(values).real[: n // 2 + 1]
-    return np.asarray(np.maximum(found, _SOFTEST), dtype=np.float64)
 
 
 def _log_cell(m: Array) -> Array:
@@ -288,16 +284,17 @@ class _Run:
         return full, u, float(np.mean(u[inside] + shape[inside])), float(np.max(np.abs(z))), converged
 
     def full_contact(self, load: float, shape: Array) -> tuple[Array, Array, float, float, bool]:
-        """Contact everywhere on a period, closed: p = load / L - D shape, u = mean - shape. Its smallest
+        """Contact everywhere on a period, closed: p = load / L - D shape, u = level - shape. Its smallest
         pressure decides whether there is a gap at all, so no iteration may blur it."""
         n, h = self.influence.n, self.influence.h
         self.iterations += 1
         mean = float(shape.mean())
+        level = mean + self.influence.yields * load / (n * h)
         p = load / (n * h) - scipy.fft.irfft(self.influence._stiffness * scipy.fft.rfft(shape - mean), n)
         roundoff = np.finfo(float).eps * (
             self.influence.E / h * float(np.max(np.abs(shape - mean))) + load / (n * h)
         )
-        return p, mean - shape, mean, roundoff, True
+        return p, level - shape, level, roundoff, True
 
     def at_load(self, load: float, guess: Array | None) -> GridState:
         # From the whole grid the set only shrinks; from a guess it may also grow once.
@@ -335,7 +332,7 @@ class _Run:
         """d level / d load: the contact set does not move to first order (p vanishes at its ends)."""
         mask = state.contact
         if state.full:
-            return 0.0
+            return self.influence.yields / (self.influence.n * self.influence.h)
         _, _, level, _, _ = self.conjugate_gradient(1.0, mask, state.pressure, 1e-4, np.zeros(len(mask)))
         return level
 
@@ -348,7 +345,7 @@ class _Run:
         if depth <= 0.0:
             gap = np.where(self.allowed, self.f - level, np.inf)
             return GridState(np.zeros(inf.n), gap, level, 0.0, 0, True, self.f, inf)
-        if inf.is_periodic and np.all(self.allowed) and depth >= float(np.mean(self.shape)):
+        if inf.is_periodic and not inf.yields and np.all(self.allowed) and depth >= float(np.mean(self.shape)):
             raise OutOfRange(_AS_GOOD_AS_FULL)
         load = 0.5 * E * depth if guess is None else float(guess.sum()) * h
         low, high = 0.0, np.inf

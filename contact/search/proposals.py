@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.formulation.problem import Control, Problem, Units
+from contact.formulation.controls import Control, Load
+from contact.formulation.problem import Problem
+from contact.formulation.units import Units
+from contact.model.interactions.periodic import Periodic
 from contact.search.coarse import Proposal, grid_height, propose
 from contact.search.scaling import Framed
 from contact.search.tilt import known_part
@@ -61,10 +64,13 @@ def proposed(
     if problem.moment is not None:
         return _by_moment(frame, problem, control, points)
     units, profile, interaction = problem.units, problem.profile, problem.interaction
-    by_load = control.kind == "load"
+    operator, by_load = problem.operator, control.load is not None
+    # Of a strip the grid of the whole period tells where to cut.
+    whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
     found = propose(
         partial(grid_height, profile) if by_load else profile.height, frame.cell, E=units.E_star,
-        periodic=interaction.needs_period, datum=interaction.datum or 1.0, rest=problem.operator.rest,
+        periodic=interaction.needs_period, datum=operator.datum or 1.0, rest=None if interaction.needs_period else operator.rest,
+        symbol=None if operator.is_plain else whole.multiplier, compression=operator.compression or 0.0,
         resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height, tol=tol,
     )
@@ -78,7 +84,7 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     strip is cut there, or where it would leave the last one, and then follows its zones."""
     units, profile, interaction = problem.units, problem.profile, problem.interaction
     assert profile.period is not None and problem.period is not None
-    load = control.value * units.load if control.kind == "load" else whole.state.load
+    load = whole.state.load if control.load is None else control.load * units.load
     nominal = load / units.load / problem.period if problem.amplitude is None else problem.amplitude
     middle = _cut(whole, profile.x0, profile.period) + 0.5 * profile.period
     if held:
@@ -88,8 +94,8 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
         assert column is not None
         found = propose(
             partial(grid_height, profile), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), E=units.E_star,
-            periodic=False, images=interaction.neighbours, resolution=profile.feature, points=points, load=load,
-            extra=partial(_beyond, units, nominal, column),
+            periodic=False, images=interaction.neighbours, rest=problem.operator.strip_rest, resolution=profile.feature,
+            points=points, load=load, extra=partial(_beyond, units, nominal, column),
         )
         before, middle = middle, 0.5 * float(found.zones[0, 0] + found.zones[-1, 1])
         if held or abs(middle - before) <= _CELLS * profile.period / found.points:
@@ -152,7 +158,7 @@ def of_width(frame: Framed, problem: Problem, width: float) -> Proposed:
     load, rate = _load_of_width(frame, problem, width)
     before: tuple[float, float] | None = None
     for _ in range(_FINE_GRIDS):
-        found = proposed(frame, problem, Control("load", load), None)
+        found = proposed(frame, problem, Load(load), None)
         miss = _miss(found.width / length, width, period)
         if before is not None and math.isfinite(miss - before[1]) and load != before[0]:
             rate = max((miss - before[1]) / math.log(load / before[0]), _FLATTEST)
@@ -181,7 +187,7 @@ def _load_of_width(frame: Framed, problem: Problem, width: float) -> tuple[float
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
     tried: list[tuple[float, float]] = []
     for _ in range(60):
-        found = proposed(frame, problem, Control("load", load), points, _ROUGHLY).width / units.length
+        found = proposed(frame, problem, Load(load), points, _ROUGHLY).width / units.length
         miss = _miss(found, width, period)
         tried.append((math.log(load), miss))
         if abs(found - width) < near_enough or high < _CLOSE_BY * low:

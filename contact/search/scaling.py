@@ -16,14 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
-from contact.formulation.full import period_samples
-from contact.formulation.maxima import maximum
-from contact.formulation.problem import Control, Problem, Units
+from contact.formulation.controls import Control, scaled_control
+from contact.formulation.full import lowest
+from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
+from contact.formulation.units import Units
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
-from contact.search.coarse import find_window, grid_height
+from contact.search.coarse import NoWindow, find_window, grid_height
 from contact.search.tilt import Window, held_by, known_part, leaning, window_at_load
 
 Array = NDArray[np.float64]
@@ -54,7 +55,7 @@ def framed(scene: Scene, single: bool, tilt: float = 0.0) -> Framed:
         origin, length, cell = _isolated_frame(scene, single)
     length = 2.0 ** round(math.log2(length))
     units = Units(origin, length, _typical_slope(scene, profile, length, cell), scene.E_star)
-    problem = Problem(profile, scene.interaction, units, lowest(profile, cell))
+    problem = Problem(profile, scene.interaction, scene.substrate, scene.law, units, lowest(profile, cell))
     return Framed(problem, scaled_control(scene, units), cell)
 
 
@@ -83,7 +84,8 @@ def _frame_of(scene: Scene, profile: Profile, window: Window) -> Framed:
     units = Units(_middle_or_tip(profile, window), length, _typical_slope(scene, profile, length, window), scene.E_star)
     moment = None if scene.moment is None else scene.moment / units.moment
     level = lowest(profile, window) if _datum(scene) is None else _lowest_unturned(scene)
-    return Framed(Problem(profile, scene.interaction, units, level, moment=moment), scaled_control(scene, units), window)
+    problem = Problem(profile, scene.interaction, scene.substrate, scene.law, units, level, moment=moment)
+    return Framed(problem, scaled_control(scene, units), window)
 
 
 def _window(scene: Scene, profile: Tilted) -> Window:
@@ -102,9 +104,7 @@ def _window(scene: Scene, profile: Tilted) -> Window:
                 f"{deepest - level:.6g} m on"
             )
         return fixed or find(profile.height, scene.E_star, level=level + value)
-    except OutOfRange as failure:
-        if "no window" not in str(failure):
-            raise
+    except NoWindow as failure:
         raise OutOfRange(f"turned by {profile.tilt:.6g}, the body finds no hold: {failure}") from failure
 
 
@@ -121,8 +121,7 @@ def _lowest_unturned(scene: Scene) -> float:
 
 
 def _datum(scene: Scene) -> float | None:
-    datum: float | None = scene.interaction.datum
-    return datum
+    return scene.operator.datum
 
 
 def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
@@ -136,7 +135,8 @@ def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
         return 0.5 * (lo + hi), 0.5 * (hi - lo), (lo, hi)
     rest = scene.operator.rest
     if single and rest is None:
-        rough = Problem(profile, scene.interaction, Units(0.0, 1.0, 1.0, scene.E_star), float(profile.height(0.0)))
+        plain = Units(0.0, 1.0, 1.0, scene.E_star)
+        rough = Problem(profile, scene.interaction, scene.substrate, scene.law, plain, float(profile.height(0.0)))
         a = guess_half_width(rough, scaled_control(scene, rough.units))
         return 0.0, a, (-2 * a, 2 * a)
     datum = _datum(scene)
@@ -182,19 +182,6 @@ def _middle_or_tip(profile: Profile, window: Window) -> float:
     return float(tips[np.argmin(profile.height(tips))]) if len(tips) else 0.5 * (window[0] + window[1])
 
 
-def lowest(profile: Profile, cell: Window | None = None) -> float:
-    """min f, over the period or, without one, over a window that holds the tip."""
-    if profile.summits is not None:
-        return float(np.min(profile.height(np.asarray(profile.summits))))
-    if profile.period is not None:
-        x = period_samples(profile)
-    else:
-        assert cell is not None
-        per_feature = 0.0 if profile.resolution is None else 4 * (cell[1] - cell[0]) / profile.resolution
-        x = np.linspace(*cell, int(np.clip(per_feature, 1025, 2**20)))
-    return -maximum(lambda points: -np.asarray(profile.height(points)), x)[1]
-
-
 def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) -> float:
     lo, hi = cell
     x = lo + (hi - lo) * (np.arange(32) + 0.4142) / 32
@@ -206,22 +193,3 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
     # A flat punch, turned or not, bears its load by its corners.
     kind, value = scene.control
     return max(slope, value / (scene.E_star * length) if kind == "load" else 1.0)
-
-
-def scaled_control(scene: Scene, units: Units) -> Control:
-    """The scene's control in scaled variables."""
-    kind, value = scene.control
-    load = scene.given_load
-    if load is not None:
-        kind, value, unit = "load", load, units.load
-    elif kind == "contact_fraction":
-        assert scene.profile.period is not None
-        kind, value, unit = "width", value * scene.profile.period, units.length
-    else:
-        unit = units.height if kind == "approach" else units.length
-    scaled = value / unit if unit > 0.0 else math.inf
-    if not math.isfinite(scaled) or (scaled == 0.0 and value != 0.0):
-        raise OutOfRange(
-            f"{kind} {value:.6g} and the scene's own size, {unit:.6g}, lie farther apart than numbers reach: are the units those of SI?"
-        )
-    return Control(kind, scaled)

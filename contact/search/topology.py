@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact.errors import OutOfRange
+from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
-from contact.formulation.problem import Control, Problem
+from contact.formulation.problem import Problem
+from contact.search.missed import Missed, WrongTopology, same
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED, Certificate, certify
 
@@ -36,20 +37,12 @@ _NARROW = 1e-3
 MARGIN = 10.0
 
 
-class WrongTopology(Exception):
-    """The corrections did not lead to zones that pass; `free` is the last Newton result."""
-
-    def __init__(self, message: str, free: sie.Free | None) -> None:
-        super().__init__(message)
-        self.free = free
-
-
 def settle(
     problem: Problem, control: Control, table: Array, tolerance: float, progress: Progress | None = None,
     formal: bool = False, timed: Timed = nullcontext, near: bool = False, value: float = 0.0, steps: int = 40,
     rounds: int = ROUNDS,
-) -> Found:
-    """From proposed zones (n, 2) to zones that pass the certificate; WrongTopology if that fails.
+) -> Found | Missed:
+    """From proposed zones (n, 2) to zones that pass the certificate, or why they do not lead to any.
 
     formal: the zones are taken as they are, whatever the signs (a reference solution, not a contact). timed: of a part's name, what
     its time is taken with. near: the zones are given up as soon as they turn out to be far from the solution, or not as many. value: a
@@ -64,9 +57,9 @@ def settle(
             # Whether so slight a dip is a gap, or so narrow a gap open, a solution to the tolerance does not tell: on to a
             # tighter one.
             slight = slight or found
-    except WrongTopology:
+    except WrongTopology as wrong:
         if slight is None:
-            raise
+            return wrong.missed
     assert slight is not None
     # Rounding does not let it be told either.
     return replace(slight, certificate=replace(slight.certificate, undecided=True))
@@ -82,6 +75,7 @@ def _rounds(
     for done in range(1, rounds + 1):
         if len(table) == 0:
             raise WrongTopology("all zones vanished", free)
+        _within_strip(problem, table)
         if not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
             raise WrongTopology("the zones are too narrow to tell their ends apart", free)
         if progress is not None:
@@ -110,12 +104,12 @@ def _rounds(
             yield Found(free, fields, NOT_CHECKED, done, control, tolerance)
             return
         with timed("certificate"):
-            certificate = certify(fields, control.value if control.kind == "load" else None)
+            certificate = certify(fields, control.load)
         if certificate.holds:
             yield Found(free, fields, certificate, done, control, tolerance)
             table, tolerance, near = free.density.zones.table, TIGHT, False
             continue
-        if control.kind == "half_width":
+        if control.half_width is not None:
             raise WrongTopology("pressure or gap change sign", free)
         if tolerance > TIGHT and _is_error(free, certificate):
             table, tolerance = free.density.zones.table, max(TIGHT, CLOSER * tolerance)
@@ -131,18 +125,6 @@ def _rounds(
             table, tolerance = ended, max(TIGHT, CLOSER * tolerance)
         tried.append((tolerance, ended))
     raise WrongTopology("the number of zones did not settle", free)
-
-
-def same(table: Array, other: Array) -> bool:
-    """Whether these are the same zones, to a millionth of their widths."""
-    return table.shape == other.shape and bool(np.all(np.abs(table - other) <= 1e-6 * (table[:, 1:] - table[:, :1])))
-
-
-def same_end(one: WrongTopology, other: WrongTopology) -> bool:
-    """Whether two searches ended in the same way with the same zones."""
-    if str(one) != str(other) or one.free is None or other.free is None:
-        return False
-    return same(one.free.density.zones.table, other.free.density.zones.table)
 
 
 def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | None:
@@ -189,11 +171,10 @@ def _is_error(free: sie.Free, certificate: Certificate) -> bool:
 
 
 def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
-    """Zones with the kinds of their ends: held at sharp corners and where the half width is given, else free."""
+    """Zones with the kinds of their ends: held at sharp corners and where the half width is given, else as the law says."""
     count = len(table)
-    left, right = [sie.FREE] * count, [sie.FREE] * count
-    if control.kind == "half_width":
-        left, right = [sie.BOUNDED] * count, [sie.BOUNDED] * count
+    end = problem.end if control.half_width is None else problem.held_end
+    left, right = [end] * count, [end] * count
     lo, hi = problem.walls
     table = np.clip(table, lo, hi)
     symmetric = is_symmetric(problem, table)
@@ -218,24 +199,31 @@ def is_symmetric(problem: Problem, table: Array) -> bool:
 
 def load_controlled(problem: Problem, control: Control, free: sie.Free, tolerance: float) -> ZoneFields:
     """The same zones under their load: fields, levels and stiffness are read from this state."""
-    if control.kind == "load":
+    if control.load is not None:
         return ZoneFields(problem, free.state)
     zones = free.density.zones
     total = free.density.total if free.value is None else free.value
-    left = [sie.FREE if end == sie.BOUNDED else end for end in zones.left]
-    right = [sie.FREE if end == sie.BOUNDED else end for end in zones.right]
+    left = [problem.end if end == problem.held_end else end for end in zones.left]
+    right = [problem.end if end == problem.held_end else end for end in zones.right]
     ends = replace(zones, left=left, right=right)
-    equation = problem.equation(Control("load", total))
+    equation = problem.equation(Load(total))
     # On about the same zones: with their modes, and by iteration from their solution.
     sizes = replace(free.state.sizes, value=0.0)
     state = sie.solve_zones(equation, ends, max(0.1 * tolerance, 3e-16), sizes)
     return ZoneFields(problem, state.settled())
 
 
+def _within_strip(problem: Problem, table: Array) -> None:
+    """What the nominal pressure does beyond a strip has no meaning there."""
+    if problem.interaction.strip and problem.period is not None and not problem.reference:
+        if float(np.abs(table - problem.centre).max()) >= 0.5 * problem.period:
+            raise WrongTopology("a contact zone reaches the border of the strip", None, beyond=True)
+
+
 def _within_borders(problem: Problem, zones: sie.Zones) -> None:
     lo, hi = problem.borders
     if zones.a[0] <= lo or zones.b[-1] >= hi:
-        raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
+        raise WrongTopology("a contact zone reaches the border of the part of the profile that is known", None, beyond=True)
     if problem.period is not None and zones.b[-1] - zones.a[0] >= problem.period:
         raise WrongTopology("the zones fill the period", None)
 

@@ -146,8 +146,16 @@ def describe(scene: Scene) -> dict[str, Any]:
         "profile": {"shape": scene.profile.name, **_parameters(scene.profile)},
         "material": {"E_star": scene.E_star},
         "interaction": {"model": scene.interaction.name, **_parameters(scene.interaction)},
+        **_unusual(scene),
         "control": {name: value, **{turn: given for turn in TURNING if (given := getattr(scene, turn)) is not None}},
     }
+
+
+def _unusual(scene: Scene) -> dict[str, Any]:
+    """The tables of a substrate and a law that are not the ones that a file leaves out."""
+    usual = {field.name: field.default for field in dataclasses.fields(scene)}
+    parts = {name: getattr(scene, name) for name in ("substrate", "law")}
+    return {name: {"model": part.name, **_parameters(part)} for name, part in parts.items() if part != usual[name]}
 
 
 def _parameters(part: Any) -> dict[str, Any]:

@@ -25,10 +25,12 @@ class Part:
 
 @dataclass
 class Plan:
-    """The parts in order, counts of work done, and the seconds that it all took (None if it has not run)."""
+    """The parts in order, counts of work done, what was tried on the way and why it was left, and the seconds that it all took (None
+    if it has not run)."""
 
     parts: list[Part] = field(default_factory=list)
     counts: dict[str, int] = field(default_factory=dict)
+    tried: list[str] = field(default_factory=list)
     seconds: float | None = None
     _within: list[float] = field(default_factory=list, repr=False)
 
@@ -68,10 +70,11 @@ class Plan:
             }
             for p in self.parts
         ]
-        return {"parts": parts, "counts": dict(self.counts), "seconds": self.seconds}
+        return {"parts": parts, "counts": dict(self.counts), "tried": list(self.tried), "seconds": self.seconds}
 
     def __str__(self) -> str:
         lines = [f"{'used' if p.used else 'left out':9}{p.name:22}{p.reason} {p.detail}" for p in self.parts]
+        lines += [f"{'tried':9}{left}" for left in self.tried]
         return "\n".join(line.rstrip() for line in lines)
 
 
@@ -127,13 +130,13 @@ def plan(scene: Scene) -> Plan:
 
 def _inverse(scene: Scene) -> Part:
     """What the model's operator offers beyond its kernel: full contact, and nearly full contact by its gaps."""
-    operator, name = scene.operator, scene.interaction.name
+    operator, name = scene.operator, scene.interaction.name if scene.operator.is_own else scene.substrate.name
     if not operator.is_periodic:
-        return Part("inverse operator", False, f"{name} has no full contact")
+        return Part("inverse operator", False, f"{scene.interaction.name} has no full contact")
     if operator.is_half_plane:
         return Part("inverse operator", True, "half-plane: full contact, and gaps where contact is nearly full")
     if operator.has_inverse:
-        return Part("inverse operator", True, f"{name} declares its symbol: full contact; gaps on a half-plane only")
+        return Part("inverse operator", True, f"{name} has a symbol: full contact; gaps on a half-plane only")
     return Part("inverse operator", False, f"{name} declares no symbol: by its zones alone, no full contact")
 
 
@@ -158,6 +161,8 @@ def zone_is_given(scene: Scene) -> bool:
 
 
 def starts_from_one_zone(scene: Scene) -> bool:
-    """Whether the first guess is one zone about the tip of a symmetric asperity."""
+    """Whether the first guess is one zone about the tip of a symmetric asperity, as wide as on a half-plane."""
     summits = scene.profile.summits
+    if not scene.operator.is_plain:
+        return False
     return not scene.turned and bool(scene.profile.symmetric and summits is not None and len(summits) == 1 and summits[0] == 0.0)

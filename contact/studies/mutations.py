@@ -63,9 +63,9 @@ MUTATIONS = (
         "g[:count] = self.lowest[i, 1 : count + 1]", "g[:count] = self.lowest[i, :count]",
     ),
     Mutation(
-        "ends moved by 1e-6 of the zone's width", "contact/solver.py",
-        "return self._in_cell(np.asarray(self.problem.units.x(zones.table)))",
-        "return self._in_cell(np.asarray(self.problem.units.x(zones.table + 2e-6 * zones.half[:, None])))",
+        "ends moved by 1e-6 of the zone's width", "contact/solution/made.py",
+        "table = in_cell(scene, np.asarray(problem.units.x(zones.table)))",
+        "table = in_cell(scene, np.asarray(problem.units.x(zones.table + 2e-6 * zones.half[:, None])))",
     ),
     Mutation(
         "datum twice as long", "sie/basis/kernels.py",
@@ -85,16 +85,16 @@ MUTATIONS = (
         "delta = np.where(moves, 2 * residual / safe, 0.0)", "delta = np.where(moves, 4 * residual / safe, 0.0)",
     ),
     Mutation(
-        "stated error of nothing", "contact/solver.py",
-        "return self._within_tolerance(solution, found.free, \"zone\", of_positions(found))",
-        "return self._within_tolerance(replace(solution, error=0.0), found.free, \"zone\", of_positions(found))",
+        "stated error of nothing", "contact/solution/made.py",
+        "solution = Solution(scene, table, found.fields, error, found.certificate, plan, found.free.trace)",
+        "solution = Solution(scene, table, found.fields, 0.0, found.certificate, plan, found.free.trace)",
     ),
     Mutation(
         "potential between zones without its logarithm", "sie/collocation/system.py",
         "block[0] += power * zero", "block[0] += 0.0 * power * zero",
     ),
     Mutation(
-        "pressures one part in 1e9 too large", "contact/formulation/problem.py",
+        "pressures one part in 1e9 too large", "contact/formulation/units.py",
         "return 0.5 * self.E_star * self.slope", "return 0.5 * self.E_star * self.slope * (1 + 1e-9)",
     ),
     Mutation(
@@ -141,7 +141,7 @@ MUTATIONS = (
         "across + half_rise[1:] + half_rise[:-1]", "across + half_rise[1:]", ("tests/contact/test_solve_multizone.py",),
     ),
     Mutation(
-        "zones left in another cell than the profile's", "contact/solver.py",
+        "zones left in another cell than the profile's", "contact/solution/made.py",
         "turns = np.floor((table[:, 0] - x0) / period)", "turns = np.round((table[:, 0] - x0) / period)",
     ),
     Mutation(
@@ -150,7 +150,7 @@ MUTATIONS = (
         "self.position = float(self.problem.units.x(np.array(place + 1e-4)))", ("tests/contact/test_path.py",),
     ),
     Mutation(
-        "a module that no wave needs", "contact/solver.py",
+        "a module that no wave needs", "contact/search/task.py",
         "import numpy as np\nfrom numpy.typing", "import numpy as np\nimport scipy.interpolate  # noqa: F401\nfrom numpy.typing",
         ("tests/contact/test_plan.py",),
     ),

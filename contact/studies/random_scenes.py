@@ -64,9 +64,10 @@ def draw(seed: int) -> Drawn | contact.ContactError:
         kind = str(rng.choice([k for k in interaction.allows if k != "half_width" or profile.symmetric]))
         if kind in ("mean_pressure", "contact_fraction") and profile.period is None:
             kind = "load"
-        if kind == "approach" and not interaction.has_approach:
+        if kind == "approach" and not (interaction.needs_period or interaction.datum is not None):
             interaction = contact.Isolated(datum=length * 10 ** rng.uniform(-1, 2))
-        return Drawn(seed, family, contact.Scene(profile, modulus, interaction, **{kind: _value(rng, profile, modulus, length, kind)}))
+        control: dict[str, Any] = {kind: _value(rng, profile, modulus, length, kind)}
+        return Drawn(seed, family, contact.Scene(profile, modulus, interaction, **control))
     except contact.ContactError as error:
         return error
 

@@ -37,7 +37,7 @@ def scene_of(profile: contact.Sampled, control: str) -> contact.Scene:
     name, value = control.split("_")
     if name == "load":
         full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0))
-        given = {"mean_pressure": float(value) * (full.mean_pressure or 0.0)}
+        given: dict[str, Any] = {"mean_pressure": float(value) * (full.mean_pressure or 0.0)}
     elif name == "approach":
         given = {"approach": float(value) * float(profile.heights.max() - profile.heights.mean())}
     else:

@@ -24,15 +24,16 @@ from numpy.typing import ArrayLike, NDArray
 
 import sie
 from contact.errors import NotConverged, SceneError, unwarned, warn
-from contact.extras import require
+from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.maxima import maximum
-from contact.formulation.problem import Control
+from contact.formulation.roots import bracketed
 from contact.model.checks import finite_array
 from contact.model.scene import Scene
 from contact.search.gap_topology import with_gaps
-from contact.search.topology import Progress, WrongTopology, kinds
+from contact.search.missed import WrongTopology
+from contact.search.topology import Progress, kinds
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solve
@@ -83,6 +84,8 @@ def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress |
     """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
+    if not scene.law.convex:
+        raise SceneError.of("law", scene.law.name, "one under which contact only grows with the load: a path under others is not followed")
     values = finite_array("loads", loads)
     if np.any(values <= 0):
         raise SceneError.of("loads", loads, "positive")
@@ -184,9 +187,7 @@ class _Path:
             known = {end: condition(end) for end in (low.load / load, high.load / load)}
             if not np.prod(np.sign(list(known.values()))) < 0:
                 return None
-            root = require("scipy.optimize").brentq(
-                lambda at: known[at] if at in known else condition(at), *known, xtol=1e-300, rtol=4e-15, maxiter=100
-            )
+            root = bracketed(condition, known, xtol=1e-300, strict=True)
         except WrongTopology:
             return None
         condition(root)
@@ -199,7 +200,7 @@ def _changes(low: Solution, high: Solution) -> list[_Change]:
     if len(high.zones) == 0:
         return [] if len(low.zones) == 0 else [_Change("full", tuple(range(len(low.zones))), 0)]
     period = low.scene.period
-    if (low.scene.turned and low.scene.moment is not None) or low.scene.operator.rest is not None:
+    if (low.scene.turned and low.scene.moment is not None) or not low.scene.operator.is_plain:
         return [*_between(low, high, period), *(replace(change, back=True) for change in _between(high, low, period))]
     middles = low.zones.mean(axis=1)
     changes = []
@@ -265,7 +266,7 @@ class _Condition:
 
     def formal(self, load: float) -> Any:
         """Fields with this number of zones at a load, whatever the signs; later calls start from these zones."""
-        control = Control("load", load)
+        control = Load(load)
         zones, equation = kinds(self.problem, control, self.start(load)), self.problem.equation(control)
         try:
             free = sie.find_ends(equation, zones, _ENDS, walls=self.problem.walls, decay=_DECAY, settled=False)

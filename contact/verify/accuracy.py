@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 import sie
+from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
-from contact.formulation.problem import Control
 from contact.verify.certificate import ROUNDING, Certificate
 
 # Beside a singular end the pressure is several times the mean, to which its error is referred.
@@ -45,7 +45,7 @@ def stated_error(found: Found, control: Control) -> float:
     moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
     on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
     error = max(float(ends.max(initial=0.0)) + ROUNDING, of_positions(found) + ROUNDING, moved + on_zones)
-    if control.kind != "approach":
+    if control.approach is None:
         return error
     # A stiff contact turns the rounding of its level into load.
     fields, units = found.fields, found.fields.problem.units

@@ -74,8 +74,11 @@ NOT_CHECKED = Certificate(np.nan, None, 0.0, np.nan, np.nan, 0, False, note="a f
 
 def certify(fields: ZoneFields, load: float | None) -> Certificate:
     """Check the solution everywhere; `negative` and `overlaps` are the scaled intervals where it fails."""
+    law = fields.problem.law
     pressures, least, dip, inside = _pressures(fields)
     valleys, left_out = _valleys(fields)
+    if law.pulls:
+        pressures, valleys, left_out, dip = np.zeros((0, 2)), [], 0, np.inf
     new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in pressures)]
     pressures = np.array(sorted([*map(tuple, pressures), *new])).reshape(-1, 2)
     on_zones = float(np.abs(fields.formal_gap(_on_zones(fields))).max())
@@ -86,11 +89,14 @@ def certify(fields: ZoneFields, load: float | None) -> Certificate:
     turned = _moment_balance(fields)
     spread = float(np.ptp(fields.levels)) * units.height
     undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (dip <= DIP_ROUNDING and len(pressures) == 0)
-    holds = least > 0 and len(new) == 0 and len(overlaps) == 0 and balance < 1e-9 and (turned is None or turned < 1e-9)
+    holds = (least > 0 or law.pulls) and len(new) == 0 and len(overlaps) == 0 and balance < 1e-9 and (turned is None or turned < 1e-9)
     note = f"{left_out} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of their zones" if left_out else ""
     if not on_zones <= fields.gap_error:
         holds = False
         note = f"on the zones, where it is zero, the gap comes to {on_zones * units.height:.1e} m: height and slope do not go together"
+    broken = law.fault(fields, load)
+    if broken:
+        holds, note = False, f"{law.name}: {broken}"
     return Certificate(
         smallest_pressure=least * units.pressure,
         smallest_gap=None if gaps is None else gaps * units.height,

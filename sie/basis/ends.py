@@ -1,7 +1,7 @@
 """Kinds of zone ends and what each does to the index of the singular integral equation.
 
 Near an end at distance d the density behaves as K / sqrt(d) + A sqrt(d). A *singular* end lets K be what it
-comes to; a *bounded* end asks K = 0 at a given place; a *free* end asks for a given K (zero, or a prescribed
+comes to; a *bounded* end asks K = 0 (or a prescribed K) at a given place; a *free* end asks for a given K (zero, or a prescribed
 intensity) at a place that is itself unknown. Each zone with two singular ends has index 1 and needs one side
 condition; each bounded end takes one away; a free end takes one away and brings one unknown, its position
 (Muskhelishvili, Singular Integral Equations, 1953, ch. 5).
@@ -18,6 +18,12 @@ class End:
 
     moves: True if the position is unknown.
     intensity: the prescribed K at the end; None if K is left free (a singular end).
+
+    Examples
+    --------
+    >>> import sie
+    >>> sie.BOUNDED, sie.FREE.moves
+    (End(moves=False, intensity=0.0), True)
     """
 
     moves: bool
@@ -39,5 +45,26 @@ SINGULAR = End(moves=False, intensity=None)
 
 
 def free_with_intensity(intensity: float) -> End:
-    """An end of unknown position at which the density is `intensity / sqrt(d)` (adhesion, a crack at its limit)."""
+    """An end of unknown position at which the density is `intensity / sqrt(d)` (adhesion, a crack at its limit).
+
+    Parameters
+    ----------
+    intensity : float
+        K; zero is `FREE`.
+
+    Returns
+    -------
+    End
+
+    Examples
+    --------
+    A line contact that adheres, K = -0.1, a = 1: load = pi a^2 / 2 + pi K sqrt(2 a) (M. Barquins, J. Adhesion 26, 1988, 1-12).
+
+    >>> import numpy as np, sie
+    >>> load = np.pi * (0.5 - 0.1 * np.sqrt(2))
+    >>> adhering = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(load),))
+    >>> end = sie.free_with_intensity(-0.1)
+    >>> sie.solve(adhering, sie.Zones.of([[-0.9, 1.05]], end, end)).zones.table.round(9).tolist()
+    [[-1.0, 1.0]]
+    """
     return End(moves=True, intensity=float(intensity))

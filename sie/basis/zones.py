@@ -32,6 +32,13 @@ class Zones(Kept):
     symmetric: the zones are mirror images of each other about x = 0 and so are the data; only half is solved.
     rest: what rounding has cut off the ends, (2, n), which are a + rest[0] and b + rest[1]: an end may lie nearer to a corner of the
         profile than the digits of its position tell.
+
+    Examples
+    --------
+    >>> import sie
+    >>> zones = sie.Zones.of([[0.0, 1.0], [1.5, 2.0]], left=sie.SINGULAR, right=sie.BOUNDED)
+    >>> len(zones), zones.middle.tolist(), zones.half.tolist()
+    (2, [0.5, 1.75], [0.5, 0.25])
     """
 
     a: Array

@@ -46,7 +46,18 @@ MOST_UNKNOWNS = 20_000
 
 
 class SingularSystem(ArithmeticError):
-    """The assembled system has no unique solution: the side conditions depend on each other."""
+    """The assembled system has no unique solution: the side conditions depend on each other.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> twice = sie.Equation(sie.cauchy(), sie.Forcing(np.sin), (sie.Total(1.0), sie.Weighted(np.ones_like, 1.0)))
+    >>> try:
+    ...     sie.solve_fixed(twice, sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR))
+    ... except sie.SingularSystem as error:
+    ...     print(error)
+    the system is singular: the side conditions depend on each other
+    """
 
 
 class TooLarge(SingularSystem):
@@ -136,6 +147,14 @@ class State(Kept):
     density; the solver for further right sides; `truncation`: what the neglected coefficients may amount to, over
     the largest coefficient of the same zone (Z,); `tails`: the same for the coupled modes;
     `linear_error`: what an iteration left of the error of each zone's coefficients (Z,), 0 for a direct solve.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(1.0),))
+    >>> state = sie.solve_fixed(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    >>> float(round(state.response(np.array([2.0])).total, 12)), state.density_error < 1e-14
+    (2.0, True)
     """
 
     density: Density
@@ -393,7 +412,36 @@ def solve_fixed(
 ) -> State:
     """Solve on given zones, with singular ends allowed at moving ends (their intensity is what a Newton step needs).
 
-    Raises CountError if conditions and index do not match, SingularSystem if the conditions are dependent.
+    Parameters
+    ----------
+    equation : Equation
+    zones : Zones
+        Free ends are taken where they are.
+    tolerance : float
+        Coefficients are asked for until they have fallen to this part of the largest.
+    sizes : Sizes or None
+        Modes to start from, kept from one solve to the next.
+    largest : int
+        Modes of a zone at the most.
+
+    Returns
+    -------
+    State
+        The density, and what its error is made of.
+
+    Raises
+    ------
+    ValueError
+        For functions that do not return what the equation is about; `CountError` if conditions and unknowns do not match.
+    SingularSystem
+        If the side conditions depend on each other, or something is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(np.pi),))
+    >>> float(sie.solve_fixed(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)).density(0.6).round(12))
+    1.25
     """
     equation.check_count(zones)
     if sizes is None:
@@ -523,16 +571,16 @@ def density_of(system: System, y: Array) -> Density:
 
 
 def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[Array, Array]:
-    """All side conditions, and intensity zero at fixed bounded ends, as rows and values."""
+    """All side conditions, and the intensity prescribed at ends that do not move, as rows and values."""
     rows, values = [], []
     for condition in equation.conditions:
         matrix, constants, wanted = asked(condition, system, system.layout.size)
         rows.append(matrix)
         values.append(wanted - constants)
     if any(zones.held):
-        for chosen, (matrix, constants) in zip(zones.held, system.intensities(), strict=True):
+        for ends, chosen, (matrix, constants) in zip((zones.left, zones.right), zones.held, system.intensities(), strict=True):
             rows.append(matrix[chosen])
-            values.append(-constants[chosen])
+            values.append(np.array([ends[zones.solved[p]].intensity for p in chosen]) - constants[chosen])
     return np.concatenate(rows) if rows else np.zeros((0, system.layout.size)), np.concatenate(values or [np.zeros(0)])
 
 

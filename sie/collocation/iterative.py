@@ -62,7 +62,7 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
         return "one zone is too few"
     if equation.grows or not reaches(equation.kernel, zones):
         return "the kernel or a column is too general"
-    if any(end.moves and end.intensity != 0.0 for end in ends):
+    if any(end.intensity not in (None, 0.0) for end in ends):
         return "no intensities may be prescribed"
     per_zone = [c for c in equation.conditions if for_every_zone(c) is not None]
     if any(c.count(zones) != 1 for c in equation.conditions if c not in per_zone):

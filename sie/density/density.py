@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
+from sie.basis.half_plane import What, sum_of_powers
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.density.field import CHUNK, Sources, potential_at, quadrature, sum_of_powers, transform_at
+from sie.density.field import CHUNK, Sources, potential_at, quadrature, transform_at
+from sie.density.plane import Plane
 from sie.density.treecode import Everywhere
 from sie.fast.far import reaches
 from sie.jumps.forcing import LOG2, SERIES_REACH, Steps, of_zones
@@ -36,6 +38,18 @@ class Density(Kept):
 
     coefficients: smooth part (zones, n + 1). amplitudes: those of the equation's columns. closed: see `settled`. parts: what
     `bounded` is, where it is known to more digits than the coefficients tell.
+
+    Examples
+    --------
+    The density of a flat punch, 1 / (pi sqrt(1 - x^2)), on the zone, and its field 1 / sqrt(z^2 - 1) / pi off it.
+
+    >>> import numpy as np, sie
+    >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(np.pi),))
+    >>> density = sie.solve(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)).density
+    >>> density([0.0, 0.6, 2.0]).round(12).tolist(), density.transform(1.25).round(12).tolist()
+    ([1.0, 1.25, 0.0], 1.333333333333)
+    >>> float(density.transform(0.75j).imag.round(12)), float(density.transform_slope(0.75j).real.round(12))
+    (-0.8, 0.384)
     """
 
     zones: Zones
@@ -274,13 +288,35 @@ class Density(Kept):
         out[inside] = self.integral_at(z, 2 * np.arctan2(np.sqrt(right), np.sqrt(left)))
         return out
 
-    def transform(self, x: ArrayLike) -> Array:
-        """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end."""
+    def transform(self, x: ArrayLike) -> NDArray[Any]:
+        """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end. At complex x what it is
+        continued to, F(x) (see `plane`); there a zero imaginary part is the upper side of the line."""
+        if np.iscomplexobj(x):
+            return self._in_plane(x, "transform")
         x = _float(x)
         return transform_at(self, self.into_period(x).ravel(), self.sources).reshape(x.shape)
 
-    def potential(self, x: ArrayLike) -> Array:
-        """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones."""
+    def transform_slope(self, z: ArrayLike) -> NDArray[np.complex128]:
+        """F'(z), the derivative of `transform` at complex z (any shape)."""
+        return self._in_plane(z, "derivative")
+
+    def _in_plane(self, z: ArrayLike, what: What) -> NDArray[np.complex128]:
+        points = np.asarray(z, dtype=complex)
+        out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
+        out[finite] = self.plane(points[finite], what)
+        return out
+
+    @cached_property
+    def plane(self) -> Plane:
+        """The density at complex points."""
+        return Plane(self)
+
+    def potential(self, x: ArrayLike) -> NDArray[Any]:
+        """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones. At complex x the complex potential W, W' = F, whose real part
+        is the harmonic function that is the potential on the line: it is analytic in either half plane, real on the line right of all
+        zones (with a period: between the last zone and the next one), and W(conj x) = conj W(x)."""
+        if np.iscomplexobj(x):
+            return self._in_plane(x, "potential")
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
             raise ValueError("the regular kernel has no potential")
         x = _float(x)

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.half_plane import sum_of_powers
 from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.zones import Zones
 from sie.density.series import Evaluated, Series
@@ -207,25 +208,3 @@ def power_sum(u: Array, rho: Array, zone: Index) -> Array:
         powers[..., 1:] = rho[..., None]
         return np.asarray(np.einsum("psk,sk->ps", np.cumprod(powers, axis=-1), u[zone]))
     return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)
-
-
-def sum_of_powers(u: Array, rho: Array, zone: Index) -> Array:
-    """sum_k u[zone, k] rho^k pair by pair (n,), as far as rho^k is seen."""
-    count = u.shape[1]
-    if count == 0 or len(rho) == 0:
-        return np.zeros(rho.shape)
-    flat = np.abs(rho)
-    with np.errstate(divide="ignore"):
-        need = np.fmin(count, np.ceil(-40.0 / np.log(np.minimum(flat, 1 - 1e-12)))).astype(int)
-    need = np.maximum(need, 1)
-    order = np.argsort(-need, kind="stable")
-    point_rho, row = rho[order], zone[order]
-    counts = need[order]
-    out = np.zeros(len(order))
-    active = np.searchsorted(-counts, -np.arange(1, counts[0] + 1), side="right")
-    for k in range(int(counts[0]) - 1, -1, -1):
-        n = active[k]
-        out[:n] = out[:n] * point_rho[:n] + u[row[:n], k]
-    result = np.empty(len(order))
-    result[order] = out
-    return result

@@ -24,7 +24,17 @@ _NODES = 26
 
 @dataclass(frozen=True, eq=False)
 class LocalPotential:
-    """The potential of a density on [lo, hi], an interval without zones in it."""
+    """The potential of a density on [lo, hi], an interval without zones in it.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(1.0),))
+    >>> density = sie.solve(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)).density
+    >>> x = np.linspace(3, 4, 5)
+    >>> bool(np.allclose(sie.LocalPotential.on(density, 3.0, 4.0)(x), density.potential(x), rtol=1e-13))
+    True
+    """
 
     density: Density
     lo: float

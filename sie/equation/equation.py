@@ -27,7 +27,18 @@ Function = Callable[[Array], Array]
 
 
 class CountError(ValueError):
-    """The side conditions do not match the index of the problem; the message says what is missing or too much."""
+    """The side conditions do not match the index of the problem; the message says what is missing or too much.
+
+    Examples
+    --------
+    >>> import sie
+    >>> crack = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: 1 + 0 * x), ())
+    >>> try:
+    ...     sie.solve(crack, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    ... except sie.CountError as error:
+    ...     print(str(error)[:31])
+    1 side conditions are needed (i
+    """
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +57,15 @@ class Forcing(Kept):
         are many: they keep digits that the primitive has lost.
     placed: where x comes to stand when `value` rounds it; x itself if left out. Narrow zones far from the origin see it.
     modes: of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
+
+    Examples
+    --------
+    A wedge: g jumps by 2 at the origin, which is declared, and the load 2 gives a half width of one.
+
+    >>> import numpy as np, sie
+    >>> wedge = sie.Forcing(np.sign, np.abs, steps_at=np.array([0.0]), steps=np.array([2.0]))
+    >>> sie.solve(sie.Equation(sie.cauchy(), wedge, (sie.Total(2.0),)), sie.Zones.of([[-0.5, 2.0]])).zones.table.round(9).tolist()
+    [[-1.0, 1.0]]
     """
 
     value: Function
@@ -104,7 +124,34 @@ def _of_order_zero(at: Array, heights: Array, orders: NDArray[np.intp] | None) -
 
 @dataclass(frozen=True, eq=False)
 class Equation:
-    """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the ends alone."""
+    """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the ends alone.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        `cauchy()`, `hilbert(period)`, `images(period, neighbours)`, or one of these plus a `Smooth`.
+    forcing : Forcing
+        The right side g.
+    conditions : tuple of Condition
+        Side conditions: one for each zone with two singular or two free ends, one less for each fixed bounded end, one more for each
+        column.
+    columns : tuple of Forcing
+        Functions of the right side whose amplitudes are unknown.
+    end_conditions : tuple
+        Conditions on the ends alone, as many as conditions of unknown value.
+
+    Raises
+    ------
+    ValueError
+        For columns with jumps, and for potentials asked of right sides with logarithms.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> hertz = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(np.pi / 2),))
+    >>> sie.solve(hertz, sie.Zones.of([[-0.5, 2.0]])).zones.table.round(9).tolist()
+    [[-1.0, 1.0]]
+    """
 
     kernel: Kernel
     forcing: Forcing

@@ -88,6 +88,14 @@ class Free:
     it is above in size. A root is stable if ends that are pushed off it come back: all eigenvalues of s dK / d(outward motions) have
     negative real parts, for motions that meet the condition on the ends, if any, and are symmetric, if the zones are. Where the
     intensities wanted are zero s dK/d(end) = -s A / 2, and what is found is stable. None: nothing was found.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> hertz = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(np.pi / 2),))
+    >>> free = sie.find_ends(hertz, sie.Zones.of([[-0.5, 2.0]]))
+    >>> free.converged, free.stable, free.reason
+    (True, True, 'the ends are at rest')
     """
 
     state: AnyState
@@ -131,6 +139,23 @@ def find_ends(
     negative. signs: of the wanted density next to left and to right ends (the slope of a gap falls at its right end).
     near: the zones are a guess worth no more than the few steps in which Newton's method ends beside a solution: as soon as a step shows
     that they are not so near, the search is given up, unconverged.
+
+    Returns
+    -------
+    Free
+        Whether the ends were found, where, and how well they are known.
+
+    Raises
+    ------
+    ValueError, SingularSystem
+        As `solve_fixed`.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> hertz = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(np.pi / 2),))
+    >>> sie.find_ends(hertz, sie.Zones.of([[-0.5, 2.0]])).density.zones.table.round(12).tolist()
+    [[-1.0, 1.0]]
     """
     decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
     first_width, first_gap = zones.b - zones.a, modes.gaps(zones, equation.kernel)[1]

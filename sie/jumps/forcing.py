@@ -32,8 +32,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.half_plane import Complex, Seen
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
+from sie.jumps.exterior import Beyond
 from sie.jumps.local_spline import MANY, LocalSpline
 from sie.jumps.zone_spline import ZoneSpline
 
@@ -188,7 +190,7 @@ class Steps(Kept):
         found = dict(zip(zones.tolist(), np.split(order, first[1:]), strict=False))
         return {zone: np.zeros(0, np.intp) for zone in self.splines} | found
 
-    def _polynomial(self, k: Index, t: Array) -> Array:
+    def _polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
         """P_q(t) of jumps k at t (..., 1), for each jump along the last axis."""
         sine, q, s = self.sine[k], self.order[k], self.s[k]
         second = (t - 2 * s) * sine + np.sin(2 * self.phi[k]) / 4
@@ -474,14 +476,19 @@ class Steps(Kept):
         z, beyond = 0.5 * (left - right), np.where(on, 0.0, np.maximum(-left, -right))
         grown = 2 * np.arcsinh(np.sqrt(0.5 * beyond))[:, None]
         root = (np.where(left > 0, 1.0, -1.0) * np.sqrt(beyond * (beyond + 2)))[:, None]
-        out, z = np.zeros(len(left)), z[:, None]
+        away = left[:, None] - self.left[k]
+        turn = np.where(away > 0, self.psi[k], -self.phi[k])
+        turn[~on] = self._plain(k, rho[~on])
+        return self.potential_by(k, away, z[:, None], turn, grown, root)
+
+    def potential_by(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
+        """Sum of the closed potentials of jumps k (see the head of this file), z - s, F, A and B at hand, real or complex."""
+        out = np.zeros(len(z), dtype=turn.dtype)
         for q in range(HIGHEST + 1):
-            of = k[self.order[k] == q]
+            of = np.flatnonzero(self.order[k] == q)
             if len(of) == 0:
                 continue
-            away, sine, s = left[:, None] - self.left[of], self.sine[of], self.s[of]
-            turn = np.where(away > 0, self.psi[of], -self.phi[of])
-            turn[~on] = self._plain(of, rho[~on])
+            sine, s = self.sine[k[of]], self.s[k[of]]
             square = sine**2
             if q == 0:
                 rest = grown - LOG2 - 1
@@ -490,8 +497,32 @@ class Steps(Kept):
             else:
                 rest = (grown * (0.5 + s * s) + root * (0.5 * z - 2 * s)) / 3 - z * (0.5 * z - 1.5 * s)
                 rest += square / 9 - s * s / 2 - 1 / 12 - LOG2 * (square / 6 + s * s / 2)
-            out += (away ** (q + 1) * turn / (q + 1) + sine * rest) @ (self.height[of] / np.pi)
+            out += (away[:, of] ** (q + 1) * turn[:, of] / (q + 1) + sine * rest) @ (self.height[k[of]] / np.pi)
         return out
+
+    # at complex points (see `plane`) ----------------------------------------------------------------------------------
+    def logarithm(self, k: Index, seen: Seen, away: Complex) -> Complex:
+        """-i log(B / A) of jumps k."""
+        c, s = np.sqrt(0.5 * self.left[k]), np.sqrt(0.5 * self.right[k])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(-1j * np.log((c - 1j * s) ** 2 * (c * seen.m[:, None] + 1j * s * seen.p[:, None]) ** 2 / away))
+
+    def logarithm_slope(self, k: Index, seen: Seen, away: Complex) -> Complex:
+        """Its derivative by zeta."""
+        return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
+
+    def polynomial(self, k: Index, zeta: Complex) -> tuple[NDArray[Any], NDArray[Any]]:
+        """P_q and its derivative."""
+        return self._polynomial(k, zeta), np.where(self.order[k] == HIGHEST, self.sine[k], 0.0)
+
+    def plane_potential(self, k: Index, seen: Seen, away: Complex, log: Complex) -> Complex:
+        """Potential of jumps k over w, less c_0 log(w)."""
+        found: Complex = self.potential_by(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None])
+        return found
+
+    def logarithms_near(self, zone: int) -> tuple[Beyond, Index] | None:
+        """Logarithms of the right side that lie near a zone, outside it."""
+        return None
 
     @cached_property
     def sharp(self) -> list[int]:

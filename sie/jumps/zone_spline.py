@@ -122,6 +122,11 @@ class ZoneSpline(Kept):
         """Nodes and weights of panels that double in length away from both ends."""
         return self._moments(self._cuts)
 
+    @property
+    def angles_and_weights(self) -> tuple[Array, Array]:
+        """(phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F with no singularity nearer than the zone's ends."""
+        return self._nodes
+
     @cached_property
     def mean(self) -> float:
         """Mean over theta."""

@@ -65,7 +65,7 @@ class Valley(Kept):
         return 0.5 * (left - right)
 
     @cached_property
-    def _mean_places(self) -> tuple[Array, Array, Array]:
+    def mean_places(self) -> tuple[Array, Array, Array]:
         """Gauss nodes of the equilibrium measure: z, and distances from the wide zone's ends."""
         theta = (np.arange(_MEANS) + 0.5) * np.pi / _MEANS
         left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
@@ -141,11 +141,11 @@ class Valley(Kept):
         return float(over @ (0.5 * (from_left - from_right))), float(over.sum())
 
     @cached_property
-    def _polynomial(self) -> tuple[float, float]:
+    def polynomial(self) -> tuple[float, float]:
         """(value at the middle of the hole, slope) of what is multiplied by X: 0 for q = 0, constant for q = 1."""
         if self.order == 0:
             return 0.0, 0.0
-        cosine, l, r = self._mean_places
+        cosine, l, r = self.mean_places
         s, places = 0.5 * (self.from_left - self.from_right), 0.5 * (l - r)
         # Differences of phi and of sin(phi) from those at the nodes, to all their digits.
         away, roots = self.half * (cosine - self.zeta), np.sqrt(self.from_left * self.from_right) + np.sqrt(l * r)
@@ -160,7 +160,7 @@ class Valley(Kept):
 
     def _turn(self, from_left: Array, from_right: Array) -> Array:
         """What is multiplied by X, at distances from the wide zone's ends."""
-        value, slope = self._polynomial
+        value, slope = self.polynomial
         return np.asarray(value + slope * 0.5 * ((from_left - self.start) - (from_right - self.rest)))
 
     def in_hole(self, from_left: Array, from_right: Array, z: Array) -> Array:
@@ -193,7 +193,7 @@ class Valley(Kept):
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
         """bar(kappa); for q = 1 bar((t - .) kappa) + (m - s) bar(kappa); for q = 2 see the head of this file."""
-        nodes, l, r = self._mean_places
+        nodes, l, r = self.mean_places
         sums = 2 * np.log(np.sqrt(from_right[..., None] * l) + np.sqrt(from_left[..., None] * r)) - np.log(2.0)
         beyond = np.maximum(np.abs(z) - 1, 0.0)
         root = np.sqrt(beyond * (beyond + 2))
@@ -219,7 +219,7 @@ class Valley(Kept):
             lefts, rights, _, weight = self.seen
             over = weight / np.sqrt(lefts * rights) / np.pi
             return -float(over @ (1 / lefts)), float(over @ (1 / rights))
-        _, l, r = self._mean_places
+        _, l, r = self.mean_places
         out = []
         sides = ((-1.0, l, r, self.from_left, self.from_right), (1.0, r, l, self.from_right, self.from_left))
         for sign, near, far, own_near, own_far in sides:
@@ -227,5 +227,5 @@ class Valley(Kept):
             spread = float(np.mean((sign * near) ** self.order * np.sqrt(far / near)))
             if self.order == 1:
                 spread -= self.half * self.zeta * float(np.mean(np.sqrt(far / near)))
-            out.append(-self.jump / np.pi * (own - spread) - self._polynomial[0])
+            out.append(-self.jump / np.pi * (own - spread) - self.polynomial[0])
         return out[0], out[1]

@@ -455,7 +455,34 @@ AnyDensity = Density | Pierced
 def solve_zones(
     equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None
 ) -> AnyState:
-    """`solve_fixed`, with narrow gaps between zones as holes of the wide zones that span them."""
+    """`solve_fixed`, with narrow gaps between zones as holes of the wide zones that span them.
+
+    Parameters
+    ----------
+    equation : Equation
+    zones : Zones
+    tolerance, sizes
+        As of `solve_fixed`.
+
+    Returns
+    -------
+    State or PiercedState
+        The second where narrow gaps were taken as slits.
+
+    Raises
+    ------
+    ValueError, SingularSystem
+        As `solve_fixed`.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> still = sie.Forcing(np.zeros_like, np.zeros_like)
+    >>> beside = sie.Zones.of([[-1.0, -0.001], [0.001, 1.0]])
+    >>> state = sie.solve_zones(sie.Equation(sie.cauchy(), still, (sie.Total(1.0), sie.EqualPotential())), beside)
+    >>> state.density.totals.round(9).tolist()
+    [0.5, 0.5]
+    """
     equation.check_count(zones)
     found = cut(equation, zones)
     if found is None:

@@ -35,8 +35,14 @@ def honed(points, seed=3):
 def loads(monkeypatch):
     """Loads of the solutions on the way, as they are asked for."""
     asked = []
-    plain = solver.solve
-    monkeypatch.setattr(solver, "solve", lambda scene, *rest: (asked.append(scene.load), plain(scene, *rest))[1])
+    plain = solver._solved
+
+    def noted(scene, *rest):
+        if scene.load is not None:
+            asked.append(scene.load)
+        return plain(scene, *rest)
+
+    monkeypatch.setattr(solver, "_solved", noted)
     return asked
 
 
@@ -52,7 +58,7 @@ def test_a_contact_fraction_of_a_rough_trace_takes_few_loads(loads, fraction):
 def test_a_contact_fraction_beside_a_solution_needs_no_grid(loads, monkeypatch):
     first = contact.solve(scene(honed(120), mean_pressure=contact.solve(scene(honed(120), contact_fraction=0.3)).mean_pressure))
     loads.clear()
-    monkeypatch.setattr(solver, "proposed", lambda *_: pytest.fail("a grid"))
+    monkeypatch.setattr("contact.search.guesses.proposed", lambda *_: pytest.fail("a grid"))
     beside = contact.solve(scene(honed(120), contact_fraction=0.305), near=first)
     assert beside.contact_fraction == pytest.approx(0.305, rel=1e-9) and len(loads) <= 2
 
@@ -152,7 +158,7 @@ def test_a_contact_fraction_of_a_rough_trace_takes_no_solution_under_another_loa
     def refused(*_):
         raise AssertionError("a load on the way was solved")
 
-    monkeypatch.setattr(solver._Run, "_on_the_way", refused)
+    monkeypatch.setattr("contact.search.loads._on_the_way", refused)
     solution = contact.solve(contact.Scene(trace, 1.0, contact.Periodic(), contact_fraction=0.3), tol=1e-6)
     assert solution.contact_fraction == pytest.approx(0.3, abs=1e-6)
     assert solution.certificate.holds

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 import contact
-from contact import solver
 from contact.reference import exact
 from contact.testing import check_profile
 from tests.contact import reference
@@ -269,7 +268,7 @@ class TestMeasuredProfiles:
         profile = contact.Sampled(x, heights, period=1.0)
         full = solve(profile, contact.Periodic(), contact_fraction=1.0)
         by_gaps = solve(profile, contact.Periodic(), tol=1e-8, load=0.75 * full.load)
-        monkeypatch.setattr(solver, "_NEARLY_FULL", 2.0)
+        monkeypatch.setattr("contact.search.gaps._NEARLY_FULL", 2.0)
         by_zones = solve(profile, contact.Periodic(), tol=1e-7, load=0.75 * full.load)
         assert by_gaps.certificate.note == "solved by its gaps" and by_zones.certificate.note == ""
         assert by_zones.zones == pytest.approx(by_gaps.zones, abs=1e-7)

@@ -9,9 +9,10 @@ import pytest
 
 import contact
 import sie
-from contact.formulation.problem import Control
+from contact.formulation.controls import Width
 from contact.reference import exact
 from contact.reference.inverse import design
+from contact.studies import random_scenes
 from tests.contact.judge import relative, solve, true_error
 from tests.tiers import quick
 
@@ -155,7 +156,7 @@ class TestStrips:
         alone = replace(fields.problem, interaction=contact.Isolated(), amplitude=None, reference=True)
         zones = fields.density.zones
         width = float((zones.b - zones.a).sum())
-        free = sie.find_ends(alone.equation(Control("width", width)), sie.Zones.of(zones.table), 1e-10)
+        free = sie.find_ends(alone.equation(Width(width)), sie.Zones.of(zones.table), 1e-10)
         assert free.converged
         assert abs(free.density.total / fields.problem.period / float(fields.density.amplitudes[0]) - 1) < 1e-8
 
@@ -215,3 +216,19 @@ class TestLimits:
         full = solve(ROUGH, PERIODIC, contact_fraction=1.0).load
         with pytest.raises(contact.OutOfRange, match=r"border of the strip.*Periodic\(\)"):
             solve(ROUGH, model, load=turns * full)
+
+
+class TestFirstOrderSearch:
+    """Scenes drawn at random at which the search for the nominal pressure went wrong."""
+
+    @pytest.mark.parametrize("seed", [12601, 12805])
+    def test_the_stated_error_covers_what_the_nominal_pressure_is_off(self, seed):
+        scene = random_scenes.draw(seed).scene
+        solution, tight = (contact.solve(scene, tol) for tol in (1e-8, 1e-12))
+        off = np.abs(solution.zones - tight.zones) / np.diff(tight.zones, axis=1)
+        assert off.max() <= solution.error + tight.error
+
+    @pytest.mark.slow
+    def test_a_zone_that_is_led_over_the_border_of_its_strip_is_refused_by_name(self):
+        with pytest.raises(contact.OutOfRange, match="first-order closure"):
+            contact.solve(random_scenes.draw(11348).scene)

@@ -218,7 +218,6 @@ WRONG = {
     "1 for short waves": made(waves(sine, cosine), symbol=lambda self, q: 1 + 0.1 * np.ones_like(q)),
     "above 0: at q": made(waves(sine, cosine), symbol=lambda self, q: 1 - 2 * np.exp(-q / 50)),
     "real, finite, and of the shape": made(waves(sine, cosine), symbol=lambda self, q: 1.0),
-    "must give a kernel, or, for all periods, a symbol": type("Bare", (contact.Interaction,), {"name": "bare", "needs_period": True})(),
 }
 
 

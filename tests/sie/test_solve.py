@@ -422,3 +422,14 @@ def test_the_moment_under_a_wave_is_a_bessel_function():
     density = solve(sie.Forcing(lambda x: np.cos(frequency * x)), [sie.Total(0.0)], [[-1, 1]]).density
     # cos(f t) = sum g_k U_{k-1}, g_1 = (2/pi) int cos(f cos) sin^2 = 2 J_1(f)/f
     assert density.moment() == pytest.approx(-math.pi / 2 * 2 * j1(frequency) / frequency, rel=1e-12)
+
+
+def test_a_held_end_has_the_intensity_that_is_asked_for():
+    end = sie.End(moves=False, intensity=0.7)
+    forcing = sie.Forcing(lambda x: np.asarray(x, dtype=float))
+    state = sie.solve_fixed(sie.Equation(sie.cauchy(), forcing, ()), sie.Zones.of([[-0.5, 0.5]], end, end, symmetric=True), 1e-12)
+    assert np.allclose(state.density.intensities, 0.7, rtol=1e-13)
+    # (1/pi) int phi / (x - xi) = x: phi = sqrt(w^2 - x^2) + C / sqrt(w^2 - x^2), C = K sqrt(2 w).
+    x = np.linspace(-0.49, 0.49, 21)
+    root = np.sqrt(0.25 - x * x)
+    assert np.allclose(state.density(x), root + 0.7 / root, rtol=1e-12)

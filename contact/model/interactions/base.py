@@ -1,7 +1,8 @@
 """What an interaction model is: how the rest of the surface acts on the zones that are solved.
 
-A model names its kernel, the right-hand-side terms of unknown amplitude and the conditions that close them. It works in
-scaled lengths: `period` and `unit` (metres per scaled length) are given to it.
+What a line load does is the substrate's; a model says whether it acts alone, with all periods, or with the images of a strip, and names
+right-hand-side terms of unknown amplitude and the conditions that close them. It works in scaled lengths: `period` and `unit` (metres per
+scaled length) are given to it.
 """
 
 from __future__ import annotations
@@ -12,20 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact.model.spectrum import excess, kernel_of
+from contact.model.laws.base import CONTROLS
 
 Array = NDArray[np.float64]
 
-CONTROLS = ("load", "mean_pressure", "approach", "half_width", "contact_fraction")
 TURNING = ("tilt", "moment")
 
 
 class Interaction:
     """Base of the interaction models. A model is a frozen dataclass in a file of its own.
 
-    needs_period: the model means nothing without one: its kernel is that of all periods, unless it has a `strip`. allows: the controls it
-    accepts. exact: nothing is approximated. datum, where nothing repeats: the length [m] in the logarithm of the displacement;
-    without it there is no approach.
+    needs_period: the model means nothing without one: all periods act, unless it has a `strip`. allows: the controls it
+    accepts. exact: nothing is approximated. datum, where nothing repeats: the distance [m] from a line load at which it displaces
+    nothing; without it a substrate without a base has no approach.
     strip: the zones are those of one strip, cut from the period at its widest gap and centred on them; neighbours: how many copies of it
     on each side are in its kernel.
     turns: one body alone, which may be given a tilt or a moment.
@@ -42,30 +42,20 @@ class Interaction:
     neighbours: Any = 0
 
     @property
-    def has_approach(self) -> bool:
-        return self.needs_period or self.datum is not None
-
-    @property
     def follows_isolated(self) -> bool:
         return False
 
-    def symbol(self, q: Array) -> Array | None:
-        """L(q), q [1/m]: a pressure wave displaces the surface by u_q = 2 L p_q / (E* q); L -> 1 for large q. None: not declared.
-
-        It is what the operator is inverted by: without it there is no full contact. A model gives its symbol, its kernel, or both.
-        """
-        return None
-
     def kernel(self, period: float | None, unit: float) -> sie.Kernel:
-        """The kernel in scaled lengths, of x - xi alone; left out, that of the symbol over a period."""
-        found = None if period is None else excess(self.symbol, period * unit)
-        if period is None or found is None:
-            needed = "a kernel, or, for all periods, a symbol" if self.needs_period else "a kernel"
-            raise NotImplementedError(f"{type(self).__name__} must give {needed}")
-        return kernel_of(found, period)
+        """A kernel of one's own in scaled lengths, of x - xi alone, in place of the substrate's; left out as a rule."""
+        raise NotImplementedError(f"{type(self).__name__} has no kernel of its own: that of the substrate acts")
+
+    def symbol(self, q: Array) -> Array:
+        """The symbol L(q) of one's own kernel, q [1/m], by which it has an inverse; of all periods it may stand in place of the kernel."""
+        raise NotImplementedError(f"{type(self).__name__} has no symbol of its own: that of the substrate acts")
 
     def columns(self, period: float | None, centre: float) -> tuple[sie.Forcing, ...]:
-        """Terms of the right side with an unknown amplitude, about the centre of the strip."""
+        """Terms of the right side with an unknown amplitude, about the centre of the strip. Left out, a model with a `strip` has one,
+        that of the nominal pressure beyond the strip."""
         return ()
 
     def side_conditions(self, period: float | None) -> tuple[sie.Condition, ...]:

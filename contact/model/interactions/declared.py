@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 import sie
 from contact.errors import SceneError, shown
-from contact.model.interactions.base import Interaction
 from contact.model.operator import Operator, smooth_potential
 
 Array = NDArray[np.float64]
@@ -26,11 +25,12 @@ _HARMONICS = 64
 _PLACES = 4096
 
 
-def require_elastic(interaction: Interaction, period: float | None, scale: float) -> None:
-    """SceneError that names the first claim of the interaction that does not hold. period [m] of the solution; scale [m]: of a length
-    over which the contact varies."""
+def require_elastic(operator: Operator, scale: float) -> None:
+    """SceneError that names the first claim that does not hold of an interaction with a kernel or a symbol of its own. scale [m]: of a
+    length over which the contact varies."""
+    interaction, period = operator.interaction, operator.period
     unit = period or scale
-    kernel = _kernel(interaction, period, unit)
+    kernel = _kernel(operator, unit)
     if kernel.regular is not None:
         _require_regular(kernel)
     if interaction.strip:
@@ -42,24 +42,21 @@ def require_elastic(interaction: Interaction, period: float | None, scale: float
     if repeats is not None:
         here, there = _value(kernel, _LAGS), _value(kernel, _LAGS - repeats)
         _require_same(here, there, "kernel", "does not repeat with the period")
-    _require_scaled(interaction, kernel, period, unit)
+    _require_scaled(operator, kernel, unit)
     datum = getattr(interaction, "datum", None)
     if period is None and datum is not None and abs(kernel.datum * unit / datum - 1) > 1e-9:
         raise SceneError.of("interaction.datum", datum, f"the length in the kernel's logarithm, {kernel.datum * unit:.6g} m")
     if repeats is not None:
-        _require_symbol(interaction, kernel, period or 1.0)
+        _require_symbol(operator, kernel)
 
 
-def _kernel(interaction: Interaction, period: float | None, unit: float) -> sie.Kernel:
+def _kernel(operator: Operator, unit: float) -> sie.Kernel:
     try:
-        kernel = interaction.kernel(None if period is None else period / unit, unit)
+        return operator.kernel(unit)
     except SceneError:
         raise
     except Exception as error:  # the author's code may fail in any way
         raise SceneError(f"interaction.kernel(period, unit) raises {type(error).__name__}: {error}", "interaction") from error
-    if not isinstance(kernel, sie.Kernel):
-        raise SceneError.of("interaction.kernel(period, unit)", kernel, "a sie.Kernel, such as sie.hilbert(period) + sie.Smooth(...)")
-    return kernel
 
 
 def _require_regular(kernel: sie.Kernel) -> None:
@@ -95,13 +92,13 @@ def _require_regular(kernel: sie.Kernel) -> None:
     _require_same(rise, within, "smooth part", "is not the derivative in x of its potential", size)
 
 
-def _require_scaled(interaction: Interaction, kernel: sie.Kernel, period: float | None, unit: float) -> None:
-    other = _kernel(interaction, period, 2 * unit)
+def _require_scaled(operator: Operator, kernel: sie.Kernel, unit: float) -> None:
+    other = _kernel(operator, 2 * unit)
     what = "does not scale with the unit of length: lengths in it are those of the scene over `unit`"
     _require_same(0.5 * _value(other, 0.5 * _LAGS), _value(kernel, _LAGS), "kernel", what)
 
 
-def _require_symbol(interaction: Interaction, kernel: sie.Kernel, period: float) -> None:
+def _require_symbol(operator: Operator, kernel: sie.Kernel) -> None:
     """The kernel's own symbol, L_n = 1 - 2 n int rest cos(2 pi n u) du: above zero, and what is declared."""
     turns = np.arange(_PLACES) / _PLACES
     lag = turns - np.round(turns)
@@ -115,7 +112,7 @@ def _require_symbol(interaction: Interaction, kernel: sie.Kernel, period: float)
             "interaction.kernel", f"of symbol {found[k]:.6g} at wave {k + 1} of the period",
             "one of an elastic body, of a symbol above 0: else pressure lifts the surface, and no contact is the only one",
         )
-    excess = Operator(interaction, period).excess
+    excess = operator.excess
     if excess is not None:
         declared = 1 + np.concatenate((excess, np.zeros(_HARMONICS)))[:_HARMONICS]
         if not np.allclose(declared, found, rtol=0, atol=1e-9 * np.arange(1, _HARMONICS + 1)):

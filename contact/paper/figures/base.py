@@ -68,7 +68,7 @@ class Figure:
         return [picture, numbers]
 
 
-def solved(profile: Profile, model: str, **control: float) -> Solution | None:
+def solved(profile: Profile, model: str, **control: Any) -> Solution | None:
     """The scene under one of MODELS with E* = 1; None where the model has no contact at this control."""
     try:
         return solve(Scene(profile, 1.0, MODELS[model], **control), tol=TOL)

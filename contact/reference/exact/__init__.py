@@ -6,9 +6,12 @@ with a period L; p >= 0 in compression, f grows away from contact, the load is p
 numbers are those of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
 """
 
+from contact.reference.exact.adhesion import AdhesiveZone
 from contact.reference.exact.base import SymmetricZone
 from contact.reference.exact.biquadratic import IsolatedBiquadratic
+from contact.reference.exact.dugdale import DugdaleCylinder, DugdaleWave, DugdaleZone, MetDugdaleZone
 from contact.reference.exact.flat import IsolatedPunch, PeriodicPunch
+from contact.reference.exact.jkr import JKRCylinder, JKRWave, JKRZone
 from contact.reference.exact.localized import LocalizedZone, correction_load, correction_pressure, localized_at_load
 from contact.reference.exact.pair import EvenPair, PeriodicBiquadratic
 from contact.reference.exact.parabola import HertzLine, PeriodicParabola
@@ -17,6 +20,10 @@ from contact.reference.exact.tilted import TiltedParabola, TiltedPunch, TiltedWe
 from contact.reference.exact.wedge import IsolatedWedge, PeriodicWedge
 
 __all__ = [
+    "AdhesiveZone",
+    "DugdaleCylinder",
+    "DugdaleWave",
+    "DugdaleZone",
     "EvenPair",
     "FullContactSinusoid",
     "HertzLine",
@@ -24,7 +31,11 @@ __all__ = [
     "IsolatedPunch",
     "IsolatedSinusoid",
     "IsolatedWedge",
+    "JKRCylinder",
+    "JKRWave",
+    "JKRZone",
     "LocalizedZone",
+    "MetDugdaleZone",
     "PeriodicBiquadratic",
     "PeriodicParabola",
     "PeriodicPunch",

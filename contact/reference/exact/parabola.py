@@ -59,6 +59,9 @@ class HertzLine(IsolatedZone):
         """dP/da at a = s."""
         return pi * self.E_star / (2.0 * self.radius) * s
 
+    def _gap_slope(self, e: Array) -> Array:
+        return np.sqrt(e * (2.0 * self.half_width + e)) / self.radius
+
     def _gap(self, e: Array) -> Array:
         return self.half_width**2 / (2.0 * self.radius) * zone_potential(e / self.half_width)
 

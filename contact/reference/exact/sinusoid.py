@@ -70,6 +70,15 @@ class Westergaard(PeriodicZone):
         root = np.sqrt(sine(d, self.period) * sine(self.half_width + r, self.period))
         return 2.0 * self.full_contact_pressure * cosine * root
 
+    def load_rate(self, s: ArrayLike) -> Array:
+        """dP/da at a = s."""
+        return pi * self.full_contact_pressure * sine(2.0 * np.asarray(s), self.period)
+
+    def _gap_slope(self, e: Array) -> Array:
+        valley = sine(0.5 * self.period - self.half_width - e, self.period)
+        root = np.sqrt(sine(e, self.period) * sine(2.0 * self.half_width + e, self.period))
+        return 4.0 * pi * self.amplitude / self.period * valley * root
+
     def _gap(self, e: Array) -> Array:
         s, half = self._sine(), 0.5 * e
         # sin u/sin A - 1 = 2 cos((u + A)/2) sin((u - A)/2)/sin A

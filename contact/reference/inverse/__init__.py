@@ -1,8 +1,21 @@
 """Inverse design: exact contact problems with any number of zones at any given places, to judge solvers
 by."""
 
+from contact.reference.inverse.adhesive import AdhesiveDesign, adhesive_design
 from contact.reference.inverse.designed import DesignedContact, design
 from contact.reference.inverse.profile import DesignedProfile
-from contact.reference.inverse.random import random_problem, random_zones
+from contact.reference.inverse.random import random_adhesive_problem, random_problem, random_zones
+from contact.reference.inverse.stability import is_stable, second_variation
 
-__all__ = ["DesignedContact", "DesignedProfile", "design", "random_problem", "random_zones"]
+__all__ = [
+    "AdhesiveDesign",
+    "DesignedContact",
+    "DesignedProfile",
+    "adhesive_design",
+    "design",
+    "is_stable",
+    "random_adhesive_problem",
+    "random_problem",
+    "random_zones",
+    "second_variation",
+]

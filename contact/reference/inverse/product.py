@@ -205,9 +205,36 @@ class CutProduct:
         dl, dr, weight = self.nodes(g)
         return dl, dr, weight * np.sqrt(np.prod(self._end_factors(g, dl, dr), axis=-1))
 
+    def root(self, i: int, dl: Array, dr: Array) -> Array:
+        """|X| on interval i."""
+        return np.asarray(np.sqrt(np.prod(self._end_factors(i, dl, dr), axis=-1)))
+
+    def poles(self, i: int, dl: Array, dr: Array) -> Array:
+        """1/factor of every end, signed, (..., 2n); with a period and an even number of zones cos/factor, so that X
+        times it repeats."""
+        factors = self._end_factors(i, dl, dr)
+        with np.errstate(divide="ignore"):
+            if self.period is None or len(self.zones) % 2:
+                return np.asarray(np.where(np.arange(2 * len(self.zones)) <= i, 1.0, -1.0) / factors)
+            return np.asarray(np.cos(self._turn * (dl[..., None] + self._leftward[i])) / factors)
+
+    def end_factors(self) -> Array:
+        """|product of the factors of all other ends| at every end."""
+        m = 2 * len(self.zones)
+        zero = np.zeros(1, dtype=self.zones.dtype)
+        found = []
+        for e in range(m):
+            # Seen from the interval to its right, or from the one to its left where that is the last.
+            right = e + 1 < m or self.period is not None
+            i = e if right else e - 1
+            step = np.array([self.steps[i]])
+            factors = self._end_factors(i, *((zero, step) if right else (step, zero)))[0]
+            found.append(np.prod(np.delete(factors, e)))
+        return np.array(found)
+
     def magnitude(self, i: int, dl: Array, dr: Array) -> Array:
         """|X M| on interval i before scaling."""
-        ends = np.sqrt(np.prod(self._end_factors(i, dl, dr), axis=-1))
+        ends = self.root(i, dl, dr)
         return ends * np.abs(np.prod(self._root_factors(i, dl, dr, self.roots), axis=-1))
 
     def side(self, i: int, dl: Array, dr: Array) -> Array:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from contact.reference.inverse.adhesive import AdhesiveDesign
 from contact.reference.inverse.designed import DesignedContact
+from contact.reference.inverse.stability import is_stable
 
 Array = NDArray[np.float64]
 
@@ -48,3 +50,28 @@ def random_problem(
         turned = unit + shift - np.floor(unit[:, :1] + shift + 0.5)
         ends = cell * turned[np.argsort(turned[:, 0])]
     return DesignedContact(ends, E_star, strain * E_star * cell, period)
+
+
+def random_adhesive_problem(
+    rng: np.random.Generator,
+    zones: int | None = None,
+    period: float | None = None,
+    *,
+    pull: float = 1.0,
+    stable: bool = True,
+    **shape: float,
+) -> AdhesiveDesign:
+    """A random JKR contact of 1 to 6 (or the given number of) zones, else as `random_problem`.
+
+    The work of adhesion is that whose flat punches of these widths carry `pull` times the load together, halved until the
+    surfaces keep apart between the zones and, if it is to be stable, the contact is so under its load.
+    """
+    count = int(rng.integers(1, 7)) if zones is None else zones
+    free = random_problem(rng, count, period, **shape)  # type: ignore[arg-type]
+    unit = np.sum(np.sqrt(np.pi * free.E_star * free.zone_widths))
+    while True:
+        work = float((pull * free.load / unit) ** 2)
+        adhesive = AdhesiveDesign(free.zones, free.E_star, free.load, work, period)
+        if adhesive.is_admissible and (not stable or is_stable(adhesive)):
+            return adhesive
+        pull *= 0.5

@@ -18,13 +18,16 @@ from numpy.typing import ArrayLike, NDArray
 import sie
 from contact.errors import NotConverged
 from contact.formulation.conjugate import ScaledConjugate, conjugate_of
+from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
-from contact.formulation.problem import Control, Problem, Units
+from contact.formulation.problem import Problem
+from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.search.gap_topology import gap_equation
 from contact.search.topology import settle
 from contact.solver import solve
+from contact.verify.accuracy import Found
 
 Array = NDArray[np.float64]
 
@@ -41,7 +44,7 @@ def scaled(scene: Scene) -> Problem:
     assert profile.period is not None
     x = profile.x0 + profile.period * np.arange(1024) / 1024
     units = Units(profile.x0 + 0.5 * profile.period, profile.period, float(np.abs(profile.slope(x)).max()), scene.E_star)
-    return Problem(profile, scene.interaction, units, float(np.min(profile.height(x))))
+    return Problem(profile, scene.interaction, scene.substrate, scene.law, units, float(np.min(profile.height(x))))
 
 
 def _mean_pressure(scene: Scene) -> float:
@@ -80,7 +83,7 @@ class ByGaps:
 
         conjugate = ScaledConjugate.of(conjugate_of(scene.profile), problem)
         mean = _mean_pressure(scene) / units.pressure
-        equation = gap_equation(problem, Control("load", mean * problem.period), conjugate)
+        equation = gap_equation(problem, Load(mean * problem.period), conjugate)
         free = sie.find_ends(equation, sie.Zones.of(gaps), _TOLERANCE, _STEPS, signs=(1.0, -1.0))
         if not free.converged:
             raise NotConverged("the gaps' formulation does not converge from these zones")
@@ -124,7 +127,8 @@ class ByZones:
         start = np.roll(start, -turn, axis=0)
         start = start + np.where(start[:, :1] < start[0, 0], problem.period, 0.0)
         load = _mean_pressure(scene) * problem.period * units.length / units.load
-        found = settle(problem, Control("load", load), start, _TOLERANCE)
+        found = settle(problem, Load(load), start, _TOLERANCE)
+        assert isinstance(found, Found)
         zones, order = _in_cell(np.asarray(units.x(found.free.density.zones.table)), scene)
         return cls(found.fields, zones, order)
 

@@ -1,0 +1,166 @@
+"""What is given of a contact, scaled: a load, an approach, the half width of one zone, or the width of all zones together.
+
+Each control knows the side conditions that fix it, where the pressure is the unknown and where the slope of the gap is:
+
+    load        int p = P, one level on all zones                      mean pressure P / period
+    approach    the level -approach on every zone                      mean gap = mean f - approach
+    half width  the ends themselves, which stand where they are given
+    width       int p unknown, one level; ends with a total width      mean pressure unknown; ends likewise
+
+Loads are per period where there is one, in `Units.load`; approaches in `Units.height`, widths in `Units.length`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+import sie
+from contact.errors import OutOfRange
+from contact.formulation.units import Units
+from contact.model.scene import Scene
+
+Conditions = tuple[tuple[sie.Condition, ...], tuple[sie.TotalWidth, ...]]
+
+
+@dataclass(frozen=True)
+class Control:
+    """A given value, scaled. load, approach, half_width, width: that value where it is this quantity, else None."""
+
+    value: float
+    name: ClassVar[str]
+
+    @property
+    def load(self) -> float | None:
+        return None
+
+    @property
+    def approach(self) -> float | None:
+        return None
+
+    @property
+    def half_width(self) -> float | None:
+        return None
+
+    @property
+    def width(self) -> float | None:
+        return None
+
+    def conditions(self) -> Conditions:
+        """Side conditions on the pressure, and on the ends of its zones."""
+        raise NotImplementedError
+
+    def gap_conditions(self, period: float, mean_height: Callable[[], float]) -> Conditions:
+        """Side conditions on the slope of the gap, whose column 0 is the mean pressure, and on the ends of the gaps. mean_height: of
+        the profile above its lowest place."""
+        raise NotImplementedError
+
+    def unit(self, units: Units) -> float:
+        """The unit of the value, in SI."""
+        raise NotImplementedError
+
+    def told(self, units: Units) -> str:
+        """Name and value for a message."""
+        return f"{self.name} {self.value * self.unit(units):.6g}"
+
+
+@dataclass(frozen=True)
+class Load(Control):
+    """The load, per period where there is one."""
+
+    name: ClassVar[str] = "load"
+
+    @property
+    def load(self) -> float:
+        return self.value
+
+    def conditions(self) -> Conditions:
+        return (sie.Total(self.value), sie.EqualPotential()), ()
+
+    def gap_conditions(self, period: float, mean_height: Callable[[], float]) -> Conditions:
+        return (sie.Amplitude(0, self.value / period), sie.ZoneTotals(0.0)), ()
+
+    def unit(self, units: Units) -> float:
+        return units.load
+
+
+@dataclass(frozen=True)
+class Approach(Control):
+    """The approach: minus the level of the zones."""
+
+    name: ClassVar[str] = "approach"
+
+    @property
+    def approach(self) -> float:
+        return self.value
+
+    def conditions(self) -> Conditions:
+        return (sie.Level(-self.value),), ()
+
+    def gap_conditions(self, period: float, mean_height: Callable[[], float]) -> Conditions:
+        # min f = 0 and mean u = 0: the mean of f less the mean gap.
+        return (sie.ZoneMoments((self.value - mean_height()) * period), sie.ZoneTotals(0.0)), ()
+
+    def unit(self, units: Units) -> float:
+        return units.height
+
+
+@dataclass(frozen=True)
+class HalfWidth(Control):
+    """The half width of one zone about the origin; its ends stand where they are given."""
+
+    name: ClassVar[str] = "half_width"
+
+    @property
+    def half_width(self) -> float:
+        return self.value
+
+    def conditions(self) -> Conditions:
+        return (), ()
+
+    def unit(self, units: Units) -> float:
+        return units.length
+
+
+@dataclass(frozen=True)
+class Width(Control):
+    """The width of all zones together; the load is unknown."""
+
+    name: ClassVar[str] = "width"
+
+    @property
+    def width(self) -> float:
+        return self.value
+
+    def conditions(self) -> Conditions:
+        return (sie.Total(None), sie.EqualPotential()), (sie.TotalWidth(self.value),)
+
+    def gap_conditions(self, period: float, mean_height: Callable[[], float]) -> Conditions:
+        return (sie.Amplitude(0, None), sie.ZoneTotals(0.0)), (sie.TotalWidth(period - self.value),)
+
+    def unit(self, units: Units) -> float:
+        return units.length
+
+
+def scaled_control(scene: Scene, units: Units) -> Control:
+    """The scene's control in scaled variables."""
+    name, value = scene.control
+    load = scene.given_load
+    kind: type[Control]
+    if load is not None:
+        kind, value = Load, load
+    elif name == "contact_fraction":
+        assert scene.profile.period is not None
+        kind, value = Width, value * scene.profile.period
+    else:
+        kind = Approach if name == "approach" else HalfWidth
+    unit = kind(value).unit(units)
+    scaled = value / unit if unit > 0.0 else math.inf
+    if not math.isfinite(scaled) or (scaled == 0.0 and value != 0.0):
+        raise OutOfRange(
+            f"{kind.name} {value:.6g} and the scene's own size, {unit:.6g}, lie farther apart than numbers reach: are the units those "
+            "of SI?"
+        )
+    return kind(scaled)

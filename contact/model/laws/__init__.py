@@ -1,0 +1,6 @@
+"""The laws of the interface, one a file; importing this package registers them."""
+
+from contact.model.laws.base import Law
+from contact.model.laws.frictionless import Frictionless
+
+__all__ = ["Frictionless", "Law"]

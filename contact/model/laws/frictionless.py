@@ -1,0 +1,19 @@
+"""Frictionless unilateral contact: p >= 0, gap >= 0, p gap = 0 (Signorini 1933)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from contact.model.laws.base import Law
+from contact.model.registry import register_law
+
+
+@register_law("frictionless")
+@dataclass(frozen=True)
+class Frictionless(Law):
+    """The bodies push and never pull: p >= 0 where they touch, and zones end where the pressure vanishes as a root, K = 0."""
+
+    turns = True
+    convex = True
+    by_gaps = True
+    full_contact = True

@@ -1,0 +1,228 @@
+r"""The smooth part of an elastic body's line load, from its symbol: two Fourier integrals, as tables of Chebyshev series.
+
+With L(q) the symbol, the kernel of a line load is 1/r + m(r) and its primitive ln(r / d) + M(r),
+
+    m(r) = int_0^inf (L(q) - 1) sin(qr) dq,    M' = m,
+
+m odd and M even in r. Of a body with a base (L(0) = 0) the primitive is that which vanishes far away, -int_0^inf L(q) cos(qr) dq / q; of
+others M(0) = 0, and the datum d is the user's. N, the primitive of M, is what a uniform pressure needs.
+
+Near r = 0, up to a few hundred waves over the range of L - 1, the integral is summed by Gauss-Legendre panels that halve towards
+q = 0; beyond, by the double exponential formula of Ooura & Mori (1999), J. Comput. Appl. Math. 112, 229-241, doi
+10.1016/S0377-0427(99)00223-X, whose nodes run into the zeros of the sine. Panels of r double in width up to where r m(r) is its own
+limit L(0) - 1, and in each a series of 24 terms is good to rounding: singularities of m lie off the real axis, or at r = 0 as seen from
+far away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Symbol = Callable[[Array], Array]
+
+# Waves [1/m] at which a symbol is looked at, and what is taken for L = 1.
+WAVES = 10.0 ** np.arange(-9, 12.01, 0.125)
+ONE = 1e-17
+# Terms of a series, its nodes, the end of its first panel over the shortest wave length, and panels at the most.
+_TERMS, _FIRST, _MOST = 24, 12.0, 120
+# Phases up to which panels of q are summed, the longest of one of them, and its nodes.
+_SUMMED, _TURN, _NODES = 400.0, 20.0, 32
+_HALVINGS = 60
+# Half the nodes to a unit of Ooura and Mori's variable, and how far it is summed.
+_M, _REACH = 40.0, 7.0
+# r m(r) is its limit.
+_SETTLED = 3e-15
+
+
+@dataclass(frozen=True, eq=False)
+class SmoothPart:
+    """m, M and N of the distance r [m].
+
+    first: the end of the first panel [m], from which on they double; m, M, N: Chebyshev coefficients (panels, terms) of the panels, of
+    lengths in units of `first`; beyond the last panel r m = limit. scale: the length in the logarithm of a body with a base [m]; None
+    without.
+    """
+
+    first: float
+    m: Array
+    M: Array
+    N: Array
+    limit: float
+    scale: float | None
+
+    @classmethod
+    def of(cls, symbol: Symbol, grounded: bool) -> SmoothPart:
+        """Of a symbol of q [1/m]; grounded: the body has a base."""
+        top = _shortest(symbol)
+        if top is None:
+            zero = np.zeros((1, _TERMS))
+            return cls(1.0, zero, zero, zero, 0.0, None)
+        first = _FIRST / top
+        integral = _Integral(symbol, top)
+        # Where L goes over to its limit for long waves: beyond the inverse of that r m(r) may settle.
+        slow = _longest(symbol)
+        panels: list[Array] = []
+        lo, hi, limit = 0.0, first, 0.0
+        while len(panels) < _MOST:
+            r = 0.5 * (lo + hi) + 0.5 * (hi - lo) * _POINTS
+            values = integral(r)
+            panels.append(_TO_SERIES @ (values * first))
+            limit = float((r * values)[0])
+            spread = float(np.ptp(r * values))
+            lo, hi = hi, 2 * hi
+            if lo > 10 / slow and spread <= _SETTLED * max(1.0, abs(limit)):
+                break
+        if grounded:
+            limit = -1.0
+        m = np.array(panels)
+        # Half widths of the panels in units of `first`.
+        half = 0.5 * np.concatenate(([1.0], 2.0 ** np.arange(len(m) - 1)))
+        start = -(np.log(2.0 * half[-1] * 2 if len(m) > 1 else 1.0) if grounded else 0.0)
+        M = _integrated(m, half)
+        M[:, 0] += start - _at_end(M) if grounded else 0.0
+        N = _integrated(M, half)
+        return cls(first, m, M, N, limit, first if grounded else None)
+
+    @property
+    def is_zero(self) -> bool:
+        return not self.m.any()
+
+    def value(self, r: Array) -> Array:
+        """m(r) [1/m]."""
+        t = np.abs(r) / self.first
+        inner = _summed(self.m, t)
+        with np.errstate(divide="ignore"):
+            out = np.where(t > self._end, self.limit / t, inner)
+        return np.asarray(np.sign(r) * out / self.first)
+
+    def potential(self, r: Array) -> Array:
+        """M(r); of a body with a base that of ln(r / scale) + M."""
+        t = np.abs(r) / self.first
+        out = _summed(self.M, t)
+        far = t > self._end
+        return np.where(far, _at_end(self.M) + self.limit * np.log(np.where(far, t, self._end) / self._end), out)
+
+    def primitive(self, r: Array) -> Array:
+        """N(r) = int_0^r M [m]."""
+        t = np.abs(r) / self.first
+        end, x = self._end, np.maximum(t / self._end, 1.0)
+        beyond = end * ((x - 1) * _at_end(self.M) + self.limit * (x * np.log(x) - x + 1))
+        return np.asarray(np.sign(r) * self.first * (_summed(self.N, np.minimum(t, end)) + beyond))
+
+    @property
+    def _end(self) -> float:
+        """End of the last panel in units of `first`."""
+        return float(2.0 ** (len(self.m) - 1))
+
+
+def _shortest(symbol: Symbol) -> float | None:
+    """The wave [1/m] from which on L = 1; None if L = 1 everywhere."""
+    seen = np.flatnonzero(np.abs(np.asarray(symbol(WAVES)) - 1) > ONE)
+    if len(seen) == 0:
+        return None
+    lo, hi = WAVES[seen[-1]], WAVES[min(seen[-1] + 1, len(WAVES) - 1)]
+    finer = np.geomspace(lo, hi, 33)
+    return float(finer[np.flatnonzero(np.abs(np.asarray(symbol(finer)) - 1) > ONE)[-1]])
+
+
+def _longest(symbol: Symbol) -> float:
+    """The wave [1/m] below which L hardly changes any more."""
+    values = np.asarray(symbol(WAVES))
+    changes = np.flatnonzero(np.abs(values - values[0]) > 1e-3 * np.abs(values - 1).max())
+    return float(WAVES[max(changes[0] - 1, 0)])
+
+
+class _Integral:
+    """m(r) of the distances r [m]."""
+
+    def __init__(self, symbol: Symbol, top: float) -> None:
+        self.symbol, self.top = symbol, top
+        self.base = float(np.asarray(symbol(WAVES[:1]))[0])
+        edges = np.concatenate(([0.0], top * 2.0 ** np.arange(-_HALVINGS, 1.0)))
+        counts = np.maximum(np.ceil(np.diff(edges) * _SUMMED / (top * _TURN)), 1).astype(int)
+        cuts = np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(edges[:-1], edges[1:], counts, strict=True)] + [[top]])
+        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+        half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
+        self.q = (middle[:, None] + half[:, None] * nodes).ravel()
+        self.weighted = (half[:, None] * weights).ravel() * (np.asarray(symbol(self.q)) - 1)
+
+    def __call__(self, r: Array) -> Array:
+        near = r * self.top <= _SUMMED
+        out = np.empty(len(r))
+        if near.any():
+            out[near] = np.sin(r[near, None] * self.q) @ self.weighted
+        if not near.all():
+            far = r[~near, None]
+            # The integral of the sine alone is 1: what is summed is L less its limit, which vanishes far away.
+            out[~near] = (self.base - 1 + (np.asarray(self.symbol(_OOURA / far)) - self.base) @ _OOURA_WEIGHTS) / far[:, 0]
+        return out
+
+
+def _ooura_mori() -> tuple[Array, Array]:
+    """Nodes x and weights w of int_0^inf f(x) sin x dx = sum w f(x)."""
+    h = np.pi / _M
+    t = h * np.arange(-int(_REACH / h), int(_REACH / h) + 1)
+    beta = 0.25
+    alpha = beta / np.sqrt(1 + _M * np.log1p(_M) / (4 * np.pi))
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        exponent = -2 * t - alpha * -np.expm1(-t) - beta * np.expm1(t)
+        rate = -2 - alpha * np.exp(-t) - beta * np.exp(t)
+        grown = np.exp(exponent)
+        below = -np.expm1(exponent)
+        phi = t / below
+        slope = 1 / below + t * grown * rate / below**2
+    # At t = 0 both are limits.
+    zero = np.abs(t) < 1e-12
+    first, second = 2 + alpha + beta, (alpha - beta)
+    phi[zero], slope[zero] = 1 / first, 0.5 * (1 + second / first**2)
+    # phi is small of a large grown: without overflow.
+    tiny = ~np.isfinite(phi) | ~np.isfinite(slope)
+    phi[tiny], slope[tiny] = 0.0, 0.0
+    x = _M * phi
+    # Beyond t = 0 nodes run into multiples of pi: the sine of what is left of them.
+    n = np.rint(t / h)
+    left = _M * np.where(t > 0, t * grown / np.where(t > 0, below, 1.0), 0.0)
+    sine = np.where(t > 0, np.cos(np.pi * n) * np.sin(left), np.sin(x))
+    weights = np.pi * sine * slope
+    used = np.abs(weights) > 1e-300
+    return x[used], weights[used]
+
+
+_OOURA, _OOURA_WEIGHTS = _ooura_mori()
+_ANGLES = (np.arange(_TERMS) + 0.5) * np.pi / _TERMS
+_POINTS = np.cos(_ANGLES)
+_TO_SERIES = 2 / _TERMS * np.cos(np.arange(_TERMS)[:, None] * _ANGLES)
+_TO_SERIES[0] *= 0.5
+
+
+def _integrated(series: Array, half: Array) -> Array:
+    """Series of the integral from 0 of what is piecewise these series."""
+    out, before = np.empty((len(series), series.shape[1] + 1)), 0.0
+    for k, (row, width) in enumerate(zip(series, half, strict=True)):
+        out[k] = width * np.polynomial.chebyshev.chebint(row, lbnd=-1)
+        out[k, 0] += before
+        before = float(out[k].sum())
+    return out
+
+
+def _at_end(series: Array) -> float:
+    return float(series[-1].sum())
+
+
+def _summed(series: Array, t: Array) -> Array:
+    """The series at t >= 0 in units of the first panel; at the end beyond the last one."""
+    panels = len(series)
+    t = np.minimum(t, 2.0 ** (panels - 1))
+    panel = np.where(t <= 1, 0, np.frexp(np.maximum(t, 1.0) * (1 - 1e-16))[1]).astype(np.intp)
+    panel = np.clip(panel, 0, panels - 1)
+    width = np.where(panel == 0, 1.0, np.ldexp(1.0, panel - 1))
+    x = 2 * (t - np.where(panel == 0, 0.0, width)) / width - 1
+    b1, b2 = np.zeros(np.shape(t)), np.zeros(np.shape(t))
+    for row in series.T[:0:-1]:
+        b1, b2 = row[panel] + 2 * x * b1 - b2, b1
+    return np.asarray(series[:, 0][panel] + x * b1 - b2)

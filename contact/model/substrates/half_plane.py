@@ -1,0 +1,22 @@
+"""The homogeneous elastic half-plane: L = 1 (Muskhelishvili 1953, Shtaerman 1949)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.model.registry import register_substrate
+from contact.model.substrates.base import Substrate
+
+Array = NDArray[np.float64]
+
+
+@register_substrate("half-plane")
+@dataclass(frozen=True)
+class HalfPlane(Substrate):
+    """The body deep below the surface and wide beside it: L = 1, the kernel 1/r of a line load."""
+
+    def symbol(self, q: Array) -> Array:
+        return np.ones_like(q)

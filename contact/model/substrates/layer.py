@@ -1,0 +1,77 @@
+r"""An elastic layer on a rigid base, bonded to it or resting on it without friction (K. L. Johnson, Contact Mechanics, 1985, 5.8).
+
+With s = q h, h the thickness, and k = 3 - 4 nu,
+
+    bonded    L = (2k sinh 2s - 4s) / (2k cosh 2s + 1 + k^2 + 4s^2),      L ~ s (1 - 2 nu) / (2 (1 - nu)^2)    for long waves,
+    smooth    L = (cosh 2s - 1) / (sinh 2s + 2s),                         L ~ s / 2,
+
+both 1 for waves shorter than the thickness. They are taken times exp(-2s), so that nothing overflows, with 2k sinh 2s - 4s as
+2k (sinh 2s - 2s) + 4 (k - 1) s, in which nothing cancels: k - 1 = 2 (1 - 2 nu) vanishes where the layer keeps its volume.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import factorial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import SceneError
+from contact.model.checks import finite, one_of, positive
+from contact.model.registry import register_substrate
+from contact.model.substrates.base import Substrate
+
+Array = NDArray[np.float64]
+
+BASES = ("bonded", "smooth")
+# sinh x - x by its series, x^3/3! + x^5/5! + ..., below this x.
+_SERIES = 2.0
+_TERMS = np.array([1 / factorial(n) for n in range(3, 29, 2)])
+
+
+@register_substrate("layer")
+@dataclass(frozen=True)
+class Layer(Substrate):
+    """An elastic layer of a thickness [m] and Poisson ratio nu on a rigid base, "bonded" or "smooth"; E_star is that of the layer.
+
+    Displacements and the approach count from the base. nu from above -1 to 0.5; on a smooth base it matters in E_star only.
+    """
+
+    thickness: float
+    nu: float
+    base: str = "bonded"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "thickness", positive("thickness", self.thickness))
+        object.__setattr__(self, "nu", finite("nu", self.nu))
+        if not -1.0 < self.nu <= 0.5:
+            raise SceneError.of("nu", self.nu, "a Poisson ratio, more than -1 and at most 0.5")
+        one_of("base", self.base, BASES)
+
+    @property
+    def compression(self) -> float:  # type: ignore[override]
+        """h (1 - 2 nu) / (2 (1 - nu)^2) where the base holds the layer sideways, h/2 where it does not."""
+        if self.base == "smooth":
+            return 0.5 * self.thickness
+        return 0.5 * self.thickness * (1 - 2 * self.nu) / (1 - self.nu) ** 2
+
+    def symbol(self, q: Array) -> Array:
+        s = self.thickness * np.asarray(q, dtype=np.float64)
+        e, x = np.exp(-2 * s), 2 * s
+        if self.base == "smooth":
+            return np.asarray(np.expm1(-x) ** 2 / (x * 2 * e - np.expm1(-2 * x)))
+        k, compressible = 3 - 4 * self.nu, 2 * (1 - 2 * self.nu)
+        above = 2 * k * _sinh_less(x, e) + 2 * compressible * x * e
+        below = k * (1 + e * e) + (1 + k * k) * e + (x * np.exp(-s)) ** 2
+        return np.asarray(above / below)
+
+
+def _sinh_less(x: Array, e: Array) -> Array:
+    """(sinh x - x) e, e = exp(-x)."""
+    near = np.minimum(x, _SERIES)
+    square = near * near
+    series = np.zeros_like(x)
+    for term in _TERMS[::-1]:
+        series = series * square + term
+    return np.where(x < _SERIES, near * square * series * e, 0.5 * (1 - e * e) - x * e)

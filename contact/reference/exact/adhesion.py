@@ -1,0 +1,210 @@
+"""What adhesive solutions of one symmetric zone share: the frictionless zone underneath, and the curve of equilibria.
+
+Adhesion does not change the profile: the pressure is that of the frictionless zone of the same half width less the tension
+of a load that leaves the zone flat. A curve of equilibria at a fixed work of adhesion has turning points, where it loses its
+stability: with M the compliance of the machine between the control and the body (0: the approach is held, inf: the load),
+an equilibrium is stable where approach + M load grows along the curve in the direction of growing contact
+(K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9; with a machine, derived here).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import inf, isfinite
+from typing import Generic, TypeVar
+
+import numpy as np
+from scipy.optimize import brentq
+
+from contact.errors import OutOfRange, SceneError
+from contact.model.checks import finite, one_of
+from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Array, IsolatedZone, PeriodicZone, SymmetricZone
+
+STABLE, NARROW, WIDE, LAST = "stable", "narrow", "wide", "last"
+
+
+class AdhesiveZone(SymmetricZone):
+    """One zone |x| <= a under adhesion, made of the frictionless `zone` of the same half width."""
+
+    zone: IsolatedZone | PeriodicZone
+    # One of the two is given, the other follows.
+    work: float
+
+    half_width = property(lambda self: self.zone.half_width)  # type: ignore[assignment]
+    E_star = property(lambda self: self.zone.E_star)  # type: ignore[assignment]
+    period = property(lambda self: self.zone.period)  # type: ignore[assignment]
+    datum = property(lambda self: self.zone.datum)  # type: ignore[assignment]
+
+    def _check_zone(self) -> None:
+        if not isinstance(self.zone, IsolatedZone | PeriodicZone):
+            raise SceneError.of("zone", self.zone, "a frictionless solution of one zone with free ends")
+
+    def _height(self, r: Array) -> Array:
+        return self.zone._height(r)
+
+    def _slope(self, r: Array) -> Array:
+        return self.zone._slope(r)
+
+    def _compliance(self) -> float:
+        """d approach/d load at fixed a; SceneError where an isolated zone has no datum."""
+        compliance = self.punch_compliance
+        if compliance is None:
+            raise SceneError.of("datum", None, "a length > 0 where the approach of an isolated zone is asked for")
+        return compliance
+
+    @property
+    def elastic_energy(self) -> float:
+        """(1/2) int p u [J/m], per period if there is one; u as `displacement` has it."""
+        raise NotImplementedError
+
+    @property
+    def surface_energy(self) -> float:
+        """Energy of the interface [J/m], per period if there is one; 0 where the surfaces are far apart."""
+        raise NotImplementedError
+
+    @property
+    def energy(self) -> float:
+        """Elastic and surface energy; along a curve of equilibria d energy = load d approach."""
+        return self.elastic_energy + self.surface_energy
+
+    @property
+    def mean_gap(self) -> float | None:
+        """Mean of the gap over the period; None without one. As u has no mean, it is mean f - approach."""
+        if self.period is None:
+            return None
+        half = 0.5 * self.period
+        return float(np.sum(WEIGHT * self.height(half * FROM_LEFT))) - self._approach()
+
+
+def frictionless_energy(zone: SymmetricZone) -> float:
+    """(1/2) int p (approach - f) of a frictionless zone, by a double-exponential rule."""
+    a, approach = zone.half_width, zone.approach
+    assert approach is not None
+    r, d = a * FROM_LEFT, a * FROM_RIGHT
+    return 0.5 * zone.load * approach - a * float(np.sum(WEIGHT * zone._pressure(r, d) * zone._height(r)))
+
+
+State = TypeVar("State", bound=AdhesiveZone)
+
+
+class Equilibria(Generic[State]):
+    """The curve of equilibria of one profile at a given work, by a parameter s that grows with the contact.
+
+    `narrow` is the part before the curve first becomes stable, `stable` the first stable part, `wide` what follows, `last` the
+    part at the end of the curve.
+    """
+
+    def at(self, parameter: float) -> State:
+        """The equilibrium of a parameter."""
+        raise NotImplementedError
+
+    def _samples(self) -> Array:
+        """Parameters from end to end of the curve, close enough to tell its turning points apart."""
+        raise NotImplementedError
+
+    def _rates(self, parameter: float) -> tuple[float, float]:
+        """Derivatives of load and approach by the parameter (approach: nan without a datum)."""
+        raise NotImplementedError
+
+    def _rate(self, parameter: float, machine_compliance: float) -> float:
+        load, approach = self._rates(parameter)
+        return load if machine_compliance == inf else approach + machine_compliance * load
+
+    def is_stable(self, parameter: float, machine_compliance: float = inf) -> bool:
+        """Whether the equilibrium is stable (inf: under a held load, 0: under a held approach)."""
+        return self._rate(parameter, _compliance(machine_compliance)) > 0.0
+
+    def turning_points(self, machine_compliance: float = inf) -> list[float]:
+        """Parameters where stability is lost or gained, ascending."""
+        return _roots(lambda s: self._rate(s, _compliance(machine_compliance)), self._samples())
+
+    def pull_off(self, machine_compliance: float = inf) -> State:
+        """The state in which unloading tears the surfaces apart: the least load, or the least approach + M load.
+
+        OutOfRange where no part of the curve is stable."""
+        return self.at(self._part(STABLE, machine_compliance)[0])
+
+    def _part(self, branch: str, machine_compliance: float) -> tuple[float, float]:
+        one_of("branch", branch, (NARROW, STABLE, WIDE, LAST))
+        samples = self._samples()
+        ends = [float(samples[0]), *self.turning_points(machine_compliance), float(samples[-1])]
+        parts = list(zip(ends[:-1], ends[1:], strict=True))
+        grows = [self._rate(0.5 * (lo + hi), machine_compliance) > 0.0 for lo, hi in parts]
+        first = grows.index(True) if True in grows else len(parts)
+        number = {NARROW: first - 1, STABLE: first, WIDE: first + 1, LAST: len(parts) - 1}[branch]
+        if (first == len(parts) and branch != LAST) or not 0 <= number < len(parts):
+            raise OutOfRange(f"the {branch} branch does not exist for this work of adhesion")
+        return parts[number]
+
+    def at_load(self, load: float, branch: str = STABLE) -> State:
+        """The equilibrium at a load (per period) on one of the branches under load control; OutOfRange if none."""
+        return self._solve("load", finite("load", load), branch, inf)
+
+    def at_approach(self, approach: float, branch: str = STABLE) -> State:
+        """The equilibrium at an approach on one of the branches under approach control; OutOfRange if none."""
+        return self._solve("approach", finite("approach", approach), branch, 0.0)
+
+    def _solve(self, control: str, value: float, branch: str, machine_compliance: float) -> State:
+        lo, hi = self._part(branch, machine_compliance)
+
+        def miss(s: float) -> float:
+            return float(getattr(self.at(s), control)) - value
+
+        low, high = miss(lo), miss(hi)
+        if low * high > 0.0:
+            ends = sorted((low + value, high + value))
+            raise OutOfRange(
+                f"{control} = {value:.6g} is out of range: the {branch} branch goes from {ends[0]:.6g} to {ends[1]:.6g}"
+            )
+        return self.at(float(brentq(miss, lo, hi, xtol=1e-300, rtol=1e-15)))
+
+    def _stable_parts(self) -> list[tuple[float, float, float, float]]:
+        """Parameters and loads at both ends of every part that is stable under a held load."""
+        samples = self._samples()
+        ends = [float(samples[0]), *self.turning_points(), float(samples[-1])]
+        parts = [(lo, hi) for lo, hi in zip(ends[:-1], ends[1:], strict=True) if self._rate(0.5 * (lo + hi), inf) > 0.0]
+        return [(lo, hi, self.at(lo).load, self.at(hi).load) for lo, hi in parts]
+
+    def advancing(self, load: float) -> State | None:
+        """The state reached from first touch without load by raising the load, or by lowering it from none; None: full contact.
+
+        OutOfRange past pull-off."""
+        load = finite("load", load)
+        parts = self._stable_parts()
+        reached = [i for i, part in enumerate(parts) if part[3] >= max(load, 0.0)]
+        return self._lowered(parts[: reached[0] + 1], load) if reached else self._lowered(None, load)
+
+    def receding(self, load: float) -> State | None:
+        """The state reached by lowering the load from the greatest contact; None: full contact. OutOfRange past pull-off."""
+        load = finite("load", load)
+        parts = self._stable_parts()
+        return self._lowered(None if self.stays_closed or not parts or load > parts[-1][3] else parts, load)
+
+    # Whether full contact, once reached, opens at no load.
+    stays_closed = False
+
+    def _lowered(self, parts: list[tuple[float, float, float, float]] | None, load: float) -> State | None:
+        """From the last of the parts down to the load; None (full contact) without parts."""
+        for lo, hi, least, most in reversed(parts or []):
+            if least <= load <= most:
+                return self.at(float(brentq(lambda s: self.at(s).load - load, lo, hi, xtol=1e-300, rtol=1e-15)))
+        if parts is None:
+            return None
+        raise OutOfRange(f"load = {load:.6g} N/m is out of range: pull-off is at {min(part[2] for part in parts):.6g} N/m")
+
+    def all_at_load(self, load: float) -> list[State]:
+        """Every equilibrium at a load, stable or not, in the order of the parameter."""
+        load = finite("load", load)
+        return [self.at(s) for s in _roots(lambda s: self.at(s).load - load, self._samples())]
+
+
+def _compliance(machine_compliance: float) -> float:
+    if machine_compliance == inf or (isfinite(machine_compliance) and machine_compliance >= 0.0):
+        return machine_compliance
+    raise SceneError.of("machine_compliance", machine_compliance, "a number >= 0, or inf for a held load")
+
+
+def _roots(function: Callable[[float], float], samples: Array) -> list[float]:
+    values = np.array([function(float(s)) for s in samples])
+    changes = np.flatnonzero(values[:-1] * values[1:] < 0.0)
+    return [float(brentq(function, samples[i], samples[i + 1], xtol=1e-300, rtol=1e-15)) for i in changes]

@@ -1,0 +1,459 @@
+"""Maugis-Dugdale adhesion of one symmetric zone, alone and in a row: traction -s (the stress) beside the zone, a < |x| < c.
+
+Contact ends are bounded; the gap at c is w/s. In the superposition of base.py the cohesive tractions are punches of negative
+load between a and c, all together -2 s B, where, with u = pi x/L, A = pi a/L, C = pi c/L,
+
+    alone       B = sqrt(c^2 - a^2)                 l = arcosh(c/a)            r = ln(c/a)
+    periodic    B = (L/pi) arccos(cos C/cos A)      l = arcosh(sin C/sin A)    r = ln(tan C/tan A)
+
+    pressure    p = p_0 - (2s/pi) arctan(sqrt((c^2 - a^2)/(a^2 - x^2)))
+                p = p_0 - (2s/pi) arctan((cos u/cos C) sqrt((sin^2 C - sin^2 A)/(sin^2 A - sin^2 u)))
+    gap         g = g_0 + (4s/pi E*) int_a^x artanh(X or 1/X) dx,   X = sqrt((x^2 - a^2)/(c^2 - a^2)),
+                X = cos C sqrt(cos^2 A - cos^2 u)/(cos u sqrt(cos^2 A - cos^2 C))
+    at c        d g/dc = g_0' + (4s/pi E*)(l dB/dc - r),   d g/da = -(2/pi E*) l d P/da
+    approach    d_0 - 2s int K dB,   d/dc = -2s (K dB/dc - (2/pi E*) l),   d/da = K d P/da
+
+with K the compliance of the punch at a, in the integral of each one between a and c. D. Maugis, J. Colloid Interface Sci. 150
+(1992) 243-269, doi 10.1016/0021-9797(92)90285-T; cylinder: J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997) 393-406,
+derived again; row of waves: derived here. As c reaches L/2 the tension acts everywhere: what is left is the frictionless zone
+under a uniform tension.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import atan2, exp, log, pi, sqrt
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+
+from contact.errors import OutOfRange, SceneError
+from contact.model.checks import between, positive, positive_or_none
+from contact.reference.exact.adhesion import AdhesiveZone, Equilibria, frictionless_energy
+from contact.reference.exact.base import (
+    FROM_LEFT,
+    FROM_RIGHT,
+    WEIGHT,
+    Array,
+    IsolatedZone,
+    PeriodicZone,
+    arcosh1p,
+    sine,
+)
+from contact.reference.exact.parabola import HertzLine
+from contact.reference.exact.sinusoid import Westergaard
+
+
+@dataclass(frozen=True)
+class Cohesive:
+    """The closed forms of the head of this file, of a and c alone."""
+
+    half_width: float
+    cohesive_end: float
+    period: float | None
+
+    def sin(self, x: ArrayLike) -> Array:
+        """sin(pi x/L), alone x."""
+        return np.asarray(x, dtype=float) if self.period is None else sine(x, self.period)
+
+    def cos(self, x: float) -> float:
+        """cos(pi x/L) from the distance to L/2; alone 1."""
+        return 1.0 if self.period is None else float(sine(0.5 * self.period - x, self.period))
+
+    @property
+    def unit(self) -> float:
+        """L/pi; alone 1."""
+        return 1.0 if self.period is None else self.period / pi
+
+    @property
+    def root(self) -> float:
+        """sqrt(c^2 - a^2), or of the squared sines."""
+        return sqrt(float(self.sin(self.cohesive_end - self.half_width) * self.sin(self.cohesive_end + self.half_width)))
+
+    @property
+    def share(self) -> float:
+        """B."""
+        if self.period is None:
+            return self.root
+        return self.unit * atan2(self.root, self.cos(self.cohesive_end))
+
+    @property
+    def share_by_end(self) -> float:
+        """dB/dc."""
+        return float(self.sin(self.cohesive_end)) / self.root
+
+    @property
+    def widening(self) -> float:
+        """l."""
+        a, c = self.half_width, self.cohesive_end
+        half = 0.5 * (c - a)
+        return float(arcosh1p(2.0 * self.cos(a + half) * self.sin(half) / self.sin(a)))
+
+    @property
+    def logarithm(self) -> float:
+        """r."""
+        a, c = self.half_width, self.cohesive_end
+        # tan C/tan A - 1 = sin(C - A)/(cos C sin A)
+        return float(np.log1p(self.sin(c - a) / (self.cos(c) * self.sin(a))))
+
+    def opening_rate(self, e: Array, f: Array) -> Array:
+        """artanh(X or 1/X) at x = a + e = c - f, from both distances: X^2 and |1 - X^2| without cancellation."""
+        a, c = self.half_width, self.cohesive_end
+        x = a + e
+        scale = self.sin(c - a) * self.sin(c + a)
+        square, rest = self.sin(e) * self.sin(x + a) / scale, np.abs(self.sin(f)) * self.sin(c + x) / scale
+        if self.period is not None:
+            valley = np.maximum(sine(0.5 * self.period - x, self.period), 1e-100)
+            square, rest = square * (self.cos(c) / valley) ** 2, rest * (self.cos(a) / valley) ** 2
+        # artanh X = asinh(X/sqrt(1 - X^2)), and artanh(1/X) = asinh(1/sqrt(X^2 - 1)).
+        return np.asarray(np.arcsinh(np.sqrt(np.minimum(square, 1.0) / np.maximum(rest, 1e-300))))
+
+    def width_at(self, q: Array) -> Array:
+        """Half width s of the punch behind which the share q is still to come: B(s, c) = q."""
+        c = self.cohesive_end
+        if self.period is None:
+            return np.asarray(np.sqrt((c - q) * (c + q)))
+        # cos S = cos C/cos(pi q/L)
+        sin_s = np.sqrt(self.sin(c - q) * self.sin(c + q)) / np.cos(pi / self.period * q)
+        return np.asarray(self.unit * np.arctan2(sin_s, self.cos(c) / np.cos(pi / self.period * q)))
+
+
+class _DugdaleState(AdhesiveZone):
+    """An equilibrium, its cohesive intervals apart or meeting."""
+
+    stress: float
+    cohesive_end: float
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """p(x) [Pa]: -stress on the cohesive intervals, 0 beyond."""
+        r = np.abs(self._reduced(x))
+        pulled = (r >= self.half_width) & (r < self.cohesive_end)
+        return np.where(pulled, -self.stress, super().pressure(x))
+
+    @property
+    def cohesive_intervals(self) -> Array:
+        """The intervals [[-c, -a], [a, c]] under tension."""
+        a, c = self.half_width, self.cohesive_end
+        return np.array([[-c, -a], [a, c]])
+
+    @property
+    def max_pressure(self) -> float:
+        """Greatest pressure, in the middle for the profiles that are convex there."""
+        return float(self._pressure(np.array(0.0), np.array(self.half_width)))
+
+
+@dataclass(frozen=True)
+class DugdaleZone(_DugdaleState):
+    """A frictionless zone of half width a under the stress on a < |x| < c; the work of adhesion is stress times gap at c."""
+
+    zone: IsolatedZone | PeriodicZone
+    stress: float
+    cohesive_end: float
+
+    def __post_init__(self) -> None:
+        self._check_zone()
+        positive("stress", self.stress)
+        widest = 1e300 if self.period is None else 0.5 * self.period
+        between("cohesive_end", self.cohesive_end, self.half_width, widest)
+
+    @cached_property
+    def cohesive(self) -> Cohesive:
+        """Closed forms of a and c."""
+        return Cohesive(self.half_width, self.cohesive_end, self.period)
+
+    @property
+    def end_gap(self) -> float:
+        """The gap at c [m]."""
+        return float(self._gap(np.array(self.cohesive_end - self.half_width)))
+
+    @property
+    def work(self) -> float:  # type: ignore[override]
+        """The work of adhesion this state belongs to [J/m^2]."""
+        return self.stress * self.end_gap
+
+    def _pressure(self, r: Array, d: Array) -> Array:
+        a, form = self.half_width, self.cohesive
+        depth = np.sqrt(form.sin(d) * form.sin(a + r)) * form.cos(self.cohesive_end)
+        side = form.root if self.period is None else form.root * sine(0.5 * self.period - a + d, self.period)
+        return self.zone._pressure(r, d) - 2.0 * self.stress / pi * np.arctan2(side, depth)
+
+    def _opening(self, e: Array) -> Array:
+        """int_a^(a+e) artanh(X or 1/X) dx, broken at c."""
+        length, form = self.cohesive_end - self.half_width, self.cohesive
+        e = np.asarray(e, dtype=float)[..., None]
+        near, far = np.minimum(e, length), np.maximum(e - length, 0.0)
+        before = form.opening_rate(near * FROM_LEFT, (length - near) + near * FROM_RIGHT)
+        beyond = form.opening_rate(length + far * FROM_LEFT, far * FROM_LEFT)
+        return np.asarray(np.sum(WEIGHT * (near * before + far * beyond), axis=-1))
+
+    @property
+    def _unit(self) -> float:
+        return 4.0 * self.stress / (pi * self.E_star)
+
+    def _gap(self, e: Array) -> Array:
+        return self.zone._gap(e) + self._unit * self._opening(e)
+
+    @property
+    def load(self) -> float:
+        return self.zone.load - 2.0 * self.stress * self.cohesive.share
+
+    def _log_compliance(self, share: Array) -> Array:
+        """The compliance of the punches that make up the cohesive load, by the share still to come."""
+        width = self.cohesive.width_at(share)
+        if self.datum is not None:
+            return np.log(2.0 * self.datum / width) * 2.0 / (pi * self.E_star)
+        return np.log(self.cohesive.sin(width)) * -2.0 / (pi * self.E_star)
+
+    def _approach(self) -> float:
+        self._compliance()  # a datum is needed
+        share = self.cohesive.share
+        sum_of = float(np.sum(WEIGHT * self._log_compliance(share * FROM_RIGHT)))
+        return self.zone._approach() - 2.0 * self.stress * share * sum_of
+
+    @property
+    def elastic_energy(self) -> float:
+        self._compliance()
+        share, stress = self.cohesive.share, self.stress
+        load = self.zone.load - 2.0 * stress * share * FROM_LEFT
+        work_of_load = np.sum(WEIGHT * load * self._log_compliance(share * FROM_RIGHT))
+        return frictionless_energy(self.zone) - 2.0 * stress * share * float(work_of_load)
+
+    @property
+    def surface_energy(self) -> float:
+        """-2 c w + 2 stress int_a^c gap dx."""
+        length = self.cohesive_end - self.half_width
+        near, far = length * FROM_LEFT, length * FROM_RIGHT
+        # int_a^c int_a^x = int_a^c (c - x)
+        opened = self._unit * far * self.cohesive.opening_rate(near, far)
+        area = length * float(np.sum(WEIGHT * (self.zone._gap(near) + opened)))
+        return 2.0 * (self.stress * area - self.cohesive_end * self.work)
+
+    def rates(self) -> tuple[float, float]:
+        """d load/dc and d approach/dc along the curve of equilibria of this work (approach: nan without a datum)."""
+        form, stress, modulus = self.cohesive, self.stress, self.E_star
+        slope = float(self.zone._gap_slope(np.array(self.cohesive_end - self.half_width)))  # type: ignore[union-attr]
+        opened = slope + self._unit * (form.widening * form.share_by_end - form.logarithm)
+        # What a takes back from the gap at c it adds to the load: d g/da = -(2/pi E*) l d P/da.
+        load = 0.5 * pi * modulus * opened / form.widening - 2.0 * stress * form.share_by_end
+        compliance = self.punch_compliance
+        if compliance is None:
+            return load, float("nan")
+        return load, compliance * load + 4.0 * stress * form.widening / (pi * modulus)
+
+
+@dataclass(frozen=True)
+class MetDugdaleZone(_DugdaleState):
+    """Cohesive intervals that meet at L/2: the frictionless zone under a uniform tension, which moves no surface.
+
+    The work of adhesion has to be at least stress times the gap at L/2.
+    """
+
+    zone: PeriodicZone
+    stress: float
+    work: float
+
+    def __post_init__(self) -> None:
+        self._check_zone()
+        if self.zone.period is None:
+            raise SceneError.of("zone", self.zone, "a zone with a period")
+        positive("stress", self.stress)
+        positive("work", self.work)
+        if self.work < self.stress * self.end_gap * (1.0 - 1e-12):
+            raise OutOfRange(
+                f"work = {self.work:.6g} J/m^2 is out of range: cohesive intervals meet from "
+                f"{self.stress * self.end_gap:.6g} J/m^2 on"
+            )
+
+    @property
+    def cohesive_end(self) -> float:  # type: ignore[override]
+        return 0.5 * self._length()
+
+    @property
+    def end_gap(self) -> float:
+        """The gap at L/2 [m]."""
+        return float(self.zone._gap(np.array(0.5 * self._length() - self.half_width)))
+
+    def _pressure(self, r: Array, d: Array) -> Array:
+        return self.zone._pressure(r, d) - self.stress
+
+    def _gap(self, e: Array) -> Array:
+        return self.zone._gap(e)
+
+    @property
+    def load(self) -> float:
+        return self.zone.load - self.stress * self._length()
+
+    def _approach(self) -> float:
+        return self.zone._approach()
+
+    @property
+    def elastic_energy(self) -> float:
+        return frictionless_energy(self.zone)
+
+    @property
+    def surface_energy(self) -> float:
+        """-w L + stress times the area of the gap."""
+        mean_gap = self.mean_gap
+        assert mean_gap is not None
+        return (self.stress * mean_gap - self.work) * self._length()
+
+    def rates(self) -> tuple[float, float]:
+        """d load/da and d approach/da."""
+        load = float(self.zone.load_rate(np.array(self.half_width)))  # type: ignore[attr-defined]
+        return load, self._compliance() * load
+
+
+class _DugdaleEquilibria(Equilibria[_DugdaleState]):
+    """Equilibria by the end c of the cohesive intervals; past L/2, where they have met, by L/2 plus what a has grown since."""
+
+    stress: float
+    work: float
+    E_star: float
+
+    def _frictionless(self, half_width: float) -> HertzLine | Westergaard:
+        raise NotImplementedError
+
+    @property
+    def end_gap(self) -> float:
+        """w/s, up to which the surfaces pull."""
+        return self.work / self.stress
+
+    def _miss(self, c: float, a: float) -> float:
+        return DugdaleZone(self._frictionless(a), self.stress, c).end_gap - self.end_gap
+
+    def _half_width(self, c: float) -> float:
+        """a at which the gap at c is w/s: it falls from its value without contact to zero at a = c."""
+
+        def miss(log_ratio: float) -> float:
+            return self._miss(c, c - c / (1.0 + exp(log_ratio)))
+
+        # From a = 1e-15 c to c - a = 1e-14 c.
+        return float(c - c / (1.0 + exp(brentq(miss, -34.0, 32.0, xtol=1e-14, rtol=1e-15))))
+
+    def at(self, parameter: float) -> _DugdaleState:
+        """The equilibrium of a parameter."""
+        return DugdaleZone(self._frictionless(self._half_width(parameter)), self.stress, parameter)
+
+    def _rates(self, parameter: float) -> tuple[float, float]:
+        return self.at(parameter).rates()  # type: ignore[attr-defined,no-any-return]
+
+
+@dataclass(frozen=True)
+class DugdaleCylinder(_DugdaleEquilibria):
+    """f = x^2/2R alone (Baney & Hui 1997): with a in (8 R^2 w/pi E*)^(1/3), P in (pi E* w^2 R)^(1/3), m = c/a,
+    mu = sqrt(m^2 - 1) and lambda = 4s/(pi^2 E*^2 w/R)^(1/3),
+
+    P = a^2 - lambda a mu,   (lambda a^2/2)(m mu - ln(m + mu)) + (lambda^2 a/2)(mu ln(m + mu) - m ln m) = 1.
+
+    Only states in contact: attraction without contact is not here.
+    """
+
+    radius: float
+    E_star: float
+    work: float
+    stress: float
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "E_star", "work", "stress"):
+            positive(name, getattr(self, name))
+        positive_or_none("datum", self.datum)
+
+    def _frictionless(self, half_width: float) -> HertzLine:
+        return HertzLine(self.radius, self.E_star, half_width, self.datum)
+
+    @property
+    def tabor(self) -> float:
+        """lambda = 4s/(pi^2 E*^2 w/R)^(1/3): JKR where it is large."""
+        return 4.0 * self.stress / float((pi**2 * self.E_star**2 * self.work / self.radius) ** (1.0 / 3.0))
+
+    @property
+    def least_cohesive_end(self) -> float:
+        """c where contact begins, a = 0: c^2/2R + (4s/pi E*) c ln 2 = w/s."""
+        half = 4.0 * self.stress * log(2.0) / (pi * self.E_star)
+        height = 2.0 * self.end_gap / self.radius
+        return self.radius * height / (half + sqrt(half * half + height))
+
+    def _samples(self) -> Array:
+        least = self.least_cohesive_end
+        unit = (self.radius**2 * self.work / self.E_star) ** (1.0 / 3.0)
+        most = 1e3 * max(least, unit) if self.datum is None else self.datum
+        return least + np.geomspace(1e-9 * least, most - least, 60)
+
+
+@dataclass(frozen=True)
+class DugdaleWave(_DugdaleEquilibria):
+    """f = Delta (1 - cos(2 pi x/L)) in a row (derived): while the cohesive intervals are apart
+
+    mean pressure = p* sin^2 A - (2s/pi) arccos(cos C/cos A),
+    gap at c = 2 Delta (sin C sqrt(sin^2 C - sin^2 A) - sin^2 A arcosh(sin C/sin A)) + (4s/pi E*) int_a^c artanh X dx = w/s,
+
+    and p* sin^2 A - s once they have met. Full contact opens at the mean pressure p* - s, where the valley's traction is -s.
+    """
+
+    amplitude: float
+    period: float
+    E_star: float
+    work: float
+    stress: float
+
+    def __post_init__(self) -> None:
+        for name in ("amplitude", "period", "E_star", "work", "stress"):
+            positive(name, getattr(self, name))
+
+    def _frictionless(self, half_width: float) -> Westergaard:
+        return Westergaard(self.amplitude, self.period, self.E_star, half_width)
+
+    @property
+    def opening_mean_pressure(self) -> float:
+        """p* - s, the least mean pressure of full contact."""
+        return pi * self.E_star * self.amplitude / self.period - self.stress
+
+    @cached_property
+    def meeting_half_width(self) -> float:
+        """a at which the cohesive intervals meet: the frictionless gap at L/2 is w/s; 0 if that is never reached."""
+        if self.end_gap >= 2.0 * self.amplitude:
+            return 0.0
+
+        def miss(log_ratio: float) -> float:
+            a = self._ratio_width(log_ratio)
+            return float(self._frictionless(a)._gap(np.array(0.5 * self.period - a))) - self.end_gap
+
+        # a/(L/2 - a) from 1e-15 to 1e15.
+        return self._ratio_width(float(brentq(miss, -34.0, 34.0, xtol=1e-14, rtol=1e-15)))
+
+    def _ratio_width(self, log_ratio: float) -> float:
+        return 0.5 * self.period / (1.0 + exp(-log_ratio))
+
+    def touching_gap(self, c: float) -> float:
+        """The gap at c where contact begins, a = 0: f(c) + (4s/pi E*) int_0^c ln(2 cos(pi x/L)) dx."""
+        integral = c * float(np.sum(WEIGHT * np.log(2.0 * sine(0.5 * self.period - c + c * FROM_RIGHT, self.period))))
+        return float(self._frictionless(0.25 * self.period).height(c)) + 4.0 * self.stress / (pi * self.E_star) * integral
+
+    @cached_property
+    def least_cohesive_end(self) -> float:
+        """c from which on there is contact up to c = L/2; L/2 if cohesive intervals have always met."""
+        half = 0.5 * self.period
+        if self.meeting_half_width == 0.0:
+            return half
+        shares = half / (1.0 + np.geomspace(1e-9, 1e9, 400))
+        gaps = np.array([self.touching_gap(float(c)) - self.end_gap for c in shares])
+        i = int(np.flatnonzero(gaps < 0.0)[0])
+        return float(brentq(lambda c: self.touching_gap(c) - self.end_gap, shares[i], shares[i - 1], xtol=1e-300, rtol=1e-15))
+
+    def at(self, parameter: float) -> _DugdaleState:
+        """The equilibrium of a parameter."""
+        half = 0.5 * self.period
+        if parameter < half:
+            return super().at(parameter)
+        grown = self.meeting_half_width + (parameter - half)
+        return MetDugdaleZone(self._frictionless(grown), self.stress, self.work)
+
+    def _samples(self) -> Array:
+        half, least, met = 0.5 * self.period, self.least_cohesive_end, self.meeting_half_width
+        share = 1.0 / (1.0 + np.geomspace(1e9, 1e-9, 60))
+        apart = least + (half - least) * share if least < half else np.empty(0)
+        together = half + (half - met) * share
+        return np.concatenate([apart, together])

@@ -1,0 +1,204 @@
+"""JKR adhesion of one symmetric zone, alone and in a row: p ~ -sqrt(E* w/pi)/sqrt(d) at its ends.
+
+The load is that of the frictionless zone less that of a flat punch with the same intensity at its corners:
+
+    Q = sqrt(2 pi E* a w) alone,   Q = sqrt(2 E* w L tan(pi a/L)) with a period L.
+
+Cylinder: M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464. Wave: K. L. Johnson, Int. J. Solids Struct.
+32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9. Other profiles, approaches and energies: derived from the same sum.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import numpy as np
+
+from contact.model.checks import positive, positive_or_none
+from contact.reference.exact.adhesion import AdhesiveZone, Equilibria, frictionless_energy
+from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone
+from contact.reference.exact.flat import IsolatedPunch, PeriodicPunch
+from contact.reference.exact.parabola import HertzLine
+from contact.reference.exact.sinusoid import Westergaard
+
+
+@dataclass(frozen=True)
+class JKRZone(AdhesiveZone):
+    """The frictionless zone's solution less a flat punch's:
+
+    p = p_0 - q,   gap = g_0 + (2Q/pi E*) arcosh(x/a) (with a period of sin(pi x/L)/sin(pi a/L)),
+    load = P_0 - Q,   approach = d_0 - C Q,   elastic energy = U_0 - C Q P_0 + C Q^2/2,   surface energy = -2 a w,
+
+    C the punch's compliance.
+    """
+
+    zone: IsolatedZone | PeriodicZone
+    work: float
+
+    def __post_init__(self) -> None:
+        self._check_zone()
+        positive("work", self.work)
+
+    @property
+    def intensity(self) -> float:
+        """sqrt(E* w/pi): p ~ -intensity/sqrt(d) at the distance d from an end [Pa m^(1/2)]."""
+        return sqrt(self.E_star * self.work / pi)
+
+    @property
+    def punch(self) -> IsolatedPunch | PeriodicPunch:
+        """The flat punch whose pressure is taken off."""
+        a, modulus = self.half_width, self.E_star
+        if self.period is None:
+            return IsolatedPunch(a, modulus, sqrt(2.0 * pi * modulus * a * self.work), self.datum)
+        tangent = self._sine() / self._cosine()
+        return PeriodicPunch(a, self.period, modulus, sqrt(2.0 * modulus * self.work * self.period * tangent))
+
+    @property
+    def punch_load_rate(self) -> float:
+        """dQ/da."""
+        if self.period is None:
+            return 0.5 * self.punch.load / self.half_width
+        return 0.5 * self.punch.load * pi / self.period / (self._sine() * self._cosine())
+
+    def _pressure(self, r: Array, d: Array) -> Array:
+        return self.zone._pressure(r, d) - self.punch._pressure(r, d)
+
+    def _gap(self, e: Array) -> Array:
+        punch = self.punch
+        return self.zone._gap(e) + 2.0 * punch.load / (pi * self.E_star) * punch._fall(e)
+
+    @property
+    def load(self) -> float:
+        return self.zone.load - self.punch.load
+
+    @property
+    def max_pressure(self) -> float:
+        """Greatest pressure, in the middle for the profiles that are convex there."""
+        return float(self._pressure(np.array(0.0), np.array(self.half_width)))
+
+    def _approach(self) -> float:
+        return self.zone._approach() - self.punch.load * self._compliance()
+
+    @property
+    def elastic_energy(self) -> float:
+        taken, compliance = self.punch.load, self._compliance()
+        return frictionless_energy(self.zone) + compliance * taken * (0.5 * taken - self.zone.load)
+
+    @property
+    def surface_energy(self) -> float:
+        return -2.0 * self.half_width * self.work
+
+
+class _JKREquilibria(Equilibria[JKRZone]):
+    """Equilibria by their half width."""
+
+    def _rates(self, parameter: float) -> tuple[float, float]:
+        state = self.at(parameter)
+        load = float(state.zone.load_rate(np.array(parameter))) - state.punch_load_rate  # type: ignore[union-attr]
+        compliance = state.punch_compliance
+        if compliance is None:
+            return load, float("nan")
+        # dC/da = -2/(pi E* a) alone, -(2/E* L) cot(pi a/L) with a period.
+        fall = 1.0 / parameter if state.period is None else pi / state.period * state._cosine() / state._sine()
+        return load, compliance * load + 2.0 * state.punch.load * fall / (pi * state.E_star)
+
+    @property
+    def jump_in(self) -> JKRZone:
+        """Where first touch leads to under load control: the stable equilibrium without load."""
+        return self.at_load(0.0)
+
+
+@dataclass(frozen=True)
+class JKRCylinder(_JKREquilibria):
+    """f = x^2/2R alone (Barquins 1988): P = pi E* a^2/4R - sqrt(2 pi E* a w),
+
+    approach = (a^2/2R)(ln(2d/a) + 1/2) - (2/pi E*) sqrt(2 pi E* a w) ln(2d/a) with a datum d; pull-off under load control at
+    a^3 = 2 R^2 w/(pi E*), P = -3 (pi E* w^2 R/16)^(1/3).
+    """
+
+    radius: float
+    E_star: float
+    work: float
+    datum: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("radius", "E_star", "work"):
+            positive(name, getattr(self, name))
+        positive_or_none("datum", self.datum)
+
+    def at(self, parameter: float) -> JKRZone:
+        """The equilibrium of this half width."""
+        return JKRZone(HertzLine(self.radius, self.E_star, parameter, self.datum), self.work)
+
+    @property
+    def pull_off_load(self) -> float:
+        """-3 (pi E* w^2 R/16)^(1/3)."""
+        return float(-3.0 * (pi * self.E_star * self.work**2 * self.radius / 16.0) ** (1.0 / 3.0))
+
+    def _samples(self) -> Array:
+        unit = (2.0 * self.radius**2 * self.work / (pi * self.E_star)) ** (1.0 / 3.0)
+        # With a datum the approach has a meaning while the zone is narrow beside it: it is greatest near 2d.
+        widest = 1e6 * unit if self.datum is None else self.datum
+        return np.geomspace(min(1e-12 * unit, 1e-6 * widest), widest, 200)
+
+
+@dataclass(frozen=True)
+class JKRWave(_JKREquilibria):
+    """f = Delta (1 - cos(2 pi x/L)) in a row (Johnson 1995), A = pi a/L, p* = pi E* Delta/L:
+
+    mean pressure = p* (sin^2 A - alpha sqrt(tan A)),   alpha^2 = 2 w L/(pi^2 E* Delta^2).
+
+    It falls to pull-off, rises to the jump into full contact, and falls without end. The rise goes down to zero load while
+    alpha < 27^(1/4)/4 = 0.5699; there is none from alpha = 4 (3/8)^(3/4) (5/8)^(5/4) = 1.0652 on. Under a held approach the
+    wave closes without a jump, and approach = Delta sin^2 A (1 - ln sin^2 A) + alpha Delta sqrt(tan A) ln sin^2 A.
+    """
+
+    amplitude: float
+    period: float
+    E_star: float
+    work: float
+
+    # An opening of no width has no intensity: what is closed needs a flaw to open.
+    stays_closed = True
+
+    def __post_init__(self) -> None:
+        for name in ("amplitude", "period", "E_star", "work"):
+            positive(name, getattr(self, name))
+
+    def at(self, parameter: float) -> JKRZone:
+        """The equilibrium of this half width."""
+        return JKRZone(Westergaard(self.amplitude, self.period, self.E_star, parameter), self.work)
+
+    @property
+    def alpha(self) -> float:
+        """Johnson's parameter of adhesion, sqrt(2 w L/(pi^2 E* Delta^2))."""
+        return sqrt(2.0 * self.work * self.period / self.E_star) / (pi * self.amplitude)
+
+    def _work_of(self, alpha: float) -> float:
+        return 0.5 * self.E_star / self.period * (pi * self.amplitude * alpha) ** 2
+
+    @property
+    def self_closing_work(self) -> float:
+        """The work of adhesion above which the surfaces jump into full contact without load: at sin^2 A = 3/4."""
+        return self._work_of(27.0**0.25 / 4.0)
+
+    @property
+    def last_partial_work(self) -> float:
+        """The work of adhesion above which no partial contact is stable at any load: at tan^2 A = 3/5."""
+        return self._work_of(4.0 * 0.375**0.75 * 0.625**1.25)
+
+    @property
+    def jump_into_full_contact(self) -> JKRZone:
+        """The state of the greatest load of partial contact: beyond it, under load control, contact is full."""
+        return self.at(self._part("stable", float("inf"))[1])
+
+    @property
+    def full_contact_energy(self) -> float:
+        """Elastic and surface energy of full contact per period, pi E* Delta^2/4 - w L."""
+        return 0.25 * pi * self.E_star * self.amplitude**2 - self.work * self.period
+
+    def _samples(self) -> Array:
+        # tan A from 1e-9 to 1e9, and where the two turning points of the load meet and vanish.
+        tangent = np.append(np.geomspace(1e-9, 1e9, 400), sqrt(0.6))
+        return self.period / pi * np.arctan(np.sort(tangent))

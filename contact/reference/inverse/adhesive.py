@@ -1,0 +1,343 @@
+"""Inverse design under JKR adhesion: exact contacts of any given zones with p ~ -sqrt(E* w/pi)/sqrt(d) at every end.
+
+With X^2 the product over all zone ends (see product.py, whose factors are meant by x - e here) the function
+
+    X R,   R = M + sum_e q_e/(x - e),   q_e = +-(2/E*) sqrt(E* w/pi)/sqrt(prod of the other factors at e),
+
+is f' - (2/E*)(1/pi) int p/(x - xi) dxi, f' its polynomial part: in the gaps it is the slope of the gap, on the zones
+p = +-(E*/2)|X| R. The polynomial M (degree n - 1 alone; with a period the n + 1 cosines and sines of pi k x/L, k = n, n - 2, ..,
+and cosines for poles where n is even) makes int X R vanish over every gap, so that all zones have one approach, and carries the
+load: linear equations. Derived from the general solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11,
+with its solutions that are unbounded at the ends, and the intensity of JKR (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423,
+doi 10.1016/0020-7683(94)00111-9).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import ceil, pi, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact.errors import SceneError
+from contact.model.checks import finite, finite_array, positive, positive_or_none
+from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
+from contact.reference.inverse.designed import least_value
+from contact.reference.inverse.product import CutProduct
+from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class AdhesiveDesign:
+    """An exact JKR contact of given zones (n, 2), ascending, within one period if there is one, given load per period (of any
+    sign) and work of adhesion [J/m^2].
+
+    Whether the surfaces keep apart between the zones is `is_admissible`: weak loads with strong adhesion may not be.
+    """
+
+    zones: Array
+    E_star: float
+    load: float
+    work: float
+    period: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("E_star", "work"):
+            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        object.__setattr__(self, "load", finite("load", self.load))
+        object.__setattr__(self, "period", positive_or_none("period", self.period))
+        zones = finite_array("zones", self.zones, ndim=2)
+        object.__setattr__(self, "zones", zones)
+        if zones.shape[1] != 2 or np.any(np.diff(zones.ravel()) <= 0.0):
+            raise SceneError.of("zones", self.zones, "an (n, 2) array of ends, strictly increasing")
+        if self.period is not None and not zones[-1, 1] - zones[0, 0] < self.period:
+            raise SceneError.of("zones", self.zones, f"within one period {self.period:.17g}")
+
+    @cached_property
+    def _long(self) -> CutProduct:
+        """In the longest precision there is: the linear equations and the profile."""
+        return CutProduct(self.zones.astype(np.longdouble), self.period)
+
+    @cached_property
+    def _product(self) -> CutProduct:
+        return CutProduct(self.zones.astype(float), self.period)
+
+    @property
+    def intensity(self) -> float:
+        """sqrt(E* w/pi) [Pa m^(1/2)]."""
+        return sqrt(self.E_star * self.work / pi)
+
+    def _side(self, i: int) -> float:
+        """Sign of X on the gap i, or of p over |X| R on the zone i: + on the last."""
+        return -1.0 if (len(self.zones) - (i // 2 + 1)) % 2 else 1.0
+
+    # R
+    @cached_property
+    def _poles(self) -> NDArray[np.floating]:
+        """q_e."""
+        product, n = self._long, len(self.zones)
+        per_length = 1.0 / product._unit if self.period is None else 2.0 * product._turn
+        # The gap beside a left end has the sign opposite to that beside the right end of its zone.
+        signs = np.array([self._side(k) * (-1.0) ** (k % 2 == 0) for k in range(2 * n)])
+        size = 2.0 * np.sqrt(np.longdouble(self.work) / (product.pi * self.E_star))
+        return np.asarray(signs * size * np.sqrt(per_length / product.end_factors()))
+
+    def _modes(self, product: CutProduct, i: int, dl: Any, dr: Any) -> Any:
+        """The functions of which M is made, (..., count)."""
+        n, ends = len(self.zones), product.zones.ravel()
+        if self.period is None:
+            # The local coordinate from the nearer end of the hull: x itself is rounded, but M is smooth.
+            half = 2.0 * product._unit
+            x = ends[0] - dr if i < 0 else ends[i] + dl
+            t = ((x - ends[0]) - (ends[-1] - x)) / (2.0 * half)
+            modes = [np.ones_like(t), t]
+            while len(modes) < n:
+                modes.append(2.0 * t * modes[-1] - modes[-2])
+            return np.stack(modes[:n], axis=-1)
+        x = product._turn * (ends[i] + dl)
+        orders = range(n, 0, -2)
+        modes = [f(k * x) for k in orders for f in (np.cos, np.sin)]
+        return np.stack(modes if n % 2 else [*modes, np.ones_like(x)], axis=-1)
+
+    def _nodes(self, i: int) -> Any:
+        """Midpoints in the angle: dl, dr and weights of int F dx for F ~ 1/sqrt at the ends."""
+        product = self._long
+        m, h = len(product.steps), product.steps[i]
+        around = (k % m for k in (i - 1, i + 1) if self.period is not None or 0 <= k < m)
+        nearest = min((float(product.steps[k]) for k in around), default=float(h))
+        count = 40 + ceil(20.0 / min(1.0, sqrt(nearest / float(h))))
+        phi = product.pi * (np.arange(count) + np.longdouble(0.5)) / count
+        return h * np.sin(0.5 * phi) ** 2, h * np.cos(0.5 * phi) ** 2, 0.5 * h * product.pi / count * np.sin(phi)
+
+    def _integrals(self, i: int) -> tuple[Any, Any]:
+        """int |X| modes dx and int |X| sum q_e/(x - e) dx over an interval."""
+        dl, dr, weight = self._nodes(i)
+        weight = weight * self._long.root(i, dl, dr)
+        return weight @ self._modes(self._long, i, dl, dr), weight @ (self._long.poles(i, dl, dr) @ self._poles)
+
+    @cached_property
+    def _zone_integrals(self) -> tuple[Any, Any]:
+        """Zone loads by modes, and by the poles."""
+        half = np.longdouble(self.E_star) / 2
+        each = [(self._side(i) * half, *self._integrals(i)) for i in range(0, 2 * len(self.zones), 2)]
+        return np.array([s * m for s, m, _ in each]), np.array([s * q for s, _, q in each])
+
+    @cached_property
+    def _smooth(self) -> Any:
+        """Coefficients of M."""
+        modes, poles = self._zone_integrals
+        gaps = [self._integrals(g) for g in self._long.gaps]
+        matrix = np.array([*(m for m, _ in gaps), np.sum(modes, axis=0)])
+        right = np.array([*(-q for _, q in gaps), self.load - np.sum(poles)])
+        size = np.max(np.abs(matrix), axis=1)
+        matrix, right = matrix / size[:, None], right / size
+        solution = np.zeros_like(right)
+        for _ in range(4):  # refined in the long precision
+            step = np.linalg.solve(matrix.astype(float), (right - matrix @ solution).astype(float))
+            solution = solution + step
+        return solution
+
+    def _ratio(self, i: int, dl: Any, dr: Any) -> Any:
+        """R in double precision."""
+        smooth = self._modes(self._product, i, dl, dr) @ self._smooth.astype(float)
+        return smooth + self._product.poles(i, dl, dr) @ self._poles.astype(float)
+
+    # The profile: the polynomial part of X R
+    @cached_property
+    def profile(self) -> DesignedProfile:
+        """The shape with this contact."""
+        n, ends = len(self.zones), self._long.zones.ravel()
+        hull = (float(ends[0]), float(ends[-1]))
+        if self.period is None:
+            # x = middle + half (v + 1/v)/2 maps (x - e)/unit to v (1 - e^{i phi}/v)(1 - e^{-i phi}/v).
+            phi = 2.0 * np.arctan2(np.sqrt(ends[-1] - ends), np.sqrt(ends - ends[0]))
+            root = exp_of_power_sums(np.array([np.sum(np.cos(k * phi)) for k in range(2 * n)])).real
+            ratio = np.zeros(2 * n, dtype=np.longdouble)  # of v^(n-1), .., v^-n
+            for k, c in enumerate(self._smooth):
+                ratio[n - 1 - k] += 0.5 * c
+                ratio[n - 1 + k] += 0.5 * c
+            # unit/(x - e) = sum U_k(cos phi) v^(-k-1)
+            second, older = np.ones_like(phi), np.zeros_like(phi)
+            for k in range(n):
+                ratio[n + k] += np.sum(self._poles * second)
+                second, older = 2.0 * np.cos(phi) * second - older, second
+            series = 2.0 * np.convolve(root, ratio)[: 2 * n][::-1]
+            series[0] *= 0.5
+            return DesignedProfile(None, series.astype(float), hull, np.empty(0), np.empty(0))
+        # Above the axis, w = e^{2 pi i z/L}: 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
+        angle = self._long._turn * ends
+        power_sums = np.array([0.5 * np.sum(np.exp(-2j * k * angle)) for k in range(n + 1)])
+        root = np.exp(0.5j * (np.sum(angle) + n * self._long.pi)) * exp_of_power_sums(power_sums)
+        ratio = np.zeros(n + 1, dtype=np.clongdouble)  # of e^{i pi z (2j - n)/L}
+        for j in range((n + 1) // 2):
+            cosine, sine = self._smooth[2 * j], self._smooth[2 * j + 1]
+            ratio[j] += 0.5 * (cosine + 1j * sine)
+            ratio[n - j] += 0.5 * (cosine - 1j * sine)
+        if n % 2:
+            for j in range((n + 1) // 2, n + 1):
+                ratio[j] += -1j * np.sum(self._poles * np.exp(-1j * (2 * j - n) * angle))
+        else:
+            ratio[n // 2] += self._smooth[-1] - 0.5j * np.sum(self._poles)
+            for j in range(n // 2 + 1, n + 1):
+                ratio[j] += -1j * np.sum(self._poles * np.exp(-1j * (2 * j - n) * angle))
+        harmonic = np.convolve(root, ratio)[:n][::-1]  # of e^{-2 pi i m x/L}, m = 1 .. n
+        wave = 2.0 * self._long._turn * np.arange(1, n + 1)
+        cosines, sines = -2.0 * harmonic.imag / wave, 2.0 * harmonic.real / wave
+        return DesignedProfile(self.period, np.empty(0), hull, cosines.astype(float), sines.astype(float))
+
+    def height(self, x: ArrayLike) -> Array:
+        """f(x) [m], up to a constant."""
+        return self.profile.height(x)
+
+    def slope(self, x: ArrayLike) -> Array:
+        """f'(x)."""
+        return self.profile.slope(x)
+
+    # The solution
+    @property
+    def mean_pressure(self) -> float | None:
+        """Load over period; None without one."""
+        return None if self.period is None else self.load / self.period
+
+    @property
+    def zone_widths(self) -> Array:
+        return np.diff(self.zones, axis=1)[:, 0]
+
+    @property
+    def contact_fraction(self) -> float | None:
+        return None if self.period is None else float(np.sum(self.zone_widths)) / self.period
+
+    @cached_property
+    def zone_loads(self) -> Array:
+        """Load of every zone [N/m]."""
+        modes, poles = self._zone_integrals
+        return np.asarray(modes @ self._smooth + poles, dtype=float)
+
+    @property
+    def nearness(self) -> float:
+        """Narrowest gap over widest zone."""
+        gaps = self._product.steps[1::2]
+        return float(np.min(gaps) / np.max(self.zone_widths)) if gaps.size else np.inf
+
+    def _zone_pressure(self, zone: int, dl: Array, dr: Array) -> Array:
+        i = 2 * zone
+        with np.errstate(invalid="ignore"):
+            p = 0.5 * self.E_star * self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr)
+        return np.asarray(np.where(np.isnan(p), -np.inf, p), dtype=float)
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone; -inf at its ends."""
+        if zone not in range(len(self.zones)):
+            raise SceneError.of("zone", zone, f"0 to {len(self.zones) - 1}")
+        t = np.asarray(t, dtype=float)
+        half = 0.5 * self._product.steps[2 * zone]
+        return self._zone_pressure(zone, half * (1.0 + t), half * (1.0 - t))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """p(x) [Pa], 0 outside the zones."""
+        x = np.asarray(x, dtype=float)
+        interval, dl, dr = self._product.locate(x)
+        p = np.zeros_like(x)
+        for zone in range(len(self.zones)):
+            here = interval == 2 * zone
+            p[here] = self._zone_pressure(zone, dl[here], dr[here])
+        return p
+
+    def _opening(self, i: int, dl: Array, dr: Array) -> Array:
+        """Slope of the gap in the gap i (-1: left of all zones)."""
+        return np.asarray(self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr))
+
+    def gap_slope(self, x: ArrayLike) -> Array:
+        """(u + f)' between the zones, 0 in them."""
+        x = np.asarray(x, dtype=float)
+        interval, dl, dr = self._product.locate(x)
+        slope = np.zeros_like(x)
+        for i in np.unique(interval[interval % 2 == 1]):
+            here = interval == i
+            slope[here] = self._opening(int(i), dl[here], dr[here])
+        return slope
+
+    def gap(self, x: ArrayLike) -> Array:
+        """u + f - approach [m]: the slope integrated from the nearer end of the gap."""
+        x = np.asarray(x, dtype=float)
+        interval, dl, dr = self._product.locate(x)
+        gap = np.zeros_like(x)
+        outside = (interval % 2 == 1) & ((dl != 0.0) | (interval < 0)) & (dr != 0.0)
+        for i in np.unique(interval[outside]):
+            here = outside & (interval == i)
+            rightward = (dl[here] <= dr[here]) | np.isnan(dr[here]) if i >= 0 else np.zeros(int(np.sum(here)), dtype=bool)
+            way = np.where(rightward, dl[here], dr[here])[:, None]
+            rest = np.where(rightward, dr[here], dl[here])[:, None]
+            # From the end, way s^2: the slope is as 1/s there.
+            near, far = way * FROM_LEFT**2, rest + way * FROM_RIGHT * (1.0 + FROM_LEFT)
+            values = self._opening(
+                int(i), np.where(rightward[:, None], near, far), np.where(rightward[:, None], far, near)
+            )
+            sign = np.where(rightward, 1.0, -1.0)
+            gap[here] = sign * np.sum(2.0 * way * FROM_LEFT * WEIGHT * values, axis=-1)
+        return gap
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """u(x) [m] into the body, of zero mean; periodic only."""
+        if self.approach is None:
+            raise SceneError.of("period", None, "a length > 0: an isolated displacement needs a datum")
+        return self.approach - (self.height(x) - self._least_height) + self.gap(x)
+
+    @cached_property
+    def max_pressure(self) -> float:
+        """Greatest pressure [Pa]."""
+
+        def greatest(zone: int) -> float:
+            return -least_value(lambda phi: -self.pressure_at(np.cos(phi), zone), 1e-6, pi - 1e-6, 257)
+
+        return max(greatest(zone) for zone in range(len(self.zones)))
+
+    @cached_property
+    def _least_height(self) -> float:
+        return least_value(self.height, 0.0, self.period or 0.0, 64 * len(self.zones) + 64)
+
+    @cached_property
+    def mean_gap(self) -> float | None:
+        """Mean of the gap over the period, -(1/L) sum int_gap x g' dx; None without a period."""
+        if self.period is None:
+            return None
+        total = 0.0
+        for g in self._long.gaps:
+            dl, dr, weight = (np.asarray(v, dtype=float) for v in self._nodes(g))
+            total -= float(np.sum(weight * dl * self._opening(g, dl, dr)))
+        return total / self.period
+
+    @property
+    def approach(self) -> float | None:
+        """min f = 0 and mean u = 0; None without a period."""
+        return None if self.mean_gap is None else -self._least_height - self.mean_gap
+
+    @cached_property
+    def is_admissible(self) -> bool:
+        """Whether the surfaces keep apart outside the zones: by sums of the gap's slope over 400 angles from either end, beyond
+        the zones by the slope's sign."""
+        ends = self._product.zones.ravel()
+        phi = pi * (np.arange(400) + 0.5) / 400
+        for g in self._product.gaps:
+            h = float(self._product.steps[g])
+            rise = np.sin(phi) * self._opening(g, h * np.sin(0.5 * phi) ** 2, h * np.cos(0.5 * phi) ** 2)
+            if min(np.min(np.cumsum(rise[:200])), np.min(np.cumsum(-rise[:199:-1]))) <= 0.0:
+                return False
+        if self.period is None:
+            hull = float(ends[-1] - ends[0])
+            beyond = hull * np.geomspace(1e-9, 1e6, 400)
+            out = self.gap_slope(ends[-1] + beyond) > 0.0, self.gap_slope(ends[0] - beyond) < 0.0
+            return bool(np.all(out[0]) and np.all(out[1]))
+        return True
+
+
+def adhesive_design(
+    zones: ArrayLike, E_star: float, load: float, work: float, period: float | None = None
+) -> AdhesiveDesign:
+    """The exact JKR contact with these zones, this load (per period) and this work of adhesion."""
+    return AdhesiveDesign(np.asarray(zones), E_star, load, work, period)

@@ -1,0 +1,89 @@
+"""The contact of a scene: ways to it in order, each with the scenes it is for.
+
+    a given part of the period in full contact    no search
+    a solution near by that knows the tilt        Newton from its zones
+    the scene's own control                       first guesses (contact.search.guesses), in a strip or not
+    an approach by loads                          where both load and tilt are unknown, or the grid did not find it
+"""
+
+from __future__ import annotations
+
+from contact.errors import NotConverged, OutOfRange
+from contact.search.bounded import refuse_unbounded
+from contact.search.full_contact import smallest_full
+from contact.search.guesses import Outcome, search
+from contact.search.loads import NEAR_LOAD, at_approach, at_level
+from contact.search.missed import Missed
+from contact.search.plateau import refuse_below_plateau
+from contact.search.proposals import placed
+from contact.search.scaling import Framed, framed, framed_about
+from contact.search.strips import centred, first_order
+from contact.search.task import Task
+from contact.verify.accuracy import Found
+
+
+def found(task: Task) -> Outcome:
+    """The contact of the task's scene; raises OutOfRange where there is none, NotConverged where no way led to it."""
+    scene = task.scene
+    if scene.contact_fraction == 1.0:
+        return smallest_full(task)
+    if task.operator.is_plain and scene.law.convex:
+        refuse_below_plateau(scene)
+    refuse_unbounded(scene)
+    if scene.turned and scene.moment is not None and scene.approach is not None:
+        return _by_loads(task)
+    beside = _at_known_tilt(task)
+    if isinstance(beside, Found):
+        return beside
+    try:
+        return _as_given(task)
+    except (OutOfRange, NotConverged) as failure:
+        if not _loads_may_tell(task, failure):
+            raise
+        task.left("the approach itself", Missed(str(failure)))
+        try:
+            return _by_loads(task)
+        except NotConverged:
+            raise failure from None
+
+
+def _at_known_tilt(task: Task) -> Found | Missed:
+    """A body of unknown tilt, from a solution at hand: its tilt need not be searched for."""
+    near, scene = task.near, task.scene
+    if near is None or len(near.zones) == 0 or scene.moment is None or not scene.turned:
+        return Missed("no solution that knows the tilt")
+    frame = framed_about(scene, near.tilt or 0.0, near.zones)
+    return task.settle(frame.problem, frame.control, placed(frame.problem, near.zones))
+
+
+def _as_given(task: Task) -> Outcome:
+    """Under the scene's own control."""
+    tilt = None if task.near is None else task.near.tilt
+    return _framed(task, framed(task.scene, task.single, tilt or 0.0))
+
+
+def _framed(task: Task, frame: Framed) -> Outcome:
+    model, near, start = task.scene.interaction, task.near, None
+    if model.follows_isolated:
+        return first_order(task, frame)
+    # Where one zone is to be found, that is known better in closed form.
+    if near is not None and len(near.zones) and not task.single:
+        start = placed(frame.problem, near.zones)
+    return centred(task, frame, start) if model.strip else search(task, frame, start)
+
+
+def _loads_may_tell(task: Task, failure: OutOfRange | NotConverged) -> bool:
+    """Whether loads may lead to an approach that the grid did not find: its lowest point may lie above the profile's by more than the
+    approach of a lone body, and narrow gaps between its points."""
+    scene = task.scene
+    if task.near is not None or scene.turned or scene.approach is None or not scene.interaction.exact:
+        return False
+    return not (scene.interaction.needs_period and isinstance(failure, OutOfRange))
+
+
+def _by_loads(task: Task) -> Outcome:
+    """An approach from a solution under about the load that has it."""
+    if not task.scene.interaction.needs_period:
+        return at_level(task)
+    # Grids are searched by load: the zones are about those of the load that has the approach.
+    return _framed(task.beside(at_approach(task, NEAR_LOAD)), framed(task.scene, task.single))

@@ -1,0 +1,82 @@
+"""Full contact, and what is refused because of where it begins."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.errors import OutOfRange
+from contact.formulation.controls import Control
+from contact.formulation.fields import mean_shape
+from contact.formulation.problem import Problem
+from contact.search.task import Task
+from contact.solution.made import mean_height
+
+
+@dataclass(frozen=True)
+class Full:
+    """Full contact under a mean pressure [Pa]."""
+
+    mean_pressure: float
+
+
+def smallest_full(task: Task) -> Full:
+    """Under the smallest mean pressure; OutOfRange where there is none, or none that could be told."""
+    pressure = task.full.pressure
+    if math.isfinite(pressure):
+        return Full(pressure)
+    if task.full.approached and not task.operator.has_inverse:
+        raise OutOfRange(no_inverse(task, "full contact is not known"))
+    raise OutOfRange("no load brings this scene into full contact: its valleys have kinks, or the model has none")
+
+
+def no_inverse(task: Task, what: str) -> str:
+    name = task.scene.interaction.name
+    return (
+        f"{what}: the interaction {name!r} gives a kernel and no symbol, so the pressure that flattens the surface cannot be told. "
+        "Give it a `symbol`, or ask for less contact"
+    )
+
+
+def full_under(task: Task, control: Control) -> Full | None:
+    """Full contact, if the load, or the approach of a body with a base, is that of it or above."""
+    scene, compression = task.scene, task.operator.compression
+    period = scene.profile.period
+    if not task.full.possible or period is None:
+        return None
+    if control.load is not None and scene.given_load is not None:
+        mean_pressure = scene.given_load / period if scene.mean_pressure is None else scene.mean_pressure
+    elif control.approach is not None and scene.approach is not None and compression:
+        # Beyond the mean of the profile, the base of the substrate gives way to a uniform pressure.
+        mean_pressure = 0.5 * scene.E_star * (scene.approach - mean_height(scene)) / compression
+    else:
+        return None
+    return Full(mean_pressure) if mean_pressure >= task.full.pressure else None
+
+
+def refuse_full_approach(task: Task, problem: Problem, control: Control) -> None:
+    """OutOfRange for an approach that is that of full contact or above it, or that no load has."""
+    if control.approach is None:
+        return
+    scene, units = task.scene, problem.units
+    datum, support = task.operator.datum, scene.profile.support
+    upright = scene.is_flat and not scene.turned
+    # A punch as wide as four times the datum has that of a line load there: no load lowers it.
+    if datum is not None and task.operator.is_plain and support is not None and upright and support[1] - support[0] >= 4 * datum:
+        raise OutOfRange(
+            f"approach {control.approach * units.height:.6g} m: a flat punch of width {support[1] - support[0]:.6g} m has none above zero "
+            f"with a datum of {datum:.6g} m"
+        )
+    if not task.full.approached or (task.operator.has_inverse and not task.full.possible) or task.operator.compression:
+        return
+    # Without a base u has no mean: the mean gap is that of the profile less the approach.
+    highest = mean_shape(problem)
+    # Both are differences from the lowest point, rounded as heights are.
+    rounding = 8.0 * float(np.finfo(np.float64).eps) * (highest + abs(problem.lowest) / units.height)
+    if control.approach >= highest - rounding:
+        raise OutOfRange(
+            f"approach {control.approach * units.height:.15g} m is not below {highest * units.height:.15g} m, the mean of "
+            "the profile: there it is in full contact, at any load above the smallest, or as near to it as digits of the approach tell"
+        )

@@ -1,0 +1,40 @@
+"""Why a way to the zones has led to none that pass: a value, for the next way to be tried."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+
+Array = NDArray[np.float64]
+
+
+class WrongTopology(Exception):
+    """Corrections do not lead to zones that pass; free: the last Newton result. Within a search only: it hands out a Missed."""
+
+    def __init__(self, message: str, free: sie.Free | None, beyond: bool = False) -> None:
+        super().__init__(message)
+        self.missed = Missed(message, free, beyond)
+
+
+@dataclass(frozen=True, eq=False)
+class Missed:
+    """reason: in words. free: the last Newton result. beyond: a zone reached the border of what is known of the profile."""
+
+    reason: str
+    free: sie.Free | None = None
+    beyond: bool = False
+
+    def same(self, other: Missed) -> bool:
+        """Whether two searches ended in the same way with the same zones."""
+        if self.reason != other.reason or self.free is None or other.free is None:
+            return False
+        return same(self.free.density.zones.table, other.free.density.zones.table)
+
+
+def same(table: Array, other: Array) -> bool:
+    """Whether these are the same zones, to a millionth of their widths."""
+    return table.shape == other.shape and bool(np.all(np.abs(table - other) <= 1e-6 * (table[:, 1:] - table[:, :1])))

@@ -1,0 +1,103 @@
+"""What was found, solved more tightly, or better, where its stated error is above the wanted one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from contact.errors import NotConverged, OutOfRange
+from contact.search.full_contact import Full
+from contact.search.gaps import USELESS, tightened_gaps
+from contact.search.guesses import Outcome
+from contact.search.missed import Missed
+from contact.search.proposals import about, placed
+from contact.search.scaling import Framed, framed_about
+from contact.search.strips import centred, first_order
+from contact.search.task import LEAST, Task
+from contact.verify.accuracy import Found, limit, of_positions, stated_error
+from contact.verify.gap_accuracy import Gapped
+
+# Zones of a lone body farther than so many times their span from the origin of places.
+_FAR_OFF = 64.0
+
+
+def refined(task: Task, found: Outcome, again: Callable[[Task], Outcome]) -> Outcome:
+    """again: the whole search, for a task that asks for more."""
+    if isinstance(found, Full):
+        return found
+    if isinstance(found, Gapped) and found.error > task.tol:
+        found = _by_zones(task, found)
+    if isinstance(found, Gapped):
+        if found.error > task.tol:
+            with task.plan.timed("zone ends"):
+                found = tightened_gaps(task, found, task.control(found.fields.problem), stuck=True)
+        return found
+    return _tightened(task, _counted_from_there(task, found), again)
+
+
+def _counted_from_there(task: Task, found: Found) -> Found:
+    """Zones of a lone body that lie far from where they were looked for, solved again with places counted from there: else these are
+    rounded to much of the zones' widths."""
+    scene, zones = task.scene, found.free.density.zones
+    span, away = float(zones.b[-1] - zones.a[0]), float(max(-zones.a[0], zones.b[-1]))
+    if scene.interaction.needs_period or scene.turned or scene.profile.support is not None or away < _FAR_OFF * span:
+        return found
+    table = np.asarray(found.fields.problem.units.x(zones.table))
+    frame = framed_about(scene, 0.0, table)
+    there = task.settle(frame.problem, frame.control, placed(frame.problem, table))
+    return found if isinstance(there, Missed) else there
+
+
+def _by_zones(task: Task, found: Gapped) -> Found | Gapped:
+    """The same contact with the pressure as the unknown, if that comes out better. Not under an approach: near full contact the level of
+    the zones, a difference of large numbers, tells little of them."""
+    problem = found.fields.problem
+    control = task.control(problem)
+    if control.approach is not None:
+        return found
+    table = found.fields.zones
+    other = task.settle(about(problem, table), control, table)
+    return other if isinstance(other, Found) and stated_error(other, control) < found.error else found
+
+
+def _tightened(task: Task, found: Found, again: Callable[[Task], Outcome]) -> Outcome:
+    """Solved again from the same zones with a smaller inner tolerance; from the start, if they do not stand up to it. Where a smaller
+    tolerance leaves the error, the least one is the last that is tried."""
+    control = task.control(found.fields.problem)
+    error, useless = stated_error(found, control), False
+    for _ in range(3):
+        if error <= task.tol or task.tolerance <= LEAST or _is_rounding(task, found):
+            break
+        task = task.to(LEAST if useless else max(LEAST, 0.05 * task.tolerance * task.tol / error))
+        try:
+            better = _from_the_same(task, found) or again(task)
+        except (NotConverged, OutOfRange) as failure:
+            task.left("a smaller inner tolerance", Missed(str(failure)))
+            break
+        if not isinstance(better, Found):
+            return better
+        after = stated_error(better, control)
+        useless = after > USELESS * error
+        found, error = (better, after) if after < error else (found, error)
+    return found
+
+
+def _from_the_same(task: Task, found: Found) -> Found | None:
+    """The same zones more tightly; None where they do not stand up to it."""
+    problem, model, profile = found.fields.problem, task.scene.interaction, task.scene.profile
+    control, table = task.control(problem), found.free.density.zones.table
+    if not model.strip:
+        better = task.settle(problem, control, table)
+        return better if isinstance(better, Found) else None
+    assert profile.period is not None
+    frame = Framed(problem, control, (profile.x0, profile.x0 + profile.period))
+    if not model.follows_isolated:
+        return centred(task, frame, table)
+    return first_order(task, replace(frame, problem=replace(problem, amplitude=None, centre=0.0)))
+
+
+def _is_rounding(task: Task, found: Found) -> bool:
+    """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error."""
+    return not found.free.state.iterated and bool(limit(found.free, 4 * task.tol, "zone", 4 * of_positions(found)))

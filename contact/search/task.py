@@ -1,0 +1,103 @@
+"""What a search goes by: the scene, how tightly it is solved, a solution near by, and where it is told how it went."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import ContactError, NotConverged, OutOfRange
+from contact.formulation.controls import Control, scaled_control
+from contact.formulation.fields import ZoneFields
+from contact.formulation.full import FullLimit
+from contact.formulation.problem import Problem
+from contact.model.operator import Operator
+from contact.model.scene import Scene
+from contact.search.missed import Missed
+from contact.search.topology import ROUNDS, Progress, settle
+from contact.solution.made import in_cell
+from contact.solution.plan import Plan, plan, starts_from_one_zone
+from contact.solution.solution import Solution
+from contact.testing import check_profile
+from contact.verify.accuracy import Found
+from contact.verify.certificate import NOT_CHECKED
+
+Array = NDArray[np.float64]
+Solver = Callable[[Scene, float, Progress | None, Solution | None], Solution]
+
+# The smallest tolerance that is asked of the engine.
+LEAST = 2e-15
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """One solve. tolerance: of the ends and of the density; full: where full contact begins; single: the contact begins as one zone about
+    x = 0; near: a solution of the same profile and model; under: the solver itself, for a control that is found by loads."""
+
+    scene: Scene
+    tol: float
+    plan: Plan
+    operator: Operator
+    full: FullLimit
+    single: bool
+    tolerance: float
+    under: Solver
+    progress: Progress | None = None
+    near: Solution | None = None
+
+    @classmethod
+    def of(cls, scene: Scene, tol: float, progress: Progress | None, near: Solution | None, under: Solver) -> Task:
+        operator = scene.operator
+        full = FullLimit(scene.profile, scene.E_star, operator, scene.law)
+        return cls(scene, tol, plan(scene), operator, full, starts_from_one_zone(scene), max(0.1 * tol, LEAST), under, progress, near)
+
+    def to(self, tolerance: float) -> Task:
+        """The same, more or less tightly."""
+        return replace(self, tolerance=tolerance)
+
+    def beside(self, near: Solution | None) -> Task:
+        return replace(self, near=near)
+
+    def control(self, problem: Problem) -> Control:
+        """The scene's own control, scaled."""
+        return scaled_control(self.scene, problem.units)
+
+    def settle(
+        self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 40,
+        rounds: int = ROUNDS,
+    ) -> Found | Missed:
+        """Zones that pass, from proposed ones."""
+        # Given ends are not searched for.
+        with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
+            return settle(
+                problem, control, table, self.tolerance, self.progress, timed=self.plan.timed, near=near, value=value, steps=steps,
+                rounds=rounds,
+            )
+
+    def left(self, way: str, missed: Missed) -> None:
+        """Say in the plan what was tried and why it led to nothing."""
+        self.plan.tried.append(f"{way}: {missed.reason}")
+
+    def error(self, missed: Missed, problem: Problem) -> ContactError:
+        """What is raised where no other way is left."""
+        if missed.beyond:
+            return OutOfRange(missed.reason)
+        free = missed.free
+        if free is None:
+            return NotConverged(f"not converged: {missed.reason}{self._fault_of_profile()}")
+        table = in_cell(self.scene, np.asarray(problem.units.x(free.density.zones.table)))
+        certificate = replace(NOT_CHECKED, holds=False, note=missed.reason)
+        best = Solution(self.scene, table, ZoneFields(problem, free.state), math.inf, certificate, self.plan, free.trace)
+        return NotConverged(f"not converged: {missed.reason}{self._fault_of_profile()}", free.trace, best)
+
+    def _fault_of_profile(self) -> str:
+        """What is wrong with a profile of someone's own that did not lead to a solution, in words; empty if nothing is."""
+        profile = self.scene.profile
+        if type(profile).__module__.startswith("contact."):
+            return ""
+        faults = check_profile(profile, raises=False).faults
+        return f"; the profile contradicts itself, says contact.testing.check_profile: {faults[0]}" if faults else ""

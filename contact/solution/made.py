@@ -1,0 +1,127 @@
+"""Solutions made of what a search has found: zones in metres, the stated error, and what the plan says of the way."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.errors import NotConverged
+from contact.formulation.controls import scaled_control
+from contact.formulation.fields import mean_shape
+from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
+from contact.formulation.problem import Problem
+from contact.formulation.units import Units
+from contact.model.scene import Scene
+from contact.solution.plan import Plan
+from contact.solution.solution import Solution, limit_of_approach
+from contact.verify.accuracy import Found, limit, of_positions, stated_error
+from contact.verify.certificate import Certificate
+from contact.verify.gap_accuracy import Gapped
+
+Array = NDArray[np.float64]
+
+
+def of_zones(scene: Scene, found: Found, plan: Plan, tol: float) -> Solution:
+    """The solution of zones; NotConverged with it where its error is above the tolerance."""
+    density, problem = found.fields.density, found.fields.problem
+    zones = density.zones
+    plan["symmetry"].used = zones.symmetric
+    if not zones.symmetric and scene.profile.symmetric:
+        plan["symmetry"].reason = "the zones straddle the border of the cell"
+    plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {found.rounds} rounds"
+    plan["certificate"].detail = f"{found.certificate.points} points"
+    plan["kinks"].used = len(density.steps) > 0
+    if plan["kinks"].used:
+        plan["kinks"].reason = f"{len(density.steps)} jumps of the slope or its derivatives inside zones"
+    if isinstance(density, sie.Pierced):
+        plan["holes"].used, plan["holes"].reason = True, "narrow gaps between zones"
+        plan["holes"].detail = f"{len(density.cut.holes)} in {len(density.cut.wide)} wide zones"
+    else:
+        plan["holes"].reason = "no narrow gaps between zones"
+    _tell_sizes(plan, len(zones), found.free.state)
+    error = stated_error(found, scaled_control(scene, problem.units))
+    table = in_cell(scene, np.asarray(problem.units.x(zones.table)))
+    solution = Solution(scene, table, found.fields, error, found.certificate, plan, found.free.trace)
+    return _within(tol, solution, found.free, "zone", of_positions(found))
+
+
+def of_gaps(scene: Scene, found: Gapped, plan: Plan, tol: float) -> Solution:
+    """The solution of a nearly full contact from its gaps; NotConverged with it where its error is above the tolerance."""
+    fields = found.fields
+    plan["zone ends"].reason = "nearly full contact: the gaps are solved for"
+    plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {len(fields.zones)} gaps"
+    plan["symmetry"].used, plan["symmetry"].reason = False, "the gaps are solved for"
+    _tell_sizes(plan, len(fields.zones), found.free.state)
+    table = in_cell(scene, np.asarray(fields.problem.units.x(fields.zones)))
+    solution = Solution(scene, table, fields, found.error, found.certificate, plan, found.free.trace)
+    return _within(tol, solution, found.free, "gap")
+
+
+def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol: float) -> Solution:
+    """Full contact; NotConverged with it where rounding of the heights leaves an error above the tolerance."""
+    profile = scene.profile
+    fields = FullFields(of_period(scene), mean_pressure, full.relief, mean_height(scene))
+    least = mean_pressure - full.pressure
+    certificate = Certificate(
+        smallest_pressure=least, smallest_gap=None, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
+        points=len(period_samples(profile)), holds=True, note="full contact: the pressure is nowhere negative",
+    )
+    for name in ("zone ends", "coarse search"):
+        plan[name].used, plan[name].reason = False, "full contact"
+    # Rounding of the closed form, in terms of the peak pressure, or of the mean where the peak is infinite.
+    peak = fields.max_pressure if math.isfinite(fields.max_pressure) else mean_pressure
+    error = 1e-13 + full.rounding / peak
+    solution = Solution(scene, np.zeros((0, 2)), fields, error, certificate, plan)
+    if error > tol:
+        why = f"rounding of the heights leaves an error of {error:.1e} in full contact, above the tolerance {tol:.1e}"
+        raise NotConverged(why, (), solution)
+    return solution
+
+
+def of_period(scene: Scene) -> Problem:
+    """The scene scaled by its period."""
+    profile = scene.profile
+    units = Units(0.0, profile.period or 1.0, 1.0, scene.E_star)
+    return Problem(profile, scene.interaction, scene.substrate, scene.law, units, lowest(profile))
+
+
+def mean_height(scene: Scene) -> float:
+    """mean f - min f over the period [m]."""
+    problem = of_period(scene)
+    return mean_shape(problem) * problem.units.height
+
+
+def in_cell(scene: Scene, table: Array) -> Array:
+    """Zones [m] with left ends in [x0, x0 + L), ascending."""
+    period = scene.period
+    if period is None:
+        return table
+    x0 = scene.profile.x0
+    turns = np.floor((table[:, 0] - x0) / period)
+    table = table - turns[:, None] * period
+    return np.asarray(table[np.argsort(table[:, 0])])
+
+
+def _tell_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
+    sizes = state.sizes
+    if sizes.iterations:
+        sums = plan["fast sums"]
+        sums.used, sums.reason = True, "many unknowns: sums by trees, GMRES for the matrix"
+        sums.detail = f"{sizes.iterations} iterations"
+    plan.counts.update(
+        zones=zones, own_modes=int(sizes.own.sum()), coupled_unknowns=int(state.solver.size),
+        kernel_evaluations=sizes.kernel_evaluations, profile_evaluations=sizes.profile_evaluations, solves=sizes.solves,
+    )
+
+
+def _within(tol: float, solution: Solution, free: sie.Free, of: str, positions: float = 0.0) -> Solution:
+    if solution.error > tol:
+        why = limit_of_approach(solution, tol) or limit(free, tol, of, positions)
+        raise NotConverged(
+            f"the stated error {solution.error:.2g} is above the tolerance {tol:.2g}{': ' if why else ''}{why}; the best state is attached",
+            solution.trace, solution,
+        )
+    return solution

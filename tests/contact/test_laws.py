@@ -1,0 +1,115 @@
+"""A law is one class: found by its name, asked by solver and certificate, and refused where it does not go with a scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+import contact
+from contact.model import registry
+
+WAVE = contact.Sinusoid(0.01, 1.0)
+SCENE = contact.Scene(WAVE, 1.0, contact.Periodic(), mean_pressure=0.01)
+
+
+@dataclass(frozen=True)
+class Glued(contact.Law):
+    """Ends of a given edge intensity [Pa m^(1/2)], by load and by approach; its own check names ends without it."""
+
+    K: float = 0.0
+    name = "glued"
+    allows = ("load", "mean_pressure", "half_width")
+    pulls = True
+
+    def intensity(self, E_star):
+        return -self.K
+
+    def refuses(self, scene):
+        return "is for periodic scenes" if scene.period is None else None
+
+    def fault(self, fields, load):
+        units = fields.problem.units
+        found = np.concatenate(fields.density.intensities) * units.intensity
+        return "" if np.allclose(found, -self.K, rtol=1e-9, atol=1e-12) else f"K = {found} at the ends"
+
+
+@pytest.fixture
+def registered():
+    contact.register_law("test-glued")(Glued)
+    yield
+    registry.LAWS.forget("test-glued")
+    Glued.name = "glued"
+
+
+def test_it_is_made_by_name_and_listed(registered):
+    assert contact.law("test-glued", K=1e-3) == Glued(1e-3)
+    assert {"frictionless", "test-glued"} <= set(contact.laws())
+    with pytest.raises(contact.SceneError, match="did you mean 'frictionless'"):
+        contact.law("frictionles")
+
+
+def test_an_installed_package_brings_it(monkeypatch):
+    class Point:
+        name = "installed"
+
+        @staticmethod
+        def load():
+            return Glued
+
+    fresh = registry.Registry("law", "contact.laws", ("intensity",))
+    monkeypatch.setattr(registry, "entry_points", lambda group: [Point] if group == "contact.laws" else [])
+    assert fresh.find("installed") is Glued
+    Glued.name = "glued"
+
+
+def test_a_scene_file_says_it(registered, tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        '[profile]\nshape = "sinusoid"\namplitude = 0.01\nperiod = 1.0\n[material]\nE_star = 1.0\n[interaction]\nmodel = "periodic"\n'
+        '[law]\nmodel = "test-glued"\nK = 1e-3\n[control]\nhalf_width = 0.2\n'
+    )
+    assert contact.load_scene(path).law == Glued(1e-3)
+
+
+@pytest.mark.parametrize("K", [0.0, 1e-3])
+def test_the_ends_of_the_zones_have_the_intensity_that_it_asks_for(K):
+    # Johnson (1995): pbar = p* sin^2 A - K sqrt(2 pi tan A / L), with K = sqrt(E* w / pi).
+    a = 0.2
+    solution = contact.solve(replace(SCENE, mean_pressure=None, half_width=a, law=Glued(K)))
+    A = np.pi * a
+    expected = 0.01 * np.pi * np.sin(A) ** 2 - K * np.sqrt(2 * np.pi * np.tan(A))
+    assert solution.mean_pressure == pytest.approx(expected, rel=1e-10)
+    assert solution.certificate.holds
+    d = 1e-10
+    assert solution.pressure(a - d) * np.sqrt(d) == pytest.approx(-K, rel=1e-4, abs=1e-6)
+
+
+def test_its_own_check_decides_whether_the_certificate_holds():
+    broken = type("Broken", (Glued,), {"fault": lambda self, fields, load: "never right"})
+    with pytest.raises(contact.ContactError):
+        contact.solve(replace(SCENE, mean_pressure=None, half_width=0.2, law=broken(1e-3)))
+
+
+def test_what_it_does_not_admit_is_refused_before_any_arithmetic():
+    with pytest.raises(contact.SceneError, match="the controls of glued are load"):
+        replace(SCENE, law=Glued(), mean_pressure=None, approach=1e-3)
+    with pytest.raises(contact.SceneError, match="glued is for periodic scenes"):
+        contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), law=Glued(), load=0.1)
+    with pytest.raises(contact.SceneError, match="not solved for bodies that turn"):
+        contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), law=type("On", (Glued,), {"refuses": lambda *_: None})(),
+                      load=0.1, tilt=0.01)
+    with pytest.raises(contact.SceneError, match="a path under others"):
+        contact.path(replace(SCENE, law=Glued()), [0.01, 0.02])
+
+
+@pytest.mark.parametrize("wrong", [None, 3, Glued, "frictionless"])
+def test_what_is_no_law_is_refused(wrong):
+    with pytest.raises(contact.SceneError, match="law = "):
+        replace(SCENE, law=wrong)
+
+
+def test_frictionless_under_another_name_is_the_same_contact():
+    other = type("Smooth", (contact.Frictionless,), {"name": "smooth"})()
+    assert np.array_equal(contact.solve(replace(SCENE, law=other)).zones, contact.solve(SCENE).zones)
