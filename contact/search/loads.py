@@ -92,11 +92,11 @@ def by_fraction(task: Task, frame: Framed) -> Found | Gapped:
             task.left("gaps", gapped)
         with task.plan.timed("coarse search"):
             proposal = of_width(frame, problem, control.value)
-        found = _from_proposal(task, problem, control, proposal)
+        task.plan["coarse search"].detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
+        first, found = proposal.load, _from_grid(task, problem, control, proposal)
         if not isinstance(found, Missed):
             return found
-        task.left("zones of a grid of about this width", found)
-        first = proposal.load
+        task.left("zones of about this width from a grid", found)
     else:
         first = task.near.load
     near_enough, last, off = _NEAR_WIDTH, None, 1.0
@@ -121,11 +121,10 @@ def by_fraction(task: Task, frame: Framed) -> Found | Gapped:
     return _under_load_of(task, problem, control, last)
 
 
-def _from_proposal(task: Task, problem: Problem, control: Control, proposal: Proposed) -> Found | Gapped | Missed:
+def _from_grid(task: Task, problem: Problem, control: Control, proposal: Proposed) -> Found | Gapped | Missed:
     """From zones of about the width that a grid has found."""
-    task.plan["coarse search"].detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
     if proposal.full or len(proposal.zones) == 0:
-        return Missed("the grid is in full contact, or in none")
+        return Missed("the grid has no zones of about this width")
     table = placed(problem, proposal.zones)
     gapped = by_gaps(task, problem, control, control.value, table)
     if isinstance(gapped, Gapped):

@@ -30,8 +30,10 @@ _CENTRINGS = 6
 # Of a width, or of what it leaves of the period: near enough for a load to begin with; cells in it at least; of a grid that tells as
 # much, cells to a shortest length of the shape, and its tolerance.
 _ABOUT, _SEEN, _PER_FEATURE, _ROUGHLY = 0.03, 64, 2, 1e-3
-# The same from the finest grid, of many zones and of few, how many such grids, their tolerance, and the least rate that a width grows with.
-_CLOSE, _FINE_GRIDS, _CLOSELY, _FLATTEST = (2e-3, 0.05), 3, 1e-4, 0.2
+# The same from the finest grid, of many zones and of few, how many such grids, and the least rate that a width grows with.
+_CLOSE, _FINE_GRIDS, _FLATTEST = (2e-3, 0.05), 3, 0.2
+# Zones missing, or too many, that a grid may leave to Newton, as far as the width tells.
+_MISSED = 0.3
 # Loads over each other that are near enough to begin with, whatever lies between.
 _CLOSE_BY = 1.1
 
@@ -156,12 +158,12 @@ def of_width(frame: Framed, problem: Problem, width: float) -> Proposed:
     load, rate = _load_of_width(frame, problem, width)
     before: tuple[float, float] | None = None
     for _ in range(_FINE_GRIDS):
-        found = proposed(frame, problem, Load(load), None, _CLOSELY)
+        found = proposed(frame, problem, Load(load), None)
         miss = _miss(found.width / length, width, period)
         if before is not None and math.isfinite(miss - before[1]) and load != before[0]:
             rate = max((miss - before[1]) / math.log(load / before[0]), _FLATTEST)
-        # So near that about one zone may be missing, or one too many.
-        if not math.isfinite(miss) or abs(miss) < min(max(1 / max(len(found.zones), 1), _CLOSE[0]), _CLOSE[1]):
+        # So near that hardly a zone is missing, or one too many.
+        if not math.isfinite(miss) or abs(miss) < min(max(_MISSED / max(len(found.zones), 1), _CLOSE[0]), _CLOSE[1]):
             break
         before, load = (load, miss), load * math.exp(min(max(-miss / rate, -0.5), 0.5))
     return found

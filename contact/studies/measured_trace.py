@@ -110,7 +110,8 @@ def of_kinds(points: int, positions: str = "uneven", seed: int = 0, out: Path | 
             start = time.process_time()
             try:
                 with limited(_LIMIT):
-                    solution = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), **given), tol=1e-6)
+                    scene = contact.Scene(profile, 1.0, contact.Periodic(), **given)  # type: ignore[arg-type]
+                    solution = contact.solve(scene, tol=1e-6)
             except (contact.ContactError, OutOfTime) as failure:
                 failed.append(f"{control.replace('_', ' ')}: {type(failure).__name__}")
                 seen = (control.replace("_", " "), "", "")

@@ -54,14 +54,14 @@ class Valley(Kept):
     order: int
 
     @cached_property
-    def beside_ends(self) -> tuple[float, float]:
+    def _beside(self) -> tuple[float, float]:
         """Distances of the jump from the left and right end of the hole, over the hole's half width."""
         return (self.from_left - self.start) / self.half, (self.from_right - self.rest) / self.half
 
     @property
     def zeta(self) -> float:
         """The jump's place in the hole."""
-        left, right = self.beside_ends
+        left, right = self._beside
         return 0.5 * (left - right)
 
     @cached_property
@@ -74,7 +74,7 @@ class Valley(Kept):
     # psi ------------------------------------------------------------------------------------------------------------
     def slope(self, left: Array, right: Array) -> Array:
         """psi at distances from the hole's ends over its half width; the mean of both sides at a kink."""
-        place, angle, z = left - self.beside_ends[0], 2 * np.arctan2(np.sqrt(left), np.sqrt(right)), 0.5 * (left - right)
+        place, angle, z = left - self._beside[0], 2 * np.arctan2(np.sqrt(left), np.sqrt(right)), 0.5 * (left - right)
         if self.order == 0:
             return np.asarray(self.jump * (np.heaviside(place, 0.5) - angle / np.pi))
         root, zeta = np.sqrt(left * right), self.zeta
@@ -88,7 +88,7 @@ class Valley(Kept):
     def opening(self, left: Array, right: Array) -> Array:
         """Integral of psi from the hole's left end, over its half width."""
         angle, z = 2 * np.arctan2(np.sqrt(left), np.sqrt(right)), 0.5 * (left - right)
-        root, place = np.sqrt(left * right), np.maximum(left - self.beside_ends[0], 0.0)
+        root, place = np.sqrt(left * right), np.maximum(left - self._beside[0], 0.0)
         first = (z * angle + root) / np.pi
         if self.order == 0:
             return np.asarray(self.jump * (place - first))
@@ -106,7 +106,7 @@ class Valley(Kept):
     @cached_property
     def seen(self) -> tuple[Array, Array, Array, Array]:
         """(distances from the wide zone's ends, angles there, weights that hold psi): int psi f dt = sum W f."""
-        border = 2 * np.arctan2(*np.sqrt(self.beside_ends))
+        border = 2 * np.arctan2(*np.sqrt(self._beside))
         x, w = np.polynomial.legendre.leggauss(_LEGENDRE)
         beta = np.concatenate((0.5 * border * (1 + x), border + 0.5 * (np.pi - border) * (1 + x)))
         weight = np.concatenate((0.5 * border * w, 0.5 * (np.pi - border) * w)) * np.sin(beta)
@@ -177,7 +177,7 @@ class Valley(Kept):
             out[~far] = self.beside(from_left[~far], from_right[~far], outside[~far], past[~far])
             return out
         z = np.where(past, 1.0, -1.0) * (1 + outside)
-        away = outside + np.where(past, self.beside_ends[1], self.beside_ends[0])
+        away = outside + np.where(past, self._beside[1], self._beside[0])
         sums = 2 * np.log(np.sqrt(from_right * self.from_left) + np.sqrt(from_left * self.from_right)) - np.log(2.0)
         own = (sums - np.log(self.half * away)) * (self.half * np.where(past, away, -away)) ** self.order
         spread = self._spread(from_left, from_right, z)

@@ -158,7 +158,7 @@ def test_a_contact_fraction_of_a_rough_trace_takes_no_solution_under_another_loa
     def refused(*_):
         raise AssertionError("a load on the way was solved")
 
-    monkeypatch.setattr("contact.search.loads.nearer", refused)
+    monkeypatch.setattr("contact.search.loads._on_the_way", refused)
     solution = contact.solve(contact.Scene(trace, 1.0, contact.Periodic(), contact_fraction=0.3), tol=1e-6)
     assert solution.contact_fraction == pytest.approx(0.3, abs=1e-6)
     assert solution.certificate.holds
