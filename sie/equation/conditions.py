@@ -22,7 +22,23 @@ Linear = tuple[Array, Array]
 
 
 class Rows(Protocol):
-    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order."""
+    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order.
+
+    Examples
+    --------
+    A condition of one's own, that the first zone has twice the total of the second:
+
+    >>> import numpy as np, sie
+    >>> class Twice:
+    ...     def count(self, zones): return 1
+    ...     def rows(self, system):
+    ...         matrix, constants = system.totals()
+    ...         return matrix[:1] - 2 * matrix[1:], constants[:1] - 2 * constants[1:], np.zeros(1)
+    >>> pair = sie.Zones.of([[-2.0, -1.0], [1.0, 2.0]], sie.SINGULAR, sie.SINGULAR)
+    >>> given = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(3.0), Twice()))
+    >>> sie.solve(given, pair).density.totals.round(9).tolist()
+    [2.0, 1.0]
+    """
 
     @property
     def zones(self) -> Zones:
