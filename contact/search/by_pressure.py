@@ -14,7 +14,7 @@ from contact.formulation.problem import Problem
 from contact.search.intervals import united, without
 from contact.search.missed import WrongTopology
 from contact.search.topology import Newton, off
-from contact.verify.accuracy import Found
+from contact.verify.accuracy import HOPELESS, Found, too_thin
 from contact.verify.certificate import Certificate, certify
 from contact.verify.settled import Settled
 
@@ -38,6 +38,8 @@ class ByPressure:
         if len(table) == 0:
             raise WrongTopology("all zones vanished", None)
         _within_strip(self.problem, table)
+        if thin := too_thin(self.problem, table, HOPELESS):
+            raise WrongTopology(thin, None, beyond=True)
         return kinds(self.problem, control, table)
 
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:

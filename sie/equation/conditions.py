@@ -29,7 +29,7 @@ class Rows(Protocol):
     A condition of one's own, that the first zone has twice the total of the second:
 
     >>> import numpy as np, sie
-    >>> class Twice:
+    >>> class Twice(sie.Condition):
     ...     def count(self, zones): return 1
     ...     def rows(self, system):
     ...         matrix, constants = system.totals()
