@@ -51,9 +51,17 @@ class Rows(Protocol):
 
 
 class Condition:
-    """Base: `open` conditions have an unknown value, found from a condition on the ends.
+    """Base: a linear statement about the density and the unknown amplitudes.
 
-    A condition of one's own has `count` and `rows`; see `Rows` for what `rows` may ask of the system.
+    A condition of one's own has `count(zones)`, how many rows it has, and `rows(system)`, (matrix, constants, values) of shapes
+    (count, unknowns), (count,), (count,) with matrix @ unknowns + constants = values; see `Rows` for what `system` tells.
+
+    Attributes
+    ----------
+    open : bool
+        Whether the condition's value is unknown, and found from a condition on the ends.
+    levels : bool
+        Whether it speaks of potentials.
 
     Examples
     --------
@@ -163,7 +171,12 @@ def multiplicity(zones: Zones) -> Array:
 
 @dataclass(frozen=True)
 class Total(Condition):
-    """The integral of the density over all zones; value None: unknown, found from a condition on the ends.
+    """The integral of the density over all zones.
+
+    Parameters
+    ----------
+    value : float or None
+        What it is to be; None: unknown, found from a condition on the ends.
 
     Examples
     --------
@@ -272,6 +285,11 @@ class ZoneMoments(Condition):
     """The first moments of the density about the middle of each zone add up to `value`: where every total is zero, minus
     the integral of what the density opens.
 
+    Parameters
+    ----------
+    value : float
+        What they add up to.
+
     Examples
     --------
     A crack opened so far that its area is one.
@@ -303,7 +321,12 @@ class ZoneMoments(Condition):
 
 @dataclass(frozen=True)
 class ZoneTotals(Condition):
-    """The integral of the density over each zone: one value for all, or one per solved zone (0: as in cracks).
+    """The integral of the density over each zone.
+
+    Parameters
+    ----------
+    values : float or tuple of float
+        One value for all, or one for each solved zone (0: as in cracks).
 
     Examples
     --------
@@ -363,7 +386,12 @@ class EqualPotential(Condition):
 
 @dataclass(frozen=True)
 class Level(Condition):
-    """Potential less primitive of the right side takes the given value on every zone.
+    """Potential less primitive of the right side takes the given value on every zone; the right side needs its primitive.
+
+    Parameters
+    ----------
+    value : float
+        What it is to be.
 
     Examples
     --------
@@ -388,15 +416,16 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The amplitude of column k is `value` plus `per_total` times the total: a closure by name; value None: unknown, found
-    from a condition on the ends.
+    """The amplitude of column k is `value` plus `per_total` times the total of the density: a closure by name.
 
     Parameters
     ----------
     k : int
         Which column of the equation.
-    value, per_total : float
-        The amplitude is value + per_total times the total of the density.
+    value : float or None
+        What is known of the amplitude; None: unknown, found from a condition on the ends.
+    per_total : float
+        How much of it goes with the total.
 
     Examples
     --------
@@ -444,9 +473,12 @@ class EndCondition(Protocol):
 
 @dataclass(frozen=True)
 class TotalWidth:
-    """The zones' widths add up to `value`.
+    """The zones' widths add up to `value`. It goes with one condition whose value is unknown.
 
-    It goes with one condition whose value is unknown.
+    Parameters
+    ----------
+    value : float
+        What they add up to.
 
     Examples
     --------

@@ -75,16 +75,35 @@ _NEUTRAL = "some motion of the ends, as of all of them together, leaves the inte
 class Free:
     """Result of the search for the ends.
 
-    converged; end_error: each end's remaining move over its zone's width (Z, 2), with roundoff but without what
-    truncated coefficients shift it by (`state.end_truncation`); rounding: that part of it alone; trace of the steps;
-    value: that of the open condition, if there is one; value_error: how far it moved last; lost: zones that shrank away; met:
-    gaps (by the zone left of them) that closed. reason: why the search stopped.
+    An end is driven outward while s (K - K*) > 0, s the sign of the density beside it (`signs`) and K* the intensity prescribed: adhesive
+    contact grows while K is above K*, a crack while it is above in size. There may be several roots, and the search finds one near its
+    start. A root is stable if ends that are pushed off it come back: all eigenvalues of s dK/d(outward motions) have negative real parts,
+    for motions that meet the condition on the ends, if any, and are symmetric, if the zones are. Where the intensities wanted are zero,
+    s dK/d(end) = -s A / 2, and what is found is stable.
 
-    stable: where intensities K* are prescribed there may be several roots, and the search finds one near its start. An end is driven
-    outward while s (K - K*) > 0, s the sign of the density beside it (`signs`): adhesive contact grows while K is above K*, a crack while
-    it is above in size. A root is stable if ends that are pushed off it come back: all eigenvalues of s dK / d(outward motions) have
-    negative real parts, for motions that meet the condition on the ends, if any, and are symmetric, if the zones are. Where the
-    intensities wanted are zero s dK/d(end) = -s A / 2, and what is found is stable. None: nothing was found.
+    Attributes
+    ----------
+    state : State
+        The equation solved on the last zones; `density` is its density.
+    converged : bool
+        Whether the ends have come to rest.
+    end_error : ndarray
+        Each end's remaining move over its zone's width (Z, 2), with roundoff but without what truncated coefficients shift it by
+        (`state.end_truncation`).
+    rounding : ndarray
+        That part of it alone (Z, 2).
+    trace : tuple of Step
+        The steps.
+    value, value_error : float
+        Value of the open condition, None without one, and how far it moved last.
+    lost : ndarray
+        Zones that shrank away.
+    met : ndarray
+        Gaps, by the zone left of them, that closed.
+    stable : bool or None
+        See above; None: nothing was found.
+    reason : str
+        Why the search stopped.
 
     Examples
     --------
@@ -127,15 +146,33 @@ def find_ends(
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
-    tolerance: largest remaining end error over its zone's width. decay: asked of the coefficients, a tenth of that by default.
-    settled: whether 1/sqrt(d) is taken out of the last density: the rest is right at equal normalised position to first order in what the
-    ends are off, and the whole of it, farther from them, at equal places to second order.
-    value: first guess for the value of an open condition. collapse: one of several zones that has shrunk to this part of its first
-    width, or a gap to this part of its first size, stops the search, which then reports it in `lost` or `met`.
-    walls: free ends do not pass these; one that reaches a wall stays there as a singular end, until its intensity turns
-    negative. signs: of the wanted density next to left and to right ends (the slope of a gap falls at its right end).
-    near: the zones are a guess worth no more than the few steps in which Newton's method ends beside a solution: as soon as a step shows
-    that they are not so near, the search is given up, unconverged.
+    Parameters
+    ----------
+    equation : Equation
+        Kernel, right side, side conditions.
+    zones : Zones
+        A first guess of the ends, with their kinds.
+    tolerance : float
+        Largest remaining end error over its zone's width.
+    max_steps : int
+        Newton steps after which the search is given up.
+    value : float
+        First guess for the value of an open condition.
+    collapse : float
+        One of several zones that has shrunk to this part of its first width, or a gap to this part of its first size, stops the search,
+        which then reports it in `lost` or `met`.
+    walls : (float, float)
+        Free ends do not pass these; one that reaches a wall stays there as a singular end, until its intensity turns negative.
+    signs : (float, float)
+        Of the wanted density next to left and to right ends (the slope of a gap falls at its right end).
+    near : bool
+        The zones are a guess worth no more than the few steps in which Newton's method ends beside a solution: as soon as a step shows that
+        they are not so near, the search is given up, unconverged.
+    decay : float or None
+        Asked of the coefficients over the largest of them; None: a tenth of the tolerance.
+    settled : bool
+        Whether 1/sqrt(d) is taken out of the last density: the rest is right at equal normalised position to first order in what the ends
+        are off, and the whole of it, farther from them, at equal places to second order.
 
     Returns
     -------
