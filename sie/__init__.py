@@ -12,6 +12,7 @@ from sie.equation.conditions import (
     Condition,
     EqualPotential,
     Level,
+    Rows,
     Total,
     TotalWidth,
     Weighted,
@@ -29,7 +30,7 @@ from sie.solver import NotConverged, Solution, solve
 __all__ = [
     "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EqualPotential",
     "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "NotConverged", "PiecewiseTransform",
-    "Pierced", "SingularSystem", "Smooth", "Solution", "State", "Total",
+    "Pierced", "Rows", "SingularSystem", "Smooth", "Solution", "State", "Total",
     "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "cauchy", "find_ends", "free_with_intensity", "hilbert",
     "images", "moment", "solve", "solve_fixed", "solve_zones",
 ]

@@ -37,6 +37,8 @@ def told(section: str) -> set[str]:
 
 def taken(thing: Any) -> set[str]:
     """Names of what is given to a function, or to a class that a user makes."""
+    if getattr(thing, "_is_protocol", False):  # never made
+        return set()
     try:
         return {name for name in inspect.signature(thing).parameters if not name.startswith("_")}
     except ValueError:  # an exception without parameters of its own

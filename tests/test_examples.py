@@ -55,7 +55,7 @@ COUNTS = {
     "own_interaction": (9, 72, 1e3, 1e4),
     "own_law": (3, 48, 3e2, 1e4),
     "own_profile": (6, 72, 1e2, 3e4),
-    "own_substrate": (27, 48, 2e4, 1e5),
+    "own_substrate": (100, 300, 1e6, 1e5),
     "rounded_punch": (24, 48, 1e2, 2e5),
     "tilted_punch": (120, 48, 1e3, 1e5),
     "two_zones": (50, 120, 3e4, 1e4),
@@ -124,6 +124,14 @@ def test_the_rounded_wedge_carries_the_load_of_its_closed_form(own_names) -> Non
     load = 0.5e11 * np.pi * a * np.mean(solution.scene.profile.slope(a * t) * t)
     assert load == pytest.approx(solution.load, rel=1e-12)
     assert solution.scene.profile.slope(a) > 0
+
+
+def test_a_coat_on_a_base_that_hardly_yields_is_a_bonded_layer(own_names) -> None:
+    coats = module("own_substrate").Coats
+    q = np.geomspace(3e6, 3e7, 9)
+    assert coats((1e-6,), (1e-9,)).symbol(q) == pytest.approx(contact.Layer(1e-6, 0.3).symbol(q), rel=1e-8)
+    assert np.abs(coats((1e-6, 2e-6), (1.0, 1.0)).symbol(q) - 1).max() < 1e-14
+    assert contact.testing.check_substrate(coats((1e-6, 2e-6), (2.0, 4.0))).ok
 
 
 def test_the_rounded_punch_carries_the_load_of_its_closed_form() -> None:

@@ -13,10 +13,12 @@ Everything is checked when the scene is made, so that the solver need not check 
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
+from functools import cached_property
 from math import isfinite
 
 import numpy as np
 
+import sie
 from contact.errors import SceneError
 from contact.model.checks import finite, finite_or_none, positive
 from contact.model.interactions.base import CONTROLS, TURNING, Interaction
@@ -75,7 +77,7 @@ def _plane_compliance(modulus_name: str, modulus: float, ratio_name: str, ratio:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(sie.Kept):
     """One contact problem in full. Exactly one of the five controls is given, the others stay None.
 
     All is checked when the scene is made. Units are SI, loads per unit thickness.
@@ -187,7 +189,7 @@ class Scene:
         """The period of the solution; None where nothing repeats, as with one cell of a profile taken alone."""
         return self.profile.period if self.interaction.needs_period else None
 
-    @property
+    @cached_property
     def operator(self) -> Operator:
         """What the pressure does to the surface."""
         return Operator(self.interaction, self.substrate, self.period)

@@ -1,4 +1,4 @@
-"""Which gaps there are: where H f' exceeds the mean pressure, Newton on their ends, a look at the signs, corrections, and again."""
+"""Which gaps there are: where R exceeds the mean pressure, Newton on their ends, a look at the signs, corrections, and again."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact.formulation.conjugate import ScaledConjugate
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import mean_shape
 from contact.formulation.gaps import GapFields
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem, minus_one
+from contact.formulation.relief import ScaledRelief
 from contact.search.missed import Missed, WrongTopology
 from contact.search.topology import TIGHT
 from contact.verify.gap_accuracy import Gapped
@@ -32,7 +32,7 @@ _UNSEEN = 4
 
 
 def find_gaps(
-    problem: Problem, control: Control, conjugate: ScaledConjugate, tolerance: float, width: float, zones: Array | None = None,
+    problem: Problem, control: Control, relief: ScaledRelief, tolerance: float, width: float, zones: Array | None = None,
     near: bool = False,
 ) -> Gapped | Missed:
     """The gaps under a control (load, approach, or width): first guesses, Newton, then the signs on the whole period.
@@ -42,34 +42,34 @@ def find_gaps(
     """
     assert problem.period is not None
     try:
-        first = _First.of(problem, conjugate)
+        first = _First.of(problem, relief)
         width = width if control.width is None else control.width
         mean = first.mean_of(width) if control.load is None else control.load / problem.period
         if zones is not None and len(zones) > 0:
             # Where zones are known about, so are the gaps; but not those that a grid does not see.
             between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + problem.period)))
-            found = settle_gaps(problem, control, conjugate, _united(between, problem.period), mean, tolerance, near)
+            found = settle_gaps(problem, control, relief, _united(between, problem.period), mean, tolerance, near)
             if near or isinstance(found, Gapped):
                 return found
-        return settle_gaps(problem, control, conjugate, first.gaps(mean), mean, tolerance)
+        return settle_gaps(problem, control, relief, first.gaps(mean), mean, tolerance)
     except WrongTopology as wrong:
         return wrong.missed
 
 
 def settle_gaps(
-    problem: Problem, control: Control, conjugate: ScaledConjugate, table: Array, mean: float, tolerance: float, near: bool = False
+    problem: Problem, control: Control, relief: ScaledRelief, table: Array, mean: float, tolerance: float, near: bool = False
 ) -> Gapped | Missed:
     """From proposed gaps (n, 2) to gaps that pass; mean: the scaled mean pressure, or a guess of it; near: see `find_gaps`."""
     try:
-        return _settled(problem, control, conjugate, table, mean, tolerance, near)
+        return _settled(problem, control, relief, table, mean, tolerance, near)
     except WrongTopology as wrong:
         return wrong.missed
 
 
 def _settled(
-    problem: Problem, control: Control, conjugate: ScaledConjugate, table: Array, mean: float, tolerance: float, near: bool
+    problem: Problem, control: Control, relief: ScaledRelief, table: Array, mean: float, tolerance: float, near: bool
 ) -> Gapped:
-    equation = gap_equation(problem, control, conjugate)
+    equation = gap_equation(problem, control, relief)
     free: sie.Free | None = None
     for _ in range(_ROUNDS):
         if len(table) == 0:
@@ -87,36 +87,36 @@ def _settled(
         if not free.converged:
             raise WrongTopology("the ends of the gaps did not settle", free)
         mean = float(free.density.amplitudes[0])
-        fields = GapFields(problem, _under_mean(problem, control, conjugate, free, mean, tolerance), mean, conjugate)
+        fields = GapFields(problem, _under_mean(problem, control, relief, free, mean, tolerance), mean, relief)
         signs = certify_gaps(fields)
         if signs.certificate.holds:
             found = Gapped(free, fields, signs.certificate, free.value_error + _rounding_of_mean(control, fields))
             if signs.certificate.dip > 10 * tolerance or tolerance <= TIGHT:
                 return found
             # Whether so slight a dip is a gap, a solution to the tolerance does not tell.
-            return _decided(found, problem, control, conjugate, mean)
+            return _decided(found, problem, control, relief, mean)
         if near:
             raise WrongTopology("there are other gaps than these", free)
         table = _united(np.concatenate((_cut(free.density.zones.table, signs.overlaps), signs.negative)), fields.period)
     raise WrongTopology("the number of gaps did not settle", free)
 
 
-def _decided(slight: Gapped, problem: Problem, control: Control, conjugate: ScaledConjugate, mean: float) -> Gapped:
+def _decided(slight: Gapped, problem: Problem, control: Control, relief: ScaledRelief, mean: float) -> Gapped:
     """The gaps as tightly as rounding allows, where a dip of the pressure may be one more; undecided if that cannot be told."""
-    tight = settle_gaps(problem, control, conjugate, slight.fields.density.zones.table, mean, TIGHT)
+    tight = settle_gaps(problem, control, relief, slight.fields.density.zones.table, mean, TIGHT)
     if isinstance(tight, Missed):
         return replace(slight, certificate=replace(slight.certificate, undecided=True))
     return tight
 
 
 def _under_mean(
-    problem: Problem, control: Control, conjugate: ScaledConjugate, free: sie.Free, mean: float, tolerance: float
+    problem: Problem, control: Control, relief: ScaledRelief, free: sie.Free, mean: float, tolerance: float
 ) -> sie.AnyState:
     """The same gaps under their mean pressure, whatever the control was: stiffness is read from this state."""
     if control.load is not None:
         return free.state
     assert problem.period is not None
-    equation = gap_equation(problem, Load(mean * problem.period), conjugate)
+    equation = gap_equation(problem, Load(mean * problem.period), relief)
     return sie.solve_fixed(equation, free.density.zones, max(0.1 * tolerance, 3e-16)).settled()
 
 
@@ -133,56 +133,56 @@ def _rounding_of_mean(control: Control, fields: GapFields) -> float:
 def with_gaps(fields: GapFields, mean: float, table: Array, tolerance: float, decay: float) -> GapFields:
     """The same profile at another mean pressure with this many gaps, whatever the signs. tolerance: of their ends, decay: of the
     coefficients."""
-    equation = gap_equation(fields.problem, Load(mean * fields.period), fields.conjugate)
+    equation = gap_equation(fields.problem, Load(mean * fields.period), fields.relief)
     free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _STEPS, signs=(1.0, -1.0), decay=decay, settled=False)
     if not free.converged:
         raise WrongTopology("the ends of the gaps did not settle", free)
-    return GapFields(fields.problem, free.state, mean, fields.conjugate)
+    return GapFields(fields.problem, free.state, mean, fields.relief)
 
 
-def gap_equation(problem: Problem, control: Control, conjugate: ScaledConjugate) -> sie.Equation:
+def gap_equation(problem: Problem, control: Control, relief: ScaledRelief) -> sie.Equation:
     """The equation of the slope of the gap. The mean pressure is a column: taken off the right side it would leave little but
     the rounding of both."""
     assert problem.period is not None
     jumps = problem.forcing
     right = sie.Forcing(
-        conjugate.smooth, breaks_at=np.asarray(jumps.steps_at), breaks=np.asarray(jumps.steps), break_orders=jumps.orders,
+        relief.forcing, breaks_at=np.asarray(jumps.steps_at), breaks=np.asarray(jumps.steps), break_orders=jumps.orders,
         spline=jumps.value,
     )
-    conditions, ends = control.gap_conditions(problem.period, partial(mean_shape, problem))
-    return sie.Equation(problem.kernel, right, conditions, (sie.Forcing(minus_one, modes=1),), ends)
+    conditions, ends = control.gap_conditions(problem.period, partial(mean_shape, problem), problem.compression)
+    return sie.Equation(problem.inverse_kernel, right, conditions, (sie.Forcing(minus_one, modes=1),), ends)
 
 
 @dataclass(frozen=True, eq=False)
 class _First:
-    """First guesses: where samples of H f' exceed the mean pressure."""
+    """First guesses: where samples of R exceed the mean pressure."""
 
-    conjugate: ScaledConjugate
+    relief: ScaledRelief
     period: float
     x: Array
     value: Array
 
     @classmethod
-    def of(cls, problem: Problem, conjugate: ScaledConjugate) -> _First:
+    def of(cls, problem: Problem, relief: ScaledRelief) -> _First:
         assert problem.period is not None
         resolution = problem.profile.resolution or problem.units.length * problem.period / 16
         n = int(np.clip(_CLOSE * problem.period * problem.units.length / resolution, 256, 2**18))
         start = float(problem.units.scaled(np.array(problem.profile.x0)))
         # Off the borders of the cell and of its halves and thirds, where kinks like to be.
         x = start + problem.period * (np.arange(n) + 0.4142) / n
-        return cls(conjugate, problem.period, x, np.asarray(conjugate(x)))
+        return cls(relief, problem.period, x, np.asarray(relief(x)))
 
     @property
     def step(self) -> float:
         return self.period / len(self.x)
 
     def gaps(self, mean: float) -> Array:
-        """Runs of samples above the mean pressure, widened as a lone gap in a parabola of H f' would be; lone gaps over
+        """Runs of samples above the mean pressure, widened as a lone gap in a parabola of R would be; lone gaps over
         kinks."""
         valleys = self._over_kinks(mean)
         above = self.value > mean
         if above.all():
-            raise WrongTopology("the mean pressure is below H f' everywhere", None)
+            raise WrongTopology("the mean pressure is below R everywhere", None)
         if above.any():
             seen = self._runs(above, mean)
             half = 0.5 * self.period
@@ -210,12 +210,12 @@ class _First:
         return float(np.sum(table[:, 1] - table[:, 0]))
 
     def _last(self, mean: float) -> Array:
-        """The gap about the highest H f', narrower than the samples."""
-        return self._about(*maximum(self.conjugate, np.append(self.x, self.x[0] + self.period)), mean)
+        """The gap about the highest R, narrower than the samples."""
+        return self._about(*maximum(self.relief, np.append(self.x, self.x[0] + self.period)), mean)
 
     def _about(self, place: float, highest: float, mean: float) -> Array:
-        """The gap about a top of H f' that is a parabola between the samples: (1, 2), or none."""
-        beside = np.asarray(self.conjugate(np.array([place - self.step, place + self.step])))
+        """The gap about a top of R that is a parabola between the samples: (1, 2), or none."""
+        beside = np.asarray(self.relief(np.array([place - self.step, place + self.step])))
         bend = 2 * highest - float(beside.sum())
         if highest <= mean or not bend > 0:
             return np.zeros((0, 2))
@@ -234,10 +234,10 @@ class _First:
         return np.array(out).reshape(-1, 2)
 
     def _top(self, sample: int) -> tuple[float, float]:
-        """(place, value) of the highest H f' about a sample."""
+        """(place, value) of the highest R about a sample."""
         if sample not in self._tops:
             around = self.x[0] + self.step * (sample + np.arange(-3.0, 4.0))
-            self._tops[sample] = maximum(self.conjugate, around)
+            self._tops[sample] = maximum(self.relief, around)
         return self._tops[sample]
 
     @cached_property
@@ -247,16 +247,16 @@ class _First:
     def _over_kinks(self, mean: float) -> Array:
         """Lone gaps over the concave kinks, where they are narrower than the samples show and wide enough to have ends."""
         kinks, rest = self._valleys
-        at, heights = self.conjugate.at[kinks], self.conjugate.heights[kinks]
+        at, heights = self.relief.at[kinks], self.relief.heights[kinks]
         half = self.period / np.pi * np.exp(np.pi * np.minimum((mean - rest) / heights, 9.0))
         which = (half < 0.5 * _UNSEEN * self.step) & (half > NARROWEST * self.period)
         return np.column_stack((at - half, at + half))[which]
 
     @cached_property
     def _valleys(self) -> tuple[NDArray[np.intp], Array]:
-        """The concave kinks, and H f' there less their own logarithm."""
-        kinks = np.flatnonzero(self.conjugate.heights < 0)
-        return kinks, self.conjugate.without_own(kinks)
+        """The concave kinks, and R there less their own logarithm."""
+        kinks = np.flatnonzero(self.relief.heights < 0)
+        return kinks, self.relief.without_own(kinks)
 
     def _runs(self, above: NDArray[np.bool_], mean: float) -> Array:
         """The runs of samples above the mean pressure, from crossing to crossing, widened by sqrt(2)."""

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.formulation.conjugate import ScaledConjugate
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
+from contact.formulation.relief import ScaledRelief
 from contact.search.gap_topology import find_gaps, settle_gaps
 from contact.search.missed import Missed
 from contact.search.task import LEAST, Task
@@ -31,7 +31,7 @@ NOT_WIDE = Missed("the contact is not wide enough to be solved by its gaps, or t
 
 def worth_gaps(task: Task, problem: Problem, width: float) -> bool:
     """Whether contact of about this scaled width is better solved by its gaps."""
-    if not (task.full.approached and task.operator.is_half_plane and task.scene.law.by_gaps) or problem.period is None:
+    if not (task.full.approached and task.operator.has_inverse and task.scene.law.by_gaps) or problem.period is None:
         return False
     return width > (_NEARLY_FULL if task.full.possible or task.single else _WITH_KINKS) * problem.period
 
@@ -42,9 +42,9 @@ def by_gaps(
     """The contact solved by its gaps, where it is about as wide as that."""
     if control.half_width is not None or not worth_gaps(task, problem, width):
         return NOT_WIDE
-    conjugate = ScaledConjugate.of(task.full.conjugate, problem)
+    relief = ScaledRelief.of(task.full.relief, problem)
     with task.plan.timed("zone ends"):
-        found = find_gaps(problem, control, conjugate, OF_GAPS * task.tolerance, width, zones, near)
+        found = find_gaps(problem, control, relief, OF_GAPS * task.tolerance, width, zones, near)
         if isinstance(found, Missed):
             return found
         found = tightened_gaps(task, found, control)
@@ -54,7 +54,7 @@ def by_gaps(
 def gaps_beside(task: Task, near: Gapped, control: Control, tolerance: float) -> Gapped | Missed:
     """From the gaps of a solution near by."""
     fields = near.fields
-    return settle_gaps(fields.problem, control, fields.conjugate, fields.density.zones.table, fields.mean, tolerance, near=True)
+    return settle_gaps(fields.problem, control, fields.relief, fields.density.zones.table, fields.mean, tolerance, near=True)
 
 
 def tightened_gaps(task: Task, found: Gapped, control: Control, stuck: bool = False) -> Gapped:

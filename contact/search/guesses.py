@@ -177,8 +177,8 @@ def from_grid(task: Task, frame: Framed, held: bool = False) -> Outcome:
     if full and task.operator.is_periodic and not task.operator.has_inverse:
         raise OutOfRange(no_inverse(task, f"in full contact, or nearer to it than a grid of {points} points tells"))
     narrow = "the gaps are narrower than the finest grid tells from full contact"
-    if task.operator.is_periodic and not task.operator.is_half_plane:
-        narrow += "; the gaps themselves are solved for on a half-plane only"
+    if task.operator.is_periodic and not task.operator.has_inverse:
+        narrow += "; the gaps themselves are solved for where the model declares its symbol"
         if failure is not None and width > _ALMOST_FULL * (problem.period or math.inf):
             failure = Missed(f"{failure.reason}, and {narrow}", failure.free)
     raise task.error(failure or Missed(narrow), problem)

@@ -16,7 +16,7 @@ from contact.search.proposals import about, placed
 from contact.search.scaling import Framed, framed_about
 from contact.search.strips import centred, first_order
 from contact.search.task import LEAST, Task
-from contact.verify.accuracy import Found, limit, of_positions, stated_error
+from contact.verify.accuracy import Found, limit, of_positions, stated_error, too_thin
 from contact.verify.gap_accuracy import Gapped
 
 # Zones of a lone body farther than so many times their span from the origin of places.
@@ -99,5 +99,7 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
 
 
 def _is_rounding(task: Task, found: Found) -> bool:
-    """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error."""
+    """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error, or what modes do not show."""
+    if too_thin(found.fields.problem, found.free.density.zones.table):
+        return True
     return not found.free.state.iterated and bool(limit(found.free, 4 * task.tol, "zone", 4 * of_positions(found)))

@@ -23,7 +23,7 @@ from contact.solution.made import in_cell
 from contact.solution.plan import Plan, plan, starts_from_one_zone
 from contact.solution.solution import Solution
 from contact.testing import check_profile
-from contact.verify.accuracy import Found
+from contact.verify.accuracy import HOPELESS, Found, too_thin
 from contact.verify.certificate import NOT_CHECKED
 
 Array = NDArray[np.float64]
@@ -71,6 +71,8 @@ class Task:
         rounds: int = ROUNDS,
     ) -> Found | Missed:
         """Zones that pass, from proposed ones."""
+        if thin := too_thin(problem, table, HOPELESS):
+            return Missed(thin, beyond=True)
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
             return settle(

@@ -207,7 +207,9 @@ def load_controlled(problem: Problem, control: Control, free: sie.Free, toleranc
     right = [problem.end if end == problem.held_end else end for end in zones.right]
     ends = replace(zones, left=left, right=right)
     equation = problem.equation(Load(total))
-    state = sie.solve_zones(equation, ends, max(0.1 * tolerance, 3e-16))
+    # On about the same zones: with their modes, and by iteration from their solution.
+    sizes = replace(free.state.sizes, value=0.0)
+    state = sie.solve_zones(equation, ends, max(0.1 * tolerance, 3e-16), sizes)
     return ZoneFields(problem, state.settled())
 
 
@@ -258,6 +260,8 @@ def _corrected(zones: sie.Zones, certificate: Certificate, problem: Problem) -> 
     for lo, hi in certificate.overlaps:
         middle, half = 0.5 * (lo + hi), 0.35 * (hi - lo)
         rows.append([middle - half, middle + half])
+    if not rows:
+        raise WrongTopology("all zones vanished", None)
     rows.sort()
     table = np.array(rows)
     keep = [0]

@@ -176,10 +176,9 @@ def _inverse(scene: Scene) -> Part:
     operator, name = scene.operator, scene.interaction.name if scene.operator.is_own else scene.substrate.name
     if not operator.is_periodic:
         return Part("inverse operator", False, f"{scene.interaction.name} has no full contact")
-    if operator.is_half_plane:
-        return Part("inverse operator", True, "half-plane: full contact, and gaps where contact is nearly full")
     if operator.has_inverse:
-        return Part("inverse operator", True, f"{name} has a symbol: full contact; gaps on a half-plane only")
+        body = "half-plane" if operator.is_half_plane else f"{name} has a symbol"
+        return Part("inverse operator", True, f"{body}: full contact, and gaps where contact is nearly full")
     return Part("inverse operator", False, f"{name} declares no symbol: by its zones alone, no full contact")
 
 

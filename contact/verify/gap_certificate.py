@@ -107,26 +107,26 @@ def _over_root(fields: GapFields, zone: NDArray[np.intp], angle: Array) -> tuple
     """(pressure over the sine of the angle in contact zones, its rounding)."""
     left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
     pressure = fields.pressure_in(zone, left, right)
-    # The pressure is a difference of numbers of the size of H f': next to an end only their rounding is left.
+    # The pressure is a difference of numbers of the size of R: next to an end only their rounding is left.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
     return pressure / np.sin(angle), 64 * _EPS * size / np.sin(angle)
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
     """(the gap that each valley with a kink must have, where it has none; how many are too narrow)."""
-    conjugate = fields.conjugate
-    kinks = np.flatnonzero((conjugate.heights < 0) & ~fields.density.locate(conjugate.at)[2])
+    relief = fields.relief
+    kinks = np.flatnonzero((relief.heights < 0) & ~fields.density.locate(relief.at)[2])
     if len(kinks) == 0:
         return [], 0
     half = valley_gaps(fields, kinks)
     wide = half > NARROWEST * fields.period
-    at = fields.density.locate(conjugate.at[kinks])[0]
+    at = fields.density.locate(relief.at[kinks])[0]
     return [(float(x - w), float(x + w)) for x, w in zip(at[wide], half[wide], strict=True)], int(np.sum(~wide))
 
 
 def valley_gaps(fields: GapFields, kinks: NDArray[np.intp]) -> Array:
     """Scaled half widths of lone gaps over kinks that have none: see contact.formulation.gaps."""
-    conjugate = fields.conjugate
-    at, heights = conjugate.at[kinks], conjugate.heights[kinks]
-    rest = fields.mean - conjugate.without_own(kinks) + fields.density.transform(at)
+    relief = fields.relief
+    at, heights = relief.at[kinks], relief.heights[kinks]
+    rest = fields.mean - relief.without_own(kinks) + fields.density.transform(at)
     return np.asarray(fields.period / np.pi * np.exp(np.pi * rest / heights))

@@ -12,17 +12,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln, loggamma, psi
+
+from sie.basis.kept import Kept
 
 Array = NDArray[np.float64]
 Regular = Callable[[Array, Array], Array]
 
 
 @dataclass(frozen=True)
-class Kernel:
+class Kernel(Kept):
     """A sum of poles 1 / (x - xi - s) and a smooth rest; made by `cauchy`, `hilbert`, `images` and by adding a `Smooth`.
 
     Parameters
@@ -42,6 +46,11 @@ class Kernel:
         than on them. If not, as of a user's own, a zone's modes grow until they show it.
     regular_slope : callable or None
         Derivative of the regular part by x, only asked for by derivatives at complex points.
+    of_lag : bool
+        Whether the regular part depends on x - xi alone: then it is summed fast, however many zones there are.
+    length : float
+        How near to the real axis the singularities of the regular part are, where that is known (inf: not): a zone of half width w begins
+        with as many modes as w over that asks for, and may take more than other regular kernels.
 
     Raises
     ------
@@ -63,6 +72,8 @@ class Kernel:
     datum: float = 1.0
     sure: bool = False
     regular_slope: Regular | None = None
+    of_lag: bool = False
+    length: float = math.inf
 
     def __post_init__(self) -> None:
         poles = np.asarray(self.poles, dtype=float)
@@ -79,6 +90,11 @@ class Kernel:
         """Whether modes must grow until they show all of the regular part."""
         return self.regular is not None and not self.sure
 
+    @cached_property
+    def kept_panels(self) -> dict[tuple[float, int, int], Any]:
+        """Panels of the regular part that have been looked at (`panels`)."""
+        return {}
+
     def __add__(self, other: Smooth) -> Kernel:
         """This kernel plus a user's regular kernel."""
         if not isinstance(other, Smooth):
@@ -88,8 +104,11 @@ class Kernel:
         potential = None if lacking else _summed(self.regular_potential, other.potential)
         without = other.slope is None or (self.regular is not None and self.regular_slope is None)
         slope = None if without else _summed(self.regular_slope, other.slope)
+        of_lag, length = other.of_lag and (self.regular is None or self.of_lag), min(self.length, other.length)
         regular = _summed(self.regular, other.value)
-        return Kernel(self.poles, self.period, regular, potential, 0.0, self.datum, regular_slope=slope)
+        return Kernel(
+            self.poles, self.period, regular, potential, 0.0, self.datum, regular_slope=slope, of_lag=of_lag, length=length
+        )
 
 
 @dataclass(frozen=True)
@@ -104,11 +123,15 @@ class Smooth:
         Its antiderivative in x, needed only by side conditions on potentials.
     slope : callable or None
         Its derivative in x, needed only by derivatives at complex points.
+    of_lag : bool
+        Whether it depends on x - xi alone.
+    length : float
+        How near to the real axis its singularities are, where that is known (inf: not).
 
     Examples
     --------
     >>> import numpy as np, sie
-    >>> kernel = sie.cauchy() + sie.Smooth(lambda x, xi: np.sin(x - xi), lambda x, xi: -np.cos(x - xi))
+    >>> kernel = sie.cauchy() + sie.Smooth(lambda x, xi: np.sin(x - xi), lambda x, xi: -np.cos(x - xi), of_lag=True)
     >>> found = sie.solve(sie.Equation(kernel, sie.Forcing(lambda x: x), (sie.Total(1.0),)), sie.Zones.of([[-1.0, 1.0]]))
     >>> found.error < 1e-10
     True
@@ -117,6 +140,8 @@ class Smooth:
     value: Regular
     potential: Regular | None = None
     slope: Regular | None = None
+    of_lag: bool = False
+    length: float = math.inf
 
 
 def _summed(first: Regular | None, second: Regular | None) -> Regular | None:
@@ -241,8 +266,8 @@ def hilbert(period: float) -> Kernel:
     length = float(period)
     if not (math.isfinite(length) and length > 0):
         raise ValueError(f"period must be a finite positive number, got {period!r}")
-    parts = _HilbertRest(length), _HilbertPotentialRest(length)
-    return Kernel((0.0, -length, length), length, *parts, length, datum=length, sure=True, regular_slope=_HilbertSlopeRest(length))
+    parts, slope = (_HilbertRest(length), _HilbertPotentialRest(length)), _HilbertSlopeRest(length)
+    return Kernel((0.0, -length, length), length, *parts, length, datum=length, sure=True, regular_slope=slope, of_lag=True)
 
 
 def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:

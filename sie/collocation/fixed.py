@@ -20,6 +20,7 @@ from sie.collocation.rounding import density_rounding, intensity_rounding
 from sie.collocation.symmetry import Folding
 from sie.collocation.system import Layout, System
 from sie.density.density import Density
+from sie.density.field import panels_over
 from sie.equation.checks import look_at
 from sie.equation.conditions import asked
 from sie.equation.equation import Equation
@@ -259,9 +260,14 @@ class State(Kept):
         return float(self.tails.max())
 
     @property
+    def coupled(self) -> int:
+        """How many unknowns are solved for together."""
+        return int(self.solver.size)
+
+    @property
     def unresolved(self) -> bool:
         """Whether the most modes that zones are given do not show what the columns do on them."""
-        return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.COUPLED_SIZES[-1]
+        return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.most(self.system.equation.kernel)
 
     @property
     def iterated(self) -> bool:
@@ -419,7 +425,14 @@ def residual_error(residuals: Array, size: float, coupled: Index, rounding: Arra
 
 def first_sizes(equation: Equation, zones: Zones) -> Sizes:
     """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for."""
-    least = 16 if equation.grows else max((column.modes or 0 for column in equation.columns), default=0)
+    least: int | Index
+    panels = panels_over(equation.kernel, zones)
+    if panels is not None and all(column.modes is not None for column in equation.columns):
+        least = np.minimum(panels.modes(zones.half), modes.least(zones, equation.kernel))
+    elif equation.grows:
+        least = modes.least(zones, equation.kernel)
+    else:
+        least = max((column.modes or 0 for column in equation.columns), default=0)
     return Sizes(np.full(len(zones), 16), least)
 
 
@@ -472,18 +485,29 @@ def solve_fixed(
     while True:
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
         unknowns = int(np.sum(m + 1))
-        if unknowns > MANY_UNKNOWNS:
-            lacking = unfit(equation, zones)
-            if lacking is None:
-                return _solve_many(equation, zones, m, samples, steps, sizes)
-            if unknowns > MOST_UNKNOWNS:
-                raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
-        state = _solve_once(equation, zones, m, samples, steps, sizes)
-        # Each zone by itself: what one asks for would cost all of them too much.
-        few = (state.tails > tolerance * 10) & (m < modes.COUPLED_SIZES[-1])
-        if not equation.grows or not few.any():
+        lacking = unfit(equation, zones) if unknowns > MANY_UNKNOWNS else "too few of them"
+        if lacking and unknowns > MOST_UNKNOWNS:
+            raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
+        state = (_solve_once if lacking else _solve_many)(equation, zones, m, samples, steps, sizes)
+        more = more_modes(state, state.tails, tolerance)
+        if more is None:
             return state
-        sizes.least = np.where(few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m)
+        sizes.least = more
+
+
+def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
+    """Coupled modes to solve with again, where their tails show that they are too few; None where they are enough, or need not tell.
+
+    Each zone by itself: what one asks for would cost all of them too much. An iteration leaves its own error in all modes."""
+    m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
+    kernel = state.equation.kernel
+    few = (tails > max(modes.enough(kernel, tolerance), 10 * state.sizes.linear if state.iterated else 0.0)) & (m < modes.most(kernel))
+    if panels is not None and not any(column.modes is None for column in state.equation.columns):
+        # Of the regular part nothing is left beyond these.
+        few &= m < panels.modes(zones.half)
+    if not state.equation.grows or not few.any():
+        return None
+    return np.where(few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m)
 
 
 def _solve_once(
@@ -545,7 +569,7 @@ def _state(
     sizes.solves += 1
     top = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(system.known).max(axis=1, initial=0.0)
     truncation = samples.tail / np.where(top > 0, top, 1.0)
-    tail = np.maximum(_field_tails(system, y, density), system.source_tails)
+    tail = np.maximum(field_tails(system, y, density), system.source_tails)
     if system.zones.symmetric:
         tail = np.maximum(tail, tail[::-1])
     left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
@@ -600,7 +624,7 @@ def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[A
     return np.concatenate(rows) if rows else np.zeros((0, system.layout.size)), np.concatenate(values or [np.zeros(0)])
 
 
-def _field_tails(system: System, y: Array, density: Density) -> Array:
+def field_tails(system: System, y: Array, density: Density) -> Array:
     """Last coupled coefficients of what the other zones and the columns do, over the zone's largest one (Z,)."""
     layout, g = system.layout, system.lowest
     if layout.m.max() < 8:

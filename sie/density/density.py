@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -14,10 +15,20 @@ from sie.basis.half_plane import What, sum_of_powers
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.density.field import CHUNK, Sources, potential_at, quadrature, transform_at
+from sie.density.field import (
+    CHUNK,
+    Sources,
+    moments_of,
+    panels_over,
+    potential_at,
+    quadrature,
+    transform_at,
+)
+from sie.density.interval_potential import LocalPotential
 from sie.density.plane import Plane
 from sie.density.treecode import Everywhere
 from sie.fast.far import reaches
+from sie.fast.panels import Panels
 from sie.jumps.forcing import LOG2, SERIES_REACH, Steps, of_zones
 
 Array = NDArray[np.float64]
@@ -88,6 +99,16 @@ class Density(Kept):
         right = np.array([end.moves and end.intensity == 0.0 for end in zones.right])
         k_left, k_right = np.where(left, 0.0, alpha - beta), np.where(right, 0.0, alpha + beta)
         return 0.5 * (k_left + k_right), 0.5 * (k_right - k_left), u
+
+    @property
+    def slits(self) -> int:
+        """How many narrow gaps between the zones are taken as slits of wider ones; here none."""
+        return 0
+
+    def opening(self, x: ArrayLike) -> tuple[NDArray[np.bool_], Array]:
+        """(whether x lies in a slit, what has been released from the slit's left end to x); here nowhere, nothing."""
+        shape = np.shape(x)
+        return np.zeros(shape, dtype=bool), np.zeros(shape)
 
     def settled(self) -> Density:
         """The same density with the last traces of 1/sqrt(d) taken out at free ends, where the exact one has none.
@@ -339,6 +360,10 @@ class Density(Kept):
         x = _float(x)
         return potential_at(self, self.into_period(x).ravel(), self.sources).reshape(x.shape)
 
+    def potential_on(self, lo: float, hi: float) -> Callable[[Array], Array] | None:
+        """The potential on [lo, hi], an interval without zones in it, cheap at many points; None where nothing is gained."""
+        return LocalPotential.on(self, lo, hi)
+
     def into_period(self, x: Array) -> Array:
         """x moved by periods to within half of one of the zones' middle, where the kernel's poles are the near ones."""
         if self.kernel.period is None:
@@ -368,7 +393,13 @@ class Density(Kept):
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:
         """Nodes and weighted density for the regular part of the kernel."""
-        return quadrature(self)
+        return quadrature(self.zones, self.kernel, self.coefficients, self.steps)
+
+    @cached_property
+    def panel_moments(self) -> tuple[Panels, Array] | None:
+        """The panels of the regular part and this density's moments on them; None where it has none."""
+        panels = panels_over(self.kernel, self.zones)
+        return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.steps))
 
     def own_transform(self, zone: Index, left: Array, right: Array) -> Array:
         """-sum c_j U_{j-1}(t) on the zones, by the angle from the nearer end."""

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from sie.basis import chebyshev
 from sie.basis.kernels import Regular
-from sie.density.density import Density
 from sie.density.field import Sources, potential_at, potential_from, regular_at
+from sie.density.series import Evaluated
 
 Array = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ class LocalPotential:
     True
     """
 
-    density: Density
+    density: Evaluated
     lo: float
     hi: float
     far: Array
@@ -57,14 +57,14 @@ class LocalPotential:
     rough: Regular | None = None
 
     @classmethod
-    def on(cls, density: Density, lo: float, hi: float) -> LocalPotential:
+    def on(cls, density: Evaluated, lo: float, hi: float) -> LocalPotential:
         """Choose the near sources of [lo, hi] and interpolate all others."""
-        sources = density.sources
+        sources = Sources.of(density.zones, density.kernel)
         distance = np.maximum(sources.a - hi, lo - sources.b)
         near = sources.chosen(distance < 0.5 * (hi - lo))
         t = chebyshev.gauss(_NODES)
         x = 0.5 * (lo + hi) + 0.5 * (hi - lo) * t
-        values = potential_at(density, x, density.sources) - potential_from(density, x, near)
+        values = potential_at(density, x, sources) - potential_from(density, x, near)
         regular = density.kernel.regular_potential
         rough = regular if density.kernel.reach < hi - lo else None
         if rough is not None:

@@ -22,7 +22,28 @@ Linear = tuple[Array, Array]
 
 
 class Rows(Protocol):
-    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order."""
+    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order; (matrix, constants) stands for the
+    quantities matrix @ unknowns + constants.
+
+    Examples
+    --------
+    A condition that makes the first zone hold a given part of the total.
+
+    >>> import numpy as np, sie
+    >>> class Part(sie.Condition):
+    ...     def __init__(self, part):
+    ...         self.part = part
+    ...     def count(self, zones):
+    ...         return 1
+    ...     def rows(self, system: sie.Rows):
+    ...         matrix, constants = system.totals()
+    ...         weight = (np.arange(len(constants)) == 0) - self.part
+    ...         return weight[None] @ matrix, np.array([weight @ constants]), np.zeros(1)
+    >>> charge = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(1.0), Part(0.25)))
+    >>> found = sie.solve(charge, sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR))
+    >>> found.density.totals.round(12).tolist()
+    [0.25, 0.75]
+    """
 
     @property
     def zones(self) -> Zones:

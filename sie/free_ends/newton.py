@@ -45,6 +45,9 @@ _SMOOTH = 4.0
 MARGIN = 1.5
 # Tolerances of solutions by iteration: at first, and at last over that of the ends.
 _LOOSE, _TIGHT = 1e-6, 1e-3
+# After a move no larger than this the response to the open condition's value is about as it was: what that leaves of a step is of the
+# size of its square.
+_SAME_RESPONSE = 0.05
 # Ends are moved by this part of their zone's width to difference the rows: truncation and rounding are alike.
 _NUDGE = 1e-5
 
@@ -198,6 +201,7 @@ def find_ends(
     turns: list[Turn] = []
     best = np.inf
     stalled, closing = 0, np.zeros(len(zones), dtype=np.intp)
+    unit: Unit | None = None
     while True:
         # The next move is about the square of the last one: a solution by iteration need not be much better than that.
         last = min(trace[-1].move, 1.0) if trace else 1.0
@@ -211,7 +215,9 @@ def find_ends(
         zones, released = _release(zones, walls, state.density)
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
         target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
-        delta, noise, change, certain, turn = _newton(state, moves, target, sizes, decay, signs)
+        if equation.open_condition is not None and (unit is None or last > _SAME_RESPONSE):
+            unit = Unit.of(state, sizes)
+        delta, noise, change, certain, turn = _newton(state, moves, target, sizes, decay, signs, unit)
         turns += [turn] if turn is not None else []
         if turn is not None and not np.isfinite(delta).all():
             nowhere = np.full((len(zones), 2), np.inf)
@@ -241,8 +247,8 @@ def find_ends(
         hopeless = hopeless or (equation.grows and state.unresolved) or (near and not _is_near(trace))
         if done or hopeless or len(trace) > max_steps:
             if done:
-                if equation.open_condition is not None:
-                    # The ends are at rest, and so is the value after its own last step.
+                if equation.open_condition is not None and not state.iterated:
+                    # The ends are at rest, and so is the value after its own last step. By iteration that would be another solution.
                     state, value = state.with_value(equation.open_condition, change), value + change
                 state = state.settled() if settled else state
             found = value if equation.open_condition is not None else None
@@ -389,7 +395,8 @@ def _intensity(end: End) -> float:
 
 
 def _newton(
-    state: AnyState, moves: NDArray[np.bool_], target: Array, sizes: Sizes, tolerance: float, signs: tuple[float, float]
+    state: AnyState, moves: NDArray[np.bool_], target: Array, sizes: Sizes, tolerance: float, signs: tuple[float, float],
+    unit: Unit | None,
 ) -> tuple[Array, Array, float, bool, Turn | None]:
     """(outward moves (2, Z), their roundoff, change of the open condition's value, whether the step can be trusted, what is seen of other
     roots where intensities are prescribed)."""
@@ -403,7 +410,6 @@ def _newton(
     prescribed = np.any(target != 0)
     noise_k = state.intensity_noise
     residual = np.where(moves, k - target, 0.0)
-    unit = _unit_response(state, sizes) if equation.open_condition is not None else None
     if prescribed:
         assert isinstance(state, State)  # no holes where intensities are prescribed
         delta, noise, change, growth = _full_newton(equation, state, moves, residual, noise_k, unit, sizes, tolerance, side)
@@ -414,10 +420,10 @@ def _newton(
     change = 0.0
     if unit is not None:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            slope = np.where(moves, 2 * np.array(unit.intensities) / safe, 0.0)
+            slope = np.where(moves, 2 * unit.intensities / safe, 0.0)
         delta, change = _bordered(equation, density.zones, delta, slope)
-        residual = np.where(moves, residual + change * np.array(unit.intensities), 0.0)
-        a = a + change * np.array(unit.edge_slopes)
+        residual = np.where(moves, residual + change * unit.intensities, 0.0)
+        a = a + change * unit.edge_slopes
     gaps = np.array(modes.gaps(density.zones, equation.kernel))
     jumps = len(equation.forcing.breaks_at) > 0
     tips = tips_between(equation.forcing, density.zones, equation.kernel.period) if jumps else 0.0
@@ -434,13 +440,22 @@ def _newton(
     return delta, noise, change, not np.any(weak & moves), None
 
 
-def _unit_response(state: AnyState, sizes: Sizes) -> AnyDensity:
-    """What a unit of the open condition's value does. An error of it is one of a step: as good as the square of the next is enough."""
-    index = state.equation.open_condition
-    assert index is not None
-    values = np.zeros(len(state.condition_scale))
-    values[state.condition_index[index]] = 1.0
-    return state.response(values, np.sqrt(sizes.linear))
+@dataclass(frozen=True, eq=False)
+class Unit:
+    """K and A (2, Z) that a unit of the open condition's value makes."""
+
+    intensities: Array
+    edge_slopes: Array
+
+    @classmethod
+    def of(cls, state: AnyState, sizes: Sizes) -> Unit:
+        """An error of them is one of a step: as good as the square of the next is enough."""
+        index = state.equation.open_condition
+        assert index is not None
+        values = np.zeros(len(state.condition_scale))
+        values[state.condition_index[index]] = 1.0
+        response = state.response(values, np.sqrt(sizes.linear))
+        return cls(np.array(response.intensities), np.array(response.edge_slopes))
 
 
 def _bordered(equation: Equation, zones: Zones, delta: Array, slope: Array) -> tuple[Array, float]:
@@ -464,7 +479,7 @@ def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
 
 
 def _full_newton(
-    equation: Equation, state: State, moves: NDArray[np.bool_], residual: Array, noise_k: Array, unit: AnyDensity | None,
+    equation: Equation, state: State, moves: NDArray[np.bool_], residual: Array, noise_k: Array, unit: Unit | None,
     sizes: Sizes, tolerance: float, signs: Array,
 ) -> tuple[Array, Array, float, float]:
     """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth of a push (`Free.stable`) by Newton
@@ -504,7 +519,7 @@ def _full_newton(
     noise = spread(np.abs(inverse) @ np.array([noise_k[end] for end in ends]))
     if unit is None:
         return delta, noise, 0.0, _growth(driven)
-    by_unit = np.array(unit.intensities)
+    by_unit = unit.intensities
     slope = spread(-inverse @ np.array([by_unit[end] for end in ends]))
     delta, change = _bordered(equation, zones, delta, slope)
     _, by_left, by_right = equation.end_conditions[0].residual(zones)

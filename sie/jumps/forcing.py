@@ -37,7 +37,7 @@ from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 from sie.jumps.exterior import Beyond
 from sie.jumps.local_spline import MANY, LocalSpline
-from sie.jumps.zone_spline import NEAREST, ZoneSpline
+from sie.jumps.zone_spline import ZoneSpline
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -59,6 +59,8 @@ _SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
 _TINY = 1e-16
 # Kinks of a zone beside which it is looked how the density follows the ends.
 _KINKS = 32
+# Zones whose series are found together.
+_TOGETHER = 256
 # (point, jump) pairs handled at once.
 _PAIRS = 1 << 19
 
@@ -104,22 +106,24 @@ class Steps(Kept):
 
     def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made) -> Any:  # type: ignore[no-untyped-def]
         """The same with splines of f, made of knots, their jumps and f, in every zone of many jumps of order 2 and no others."""
-        height, splines = self.height.copy(), {}
+        height, splines, more = self.height.copy(), {}, []
         for zone in np.flatnonzero(np.bincount(self.zone, minlength=1) >= MANY).tolist():
             k = self.by_zone[zone]
             if np.any(self.order[k] != HIGHEST):
                 continue
-            k = k[np.minimum(self.left[k], self.right[k]) > NEAREST]
             k = k[np.argsort(self.left[k])]
             found = made(self.left[k], height[k], lambda left, zone=zone: f(zones.a[zone] + zones.half[zone] * left))
             if found is not None:
-                splines[zone], height[k] = found
+                splines[zone], height[k], others = found
+                more.append(np.column_stack((np.full(others.shape[1], zone), others.T)))
         if not splines:
             return self
         keep = height != 0.0
+        zone, left, jump = np.concatenate(more).T
         return replace(
-            self, zone=self.zone[keep], left=self.left[keep], right=self.right[keep], height=height[keep], order=self.order[keep],
-            splines=splines,
+            self, zone=np.append(self.zone[keep], zone.astype(np.intp)), left=np.append(self.left[keep], left),
+            right=np.append(self.right[keep], 2.0 - left), height=np.append(height[keep], jump),
+            order=np.append(self.order[keep], np.full(len(zone), HIGHEST)), splines=splines,
         )
 
     def __len__(self) -> int:
@@ -204,8 +208,10 @@ class Steps(Kept):
 
     def level_part(self, zone: int, left: Array) -> Array:
         """The same of the jumps of g itself alone: they have no slope."""
-        k = self.by_zone.get(zone)
-        return np.zeros(left.shape) if k is None else self._added(k[self.order[k] == 0], left)
+        if zone not in self.kinked:
+            return np.zeros(left.shape)
+        k = self.by_zone[zone]
+        return self._added(k[self.order[k] == 0], left)
 
     def _added(self, k: Index, left: Array) -> Array:
         out = np.empty(left.shape)
@@ -381,8 +387,11 @@ class Steps(Kept):
     def _summed(self, zone: int) -> Array:
         """Coefficients of T_l / sqrt(1 - t^2) of all parts of a zone together."""
         if zone not in self._sums:
-            k = self.by_zone[zone]
-            self._sums[zone] = self._coefficients(k, np.zeros_like(k), 1, _SERIES_TO[-1][1])[0]
+            # With the zones after it, which are asked for next: one by one takes several times as long.
+            zones = [other for other in self.by_zone if zone <= other < zone + _TOGETHER]
+            row = np.repeat(np.arange(len(zones)), [len(self.by_zone[other]) for other in zones])
+            k = np.concatenate([self.by_zone[other] for other in zones])
+            self._sums.update(zip(zones, self._coefficients(k, row, len(zones), _SERIES_TO[-1][1]), strict=True))
         return self._sums[zone]
 
     @cached_property
@@ -406,7 +415,7 @@ class Steps(Kept):
         """What the right side has at points x beyond the values that the caller gives: nothing."""
         return np.zeros(x.shape)
 
-    def chosen(self, which: NDArray[np.bool_]) -> Steps:
+    def chosen(self, which: NDArray[np.bool_] | Index) -> Steps:
         """Those of the jumps alone."""
         return Steps(self.zone[which], self.left[which], self.right[which], self.height[which], self.order[which])
 
@@ -448,7 +457,10 @@ class Steps(Kept):
         on = (left >= 0) & (right >= 0)
         far = ~on & (np.abs(rho) < _FAR)
         if far.any():
-            c = self._coefficients(k, np.zeros_like(k), 1, _SERIES_TO[0][1])[0]
+            zone = int(self.zone[k[0]]) if len(k) else -1
+            whole = zone in self.by_zone and len(k) == len(self.by_zone[zone])
+            count = _SERIES_TO[0][1]
+            c = self._summed(zone)[:count] if whole else self._coefficients(k, np.zeros_like(k), 1, count)[0]
             r, total = rho[far], np.zeros(int(far.sum()))
             for l in range(len(c) - 1, 0, -1):
                 total = (total + c[l] / l) * r

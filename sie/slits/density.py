@@ -332,6 +332,10 @@ class Pierced(Kept):
         return out
 
     # the line ---------------------------------------------------------------------------------------------------------
+    def potential_on(self, lo: float, hi: float) -> None:
+        """Nothing is gained beside slits: see `Density.potential_on`."""
+        return None
+
     def _into_wide(self, x: Array) -> Array:
         """x moved by periods to lie right of the first wide zone's left end."""
         period = self.kernel.period
@@ -339,6 +343,11 @@ class Pierced(Kept):
             return x
         first = self.cut.wide.a[0]
         return np.asarray(x - np.floor((x - first) / period) * period)
+
+    @property
+    def slits(self) -> int:
+        """How many narrow gaps between the zones are taken as slits of wider ones."""
+        return len(self.cut.holes)
 
     def opening(self, x: ArrayLike) -> tuple[NDArray[np.bool_], Array]:
         """(whether x lies in a hole, integral of s from the hole's left end to x)."""

@@ -8,6 +8,7 @@ and of a jump in a hole, G_s = -i log(B/A) its angle (see `plane`), bars means o
 
     q = 0:  (h/pi)(bar(G) - G_s) + (a_0 + a_1 rho) / sqrt,
     q = 1:  (h/pi)(bar((zeta - .) G - sin) + (m - s) bar(G) - (phi - bar(phi)) rho - (zeta - s) G_s + sin(phi)) + (a_0 + a_1 rho) / sqrt,
+    q = 2:  as `kinks` has it, with (zeta - s)^2 G - (zeta - 3 s/2) sin for (t - s)^2 kappa, and rho, rho^2/2 for X, t X,
 
 with -i (2 log(B) - log(2 rho (zeta - s'))) for G: the mean of log(B) is smooth, that of log(zeta - s') is log(r / 2 rho_hole), and that
 of (zeta - s') log(zeta - s') is r (zeta_hole (log(r/2) + 1 + arcosh(zeta_hole)) - sqrt(zeta_hole^2 - 1)).
@@ -125,27 +126,41 @@ def _of_valley(valley: Valley, seen: Seen, inner: Seen, what: What) -> Complex:
     sine = np.sqrt(valley.from_left * valley.from_right)
     away = seen.left - valley.from_left
     c, s = np.sqrt(0.5 * valley.from_left), np.sqrt(0.5 * valley.from_right)
-    scale, turn = valley.jump / np.pi, valley.turn
+    scale, (turn, bend) = valley.jump / np.pi, valley.polynomial
     log_rho = np.log(2.0) - seen.log
     mean_log = np.log(0.5 * half) + inner.log
     bar = -1j * (2 * log_b.mean(axis=-1) - log_rho - mean_log)
     own = -1j * np.log((c - 1j * s) ** 2 * (c * seen.m + 1j * s * seen.p) ** 2 / away)
     moves = seen.left[:, None] - l  # zeta - s' at the nodes
+    # For q = 2 the sines of all nodes, and the polynomial of which X times it is the transform's.
+    sines, nodes, middle = np.sqrt(l * r), 0.5 * (l - r), 0.5 * (valley.start - valley.rest)
+    s_own, shift = 0.5 * (valley.from_left - valley.from_right), half * valley.zeta
+    constant, second = turn - bend * middle, half**2 * (valley.zeta**2 - 0.5)
+    first = half * (inner.zeta * (mean_log + 1) - inner.root)
     if what == "transform":
         edge = (a_0 + a_1 * rho) / root
         if valley.order == 0:
             return np.asarray(scale * (bar - own) + edge)
-        first = half * (inner.zeta * (mean_log + 1) - inner.root)
         moment = -1j * (2 * (moves * log_b).mean(axis=-1) - half * inner.zeta * log_rho - first)
-        rest = moment - np.sqrt(l * r).mean() - half * valley.zeta * bar - away * own + sine
-        return np.asarray(scale * rest - turn * rho + edge)
+        if valley.order == 1:
+            return np.asarray(scale * (moment - sines.mean() - shift * bar - away * own + sine) - turn * rho + edge)
+        fall = np.exp(-inner.log)
+        square = half**2 * ((inner.zeta**2 + 0.5) * (mean_log + log_rho) + (2 * inner.zeta - 0.25 * fall) * fall)
+        spread = -1j * (2 * (moves**2 * log_b).mean(axis=-1) - square) - zeta * sines.mean() + 1.5 * (nodes * sines).mean()
+        spread = spread - 2 * shift * (moment - sines.mean()) + second * bar
+        rest = spread - away**2 * own + (zeta - 1.5 * s_own) * sine
+        return np.asarray(scale * rest - (constant + 0.5 * bend * rho) * rho + edge)
     edge = -(a_1 * rho / root + (a_0 + a_1 * rho) * zeta / root**2) / root
-    nodes = 0.5 * (l - r)
-    b_slope = 0.5 * ((zeta[:, None] + nodes) / (root[:, None] + 1j * np.sqrt(l * r)) - 1) / root[:, None]
+    b_slope = 0.5 * ((zeta[:, None] + nodes) / (root[:, None] + 1j * sines) - 1) / root[:, None]
     bar_slope = -1j * (2 * b_slope.mean(axis=-1) + 1 / root - 1 / (half * inner.root))
     own_slope = -sine / (away * root)
     if valley.order == 0:
         return np.asarray(scale * (bar_slope - own_slope) + edge)
     moment = -1j * (2 * (log_b + moves * b_slope).mean(axis=-1) - log_rho + half * inner.zeta / root - (mean_log + 1))
-    rest = moment - half * valley.zeta * bar_slope - own - away * own_slope
-    return np.asarray(scale * rest + turn * rho / root + edge)
+    if valley.order == 1:
+        return np.asarray(scale * (moment - shift * bar_slope - own - away * own_slope) + turn * rho / root + edge)
+    spread = 2 * (moves * (2 * log_b + moves * b_slope)).mean(axis=-1) - 2 * half * inner.zeta * log_rho
+    spread = -1j * (spread + half**2 * (inner.zeta**2 + 0.5) / root - 2 * first - half * inner.zeta) - sines.mean()
+    spread = spread - 2 * shift * moment + second * bar_slope
+    rest = spread - away * (2 * own + away * own_slope) + sine
+    return np.asarray(scale * rest + (constant + bend * rho) * rho / root + edge)

@@ -24,7 +24,9 @@ from sie.collocation.fixed import (
     Solver,
     State,
     density_of,
+    field_tails,
     first_sizes,
+    more_modes,
     residual_error,
     solve_fixed,
 )
@@ -264,6 +266,11 @@ class Release(Kept):
         return state, Pierced(self.cut, smooth, whole, self.holes, d, forced=not homogeneous)
 
 
+    def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
+        """See `State.tails`, of what stands in the rows beside s."""
+        return field_tails(self.system, wide.unknowns - self.system.layout.flat(self.s_table(d, False)), wide.density)
+
+
 @dataclass(frozen=True, eq=False)
 class PiercedState(Kept):
     """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the holes.
@@ -304,6 +311,10 @@ class PiercedState(Kept):
     @property
     def linear_error(self) -> Array:
         return self.wide.linear_error[self.cut.piece_zone]
+
+    @property
+    def coupled(self) -> int:
+        return self.wide.coupled
 
     @property
     def unresolved(self) -> bool:
@@ -493,19 +504,27 @@ def solve_zones(
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     # By iteration the wide zones alone are no more than a start.
-    inner.linear, inner.value = max(sizes.linear, _START), sizes.value
+    inner.linear = sizes.linear if equation.grows else max(sizes.linear, _START)
+    inner.value = sizes.value
     profile, kernel, iterations = inner.profile_evaluations, inner.kernel_evaluations, inner.iterations
-    state = solve_fixed(equation, found.wide, tolerance, inner)
-    release = Release(found, state, sizes.linear)
-    try:
-        folded, series, rest = release.solve()
-    except HolesUnsettled:
-        return solve_fixed(equation, zones, tolerance, sizes)
-    if isinstance(state.solver, Iterative):
-        more = state.solver.iterations - (inner.iterations - iterations)
-        inner.iterations += more
-        inner.kernel_evaluations += more * state.solver.system.sums.size
-    wide, density = release.density(folded, series)
+    while True:
+        before = inner.iterations
+        state = solve_fixed(equation, found.wide, tolerance, inner)
+        release = Release(found, state, sizes.linear)
+        try:
+            folded, series, rest = release.solve()
+        except HolesUnsettled:
+            return solve_fixed(equation, zones, tolerance, sizes)
+        if isinstance(state.solver, Iterative):
+            more = state.solver.iterations - (inner.iterations - before)
+            inner.iterations += more
+            inner.kernel_evaluations += more * state.solver.system.sums.size
+        wide, density = release.density(folded, series)
+        # What the slits do through a smooth part of the kernel may take more modes than there are.
+        least = more_modes(wide, release.tails(wide, series), tolerance)
+        if least is None:
+            break
+        inner.least = least
     if inner.carried is not None:
         inner.carried = Carried.of(inner.carried.punches, wide.system.layout, wide.unknowns)
     sizes.wide = inner

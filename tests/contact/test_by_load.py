@@ -149,3 +149,16 @@ def test_a_gap_that_keeps_asking_to_close_has_closed_however_narrow_it_was_to_be
     (a, b), off = alone.free.density.zones.table[0], 0.02
     found = settle(wave.problem, wave.control, np.array([[a - off, -gap], [gap, b + off]]), 1e-9)
     assert len(found.free.density.zones) == 1 and sum(steps) <= 6
+
+
+def test_a_contact_fraction_of_a_rough_trace_takes_no_solution_under_another_load(monkeypatch):
+    rng = np.random.default_rng(11)
+    trace = contact.Sampled(np.arange(400.0), 0.05 * rng.normal(size=400), period=400.0)
+
+    def refused(*_):
+        raise AssertionError("a load on the way was solved")
+
+    monkeypatch.setattr("contact.search.loads._on_the_way", refused)
+    solution = contact.solve(contact.Scene(trace, 1.0, contact.Periodic(), contact_fraction=0.3), tol=1e-6)
+    assert solution.contact_fraction == pytest.approx(0.3, abs=1e-6)
+    assert solution.certificate.holds

@@ -46,7 +46,7 @@ class Grounded(contact.Substrate):
         return np.tanh(q * self.h)
 
 
-BODIES = (Soft(), Soft(-0.6, 0.03), Grounded(), Grounded(1.0))
+BODIES = (Soft(), Soft(-0.6, 0.06), Grounded(), Grounded(1.0))
 FULL = {body: np.pi * 0.01 / body.symbol(np.array([2 * np.pi]))[0] for body in BODIES}
 
 
