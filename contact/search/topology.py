@@ -73,26 +73,11 @@ def _rounds(
     free: sie.Free | None = None
     tried: list[tuple[float, Array]] = []
     for done in range(1, rounds + 1):
-        if len(table) == 0:
-            raise WrongTopology("all zones vanished", free)
-        _within_strip(problem, table)
-        if not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
-            raise WrongTopology("the zones are too narrow to tell their ends apart", free)
+        _refuse_none(problem, table, free)
         if progress is not None:
             progress("zones", done, None)
-        zones = kinds(problem, control, table)
-        try:
-            free = sie.find_ends(problem.equation(control), zones, tolerance, steps, value=value, walls=problem.walls, near=near)
-        except sie.SingularSystem as failure:
-            raise WrongTopology(f"the equation has no solution on such zones ({failure})", free) from failure
-        if free.value is not None:
-            value = free.value
-        valley = _narrow_valley(problem, table, free)
-        if valley is not None:
-            length = valley * problem.units.length
-            raise WrongTopology(f"a gap of about {length:.1e} m over the kink of a valley is too narrow to be found", free)
-        if near and not free.converged:
-            raise WrongTopology("the zones are not near those of the solution", free)
+        free = _ended(problem, control, table, tolerance, free, near, value, steps)
+        value = value if free.value is None else free.value
         if len(free.lost) or len(free.met):
             table = _dropped_or_merged(free, problem)
             continue
@@ -118,13 +103,44 @@ def _rounds(
             raise WrongTopology("there are other zones than these", free)
         ended = free.density.zones.table
         table = _corrected(free.density.zones, certificate, problem)
-        if any(same(ended, before) for at, before in tried if at == tolerance):
+        if _was_tried(tried, tolerance, ended):
             # To and fro between two numbers of zones: the error of one of them, or rounding, makes its signs fail.
             if tolerance <= TIGHT:
                 raise WrongTopology("the number of zones did not settle", free)
             table, tolerance = ended, max(TIGHT, CLOSER * tolerance)
         tried.append((tolerance, ended))
     raise WrongTopology("the number of zones did not settle", free)
+
+
+def _was_tried(tried: list[tuple[float, Array]], tolerance: float, ended: Array) -> bool:
+    return any(same(ended, before) for at, before in tried if at == tolerance)
+
+
+def _refuse_none(problem: Problem, table: Array, free: sie.Free | None) -> None:
+    """WrongTopology for zones that are none, past their strip, or narrower than numbers tell."""
+    if len(table) == 0:
+        raise WrongTopology("all zones vanished", free)
+    _within_strip(problem, table)
+    if not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
+        raise WrongTopology("the zones are too narrow to tell their ends apart", free)
+
+
+def _ended(
+    problem: Problem, control: Control, table: Array, tolerance: float, before: sie.Free | None, near: bool, value: float, steps: int
+) -> sie.Free:
+    """Where the search for the ends from these zones has ended; WrongTopology at a gap that is too narrow, or no longer near."""
+    zones = kinds(problem, control, table)
+    try:
+        free = sie.find_ends(problem.equation(control), zones, tolerance, steps, value=value, walls=problem.walls, near=near)
+    except sie.SingularSystem as failure:
+        raise WrongTopology(f"the equation has no solution on such zones ({failure})", before) from failure
+    valley = _narrow_valley(problem, table, free)
+    if valley is not None:
+        length = valley * problem.units.length
+        raise WrongTopology(f"a gap of about {length:.1e} m over the kink of a valley is too narrow to be found", free)
+    if near and not free.converged:
+        raise WrongTopology("the zones are not near those of the solution", free)
+    return free
 
 
 def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | None:
