@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import contact
+from contact.model import registry
 from tests.tiers import quick
 
 FOLDER = Path(__file__).parents[1] / "examples"
@@ -30,12 +31,12 @@ def module(name: str) -> ModuleType:
 @pytest.fixture
 def own_names():
     """Names that examples register are taken out again."""
-    registries = contact.model.registry.PROFILES, contact.model.registry.SUBSTRATES
-    before = [set(registry.all()) for registry in registries]
+    registries = (registry.PROFILES, registry.INTERACTIONS, registry.SUBSTRATES, registry.LAWS)
+    before = [set(known.all()) for known in registries]
     yield
-    for registry, known in zip(registries, before, strict=True):
-        for name in set(registry.all()) - known:
-            registry.forget(name)
+    for known, names in zip(registries, before, strict=True):
+        for name in set(known.all()) - names:
+            known.forget(name)
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda f: f.stem)
@@ -50,6 +51,9 @@ COUNTS = {
     "compare_models": (100, 72, 1e4, 1e5),
     "designed_texture": (36, 240, 3e4, 2e4),
     "flat_punch": (100, 48, 1e3, 4e3),
+    "own_condition": (27, 48, 4e3, 2e4),
+    "own_interaction": (9, 72, 1e3, 1e4),
+    "own_law": (3, 48, 3e2, 1e4),
     "own_profile": (6, 72, 1e2, 3e4),
     "own_substrate": (100, 300, 1e6, 1e5),
     "rounded_punch": (24, 48, 1e2, 2e5),
@@ -86,8 +90,8 @@ def work(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
                 monkeypatch.setattr(cls, name, method)
         solution = solve(scene, *args, **kwargs)
         for name in ("solves", "kernel_evaluations"):
-            spent[name] += solution.plan.counts[name]
-        spent["own_modes"] = max(spent["own_modes"], solution.plan.counts["own_modes"])
+            spent[name] += solution.plan.counts.get(name, 0)
+        spent["own_modes"] = max(spent["own_modes"], solution.plan.counts.get("own_modes", 0))
         return solution
 
     monkeypatch.setattr(contact, "solve", counting)

@@ -50,8 +50,27 @@ _REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth
 
 @dataclass(frozen=True, eq=False)
 class Event:
-    """A change of the number of zones: kind (birth, death, merge, split, full), load [N/m], position [m], and the zones (n, 2)
-    just before and just after in the direction of the path; full contact has none."""
+    """A change of the number of zones between two loads of a path.
+
+    Parameters
+    ----------
+    kind : str
+        birth, death, merge, split or full.
+    load : float
+        Where it happens [N/m].
+    position : float
+        Where on the profile [m].
+    before, after : ndarray
+        The zones [m], (n, 2), just before and just after in the direction of the path; full contact has none.
+
+    Examples
+    --------
+    >>> import contact
+    >>> pair = contact.Scene(contact.Biquadratic(1.0, 0.2), 1e9, contact.Isolated(), load=1.0)
+    >>> (event,) = contact.path(pair, [1e5, 1e7]).events
+    >>> event.kind, len(event.before), len(event.after)
+    ('merge', 2, 1)
+    """
 
     kind: str
     load: float
@@ -62,7 +81,23 @@ class Event:
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """Solutions at the given loads and the events between them, in the order of the path."""
+    """Solutions at the given loads and the events between them, in the order of the path.
+
+    Parameters
+    ----------
+    solutions : tuple of Solution
+        One for each load.
+    events : tuple of Event
+        Changes of the number of zones, in order.
+
+    Examples
+    --------
+    >>> import contact
+    >>> scene = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), load=1.0)
+    >>> found = contact.path(scene, [1e3, 4e3])
+    >>> found.loads.round(6).tolist(), found.events
+    ([1000.0, 4000.0], ())
+    """
 
     solutions: tuple[Solution, ...]
     events: tuple[Event, ...]
@@ -75,8 +110,35 @@ class Path:
 def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress | None = None) -> Path:
     """Solve a scene along loads [N/m] (per period where there is one), each from the zones of the last, with all events.
 
-    The scene's own control is replaced by each load in turn; its tilt or its moment stays. loads: one or more, in any order.
-    Raises what `contact.solve` raises.
+    The scene's own control is replaced by each load in turn; its tilt or its moment stays.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is pressed, under any control.
+    loads : array_like
+        One or more loads [N/m], (n,), positive, in any order.
+    tol : float
+        Largest stated error of each solution.
+    progress : callable or None
+        Called with (stage, done, total or None).
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    SceneError, OutOfRange, NotConverged
+        As `contact.solve`; SceneError also if the law is one under which contact may not grow with the load.
+
+    Examples
+    --------
+    >>> import contact
+    >>> wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), load=1.0)
+    >>> found = contact.path(wave, [1e3, 2e3, 4e3])
+    >>> [event.kind for event in found.events], len(found.solutions)
+    (['full'], 3)
     """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")

@@ -16,8 +16,17 @@ from dataclasses import dataclass
 class End:
     """One end of a zone.
 
-    moves: True if the position is unknown.
-    intensity: the prescribed K at the end; None if K is left free (a singular end).
+    Parameters
+    ----------
+    moves : bool
+        Whether the position is unknown.
+    intensity : float or None
+        The prescribed K at the end; None if K is left free (a singular end).
+
+    Raises
+    ------
+    ValueError
+        If the end moves and has no intensity.
 
     Examples
     --------

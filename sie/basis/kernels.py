@@ -27,18 +27,35 @@ Regular = Callable[[Array, Array], Array]
 
 @dataclass(frozen=True)
 class Kernel(Kept):
-    """poles: positions s of 1 / (x - xi - s), the first of them 0.
-    period: the period of the kernel, None if it has none.
-    regular, regular_potential: (x, xi) -> smooth rest of K and of Lambda (broadcast), or None.
-    reach: distance from a source point to the nearest singularity of the regular part over all targets, in units of
-        length.
-    sure: whether the reach alone tells how many nodes and modes the regular part needs, as it does where that part is no larger off
-        the zones than on them. If not, as of a user's own, a zone's modes grow until they show it.
-    regular_slope: derivative of the regular part by x, only asked for by derivatives at complex points.
-    datum: Lambda is log|(x - xi - s) / datum| summed over the poles.
-    of_lag: whether the regular part depends on x - xi alone: then it is summed fast, however many zones there are.
-    length: how near to the real axis the singularities of the regular part are, where that is known (inf: not): a zone of half width w
-        begins with as many modes as w over that asks for, and may take more than other regular kernels.
+    """A sum of poles 1 / (x - xi - s) and a smooth rest; made by `cauchy`, `hilbert`, `images` and by adding a `Smooth`.
+
+    Parameters
+    ----------
+    poles : tuple of float
+        Positions s, the first of them 0.
+    period : float or None
+        Of the kernel, None if it has none.
+    regular, regular_potential : callable or None
+        (x, xi) -> smooth rest of K and of Lambda, arrays that broadcast.
+    reach : float
+        Distance from a source point to the nearest singularity of the regular part over all targets.
+    datum : float
+        Lambda is log|(x - xi - s) / datum| summed over the poles.
+    sure : bool
+        Whether the reach alone tells how many nodes and modes the regular part needs, as it does where that part is no larger off the zones
+        than on them. If not, as of a user's own, a zone's modes grow until they show it.
+    regular_slope : callable or None
+        Derivative of the regular part by x, only asked for by derivatives at complex points.
+    of_lag : bool
+        Whether the regular part depends on x - xi alone: then it is summed fast, however many zones there are.
+    length : float
+        How near to the real axis the singularities of the regular part are, where that is known (inf: not): a zone of half width w begins
+        with as many modes as w over that asks for, and may take more than other regular kernels.
+
+    Raises
+    ------
+    ValueError
+        If the poles are not different finite numbers from 0 on, a length is not positive, or a potential has no regular part.
 
     Examples
     --------
@@ -96,9 +113,20 @@ class Kernel(Kept):
 
 @dataclass(frozen=True)
 class Smooth:
-    """A regular kernel value(x, xi), smooth on all zones; `potential` is its antiderivative in x, needed only by side
-    conditions on potentials, `slope` its derivative in x, only by derivatives at complex points. of_lag: whether it depends on x - xi
-    alone. length: how near to the real axis its singularities are, where that is known.
+    """A regular kernel value(x, xi), smooth on all zones, to be added to one with poles.
+
+    Parameters
+    ----------
+    value : callable
+        (x, xi) -> the kernel, arrays that broadcast.
+    potential : callable or None
+        Its antiderivative in x, needed only by side conditions on potentials.
+    slope : callable or None
+        Its derivative in x, needed only by derivatives at complex points.
+    of_lag : bool
+        Whether it depends on x - xi alone.
+    length : float
+        How near to the real axis its singularities are, where that is known (inf: not).
 
     Examples
     --------

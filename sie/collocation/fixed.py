@@ -145,9 +145,25 @@ class Factored:
 class State(Kept):
     """The solution on given zones, with what its error is made of.
 
-    density; the solver for further right sides; `truncation`: what the neglected coefficients may amount to, over
-    the largest coefficient of the same zone (Z,); `tails`: the same for the coupled modes;
-    `linear_error`: what an iteration left of the error of each zone's coefficients (Z,), 0 for a direct solve.
+    Attributes
+    ----------
+    density : Density
+        The wanted function.
+    system, solver
+        The equation's rows, and what solves them for further right sides.
+    unknowns, folded_unknowns : ndarray
+        The coefficients, and those of the solved half of symmetric zones.
+    conditions_from : int
+        The first row of the side conditions.
+    condition_scale : ndarray
+        What each of these rows was divided by.
+    truncation, tails : ndarray
+        What the neglected coefficients may amount to, over the largest coefficient of the same zone (Z,), and the same of the coupled
+        modes.
+    linear_error : ndarray
+        What an iteration left of the error of each zone's coefficients (Z,), 0 for a direct solve.
+    sizes : Sizes
+        How many functions each zone has.
 
     Examples
     --------

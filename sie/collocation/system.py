@@ -144,10 +144,7 @@ def fields(
                 e = np.where(own, 1.0, e)
             root = np.sqrt(e * (e + 2))
             rho = sign / (1 + e + root)
-            if what == "transform":
-                power = sign / root
-            else:
-                power = np.ones_like(rho)
+            power = sign / root if what == "transform" else np.ones_like(rho)
             if own is not None:
                 power = np.where(own, 0.0, power)
             if what == "potential":

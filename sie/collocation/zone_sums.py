@@ -54,8 +54,7 @@ class NearRows:
         right = zones.middle[zone] > zones.middle[source] + shift
         sign = np.where(right, 1.0, -1.0)
         gap = np.where(right, zones.a[zone] - (zones.b[source] + shift), (zones.a[source] + shift) - zones.b[zone])
-        half, width = zones.half[source], zones.half[zone]
-        m = layout.m[zone]
+        half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
         # The decay at the node nearest to the source tells how many powers are seen.
         e = (gap + width * np.array([chebyshev.lobatto(int(n))[1][min(1, n)] for n in range(int(m.max(initial=0)) + 1)])[m]) / half
         need = np.ceil(_VANISHED / np.arccosh(1 + e) / 8).astype(np.intp) * 8

@@ -45,14 +45,31 @@ LOOKS = 128
 
 @dataclass(frozen=True, eq=False)
 class Density(Kept):
-    """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the steps, on each zone.
+    """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the steps, on each zone, t from -1 to 1 there.
 
-    coefficients: smooth part (zones, n + 1). amplitudes: those of the equation's columns. closed: see `settled`. parts: what
-    `bounded` is, where it is known to more digits than the coefficients tell.
+    Called at points of the line it gives phi, zero off the zones; `transform`, `potential` and their slopes also take complex points
+    off it.
+
+    Attributes
+    ----------
+    zones : Zones
+        The zones, Z of them.
+    kernel : Kernel
+        By which transform and potential are taken.
+    coefficients : ndarray
+        c of the smooth part (Z, n + 1).
+    steps : Steps
+        The jumps of the right side within the zones.
+    amplitudes : ndarray
+        Those of the equation's columns (k,).
+    closed : bool
+        See `settled`.
+    parts : tuple or None
+        What `bounded` is, where it is known to more digits than the coefficients tell.
 
     Examples
     --------
-    The density of a flat punch, 1 / (pi sqrt(1 - x^2)), on the zone, and its field 1 / sqrt(z^2 - 1) / pi off it.
+    The density 1 / sqrt(1 - x^2) of a flat punch, on the zone, and its transform 1 / sqrt(z^2 - 1) off it.
 
     >>> import numpy as np, sie
     >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(np.pi),))

@@ -24,7 +24,20 @@ _NODES = 26
 
 @dataclass(frozen=True, eq=False)
 class LocalPotential:
-    """The potential of a density on [lo, hi], an interval without zones in it.
+    """The potential of a density on [lo, hi], an interval without zones in it, made by `LocalPotential.on(density, lo, hi)`.
+
+    Attributes
+    ----------
+    density : Density
+        Whose potential it is.
+    lo, hi : float
+        The interval.
+    far : ndarray
+        What sources far away make, as a series.
+    near : Sources
+        Those near by.
+    rough : callable or None
+        The kernel's regular potential, where it is not smooth over the interval.
 
     Examples
     --------

@@ -22,22 +22,27 @@ Linear = tuple[Array, Array]
 
 
 class Rows(Protocol):
-    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order.
+    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order; (matrix, constants) stands for the
+    quantities matrix @ unknowns + constants.
 
     Examples
     --------
-    A condition of one's own, that the first zone has twice the total of the second:
+    A condition that makes the first zone hold a given part of the total.
 
     >>> import numpy as np, sie
-    >>> class Twice(sie.Condition):
-    ...     def count(self, zones): return 1
-    ...     def rows(self, system):
+    >>> class Part(sie.Condition):
+    ...     def __init__(self, part):
+    ...         self.part = part
+    ...     def count(self, zones):
+    ...         return 1
+    ...     def rows(self, system: sie.Rows):
     ...         matrix, constants = system.totals()
-    ...         return matrix[:1] - 2 * matrix[1:], constants[:1] - 2 * constants[1:], np.zeros(1)
-    >>> pair = sie.Zones.of([[-2.0, -1.0], [1.0, 2.0]], sie.SINGULAR, sie.SINGULAR)
-    >>> given = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(3.0), Twice()))
-    >>> sie.solve(given, pair).density.totals.round(9).tolist()
-    [2.0, 1.0]
+    ...         weight = (np.arange(len(constants)) == 0) - self.part
+    ...         return weight[None] @ matrix, np.array([weight @ constants]), np.zeros(1)
+    >>> charge = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(1.0), Part(0.25)))
+    >>> found = sie.solve(charge, sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR))
+    >>> found.density.totals.round(12).tolist()
+    [0.25, 0.75]
     """
 
     @property
@@ -67,9 +72,17 @@ class Rows(Protocol):
 
 
 class Condition:
-    """Base: `open` conditions have an unknown value, found from a condition on the ends.
+    """Base: a linear statement about the density and the unknown amplitudes.
 
-    A condition of one's own has `count` and `rows`; see `Rows` for what `rows` may ask of the system.
+    A condition of one's own has `count(zones)`, how many rows it has, and `rows(system)`, (matrix, constants, values) of shapes
+    (count, unknowns), (count,), (count,) with matrix @ unknowns + constants = values; see `Rows` for what `system` tells.
+
+    Attributes
+    ----------
+    open : bool
+        Whether the condition's value is unknown, and found from a condition on the ends.
+    levels : bool
+        Whether it speaks of potentials.
 
     Examples
     --------
@@ -179,7 +192,12 @@ def multiplicity(zones: Zones) -> Array:
 
 @dataclass(frozen=True)
 class Total(Condition):
-    """The integral of the density over all zones; value None: unknown, found from a condition on the ends.
+    """The integral of the density over all zones.
+
+    Parameters
+    ----------
+    value : float or None
+        What it is to be; None: unknown, found from a condition on the ends.
 
     Examples
     --------
@@ -288,6 +306,11 @@ class ZoneMoments(Condition):
     """The first moments of the density about the middle of each zone add up to `value`: where every total is zero, minus
     the integral of what the density opens.
 
+    Parameters
+    ----------
+    value : float
+        What they add up to.
+
     Examples
     --------
     A crack opened so far that its area is one.
@@ -319,7 +342,12 @@ class ZoneMoments(Condition):
 
 @dataclass(frozen=True)
 class ZoneTotals(Condition):
-    """The integral of the density over each zone: one value for all, or one per solved zone (0: as in cracks).
+    """The integral of the density over each zone.
+
+    Parameters
+    ----------
+    values : float or tuple of float
+        One value for all, or one for each solved zone (0: as in cracks).
 
     Examples
     --------
@@ -379,7 +407,12 @@ class EqualPotential(Condition):
 
 @dataclass(frozen=True)
 class Level(Condition):
-    """Potential less primitive of the right side takes the given value on every zone.
+    """Potential less primitive of the right side takes the given value on every zone; the right side needs its primitive.
+
+    Parameters
+    ----------
+    value : float
+        What it is to be.
 
     Examples
     --------
@@ -404,15 +437,16 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The amplitude of column k is `value` plus `per_total` times the total: a closure by name; value None: unknown, found
-    from a condition on the ends.
+    """The amplitude of column k is `value` plus `per_total` times the total of the density: a closure by name.
 
     Parameters
     ----------
     k : int
         Which column of the equation.
-    value, per_total : float
-        The amplitude is value + per_total times the total of the density.
+    value : float or None
+        What is known of the amplitude; None: unknown, found from a condition on the ends.
+    per_total : float
+        How much of it goes with the total.
 
     Examples
     --------
@@ -460,9 +494,12 @@ class EndCondition(Protocol):
 
 @dataclass(frozen=True)
 class TotalWidth:
-    """The zones' widths add up to `value`.
+    """The zones' widths add up to `value`. It goes with one condition whose value is unknown.
 
-    It goes with one condition whose value is unknown.
+    Parameters
+    ----------
+    value : float
+        What they add up to.
 
     Examples
     --------

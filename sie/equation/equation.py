@@ -45,18 +45,32 @@ class CountError(ValueError):
 class Forcing(Kept):
     """A known function of the right side.
 
-    value: g, vectorized; smooth on each zone but for the declared jumps.
-    primitive: an antiderivative of g, continuous over all zones; only needed by conditions on potentials.
-    steps_at, steps, orders: positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its
-        derivatives, all (k,); for a kernel with a period they repeat. orders left out: all 0, jumps of g itself.
-    breaks_at, breaks, break_orders: the same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!;
-        for q = 0 this is (J/pi) Lambda(x, s), Lambda the kernel's potential, and is left out of `value`. Either steps or
-        breaks.
-    spline: a quadratic spline with the breaks of order 2, where it is known: of very many it keeps the digits.
-    resolution: smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones
-        are many: they keep digits that the primitive has lost.
-    placed: where x comes to stand when `value` rounds it; x itself if left out. Narrow zones far from the origin see it.
-    modes: of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
+    Parameters
+    ----------
+    value : callable
+        g(x), x of any shape; smooth on each zone but for the declared jumps.
+    primitive : callable or None
+        An antiderivative of g, continuous over all zones; only needed by conditions on potentials.
+    steps_at, steps, orders : array_like
+        Positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its derivatives, all (k,); for a kernel with a
+        period they repeat. orders None: all 0, jumps of g itself.
+    breaks_at, breaks, break_orders : array_like
+        The same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!; for q = 0 this is (J/pi) Lambda(x, s), Lambda
+        the kernel's potential, and is left out of `value`. Either steps or breaks.
+    spline : callable or None
+        A quadratic spline with the breaks of order 2, where it is known: of very many it keeps the digits.
+    modes : int or None
+        Of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
+    resolution : float or None
+        Smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones are many: they keep
+        digits that the primitive has lost.
+    placed : callable or None
+        Where x comes to stand when `value` rounds it; None: x itself. Narrow zones far from the origin see it.
+
+    Raises
+    ------
+    ValueError
+        If both steps and breaks are given.
 
     Examples
     --------

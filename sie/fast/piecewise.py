@@ -36,8 +36,16 @@ _BLOCK, _PAIRS = 1 << 14, 1 << 12
 class PiecewiseTransform:
     """The transform of f = p_0 + p_1 (xi - s) + p_2 (xi - s)^2 on [s_i, s_i+1], zero beyond, continuous with its derivative.
 
-    ends: s (n + 1,), ascending; a kernel with a period has that from the first to the last, and f repeats. pieces: (n, 3) the
-    coefficients p. jumps: those of f'' (k,) at places `at`, with a period those of one.
+    Parameters
+    ----------
+    kernel : Kernel
+        By which it is taken.
+    ends : array_like
+        s (n + 1,), ascending; a kernel with a period has that from the first to the last, and f repeats.
+    pieces : array_like
+        The coefficients p (n, 3).
+    at, jumps : array_like
+        Places and heights (k,) of the jumps of f'', with a period those of one.
 
     Examples
     --------
