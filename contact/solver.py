@@ -104,7 +104,9 @@ def _solved(scene: Scene, tol: float, progress: Progress | None, near: Solution 
 
 
 def _solution(task: Task, outcome: Outcome) -> Solution:
+    scene, plan, tol = task.scene, task.plan, task.tol
     if isinstance(outcome, Full):
-        return made.of_full(task.scene, task.full, outcome.mean_pressure, task.plan, task.tol)
-    make = made.of_gaps if isinstance(outcome, Gapped) else made.of_zones
-    return make(task.scene, outcome, task.plan, task.tol)  # type: ignore[arg-type]
+        return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol)
+    if isinstance(outcome, Gapped):
+        return made.of_gaps(scene, outcome, plan, tol)
+    return made.of_zones(scene, outcome, plan, tol)

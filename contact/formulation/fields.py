@@ -186,6 +186,10 @@ class ZoneFields(sie.Kept):
         narrow, opening = self.density.opening(x)
         return np.where(narrow, opening, gap) if narrow.any() else gap
 
+    def formal_pressure(self, x: Array) -> Array:
+        """Scaled, whatever its sign."""
+        return np.asarray(self.density(x))
+
     def gap_between(self, lo: float, hi: float) -> Callable[[Array], Array]:
         """The scaled gap as a function on an interval without contact; cheap at many points where zones are many."""
         potential = self.density.potential_on(lo, hi) if len(self.density.zones) >= _MANY else None

@@ -68,6 +68,14 @@ class GapFields(sie.Kept):
         return np.column_stack((gaps.b, np.append(gaps.a[1:], gaps.a[0] + self.period)))
 
     # scaled -----------------------------------------------------------------------------------------------------------
+    def formal_gap(self, x: Array) -> Array:
+        """Scaled, whatever its sign: the integral of its slope."""
+        return np.asarray(self.density.integral(x))
+
+    def formal_pressure(self, x: Array) -> Array:
+        """Scaled, whatever its sign."""
+        return self.scaled_pressure(x)
+
     def scaled_pressure(self, x: Array) -> Array:
         """pbar - R + G s where there is contact, zero in the gaps."""
         inside = self.density.locate(x)[2]

@@ -18,8 +18,7 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.model.scene import Scene
 from contact.search.by_load import approach, contact_fraction, nearer
-from contact.search.gap_topology import settle_gaps
-from contact.search.gaps import OF_GAPS, by_gaps, tightened_gaps
+from contact.search.gaps import OF_GAPS, by_gaps, gaps_beside, tightened_gaps
 from contact.search.missed import Missed
 from contact.search.proposals import Proposed, of_width, placed
 from contact.search.scaling import Framed, framed_about
@@ -159,8 +158,8 @@ def _from(task: Task, problem: Problem, control: Control, near: Solution) -> Fou
         value = near.load / problem.units.load
         return task.settle(problem, control, placed(problem, near.zones), value=value, steps=_FEW, rounds=_FEW_ROUNDS)
     with task.plan.timed("zone ends"):
-        found = settle_gaps(problem, control, fields.relief, fields.density.zones.table, fields.mean, OF_GAPS * task.tolerance)
-        return found if isinstance(found, Missed) else tightened_gaps(task, found, control)
+        found = gaps_beside(problem, fields, control, OF_GAPS * task.tolerance, closely=False)
+        return found if isinstance(found, Missed) else tightened_gaps(task, found)
 
 
 def _to_width(task: Task, load: float, near: Solution | None, tol: float) -> Solution:

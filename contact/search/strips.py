@@ -14,13 +14,14 @@ from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
 from contact.model.interactions.periodic import Periodic
+from contact.search.by_pressure import ByPressure
 from contact.search.first_order import FirstOrder
 from contact.search.guesses import EXACT, from_grid, search
 from contact.search.missed import Missed
 from contact.search.proposals import about, proposed
 from contact.search.scaling import Framed
 from contact.search.task import Task
-from contact.search.topology import settle
+from contact.search.topology import Newton, settle
 from contact.verify.accuracy import Found
 
 Array = NDArray[np.float64]
@@ -79,7 +80,7 @@ def _moved(task: Task, frame: Framed, found: Found, step: float, rate: Array | N
     problem, table = found.fields.problem, found.free.density.zones.table
     for _ in range(_SHORTENED):
         there, expected = problem.about(problem.centre + step), table if rate is None else table + step * rate
-        moved = settle(there, frame.control, expected, task.tolerance, formal=True, near=True)
+        moved = settle(ByPressure(there), frame.control, expected, Newton(task.tolerance, near=True), formal=True)
         if isinstance(moved, Found):
             return moved, False
         try:
@@ -136,7 +137,7 @@ def _reference(task: Task, problem: Problem, control: Control, start: Array | No
     middle = 0.5 * float(start[0, 0] + start[-1, 1])
     if len(start) > 1 or abs(middle) > 0.25 * float(start[0, 1] - start[0, 0]):
         problem = problem.about(middle)
-    found = settle(problem, control, start, task.tolerance, formal=True)
+    found = settle(ByPressure(problem), control, start, Newton(task.tolerance), formal=True)
     if isinstance(found, Missed):
         raise OutOfRange(f"the isolated reference of the first-order closure has no solution: {found.reason}; {EXACT}")
     return found

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged
-from contact.formulation.controls import scaled_control
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
 from contact.formulation.problem import Problem
@@ -17,7 +16,7 @@ from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.solution.plan import Plan
 from contact.solution.solution import Solution, limit_of_approach
-from contact.verify.accuracy import Found, limit, of_positions, stated_error, too_thin
+from contact.verify.accuracy import Found, limit, of_positions, too_thin
 from contact.verify.certificate import Certificate
 from contact.verify.gap_accuracy import Gapped
 
@@ -42,9 +41,8 @@ def of_zones(scene: Scene, found: Found, plan: Plan, tol: float) -> Solution:
     else:
         plan["holes"].reason = "no narrow gaps between zones"
     _tell_sizes(plan, len(zones), found.free.state)
-    error = stated_error(found, scaled_control(scene, problem.units))
     table = in_cell(scene, np.asarray(problem.units.x(zones.table)))
-    solution = Solution(scene, table, found.fields, error, found.certificate, plan, found.free.trace)
+    solution = Solution(scene, table, found.fields, found.error, found.certificate, plan, found.free.trace)
     return _within(tol, solution, found.free, "zone", of_positions(found))
 
 

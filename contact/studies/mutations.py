@@ -86,7 +86,7 @@ MUTATIONS = (
     ),
     Mutation(
         "stated error of nothing", "contact/solution/made.py",
-        "solution = Solution(scene, table, found.fields, error, found.certificate, plan, found.free.trace)",
+        "solution = Solution(scene, table, found.fields, found.error, found.certificate, plan, found.free.trace)",
         "solution = Solution(scene, table, found.fields, 0.0, found.certificate, plan, found.free.trace)",
     ),
     Mutation(
@@ -110,7 +110,7 @@ MUTATIONS = (
     ),
     Mutation(
         "localization: a strip half a period too wide", "contact/model/operator.py",
-        "0.5 * (2 * interaction.neighbours + 1) * period", "0.5 * (2 * interaction.neighbours + 2) * period",
+        "0.5 * (2 * interaction.neighbours + 1) * period, period", "0.5 * (2 * interaction.neighbours + 2) * period, period",
         ("tests/contact/test_localized.py",),
     ),
     Mutation(
@@ -129,7 +129,8 @@ MUTATIONS = (
     ),
     Mutation(
         "nearly full contact: the mean gap of the wrong sign", "contact/formulation/gaps.py",
-        "* self.problem.units.height - self.mean_gap", "* self.problem.units.height + self.mean_gap", ("tests/contact/test_gapped.py",),
+        "* self.mean) * self.problem.units.height - self.mean_gap",
+        "* self.mean) * self.problem.units.height + self.mean_gap", ("tests/contact/test_gapped.py",),
     ),
     Mutation(
         "stiffness without the response of the load", "contact/formulation/fields.py",
@@ -154,7 +155,7 @@ MUTATIONS = (
         ("tests/contact/test_plan.py",),
     ),
     Mutation(
-        "symmetric zones solved as if they were not", "contact/search/topology.py",
+        "symmetric zones solved as if they were not", "contact/search/by_pressure.py",
         "return sie.Zones.of(table, left, right, symmetric=symmetric)", "return sie.Zones.of(table, left, right)",
         ("tests/contact/test_plan.py",),
     ),

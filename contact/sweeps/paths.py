@@ -22,18 +22,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import sie
 from contact.errors import NotConverged, SceneError, unwarned, warn
-from contact.formulation.controls import Load
-from contact.formulation.fields import ZoneFields
-from contact.formulation.gaps import GapFields
 from contact.formulation.maxima import maximum
 from contact.formulation.roots import bracketed
 from contact.model.checks import finite_array
 from contact.model.scene import Scene
-from contact.search.gap_topology import with_gaps
+from contact.search.formulations import formulation_of
 from contact.search.missed import WrongTopology
-from contact.search.topology import Progress, kinds
+from contact.search.topology import Progress
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solve
@@ -241,8 +237,7 @@ class _Path:
             return _full_event(self.scene, low)
         first, second = (high, low) if change.back else (low, high)
         side = first if change.kind == "birth" else second
-        make = _conditions(side)[change.kind]
-        condition = make(side.fields, first, second, change)
+        condition = _CONDITIONS[change.kind](side.fields, first, second, change)
         load = condition.problem.units.load
         try:
             # Each state starts from the zones of the last: close to a zero its sign may depend on the way there.
@@ -301,7 +296,7 @@ class _Condition:
         raise NotImplementedError
 
     def __init__(self, fields: Any, low: Solution, high: Solution, change: _Change) -> None:
-        self.problem, self.fields = fields.problem, fields
+        self.problem, self.form = fields.problem, formulation_of(fields)
         # Of the loads at which it was evaluated: the zones (or gaps) found there.
         self.tables: dict[float, Array] = {fields.load / fields.problem.units.load: fields.density.zones.table}
         if change.kind == "birth":
@@ -327,17 +322,10 @@ class _Condition:
         return np.asarray(table) if kept.all() else first
 
     def formal(self, load: float) -> Any:
-        """Fields with this number of zones at a load, whatever the signs; later calls start from these zones."""
-        control = Load(load)
-        zones, equation = kinds(self.problem, control, self.start(load)), self.problem.equation(control)
-        try:
-            free = sie.find_ends(equation, zones, _ENDS, walls=self.problem.walls, decay=_DECAY, settled=False)
-        except sie.SingularSystem as failure:
-            raise WrongTopology(f"the equation has no solution on such zones ({failure})", None) from failure
-        if not free.converged:
-            raise WrongTopology("the zones do not go on to this load", free)
-        self.tables[load] = free.density.zones.table
-        return ZoneFields(self.problem, free.state)
+        """Fields with this number of zones, or of gaps, at a load, whatever the signs; later calls start from these."""
+        fields = self.form.formal(load, self.start(load), _ENDS, _DECAY)
+        self.tables[load] = fields.density.zones.table
+        return fields
 
     def least(self, function: Callable[[Array], Array]) -> float:
         place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), levels=_ZOOMS, peaks=1)
@@ -356,37 +344,10 @@ class _Merge(_Condition):
     """The least pressure between two zones that have become one."""
 
     def __call__(self, load: float) -> float:
-        return self.least(self.formal(load).density)
+        return self.least(self.formal(load).formal_pressure)
 
 
-class _ByGaps(_Condition):
-    """The same for fields that come from their gaps."""
-
-    def formal(self, load: float) -> Any:
-        assert self.problem.period is not None
-        fields = with_gaps(self.fields, load / self.problem.period, self.start(load), _ENDS, _DECAY)
-        self.tables[load] = fields.density.zones.table
-        return fields
-
-
-class _BirthInGap(_ByGaps):
-    """The least opening of a gap about the place where the higher load has a zone."""
-
-    def __call__(self, load: float) -> float:
-        return self.least(self.formal(load).density.integral)
-
-
-class _GapClosed(_ByGaps):
-    """The least pressure where a gap was."""
-
-    def __call__(self, load: float) -> float:
-        return self.least(self.formal(load).scaled_pressure)
-
-
-def _conditions(side: Solution) -> dict[str, type[_Condition]]:
-    if isinstance(side.fields, GapFields):
-        return {"birth": _BirthInGap, "merge": _GapClosed}
-    return {"birth": _Birth, "merge": _Merge}
+_CONDITIONS: dict[str, type[_Condition]] = {"birth": _Birth, "merge": _Merge}
 
 
 def _scaled(fields: Any, zone: Array) -> tuple[float, float]:

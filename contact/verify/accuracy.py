@@ -8,15 +8,16 @@ pressure follows its ends (`sie.Density.sensitivity`), and is off itself by the 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.verify.certificate import ROUNDING, Certificate
+from contact.verify.certificate import ROUNDING
+from contact.verify.settled import Settled
 
 Array = NDArray[np.float64]
 
@@ -32,21 +33,17 @@ _MODES, _CANCELLED = 5.0, 4e-15
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
-    """Zones that passed: the Newton result, the load-controlled fields, the certificate, the rounds it took, the tolerance.
-    off: how far its control may have been missed, in ends over the width of their zones."""
+class Found(Settled):
+    """Zones that passed. off: how far the control may have been missed, in ends over the width of their zones."""
 
-    free: sie.Free
     fields: ZoneFields
-    certificate: Certificate
-    rounds: int
-    control: Control
-    tolerance: float = 0.0
-    off: float = 0.0
+
+    @cached_property
+    def error(self) -> float:
+        return _stated(self)
 
 
-def stated_error(found: Found, control: Control) -> float:
-    """Bound of the errors of pressure and ends."""
+def _stated(found: Found) -> float:
     free, state = found.free, found.fields.state
     density = state.density
     ends = free.end_error + state.end_truncation + found.off
@@ -55,7 +52,7 @@ def stated_error(found: Found, control: Control) -> float:
     moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
     on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
     error = max(float(ends.max(initial=0.0)) + ROUNDING, of_positions(found) + ROUNDING, moved + on_zones) + _of_body(found)
-    if control.approach is None:
+    if found.control.approach is None:
         return error
     # A stiff contact turns the rounding of its level into load.
     fields, units = found.fields, found.fields.problem.units

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 import sie
 from contact.formulation.fields import moved_ends
 from contact.formulation.gaps import GapFields
-from contact.verify.certificate import ROUNDING, Certificate
+from contact.verify.certificate import ROUNDING
+from contact.verify.settled import Settled
 
 Array = NDArray[np.float64]
 
@@ -27,14 +28,10 @@ _BESIDE_TIPS = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Gapped:
-    """Gaps that passed: the Newton result, the fields, the certificate, and how far the mean pressure may be off where it
-    was found from another control."""
+class Gapped(Settled):
+    """Gaps that passed. off: how far the mean pressure may be off where it was found from another control."""
 
-    free: sie.Free
     fields: GapFields
-    certificate: Certificate
-    off: float = 0.0
 
     @cached_property
     def error(self) -> float:

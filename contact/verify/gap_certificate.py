@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,16 +16,7 @@ NARROWEST = 1e-13
 _EPS = 2.2e-16
 
 
-@dataclass(frozen=True)
-class Signs:
-    """The certificate, and where it fails: scaled intervals of negative pressure, and of overlap in the gaps."""
-
-    certificate: Certificate
-    negative: Array
-    overlaps: Array
-
-
-def certify_gaps(fields: GapFields) -> Signs:
+def certify_gaps(fields: GapFields) -> Certificate:
     """Signs of gap and pressure on the whole period."""
     smallest_gap, overlaps, looked = _openings(fields)
     least, negative, dip, points = _pressures(fields)
@@ -37,12 +26,12 @@ def certify_gaps(fields: GapFields) -> Signs:
     note = "solved by its gaps"
     if left_out:
         note += f"; {left_out} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of the period"
-    certificate = Certificate(
+    return Certificate(
         smallest_pressure=least * units.pressure, smallest_gap=smallest_gap * units.height, gap_rounding=0.0,
         load_balance=0.0, level_spread=0.0, points=looked + points, holds=not (negative or overlaps),
         undecided=left_out > 0 or (dip <= DIP_ROUNDING and not negative), note=note, dip=dip,
+        negative=np.array(sorted(negative)).reshape(-1, 2), overlaps=np.array(sorted(overlaps)).reshape(-1, 2),
     )
-    return Signs(certificate, np.array(sorted(negative)).reshape(-1, 2), np.array(overlaps).reshape(-1, 2))
 
 
 def _openings(fields: GapFields) -> tuple[float, list[tuple[float, float]], int]:
