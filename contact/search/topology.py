@@ -122,7 +122,7 @@ def _rounds(
     for done in range(1, rounds + 1):
         if progress is not None:
             progress(f"{form.what}s", done, None)
-        free = _moved(form, control, table, newton, free)
+        free = _ended(form, control, table, newton, free)
         newton = newton if free.value is None else replace(newton, value=free.value)
         ended = free.density.zones.table
         if len(free.lost) or len(free.met):
@@ -139,27 +139,13 @@ def _rounds(
         if certificate.holds:
             yield form.settled(free, fields, certificate, done, control, newton.tolerance)
             table, newton = ended, replace(newton, tolerance=TIGHT, near=False)
-            continue
-        if control.half_width is not None:
-            raise WrongTopology("pressure or gap change sign", free)
-        tighter = replace(newton, tolerance=max(TIGHT, CLOSER * newton.tolerance))
-        if newton.tolerance > TIGHT and _is_error(free, certificate):
-            table, newton = ended, tighter
-            continue
-        if newton.near:
-            raise WrongTopology(f"there are other {form.what}s than these", free)
-        table = form.corrected(free.density.zones, certificate)
-        if any(same(ended, before) for at, before in tried if at == newton.tolerance):
-            # To and fro between two numbers of intervals: the error of one of them, or rounding, makes its signs fail.
-            if newton.tolerance <= TIGHT:
-                raise WrongTopology(f"the number of {form.what}s did not settle", free)
-            table, newton = ended, tighter
-        tried.append((newton.tolerance, ended))
+        else:
+            table, newton = _again(form, control, free, certificate, newton, tried)
     raise WrongTopology(f"the number of {form.what}s did not settle", free)
 
 
-def _moved(form: Formulation[Kind], control: Control, table: Array, newton: Newton, before: sie.Free | None) -> sie.Free:
-    """Newton on the ends of proposed intervals; WrongTopology where these, or what they come to, lead to no solution."""
+def _ended(form: Formulation[Kind], control: Control, table: Array, newton: Newton, before: sie.Free | None) -> sie.Free:
+    """Newton from a table; WrongTopology where that leads nowhere. before: the last Newton result."""
     if len(table) and not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
         raise WrongTopology(f"the {form.what}s are too narrow to tell their ends apart", before)
     try:
@@ -170,6 +156,27 @@ def _moved(form: Formulation[Kind], control: Control, table: Array, newton: Newt
     if newton.near and not free.converged:
         raise WrongTopology(f"the {form.what}s are not near those of the solution", free)
     return free
+
+
+def _again(
+    form: Formulation[Kind], control: Control, free: sie.Free, certificate: Certificate, newton: Newton, tried: list[tuple[float, Array]]
+) -> tuple[Array, Newton]:
+    """Where to begin once more, and how, after signs have failed. tried: tolerances and intervals at which they did so before."""
+    ended, tighter = free.density.zones.table, replace(newton, tolerance=max(TIGHT, CLOSER * newton.tolerance))
+    if control.half_width is not None:
+        raise WrongTopology("pressure or gap change sign", free)
+    if newton.tolerance > TIGHT and _is_error(free, certificate):
+        return ended, tighter
+    if newton.near:
+        raise WrongTopology(f"there are other {form.what}s than these", free)
+    table = form.corrected(free.density.zones, certificate)
+    if any(same(ended, before) for at, before in tried if at == newton.tolerance):
+        # To and fro between two numbers of intervals: the error of one of them, or rounding, makes its signs fail.
+        if newton.tolerance <= TIGHT:
+            raise WrongTopology(f"the number of {form.what}s did not settle", free)
+        table, newton = ended, tighter
+    tried.append((newton.tolerance, ended))
+    return table, newton
 
 
 def off(free: sie.Free) -> Array:

@@ -22,22 +22,27 @@ Linear = tuple[Array, Array]
 
 
 class Rows(Protocol):
-    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order.
+    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order; (matrix, constants) stands for the
+    quantities matrix @ unknowns + constants.
 
     Examples
     --------
-    A condition of one's own, that the first zone has twice the total of the second:
+    A condition that makes the first zone hold a given part of the total.
 
     >>> import numpy as np, sie
-    >>> class Twice(sie.Condition):
-    ...     def count(self, zones): return 1
-    ...     def rows(self, system):
+    >>> class Part(sie.Condition):
+    ...     def __init__(self, part):
+    ...         self.part = part
+    ...     def count(self, zones):
+    ...         return 1
+    ...     def rows(self, system: sie.Rows):
     ...         matrix, constants = system.totals()
-    ...         return matrix[:1] - 2 * matrix[1:], constants[:1] - 2 * constants[1:], np.zeros(1)
-    >>> pair = sie.Zones.of([[-2.0, -1.0], [1.0, 2.0]], sie.SINGULAR, sie.SINGULAR)
-    >>> given = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(3.0), Twice()))
-    >>> sie.solve(given, pair).density.totals.round(9).tolist()
-    [2.0, 1.0]
+    ...         weight = (np.arange(len(constants)) == 0) - self.part
+    ...         return weight[None] @ matrix, np.array([weight @ constants]), np.zeros(1)
+    >>> charge = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(1.0), Part(0.25)))
+    >>> found = sie.solve(charge, sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR))
+    >>> found.density.totals.round(12).tolist()
+    [0.25, 0.75]
     """
 
     @property
