@@ -233,6 +233,7 @@ class TestFirstOrderSearch:
         with pytest.raises(contact.OutOfRange, match="first-order closure"):
             contact.solve(random_scenes.draw(11348).scene)
 
+    @pytest.mark.slow
     def test_a_strip_with_very_many_zones_is_solved_by_fast_sums(self):
         rng = np.random.default_rng(5)
         trace = contact.Sampled(np.arange(600.0), 1e-3 * rng.normal(size=600), period=600.0)
