@@ -488,14 +488,9 @@ def _state(
     return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, left_over, sizes)
 
 
-def assembled(
-    equation: Equation, zones: Zones, m: Index, sizes: Sizes, tolerance: float, scale: Array | None = None
-) -> tuple[System, Array, Array, Array]:
-    """(system, matrix, right side, condition scale) at given zones and coupled modes, without solving."""
-    steps = equation.forcing.jumps_within(zones, equation.kernel)
-    samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, int(sizes.own.max()))
-    system = System(equation, zones, m, samples.coefficients, steps)
-    return system, *_rows(equation, system, scale)
+def rows_of(state: State) -> Array:
+    """The rows that a state was solved with, over the kept unknowns."""
+    return _rows(state.equation, state.system, state.condition_scale)[0]
 
 
 def _rows(equation: Equation, system: System, scale: Array | None = None) -> tuple[Array, Array, Array]:
