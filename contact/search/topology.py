@@ -103,7 +103,7 @@ def _rounds(
             yield Found(free, fields, NOT_CHECKED, done, control, tolerance)
             return
         with timed("certificate"):
-            certificate = certify(fields, control.load)
+            certificate = certify(fields, control.load, control.name)
         if certificate.holds:
             yield Found(free, fields, certificate, done, control, tolerance)
             table, tolerance, near = free.density.zones.table, TIGHT, False

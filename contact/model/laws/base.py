@@ -22,6 +22,8 @@ class Law(sie.Kept):
     are no first guesses from a grid's pressure alone, and no load path.
     by_gaps: whether there is nothing between the bodies where they do not touch, so that contact nearly full may be solved by its gaps.
     full_contact: whether full contact is that of the least pressure zero.
+    bare: a convex law of which every contact lies within one that is reached by growing under this one, where there are several: their
+    branch is followed from there (contact.search.branches).
     """
 
     name: ClassVar[str]
@@ -31,6 +33,7 @@ class Law(sie.Kept):
     convex: ClassVar[bool] = False
     by_gaps: ClassVar[bool] = False
     full_contact: ClassVar[bool] = False
+    bare: ClassVar[Law | None] = None
 
     def intensity(self, E_star: float) -> float:
         """K [Pa m^(1/2)] at the ends of zones that are free to move, or held where a half width is given; negative where it pulls."""

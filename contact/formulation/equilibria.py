@@ -1,0 +1,292 @@
+r"""Curves of equilibria under a law of prescribed intensities, and the ways along them: by a growing or shrinking contact, and by turning
+points.
+
+With r_i = K_i - K* at every end, K* < 0 of the law, an end is driven outward while r_i > 0: by ds the energy changes by
+(pi/E*)(K_i^2 - K*^2) ds. Under a held load or approach the other ends only gain by it, d r_j/ds_i >= 0, since what an end pulls down
+comes nearer for the others. So the ends that are driven outward everywhere advance, together and without turning back, to the least
+equilibrium that holds them, and those that are driven inward everywhere recede to the greatest one within them: what a slowly changed
+control leads to, too (M. W. Hirsch, cooperative systems). Steps that keep to that are those of
+
+    (mu D - J) ds = r,   J = dr/ds,   D diagonal,
+
+with mu > 0 as long as J would let ends run away, and mu = 0, Newton's, near a stable equilibrium. Where an equilibrium ceases to be
+as the control falls, J has a zero eigenvalue: along the arc of the curve the control has an extreme there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.errors import NotConverged, OutOfRange
+from contact.formulation.controls import Approach, Control, Load
+from contact.formulation.problem import Problem
+
+Array = NDArray[np.float64]
+
+# A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's resolution.
+_INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
+# Ends at rest: the last step over the widths. Of r over its largest before, what a step may overshoot.
+_REST, _OVERSHOT = 1e-7, 0.25
+# A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
+_CLOSED, _DRIVEN, _OPENED = 1e-3, 0.5, 1e-4
+_MOST_STEPS, _MOST_TRIES = 600, 40
+# Along the arc: first and longest step in widths, Newton's steps in one, and how many.
+_FIRST, _LONGEST, _CORRECTIONS, _MOST_ARCS = 0.02, 0.3, 8, 600
+# Past a turning point ends are pushed on by this part of their zones.
+_PUSH = 0.03
+_PLACES = np.linspace(0.05, 0.95, 10)
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """Zones (n, 2) under a value of the control. residual: r over |K*| of the left and then the right ends (2n,); rates: dr/ds (2n, 2n);
+    by_value: dr/d(value); load and level: scaled."""
+
+    table: Array
+    value: float
+    residual: Array
+    rates: Array
+    by_value: Array
+    load: float
+    level: float
+
+    @property
+    def widths(self) -> Array:
+        """Of the zone of each end (2n,)."""
+        return np.tile(np.diff(self.table, axis=1)[:, 0], 2)
+
+    @property
+    def weight(self) -> Array:
+        """D: what drives ends over their motion."""
+        return np.maximum(np.abs(np.diag(self.rates)), 1.0 / self.widths)
+
+    @property
+    def growth(self) -> float:
+        """Largest eigenvalue of J over D: negative where the equilibrium is stable."""
+        return float(np.linalg.eigvals(self.rates / self.weight[:, None]).real.max())
+
+    def moved(self, outward: Array) -> Array:
+        """The zones with ends moved."""
+        left, right = np.split(outward, 2)
+        return self.table + np.column_stack((-left, right))
+
+
+class Closed(Exception):
+    """All gaps of a period have closed."""
+
+
+@dataclass(frozen=True)
+class Equilibria:
+    """Those of a problem under one kind of control, by load or by approach."""
+
+    problem: Problem
+    kind: type[Control]
+
+    def at(self, table: Array, value: float) -> Point:
+        """The state of given zones: one linear solution and its rates."""
+        problem, control = self.problem, self.kind(value)
+        lo, hi = problem.borders
+        if table[0, 0] <= lo or table[-1, 1] >= hi:
+            raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
+        zones = sie.Zones.of(table, problem.end, problem.end)
+        state = sie.solve_zones(problem.equation(control), zones, 1e-13)
+        assert isinstance(state, sie.State)
+        rates, wanted = sie.end_rates(state), problem.end.intensity
+        assert wanted is not None
+        size = abs(wanted)
+        values = np.zeros(len(state.condition_scale))
+        first = state.condition_index[0]
+        # The load is the total, the approach minus the level of every zone.
+        values[first : first + (1 if self.kind is Load else len(table))] = 1.0 if self.kind is Load else -1.0
+        unit = np.concatenate(state.response(values).intensities)
+        residual = (np.concatenate(state.density.intensities) - wanted) / size
+        level = float(state.levels.mean()) if self.kind is Load else -value
+        return Point(table, value, residual, rates.intensities / size, unit / size, state.density.total, level)
+
+    # growing and shrinking ------------------------------------------------------------------------------------------
+    def advanced(self, table: Array, value: float) -> Point:
+        """The least equilibrium that holds these zones, of which all ends are driven outward; `Closed` if there is none."""
+        found = self._flowed(table, value, 1.0)
+        assert found is not None
+        return found
+
+    def receded(self, table: Array, value: float) -> Point | None:
+        """The greatest equilibrium within these zones, of which all ends are driven inward; None: all have come apart."""
+        return self._flowed(table, value, -1.0)
+
+    def _flowed(self, table: Array, value: float, sign: float) -> Point | None:
+        first, here, damping = table, self.at(table, value), 0.0
+        for _ in range(_MOST_STEPS):
+            changed = self._merged(here) if sign > 0 else self._without_lost(here, first)
+            if changed is not None:
+                if len(changed) == 0:
+                    return None
+                here, damping = self.at(changed, value), 0.0
+                first = changed if sign < 0 else first
+                continue
+            here, move, damping = self._step(here, sign, damping)
+            if damping == 0.0 and move <= _REST:
+                return here
+        raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
+
+    def _step(self, here: Point, sign: float, damping: float) -> tuple[Point, float, float]:
+        """(next state, largest move over the widths, the damping mu of the step)."""
+        weight, limit, growth = here.weight, self._limits(here), here.growth
+        mu = max(0.25 * damping if damping > 1e-3 else 0.0, 1.5 * growth + 1e-3 if growth >= 0.0 else 0.0)
+        for _ in range(_MOST_TRIES):
+            step = np.linalg.solve(np.diag(mu * weight) - here.rates, here.residual)
+            back = sign * step < -1e-2 * here.widths
+            if np.all(np.abs(step) <= limit) and not back.any():
+                ahead = self.at(here.moved(step), here.value)
+                if _keeps_to(here, ahead, step, sign):
+                    return ahead, float(np.abs(step / here.widths).max()), mu
+            mu = 2.0 * mu + 1e-2
+        raise NotConverged("no step of the ends keeps to the branch")
+
+    def _limits(self, here: Point) -> Array:
+        """How far ends may move in a step (2n,)."""
+        widths, table, period = np.diff(here.table, axis=1)[:, 0], here.table, self.problem.period
+        gaps = np.append(table[1:, 0] - table[:-1, 1], np.inf if period is None else table[0, 0] + period - table[-1, 1])
+        room = _INTO_GAP * np.concatenate((np.roll(gaps, 1), gaps))
+        lo, hi = self.problem.borders
+        to_border = np.concatenate((np.where(np.arange(len(table)) == 0, table[:, 0] - lo, np.inf),
+                                    np.where(np.arange(len(table)) == len(table) - 1, hi - table[:, 1], np.inf)))
+        # An end may reach the border, and is told of it then.
+        room = np.minimum(room, np.maximum(1.1 * to_border, 0.0) + 1e-300)
+        resolution = self.problem.profile.resolution
+        known = np.inf if resolution is None else _OF_RESOLUTION * resolution / self.problem.units.length
+        inward = here.residual < 0
+        return np.where(inward, _INWARD * np.tile(widths, 2), np.minimum(_OUTWARD * np.tile(widths, 2), room)).clip(max=known)
+
+    def _merged(self, here: Point) -> Array | None:
+        """The zones without gaps that have closed; None if there is none."""
+        table, period = here.table, self.problem.period
+        left, right = np.split(here.residual, 2)
+        widths = np.diff(table, axis=1)[:, 0]
+        gap = np.append(table[1:, 0] - table[:-1, 1], np.inf if period is None else table[0, 0] + period - table[-1, 1])
+        beside = np.minimum(widths, np.roll(widths, -1))
+        closes = (gap < _CLOSED * beside) & (right > _DRIVEN) & (np.roll(left, -1) > _DRIVEN)
+        if not closes.any():
+            return None
+        if closes.all():
+            raise Closed
+        if closes[-1]:
+            # The zones are counted on from one that begins at an open gap.
+            assert period is not None
+            start = int(np.flatnonzero(~closes)[0]) + 1
+            table = np.concatenate((table[start:], table[:start] + period))
+            closes = np.roll(closes, -start)
+        begins = np.concatenate(([True], ~closes[:-1]))
+        return np.column_stack((table[begins, 0], table[~closes, 1]))
+
+    def _without_lost(self, here: Point, first: Array) -> Array | None:
+        """The zones without those that have come apart; None if there is none."""
+        left, right = np.split(here.residual, 2)
+        opened = (np.diff(here.table, axis=1) < _OPENED * np.diff(first, axis=1))[:, 0] & (left < -_DRIVEN) & (right < -_DRIVEN)
+        return here.table[~opened] if opened.any() else None
+
+    # along the arc --------------------------------------------------------------------------------------------------
+    def turning_point(self, here: Point) -> Point:
+        """Where the equilibrium ceases to be as the control falls."""
+        unit = 1.0 / float(np.abs(here.by_value).max())
+        tangent = _tangent(here, unit, None)
+        length = _FIRST
+        for _ in range(_MOST_ARCS):
+            ahead = self._along(here, tangent, length, unit)
+            if ahead is None:
+                length *= 0.3
+                if length < 1e-9:
+                    break
+                continue
+            onward = _tangent(ahead, unit, tangent / np.append(ahead.widths / here.widths, 1.0))
+            if onward[-1] >= 0.0:
+                return self._turned(here, tangent, length, unit)
+            here, tangent, length = ahead, onward, min(1.6 * length, _LONGEST)
+        raise NotConverged("no turning point was found as the control falls")
+
+    def _turned(self, here: Point, tangent: Array, length: float, unit: float) -> Point:
+        """The turning point within a step along the arc, by the rate of the control: regula falsi (Illinois)."""
+        def rate(at: Point | None) -> float:
+            assert at is not None
+            return float(_tangent(at, unit, tangent / np.append(at.widths / here.widths, 1.0))[-1])
+
+        low, high = 0.0, length
+        at_low, ahead = float(tangent[-1]), self._along(here, tangent, length, unit)
+        at_high, best = rate(ahead), ahead
+        for _ in range(40):
+            middle = (low * at_high - high * at_low) / (at_high - at_low)
+            best = self._along(here, tangent, middle, unit)
+            if best is None:
+                raise NotConverged("a turning point was not found")
+            here_rate = rate(best)
+            if abs(here_rate) < 1e-12 or high - low < 1e-13:
+                break
+            if here_rate < 0.0:
+                low, at_low, at_high = middle, here_rate, 0.5 * at_high
+            else:
+                high, at_high, at_low = middle, here_rate, 0.5 * at_low
+        assert best is not None
+        return best
+
+    def _along(self, here: Point, tangent: Array, length: float, unit: float) -> Point | None:
+        """The equilibrium at a distance along the tangent, perpendicular to it; None if Newton does not come to it at once."""
+        widths = here.widths
+        moved, value = length * tangent[:-1] * widths, here.value + length * tangent[-1] * unit
+        for k in range(_CORRECTIONS):
+            table = here.moved(moved)
+            if np.any(np.diff(table.ravel()) <= 0):
+                return None
+            at = self.at(table, value)
+            matrix = np.block([[at.rates * widths, at.by_value[:, None] * unit], [tangent[None]]])
+            step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
+            size = float(np.abs(step).max())
+            if size > (0.3 * length if k == 0 else length):
+                return None
+            moved, value = moved + step[:-1] * widths, value + step[-1] * unit
+            if size < 1e-11:
+                return self.at(here.moved(moved), value)
+        return None
+
+    def pull_off(self, here: Point) -> Point:
+        """Where the last zones come apart as the control falls from an equilibrium; those before do so one after the other."""
+        while True:
+            turned = self.turning_point(here)
+            unit = 1.0 / float(np.abs(turned.by_value).max())
+            onward = _tangent(turned, unit, None)[:-1]
+            onward = onward * (-np.sign(onward.sum()) * _PUSH / np.abs(onward).max())
+            rest = self.receded(turned.moved(onward * turned.widths), turned.value)
+            if rest is None:
+                return turned
+            here = rest
+
+
+def _keeps_to(here: Point, ahead: Point, step: Array, sign: float) -> bool:
+    """Whether a step has passed no equilibrium: ends are still driven as they were, at its end and, by a cubic, on the way."""
+    before, after = sign * here.residual, sign * ahead.residual
+    allowed = -_OVERSHOT * max(float(before.max()), 0.0) - 1e-9
+    if np.any(after < np.minimum(allowed, 0.5 * before)):
+        return False
+    if float(np.abs(step / here.widths).max()) < 1e-3:
+        return True
+    rise, fall = sign * (here.rates @ step), sign * (ahead.rates @ step)
+    u = _PLACES[:, None]
+    way = (1 + 2 * u) * (1 - u) ** 2 * before + u * (1 - u) ** 2 * rise + u**2 * (3 - 2 * u) * after + u**2 * (u - 1) * fall
+    return bool(np.all(way >= np.minimum(allowed, np.minimum(before, after))))
+
+
+def _tangent(at: Point, unit: float, before: Array | None) -> Array:
+    """Unit vector along the curve: motions over widths, and of the control over a unit; with the sense of the one before, else down."""
+    matrix = np.column_stack((at.rates * at.widths, at.by_value * unit))
+    _, _, rows = np.linalg.svd(matrix)
+    tangent = rows[-1]
+    back = tangent[-1] > 0 if before is None else tangent @ before < 0
+    return np.asarray(-tangent if back else tangent)
+
+
+def kind_of(control: Control) -> type[Control]:
+    """The control that is held."""
+    return Approach if control.approach is not None else Load
