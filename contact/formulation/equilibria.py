@@ -7,9 +7,10 @@ comes nearer for the others. So the ends that are driven outward everywhere adva
 equilibrium that holds them, and those that are driven inward everywhere recede to the greatest one within them: what a slowly changed
 control leads to, too (M. W. Hirsch, cooperative systems). Steps that keep to that are those of
 
-    (mu D - J) ds = r,   J = dr/ds,   D diagonal,
+    -J ds = r,   J = dr/ds,
 
-with mu > 0 as long as J would let ends run away, and mu = 0, Newton's, near a stable equilibrium. Where an equilibrium ceases to be
+Newton's, over the ends that go no farther than they are let, given what the others do: those among which J has a growing motion run away
+as far as they are let. Where an equilibrium ceases to be
 as the control falls, J has a zero eigenvalue: along the arc of the curve the control has an extreme there.
 """
 
@@ -29,8 +30,12 @@ Array = NDArray[np.float64]
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's resolution.
 _INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
-# Ends at rest: the last step over the widths. Of r over its largest before, what a step may overshoot.
-_REST, _OVERSHOT = 1e-7, 0.25
+# On the way the states are solved to this; ends at rest: the last step over the widths.
+_ROUGH, _REST = 1e-9, 1e-6
+# By how much of r, and of K*, a step may pass a place of rest; from how near an equilibrium Newton's step is taken as it is.
+_OVERSHOT, _SLIGHT, _NEAR = 0.1, 1e-4, 0.02
+# Ends that run away: from this growth on, those with this share of the fastest way.
+_SLOW, _SHARE = 1e-6, 0.2
 # A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
 _CLOSED, _DRIVEN, _OPENED = 1e-3, 0.5, 1e-4
 _MOST_STEPS, _MOST_TRIES = 600, 40
@@ -38,6 +43,8 @@ _MOST_STEPS, _MOST_TRIES = 600, 40
 _FIRST, _LONGEST, _CORRECTIONS, _MOST_ARCS = 0.02, 0.3, 8, 600
 # Past a turning point ends are pushed on by this part of their zones.
 _PUSH = 0.03
+# Of the control, before the last turning point is looked for.
+_HALVINGS = 5
 _PLACES = np.linspace(0.05, 0.95, 10)
 
 
@@ -61,13 +68,8 @@ class Point:
 
     @property
     def weight(self) -> Array:
-        """D: what drives ends over their motion."""
+        """What drives ends over their motion: in these, growing motions of wide and of narrow zones are compared."""
         return np.maximum(np.abs(np.diag(self.rates)), 1.0 / self.widths)
-
-    @property
-    def growth(self) -> float:
-        """Largest eigenvalue of J over D: negative where the equilibrium is stable."""
-        return float(np.linalg.eigvals(self.rates / self.weight[:, None]).real.max())
 
     def moved(self, outward: Array) -> Array:
         """The zones with ends moved."""
@@ -86,14 +88,14 @@ class Equilibria:
     problem: Problem
     kind: type[Control]
 
-    def at(self, table: Array, value: float) -> Point:
+    def at(self, table: Array, value: float, tolerance: float = 1e-13) -> Point:
         """The state of given zones: one linear solution and its rates."""
         problem, control = self.problem, self.kind(value)
         lo, hi = problem.borders
         if table[0, 0] <= lo or table[-1, 1] >= hi:
             raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
         zones = sie.Zones.of(table, problem.end, problem.end)
-        state = sie.solve_zones(problem.equation(control), zones, 1e-13)
+        state = sie.solve_zones(problem.equation(control), zones, tolerance)
         assert isinstance(state, sie.State)
         rates, wanted = sie.end_rates(state), problem.end.intensity
         assert wanted is not None
@@ -119,55 +121,57 @@ class Equilibria:
         return self._flowed(table, value, -1.0)
 
     def _flowed(self, table: Array, value: float, sign: float) -> Point | None:
-        first, here, damping = table, self.at(table, value), 0.0
+        first, here = table, self.at(table, value, _ROUGH)
         for _ in range(_MOST_STEPS):
             changed = self._merged(here) if sign > 0 else self._without_lost(here, first)
             if changed is not None:
                 if len(changed) == 0:
                     return None
-                here, damping = self.at(changed, value), 0.0
+                here = self.at(changed, value, _ROUGH)
                 first = changed if sign < 0 else first
                 continue
-            here, move, damping = self._step(here, sign, damping)
-            if damping == 0.0 and move <= _REST:
+            here, move = self._step(here, sign)
+            if move <= _REST:
                 return here
         raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
 
-    def _step(self, here: Point, sign: float, damping: float) -> tuple[Point, float, float]:
-        """(next state, largest move over the widths, the damping mu of the step)."""
-        weight, limit, growth = here.weight, self._limits(here), here.growth
-        mu = max(0.25 * damping if damping > 1e-3 else 0.0, 1.5 * growth + 1e-3 if growth >= 0.0 else 0.0)
+    def _step(self, here: Point, sign: float) -> tuple[Point, float]:
+        """(next state, largest move over the widths)."""
+        limit = self._limits(here, sign)
         for _ in range(_MOST_TRIES):
-            step = np.linalg.solve(np.diag(mu * weight) - here.rates, here.residual)
-            back = sign * step < -1e-2 * here.widths
-            if np.all(np.abs(step) <= limit) and not back.any():
-                ahead = self.at(here.moved(step), here.value)
-                if _keeps_to(here, ahead, step, sign):
-                    return ahead, float(np.abs(step / here.widths).max()), mu
-            mu = 2.0 * mu + 1e-2
+            step = _kept_step(here, sign, limit)
+            ahead = self.at(here.moved(step), here.value, _ROUGH)
+            passed = _passed(here, ahead, step, sign)
+            if not passed.any():
+                return ahead, float(np.abs(step / here.widths).max())
+            # What has passed an equilibrium moves less; if that is of no avail, so do all.
+            limit = np.where(passed, 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
         raise NotConverged("no step of the ends keeps to the branch")
 
-    def _limits(self, here: Point) -> Array:
+    def _limits(self, here: Point, sign: float) -> Array:
         """How far ends may move in a step (2n,)."""
-        widths, table, period = np.diff(here.table, axis=1)[:, 0], here.table, self.problem.period
-        gaps = np.append(table[1:, 0] - table[:-1, 1], np.inf if period is None else table[0, 0] + period - table[-1, 1])
-        room = _INTO_GAP * np.concatenate((np.roll(gaps, 1), gaps))
-        lo, hi = self.problem.borders
-        to_border = np.concatenate((np.where(np.arange(len(table)) == 0, table[:, 0] - lo, np.inf),
-                                    np.where(np.arange(len(table)) == len(table) - 1, hi - table[:, 1], np.inf)))
-        # An end may reach the border, and is told of it then.
-        room = np.minimum(room, np.maximum(1.1 * to_border, 0.0) + 1e-300)
         resolution = self.problem.profile.resolution
         known = np.inf if resolution is None else _OF_RESOLUTION * resolution / self.problem.units.length
-        inward = here.residual < 0
-        return np.where(inward, _INWARD * np.tile(widths, 2), np.minimum(_OUTWARD * np.tile(widths, 2), room)).clip(max=known)
+        if sign < 0:
+            return np.minimum(_INWARD * here.widths, known)
+        gaps = self._gaps(here.table)
+        room = _INTO_GAP * np.concatenate((np.roll(gaps, 1), gaps))
+        # An end may reach the border, and is told of it then.
+        lo, hi = self.problem.borders
+        room[0], room[-1] = min(room[0], 1.1 * (here.table[0, 0] - lo)), min(room[-1], 1.1 * (hi - here.table[-1, 1]))
+        return np.minimum(np.minimum(_OUTWARD * here.widths, room), known)
+
+    def _gaps(self, table: Array) -> Array:
+        """Right of each zone; infinite beyond the last without a period."""
+        period = self.problem.period
+        return np.append(table[1:, 0] - table[:-1, 1], np.inf if period is None else table[0, 0] + period - table[-1, 1])
 
     def _merged(self, here: Point) -> Array | None:
         """The zones without gaps that have closed; None if there is none."""
         table, period = here.table, self.problem.period
         left, right = np.split(here.residual, 2)
         widths = np.diff(table, axis=1)[:, 0]
-        gap = np.append(table[1:, 0] - table[:-1, 1], np.inf if period is None else table[0, 0] + period - table[-1, 1])
+        gap = self._gaps(table)
         beside = np.minimum(widths, np.roll(widths, -1))
         closes = (gap < _CLOSED * beside) & (right > _DRIVEN) & (np.roll(left, -1) > _DRIVEN)
         if not closes.any():
@@ -253,8 +257,14 @@ class Equilibria:
 
     def pull_off(self, here: Point) -> Point:
         """Where the last zones come apart as the control falls from an equilibrium; those before do so one after the other."""
+        here, high = self._apart(here)
+        # Between a value that holds and one that does not: near enough for the arc to have one turning point.
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (here.value + high)
+            rest = self.receded(here.table, middle)
+            here, high = (rest, high) if rest is not None else (here, middle)
         while True:
-            turned = self.turning_point(here)
+            turned = self.turning_point(self.settled(here))
             unit = 1.0 / float(np.abs(turned.by_value).max())
             onward = _tangent(turned, unit, None)[:-1]
             onward = onward * (-np.sign(onward.sum()) * _PUSH / np.abs(onward).max())
@@ -263,19 +273,70 @@ class Equilibria:
                 return turned
             here = rest
 
+    def _apart(self, here: Point) -> tuple[Point, float]:
+        """(an equilibrium, a lower value of the control under which there is none) as the control falls."""
+        step = 1.0 / float(np.abs(here.by_value).max())
+        for _ in range(_MOST_TRIES * 4):
+            rest = self.receded(here.table, here.value - step)
+            if rest is None:
+                return here, here.value - step
+            here, step = rest, 2.0 * step
+        raise NotConverged("the surfaces do not come apart as the control falls")
 
-def _keeps_to(here: Point, ahead: Point, step: Array, sign: float) -> bool:
-    """Whether a step has passed no equilibrium: ends are still driven as they were, at its end and, by a cubic, on the way."""
+    def settled(self, here: Point) -> Point:
+        """The equilibrium near by, tightly."""
+        for _ in range(_CORRECTIONS):
+            here = self.at(here.table, here.value)
+            step = np.linalg.solve(-here.rates, here.residual)
+            if np.abs(step / here.widths).max() < 1e-11:
+                return here
+            here = self.at(here.moved(step), here.value)
+        return here
+
+
+def _kept_step(here: Point, sign: float, limit: Array) -> Array:
+    """Newton's step, in which ends go no farther than their limits, nor back, and those that would run away as far as these let them."""
+    rates, residual, widths = here.rates, here.residual, here.widths
+    plain = here.weight[:, None]
+    if np.linalg.eigvals(rates / plain).real.max() < 0.0:
+        step = np.linalg.solve(-rates, residual)
+        if np.all(np.abs(step) <= np.minimum(limit, _NEAR * widths)):
+            # So near to a stable equilibrium an end may come back by the square of a step.
+            return np.asarray(step)
+    step, free = np.zeros_like(residual), np.ones(len(residual), dtype=bool)
+    while free.any():
+        inner = rates[np.ix_(free, free)]
+        growth, ways = np.linalg.eig(inner / plain[free])
+        worst = int(np.argmax(growth.real))
+        place = np.flatnonzero(free)
+        if growth[worst].real > -_SLOW:
+            runs = np.abs(ways[:, worst])
+            out = place[runs > _SHARE * runs.max()]
+            step[out] = np.where(sign * residual[out] > 0, sign * limit[out], 0.0)
+            free[out] = False
+            continue
+        here_step = np.linalg.solve(-inner, residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
+        far, back = np.abs(here_step) > limit[free] * (1 + 1e-12), sign * here_step < 0
+        if not (far | back).any():
+            step[free] = here_step
+            break
+        out = far | back
+        step[place[out]] = np.where(back, 0.0, sign * limit[free])[out]
+        free[place[out]] = False
+    return step
+
+
+def _passed(here: Point, ahead: Point, step: Array, sign: float) -> NDArray[np.bool_]:
+    """Which ends have passed a place of rest in a step: they are driven the other way at its end or, by a cubic, on the way."""
     before, after = sign * here.residual, sign * ahead.residual
-    allowed = -_OVERSHOT * max(float(before.max()), 0.0) - 1e-9
-    if np.any(after < np.minimum(allowed, 0.5 * before)):
-        return False
+    allowed = np.minimum(-_OVERSHOT * np.abs(before) - _SLIGHT, 2.0 * before)
+    passed = after < allowed
     if float(np.abs(step / here.widths).max()) < 1e-3:
-        return True
+        return np.asarray(passed)
     rise, fall = sign * (here.rates @ step), sign * (ahead.rates @ step)
     u = _PLACES[:, None]
     way = (1 + 2 * u) * (1 - u) ** 2 * before + u * (1 - u) ** 2 * rise + u**2 * (3 - 2 * u) * after + u**2 * (u - 1) * fall
-    return bool(np.all(way >= np.minimum(allowed, np.minimum(before, after))))
+    return np.asarray(passed | np.any(way < np.minimum(allowed, after), axis=0))
 
 
 def _tangent(at: Point, unit: float, before: Array | None) -> Array:
