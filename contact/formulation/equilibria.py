@@ -9,14 +9,15 @@ control leads to, too (M. W. Hirsch, cooperative systems). Steps that keep to th
 
     -J ds = r,   J = dr/ds,
 
-Newton's, over the ends that go no farther than they are let, given what the others do: those among which J has a growing motion run away
-as far as they are let. Where an equilibrium ceases to be
+Newton's, over the ends that go no farther than they are let, given what the others do; where J has growing motions, mu D - J in place
+of -J, D diagonal, mu above their growth. Where an equilibrium ceases to be
 as the control falls, J has a zero eigenvalue: along the arc of the curve the control has an extreme there.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,11 +34,9 @@ _INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
 # On the way the states are solved to this; ends at rest: the last step over the widths.
 _ROUGH, _REST = 1e-9, 1e-6
 # By how much of r, and of K*, a step may pass a place of rest; from how near an equilibrium Newton's step is taken as it is.
-_OVERSHOT, _SLIGHT, _NEAR = 0.1, 1e-4, 0.02
-# Ends that run away: from this growth on, those with this share of the fastest way.
-_SLOW, _SHARE = 1e-6, 0.2
+_OVERSHOT, _SLIGHT, _NEAR, _FAR = 0.1, 1e-4, 0.02, 0.05
 # A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
-_CLOSED, _DRIVEN, _OPENED = 1e-3, 0.5, 1e-4
+_CLOSED, _DRIVEN, _OPENED = 1e-2, 0.5, 0.02
 _MOST_STEPS, _MOST_TRIES = 600, 40
 # Along the arc: first and longest step in widths, Newton's steps in one, and how many.
 _FIRST, _LONGEST, _CORRECTIONS, _MOST_ARCS = 0.02, 0.3, 8, 600
@@ -70,6 +69,11 @@ class Point:
     def weight(self) -> Array:
         """What drives ends over their motion: in these, growing motions of wide and of narrow zones are compared."""
         return np.maximum(np.abs(np.diag(self.rates)), 1.0 / self.widths)
+
+    @cached_property
+    def growth(self) -> float:
+        """Largest eigenvalue of J over D: negative where an equilibrium is stable."""
+        return float(np.linalg.eigvals(self.rates / self.weight[:, None]).real.max())
 
     def moved(self, outward: Array) -> Array:
         """The zones with ends moved."""
@@ -121,45 +125,49 @@ class Equilibria:
         return self._flowed(table, value, -1.0)
 
     def _flowed(self, table: Array, value: float, sign: float) -> Point | None:
-        first, here = table, self.at(table, value, _ROUGH)
+        here = self.at(table, value)
+        widths, residual = here.widths, here.residual
         for _ in range(_MOST_STEPS):
-            changed = self._merged(here) if sign > 0 else self._without_lost(here, first)
-            if changed is not None:
-                if len(changed) == 0:
+            if sign > 0 and (merged := self._merged(here)) is not None:
+                here = self.at(merged, value)
+                continue
+            if sign < 0 and (apart := _come_apart(here, widths, residual)).any():
+                if apart.all():
                     return None
-                here = self.at(changed, value, _ROUGH)
-                first = changed if sign < 0 else first
+                stays = np.tile(~apart, 2)
+                here, widths, residual = self.at(here.table[~apart], value), widths[stays], residual[stays]
                 continue
             here, move = self._step(here, sign)
-            if move <= _REST:
+            if move <= _REST and np.abs(here.residual).max() <= _DRIVEN:
                 return here
         raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
 
     def _step(self, here: Point, sign: float) -> tuple[Point, float]:
         """(next state, largest move over the widths)."""
-        limit = self._limits(here, sign)
+        limit, back = self._limits(here, sign)
         for _ in range(_MOST_TRIES):
-            step = _kept_step(here, sign, limit)
-            ahead = self.at(here.moved(step), here.value, _ROUGH)
+            step = _kept_step(here, sign, limit, back)
+            # Of ends that are driven hard, little must be left out to know how those at rest are.
+            ahead = self.at(here.moved(step), here.value, max(1e-14, _ROUGH / max(1.0, float(np.abs(here.residual).max()))))
             passed = _passed(here, ahead, step, sign)
             if not passed.any():
                 return ahead, float(np.abs(step / here.widths).max())
             # What has passed an equilibrium moves less; if that is of no avail, so do all.
-            limit = np.where(passed, 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
+            limit = np.where(passed | (here.growth >= 0.0), 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
         raise NotConverged("no step of the ends keeps to the branch")
 
-    def _limits(self, here: Point, sign: float) -> Array:
-        """How far ends may move in a step (2n,)."""
+    def _limits(self, here: Point, sign: float) -> tuple[Array, Array]:
+        """How far ends may move onward, and back, in a step (2n,)."""
         resolution = self.problem.profile.resolution
         known = np.inf if resolution is None else _OF_RESOLUTION * resolution / self.problem.units.length
-        if sign < 0:
-            return np.minimum(_INWARD * here.widths, known)
         gaps = self._gaps(here.table)
         room = _INTO_GAP * np.concatenate((np.roll(gaps, 1), gaps))
         # An end may reach the border, and is told of it then.
         lo, hi = self.problem.borders
         room[0], room[-1] = min(room[0], 1.1 * (here.table[0, 0] - lo)), min(room[-1], 1.1 * (hi - here.table[-1, 1]))
-        return np.minimum(np.minimum(_OUTWARD * here.widths, room), known)
+        inward, outward = np.minimum(_INWARD * here.widths, known), np.minimum(np.minimum(_OUTWARD * here.widths, room), known)
+        onward, back = (outward, inward) if sign > 0 else (inward, outward)
+        return onward, np.minimum(back, _NEAR * here.widths)
 
     def _gaps(self, table: Array) -> Array:
         """Right of each zone; infinite beyond the last without a period."""
@@ -186,12 +194,6 @@ class Equilibria:
             closes = np.roll(closes, -start)
         begins = np.concatenate(([True], ~closes[:-1]))
         return np.column_stack((table[begins, 0], table[~closes, 1]))
-
-    def _without_lost(self, here: Point, first: Array) -> Array | None:
-        """The zones without those that have come apart; None if there is none."""
-        left, right = np.split(here.residual, 2)
-        opened = (np.diff(here.table, axis=1) < _OPENED * np.diff(first, axis=1))[:, 0] & (left < -_DRIVEN) & (right < -_DRIVEN)
-        return here.table[~opened] if opened.any() else None
 
     # along the arc --------------------------------------------------------------------------------------------------
     def turning_point(self, here: Point) -> Point:
@@ -288,55 +290,66 @@ class Equilibria:
         for _ in range(_CORRECTIONS):
             here = self.at(here.table, here.value)
             step = np.linalg.solve(-here.rates, here.residual)
-            if np.abs(step / here.widths).max() < 1e-11:
-                return here
+            size = float(np.abs(step / here.widths).max())
+            if size < 1e-11 or size > 1e-2:
+                break
             here = self.at(here.moved(step), here.value)
         return here
 
 
-def _kept_step(here: Point, sign: float, limit: Array) -> Array:
-    """Newton's step, in which ends go no farther than their limits, nor back, and those that would run away as far as these let them."""
-    rates, residual, widths = here.rates, here.residual, here.widths
-    plain = here.weight[:, None]
-    if np.linalg.eigvals(rates / plain).real.max() < 0.0:
-        step = np.linalg.solve(-rates, residual)
-        if np.all(np.abs(step) <= np.minimum(limit, _NEAR * widths)):
-            # So near to a stable equilibrium an end may come back by the square of a step.
-            return np.asarray(step)
-    step, free = np.zeros_like(residual), np.ones(len(residual), dtype=bool)
-    while free.any():
-        inner = rates[np.ix_(free, free)]
-        growth, ways = np.linalg.eig(inner / plain[free])
-        worst = int(np.argmax(growth.real))
-        place = np.flatnonzero(free)
-        if growth[worst].real > -_SLOW:
-            runs = np.abs(ways[:, worst])
-            out = place[runs > _SHARE * runs.max()]
-            step[out] = np.where(sign * residual[out] > 0, sign * limit[out], 0.0)
-            free[out] = False
-            continue
-        here_step = np.linalg.solve(-inner, residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
-        far, back = np.abs(here_step) > limit[free] * (1 + 1e-12), sign * here_step < 0
+def _come_apart(here: Point, widths: Array, residual: Array) -> NDArray[np.bool_]:
+    """Which zones have come apart that were so wide and so driven: the narrower they are the more they are driven."""
+    driven = here.residual < np.minimum(-_DRIVEN, 1.5 * residual)
+    return np.logical_and(*np.split(driven & (here.widths < _OPENED * widths), 2))
+
+
+def _kept_step(here: Point, sign: float, limit: Array, most_back: Array) -> Array:
+    """Newton's step, in which ends go no farther than their limits, nor back but a little; where there are motions that run away, damped by as much as
+    keeps these within the limits."""
+    rates, residual = here.rates, here.residual
+    if here.growth >= 0.0:
+        return _damped_step(here, sign, limit)
+    step = np.linalg.solve(-rates, residual)
+    free = np.ones(len(residual), dtype=bool)
+    while True:
+        far, back = free & (sign * step > limit * (1 + 1e-12)), free & (sign * step < -most_back * (1 + 1e-12))
         if not (far | back).any():
-            step[free] = here_step
-            break
-        out = far | back
-        step[place[out]] = np.where(back, 0.0, sign * limit[free])[out]
-        free[place[out]] = False
-    return step
+            return np.asarray(step)
+        step[far], step[back] = sign * limit[far], -sign * most_back[back]
+        free &= ~(far | back)
+        if not free.any():
+            return np.asarray(step)
+        step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
+
+
+def _damped_step(here: Point, sign: float, limit: Array) -> Array:
+    """(mu D - J) ds = r, mu above the fastest growth and as near to it as the limits let it."""
+    # An end that has gone too far waits for what the others do.
+    free = sign * here.residual > -_SLIGHT
+    weight, rates, above = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
+    growth = max(float(np.linalg.eigvals(rates / weight[:, None]).real.max(initial=-1.0)), -above)
+    step = np.zeros_like(here.residual)
+    while True:
+        moved = np.linalg.solve(np.diag((growth + above) * weight) - rates, here.residual[free])
+        if np.all(np.abs(moved) <= limit[free]) or above > 1e9:
+            step[free] = np.where(sign * moved < 0, 0.0, moved)
+            return step
+        above *= 2.0
 
 
 def _passed(here: Point, ahead: Point, step: Array, sign: float) -> NDArray[np.bool_]:
     """Which ends have passed a place of rest in a step: they are driven the other way at its end or, by a cubic, on the way."""
     before, after = sign * here.residual, sign * ahead.residual
-    allowed = np.minimum(-_OVERSHOT * np.abs(before) - _SLIGHT, 2.0 * before)
-    passed = after < allowed
-    if float(np.abs(step / here.widths).max()) < 1e-3:
+    allowed = np.minimum(-_OVERSHOT * np.minimum(np.abs(before), 1.0) - _SLIGHT, 1.1 * before - _SLIGHT)
+    # Beside a stable equilibrium an end that has gone a little too far comes back.
+    far = (np.abs(step) > _NEAR * here.widths) | (here.growth < 0.0 <= ahead.growth) | (after < -_FAR)
+    passed = (after < allowed) & far
+    if float(np.abs(step / here.widths).max()) < _NEAR:
         return np.asarray(passed)
     rise, fall = sign * (here.rates @ step), sign * (ahead.rates @ step)
     u = _PLACES[:, None]
     way = (1 + 2 * u) * (1 - u) ** 2 * before + u * (1 - u) ** 2 * rise + u**2 * (3 - 2 * u) * after + u**2 * (u - 1) * fall
-    return np.asarray(passed | np.any(way < np.minimum(allowed, after), axis=0))
+    return np.asarray(passed | (far & np.any(way < np.minimum(allowed, after), axis=0)))
 
 
 def _tangent(at: Point, unit: float, before: Array | None) -> Array:

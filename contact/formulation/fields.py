@@ -151,6 +151,13 @@ class ZoneFields(sie.Kept):
         wanted = abs(self.problem.end.intensity or 0.0)
         return max(abs(self.density.total), np.pi * wanted * float(np.sqrt(2 * zones.half).sum()))
 
+    @property
+    def bending(self) -> float:
+        """How many times the intensities that are asked for the density makes of its largest coefficients at the ends."""
+        zones, wanted = self.density.zones, self.problem.end.intensity
+        assert wanted
+        return float((np.abs(self.density.coefficients).max(axis=1) * np.sqrt(zones.half / 2)).max()) / abs(wanted)
+
     def second_variation(self, held: str) -> Array:
         """d^2 energy / ds_i ds_j by outward motions of the left and the right ends, times the roots of their zones' widths and over
         2 w (2 Z, 2 Z): of dG_i/ds_j, G = w (K/K*)^2, at the held "load" or "approach"."""

@@ -40,7 +40,9 @@ _BARE = 1e-6
 _TOUCH, _NEW = 1e-3, 0.1
 # Heights that differ by this part of their range touch together.
 _TOGETHER = 1e-12
-_ROUNDS, _SCALINGS, _WIDENINGS = 60, 6, 60
+_ROUNDS, _SCALINGS, _WIDENINGS = 60, 6, 120
+# The greatest contact is looked for in zones ever wider by this, and is one that is driven inward, as those so many times as wide are.
+_WIDEN, _WIDER = 1.25, (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
 
 
 def followed(task: Task) -> Outcome:
@@ -214,15 +216,14 @@ def _with(table: Array, overlaps: Array) -> Array:
 def _greatest(curve: Equilibria, frame: Framed, value: float) -> Array:
     """A zone so wide that its ends are driven inward, and in wider ones still."""
     lo, hi = frame.problem.units.scaled(np.array(frame.cell))
-    middle, half = 0.5 * (lo + hi), 0.5 * (hi - lo)
-    found: Array | None = None
+    middle, half = 0.5 * (lo + hi), 0.25 * (hi - lo)
+    def driven_inward(half: float) -> bool:
+        return bool(np.all(curve.at(np.array([[middle - half, middle + half]]), value).residual < 0.0))
+
     for _ in range(_WIDENINGS):
-        table = np.array([[middle - half, middle + half]])
-        driven = bool(np.all(curve.at(table, value).residual < 0.0))
-        if driven and found is not None:
-            return table
-        found = table if driven else None
-        half *= 2.0
+        if driven_inward(half) and all(driven_inward(half * wider) for wider in _WIDER):
+            return np.array([[middle - half, middle + half]])
+        half *= _WIDEN
     raise OutOfRange("no zone is so wide that its ends recede: there is no greatest contact")
 
 

@@ -114,7 +114,7 @@ def _rounds(
             table, tolerance = free.density.zones.table, max(TIGHT, CLOSER * tolerance)
             continue
         if near:
-            raise WrongTopology("there are other zones than these", free)
+            raise WrongTopology(certificate.note or "there are other zones than these", free)
         ended = free.density.zones.table
         table = _corrected(free.density.zones, certificate, problem)
         if any(same(ended, before) for at, before in tried if at == tolerance):
