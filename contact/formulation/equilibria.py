@@ -269,7 +269,7 @@ class Equilibria:
             turned = self.turning_point(self.settled(here))
             unit = 1.0 / float(np.abs(turned.by_value).max())
             onward = _tangent(turned, unit, None)[:-1]
-            onward = onward * (-np.sign(onward.sum()) * _PUSH / np.abs(onward).max())
+            onward = np.asarray(onward * (-np.sign(onward.sum()) * _PUSH / np.abs(onward).max()), dtype=np.float64)
             rest = self.receded(turned.moved(onward * turned.widths), turned.value)
             if rest is None:
                 return turned

@@ -56,7 +56,8 @@ class Task:
     ) -> Task:
         operator = scene.operator
         full = FullLimit(scene.profile, scene.E_star, operator, scene.law)
-        return cls(scene, tol, plan(scene), operator, full, starts_from_one_zone(scene), max(0.1 * tol, LEAST), under, progress, near, branch)
+        single, tolerance = starts_from_one_zone(scene), max(0.1 * tol, LEAST)
+        return cls(scene, tol, plan(scene), operator, full, single, tolerance, under, progress, near, branch)
 
     def to(self, tolerance: float) -> Task:
         """The same, more or less tightly."""

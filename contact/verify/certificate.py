@@ -110,7 +110,7 @@ def certify(fields: ZoneFields, load: float | None, held: str = "load") -> Certi
         if missed > _INTENSITY * max(1.0, fields.bending):
             holds, note = False, f"an end misses its intensity by {missed:.1e}"
         elif stability is not None and not stability > 0.0:
-            holds, note = False, f"an equilibrium that is not stable under a held {held}: the second variation of its energy is not positive"
+            holds, note = False, f"not stable under a held {held}: the second variation of the energy is not positive"
         else:
             told = "its ends are given" if stability is None else f"locally stable under a held {held}"
             note = f"one of several equilibria: intensities at the ends, no overlap, balance, {told}{'; ' + note if note else ''}"
