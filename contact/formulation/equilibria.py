@@ -304,8 +304,8 @@ def _come_apart(here: Point, widths: Array, residual: Array) -> NDArray[np.bool_
 
 
 def _kept_step(here: Point, sign: float, limit: Array, most_back: Array) -> Array:
-    """Newton's step, in which ends go no farther than their limits, nor back but a little; where there are motions that run away, damped by as much as
-    keeps these within the limits."""
+    """Newton's step, in which ends go no farther than their limits, nor back but a little; where there are motions that run away,
+    damped by as much as keeps these within the limits."""
     rates, residual = here.rates, here.residual
     if here.growth >= 0.0:
         return _damped_step(here, sign, limit)

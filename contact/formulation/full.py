@@ -89,7 +89,7 @@ class FullLimit(sie.Kept):
 
     @cached_property
     def relieved(self) -> float:
-        """The mean pressure under which the least pressure of full contact is zero [Pa], whether the law lets contact begin there or not."""
+        """The mean pressure under which the least pressure of full contact is zero [Pa], whether contact begins there or not."""
         return 0.5 * self.E_star * maximum(self.relief, period_samples(self.profile))[1]
 
 

@@ -214,15 +214,20 @@ def _with(table: Array, overlaps: Array) -> Array:
 
 
 def _greatest(curve: Equilibria, frame: Framed, value: float) -> Array:
-    """A zone so wide that its ends are driven inward, and in wider ones still."""
+    """A zone so wide that its ends are driven inward, and in wider ones still, as far as these feel the control as a body does: under an
+    approach from a datum, zones much wider than that are lowered by a load."""
     lo, hi = frame.problem.units.scaled(np.array(frame.cell))
     middle, half = 0.5 * (lo + hi), 0.25 * (hi - lo)
     def driven_inward(half: float) -> bool:
-        return bool(np.all(curve.at(np.array([[middle - half, middle + half]]), value).residual < 0.0))
+        here = curve.at(np.array([[middle - half, middle + half]]), value)
+        return bool(np.all((here.residual < 0.0) | (here.by_value < 0.0)))
 
     for _ in range(_WIDENINGS):
+        table = np.array([[middle - half, middle + half]])
+        if np.any(curve.at(table, value).by_value < 0.0):
+            break
         if driven_inward(half) and all(driven_inward(half * wider) for wider in _WIDER):
-            return np.array([[middle - half, middle + half]])
+            return table
         half *= _WIDEN
     raise OutOfRange("no zone is so wide that its ends recede: there is no greatest contact")
 

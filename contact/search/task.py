@@ -35,8 +35,8 @@ LEAST = 2e-15
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """One solve. tolerance: of the ends and of the density; full: where full contact begins; single: the contact begins as one zone about
-    x = 0; near: a solution of the same profile and model; branch: of several equilibria; under: the solver itself, for a control that is found by loads."""
+    """One solve. branch: which of several equilibria; tolerance: of the ends and of the density; full: where full contact begins;
+    single: the contact begins as one zone about x = 0; near: a solution of the same profile and model; under: the solver itself, for a control that is found by loads."""
 
     scene: Scene
     tol: float

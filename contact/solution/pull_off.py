@@ -40,4 +40,4 @@ def pull_off(scene: Scene, problem: Problem, table: Array, load: float, level: f
 def told(problem: Problem, last: Point) -> PullOff:
     units = problem.units
     approach = -last.level * units.height if problem.operator.has_approach else None
-    return PullOff(last.load * units.load, approach, np.asarray(units.x(last.table)))
+    return PullOff(float(last.load * units.load), None if approach is None else float(approach), np.asarray(units.x(last.table)))
