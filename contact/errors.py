@@ -17,11 +17,42 @@ _LONGEST_VALUE = 80
 
 
 class ContactError(Exception):
-    """Base of every error the package raises on purpose."""
+    """Base of every error the package raises on purpose.
+
+    Examples
+    --------
+    >>> import contact
+    >>> try:
+    ...     contact.Sinusoid(amplitude=-1.0, period=1.0)
+    ... except contact.ContactError as error:
+    ...     print(error)
+    amplitude = -1.0 is refused: it must be a finite number > 0
+    """
 
 
 class SceneError(ContactError, ValueError):
-    """Bad input; `field`, `value` and `allowed` are None where the message is about more than one field."""
+    """Bad input; `field`, `value` and `allowed` are None where the message is about more than one field.
+
+    Parameters
+    ----------
+    message : str
+        What is wrong, in one line.
+    field : str or None
+        The name of what was given.
+    value : object
+        What was given.
+    allowed : str or None
+        What is allowed, in words.
+
+    Examples
+    --------
+    >>> import contact
+    >>> try:
+    ...     contact.profile("sinusiod", amplitude=1e-6, period=1e-4)
+    ... except contact.SceneError as error:
+    ...     print(error.field, error.value)
+    profile sinusiod
+    """
 
     def __init__(
         self, message: str, field: str | None = None, value: Any = None, allowed: str | None = None
@@ -50,7 +81,24 @@ class SceneError(ContactError, ValueError):
 
 
 class NotConverged(ContactError):
-    """The tolerance was not met: `trace` is the list of steps, `best` the best solution reached or None."""
+    """The tolerance was not met: `trace` is the list of steps, `best` the best solution reached or None.
+
+    Parameters
+    ----------
+    message : str
+        Why the search stopped, in one line.
+    trace : iterable
+        The steps of the search, kept as a list.
+    best : Solution or None
+        The best state that was reached, with its own stated error.
+
+    Examples
+    --------
+    >>> import contact
+    >>> error = contact.NotConverged("the ends do not come to rest")
+    >>> error.trace, error.best
+    ([], None)
+    """
 
     def __init__(self, message: str, trace: Iterable[Any] = (), best: Any = None) -> None:
         super().__init__(message)
@@ -62,15 +110,44 @@ class NotConverged(ContactError):
 
 
 class OutOfRange(ContactError):
-    """No contact answers the control: a load past full contact, an approach or zone past its limit."""
+    """No contact answers the control: a load past full contact, an approach or zone past its limit.
+
+    Examples
+    --------
+    >>> import contact
+    >>> lone = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Isolated(), load=1e9)
+    >>> try:
+    ...     contact.solve(lone)
+    ... except contact.OutOfRange as error:
+    ...     print("refused")
+    refused
+    """
 
 
 class MissingExtra(ContactError, ImportError):
-    """An optional package is needed that is not installed; the message names the extra that brings it."""
+    """An optional package is needed that is not installed; the message names the extra that brings it.
+
+    Examples
+    --------
+    >>> import contact
+    >>> issubclass(contact.MissingExtra, ImportError)
+    True
+    """
 
 
 class ModelWarning(UserWarning):
-    """The model hardly covers what is asked of it, or a file's numbers are not those of a surface."""
+    """The model hardly covers what is asked of it, or a file's numbers are not those of a surface.
+
+    Examples
+    --------
+    >>> import contact, warnings
+    >>> steep = contact.Scene(contact.Sinusoid(0.1, 1.0), 1e9, contact.Periodic(), contact_fraction=0.1)
+    >>> with warnings.catch_warnings(record=True) as given:
+    ...     warnings.simplefilter("always")
+    ...     solution = contact.solve(steep)
+    >>> len(given) == len(solution.warnings) > 0
+    True
+    """
 
 
 def warn(messages: Iterable[str], stacklevel: int = 3) -> None:

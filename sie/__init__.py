@@ -12,6 +12,7 @@ from sie.equation.conditions import (
     Condition,
     EqualPotential,
     Level,
+    Rows,
     Total,
     TotalWidth,
     Weighted,
@@ -25,11 +26,12 @@ from sie.free_ends.end_rates import EndRates, end_rates
 from sie.free_ends.newton import Free, find_ends
 from sie.slits.density import Pierced
 from sie.slits.system import AnyDensity, AnyState, solve_zones
+from sie.solver import NotConverged, Solution, solve
 
 __all__ = [
     "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EndRates",
-    "EqualPotential", "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "PiecewiseTransform",
-    "Pierced", "SingularSystem", "Smooth", "State", "Total",
+    "EqualPotential", "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "NotConverged", "PiecewiseTransform",
+    "Pierced", "Rows", "SingularSystem", "Smooth", "Solution", "State", "Total",
     "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "cauchy", "end_rates", "find_ends", "free_with_intensity", "hilbert",
-    "images", "moment", "solve_fixed", "solve_zones",
+    "images", "moment", "solve", "solve_fixed", "solve_zones",
 ]

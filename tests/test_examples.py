@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import contact
+from contact.model import registry
 from tests.tiers import quick
 
 FOLDER = Path(__file__).parents[1] / "examples"
@@ -30,10 +31,12 @@ def module(name: str) -> ModuleType:
 @pytest.fixture
 def own_names():
     """Names that examples register are taken out again."""
-    before = set(contact.profiles())
+    registries = (registry.PROFILES, registry.INTERACTIONS, registry.SUBSTRATES, registry.LAWS)
+    before = [set(known.all()) for known in registries]
     yield
-    for name in set(contact.profiles()) - before:
-        contact.model.registry.PROFILES.forget(name)
+    for known, names in zip(registries, before, strict=True):
+        for name in set(known.all()) - names:
+            known.forget(name)
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda f: f.stem)
@@ -48,7 +51,11 @@ COUNTS = {
     "compare_models": (100, 72, 1e4, 1e5),
     "designed_texture": (36, 240, 3e4, 2e4),
     "flat_punch": (100, 48, 1e3, 4e3),
+    "own_condition": (27, 48, 4e3, 2e4),
+    "own_interaction": (9, 72, 1e3, 1e4),
+    "own_law": (3, 48, 3e2, 1e4),
     "own_profile": (6, 72, 1e2, 3e4),
+    "own_substrate": (100, 300, 1e6, 1e5),
     "rounded_punch": (24, 48, 1e2, 2e5),
     "tilted_punch": (120, 48, 1e3, 1e5),
     "two_zones": (50, 120, 3e4, 1e4),
@@ -83,8 +90,8 @@ def work(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
                 monkeypatch.setattr(cls, name, method)
         solution = solve(scene, *args, **kwargs)
         for name in ("solves", "kernel_evaluations"):
-            spent[name] += solution.plan.counts[name]
-        spent["own_modes"] = max(spent["own_modes"], solution.plan.counts["own_modes"])
+            spent[name] += solution.plan.counts.get(name, 0)
+        spent["own_modes"] = max(spent["own_modes"], solution.plan.counts.get("own_modes", 0))
         return solution
 
     monkeypatch.setattr(contact, "solve", counting)
@@ -117,6 +124,14 @@ def test_the_rounded_wedge_carries_the_load_of_its_closed_form(own_names) -> Non
     load = 0.5e11 * np.pi * a * np.mean(solution.scene.profile.slope(a * t) * t)
     assert load == pytest.approx(solution.load, rel=1e-12)
     assert solution.scene.profile.slope(a) > 0
+
+
+def test_a_coat_on_a_base_that_hardly_yields_is_a_bonded_layer(own_names) -> None:
+    coats = module("own_substrate").Coats
+    q = np.geomspace(3e6, 3e7, 9)
+    assert coats((1e-6,), (1e-9,)).symbol(q) == pytest.approx(contact.Layer(1e-6, 0.3).symbol(q), rel=1e-8)
+    assert np.abs(coats((1e-6, 2e-6), (1.0, 1.0)).symbol(q) - 1).max() < 1e-14
+    assert contact.testing.check_substrate(coats((1e-6, 2e-6), (2.0, 4.0))).ok
 
 
 def test_the_rounded_punch_carries_the_load_of_its_closed_form() -> None:

@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[1]
 
 # From the ground up: what stands in a room, or in a file beside the rooms, imports from its own room and those to its left only.
 ORDER = {
-    "sie": "basis fast jumps equation density collocation slits free_ends __init__",
+    "sie": "basis fast jumps equation density collocation slits free_ends solver __init__",
     "contact": """
         errors interrupts extras model testing reference exact inverse axisymmetric
         formulation verify solution search solver sweeps __init__ paper studies commands __main__
@@ -139,6 +139,26 @@ def test_imports_stand_at_the_head_of_files() -> None:
         and any(isinstance(node, (ast.Import, ast.ImportFrom)) for node in ast.walk(function))
     ]
     assert local == []
+
+
+# Lines without blanks, comments and docstrings; the longest file there is has 408.
+LONGEST = 450
+
+
+def code_lines(text: str) -> int:
+    """Lines of a file that are neither blank nor comments nor docstrings."""
+    documented: set[int] = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)) and ast.get_docstring(node, clean=False) is not None:
+            documented |= set(range(node.body[0].lineno, (node.body[0].end_lineno or 0) + 1))
+    lines = enumerate(text.splitlines(), 1)
+    return sum(1 for number, line in lines if number not in documented and line.strip() and not line.lstrip().startswith("#"))
+
+
+def test_files_stay_short() -> None:
+    files = [file for package in ORDER for file in modules(package).values()]
+    assert [file for file in files if code_lines(file.read_text(encoding="utf-8")) > LONGEST] == []
+    assert code_lines('"""One.\n\nTwo."""\n# no\n\nx = 1\n') == 1
 
 
 def test_few_files_import_by_name() -> None:

@@ -1,21 +1,28 @@
-"""README promises two commands to a newcomer; they are there once each, one line each, and name what exists."""
+"""README promises two commands to a newcomer, once each, one line each, naming what exists; its examples print what they say."""
 
 from __future__ import annotations
 
+import ast
 import re
 import shlex
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, ClassVar
 
+import numpy as np
 import pytest
 
 import contact
+import sie
 from contact import extras
+from contact.formulation.controls import Control
+from contact.model.registry import INTERACTIONS, LAWS, PROFILES, SUBSTRATES
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
 MARKED = re.findall(r"^<!-- ci: (\w+) -->\n```bash\n(.*?)\n```$", README, re.MULTILINE | re.DOTALL)
 
 
@@ -73,10 +80,69 @@ def test_python_blocks_are_python(page: Path) -> None:
             compile(block, page.name, "exec")
 
 
-def test_the_python_example_of_the_readme_prints_what_it_says(capsys: pytest.CaptureFixture[str]) -> None:
-    (block,) = re.findall(r"^```python\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
-    names: dict[str, object] = {}
-    exec(compile(block, "README.md", "exec"), names)
-    printed = capsys.readouterr().out
-    assert "[[-2.4743" in printed and "4.847" in printed and "0.4948" in printed
-    assert names["solution"].error <= 1e-10  # type: ignore[attr-defined]
+# A number with a point in it, such as 4.848e+09: decimals, exponent.
+NUMBER = re.compile(r"-?\d+\.(\d+)(?:e([+-]?\d+))?")
+BLOCKS = re.findall(r"^```python\n(.*?)^```", README, re.MULTILINE | re.DOTALL)
+
+
+def missed(block: str, capsys: pytest.CaptureFixture[str]) -> tuple[list[str], dict[str, Any]]:
+    """Numbers in the comments of a block that its line does not print, to the digits that are given; the names it leaves."""
+    names: dict[str, Any] = {}
+    lacking: list[str] = []
+    for statement in ast.parse(block).body:
+        exec(compile(ast.Module([statement], []), "README.md", "exec"), names)
+        printed = [float(number[0]) for number in NUMBER.finditer(capsys.readouterr().out)]
+        _, _, comment = block.splitlines()[(statement.end_lineno or 1) - 1].partition("#")
+        for said in NUMBER.finditer(comment):
+            half = 0.5000001 * 10.0 ** (int(said[2] or 0) - len(said[1]))
+            lacking += [] if any(abs(float(said[0]) - number) <= half for number in printed) else [said[0]]
+    return lacking, names
+
+
+@pytest.mark.parametrize("package", ["contact", "sie"])
+def test_a_python_example_of_the_readme_prints_what_it_says(package: str, capsys: pytest.CaptureFixture[str]) -> None:
+    (block,) = (block for block in BLOCKS if f"import {package}\n" in block)
+    assert len(NUMBER.findall(block.partition("print")[2])) >= 1
+    lacking, names = missed(block, capsys)
+    assert lacking == []
+    tol = float(re.search(r"tol=([\de.-]+)", block)[1])  # type: ignore[index]
+    assert names["solution" if package == "contact" else "found"].error <= tol
+
+
+def test_every_python_block_of_the_readme_is_one_of_these() -> None:
+    assert len(BLOCKS) == 2
+
+
+def test_a_number_that_is_not_printed_is_noticed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert missed("print(1.17319304)  # 1.1732, and 1.1733, 1.17319304\n", capsys)[0] == ["1.1733"]
+
+
+CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+STARTS = re.findall(r"^\*\*(.*?)\*\*:.*?^```python\n(.*?)^```", CONTRIBUTING, re.MULTILINE | re.DOTALL)
+
+
+def test_a_new_part_of_each_kind_starts_from_under_ten_lines() -> None:
+    kinds = ["Profile", "Interaction", "Substrate", "Law", "Side condition", "Control", "First guess"]
+    assert [kind for kind, _ in STARTS] == kinds
+    assert all(len(block.splitlines()) < 10 for _, block in STARTS)
+
+
+def test_what_they_start_from_solves() -> None:
+    names: dict[str, Any] = {"np": np, "contact": contact, "sie": sie, "dataclass": dataclass, "ClassVar": ClassVar, "Control": Control}
+    try:
+        for _, block in STARTS:
+            exec(compile(block, "CONTRIBUTING.md", "exec"), names)
+    finally:
+        for known, name in ((PROFILES, "cosh"), (INTERACTIONS, "pair"), (SUBSTRATES, "coated"), (LAWS, "sticky")):
+            known.forget(name)
+    cosh, wave = names["Cosh"](1.0), contact.Sinusoid(0.01, 1.0)
+    for scene in (
+        contact.Scene(cosh, 1.0, names["Pair"](1.0), load=1e-3),
+        contact.Scene(wave, 1.0, contact.Periodic(), substrate=names["Coated"](0.1), load=1e-2),
+        contact.Scene(wave, 1.0, contact.Periodic(), law=names["Sticky"](1e-6), half_width=0.2),
+    ):
+        assert contact.solve(scene).certificate.holds
+    left = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (names["Left"](),))
+    found = sie.solve(left, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    assert found.density.intensities[0] == pytest.approx([2.0])
+    assert names["Load"](3.0).conditions()[0][0] == sie.Total(3.0)

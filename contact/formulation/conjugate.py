@@ -23,8 +23,6 @@ from scipy import fft
 from scipy.special import zeta
 
 import sie
-from contact.formulation.problem import Problem
-from contact.formulation.units import Units
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum
 
@@ -79,45 +77,9 @@ class Conjugate(sie.Kept):
         return np.asarray(self.smooth(x) + logarithms(x, self.kinks[:, 0], self.kinks[:, 1], self.period))
 
 
-@dataclass(frozen=True, eq=False)
-class ScaledConjugate:
-    """H f' over the unit of slope, of scaled x; the kinks' places are those of the problem, bit for bit."""
-
-    conjugate: Conjugate
-    units: Units
-    at: Array
-    heights: Array
-
-    @classmethod
-    def of(cls, conjugate: Conjugate, problem: Problem) -> ScaledConjugate:
-        return cls(conjugate, problem.units, *problem.forcing.kinks)
-
-    @property
-    def period(self) -> float:
-        return self.conjugate.period / self.units.length
-
-    @property
-    def breakpoints(self) -> Array:
-        """Scaled places beside which H f' is not smooth, of kinks those of the problem."""
-        return np.concatenate((self.at, self.units.scaled(self.conjugate.breakpoints)))
-
-    def without_own(self, kinks: NDArray[np.intp]) -> Array:
-        """H f' at some of the kinks themselves, less the logarithm of each."""
-        at, turns = self.at[kinks], (self.at[kinks, None] - self.at) / self.period
-        logs = _log_sine(turns - np.round(turns))
-        logs[np.arange(len(kinks)), kinks] = 0.0
-        return np.asarray(self.smooth(at) + logs @ (self.heights / pi))
-
-    def smooth(self, x: Array) -> Array:
-        return np.asarray(self.conjugate.smooth(self.units.x(x)) / self.units.slope)
-
-    def __call__(self, x: Array) -> Array:
-        return np.asarray(self.smooth(x) + logarithms(np.asarray(x), self.at, self.heights, self.period))
-
-
 def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
     """sum of (J / pi) ln|2 sin(pi (x - s) / L)|."""
-    return _over_jumps(x, at, heights / pi, period, _log_sine)
+    return _over_jumps(x, at, heights / pi, period, log_sine)
 
 
 def conjugate_of(profile: Profile) -> Conjugate:
@@ -190,7 +152,7 @@ def _less_logarithms(profile: Profile, kinks: Array, length: float) -> Callable[
     return smooth
 
 
-def _log_sine(u: Array) -> Array:
+def log_sine(u: Array) -> Array:
     with np.errstate(divide="ignore"):
         return np.asarray(np.log(np.abs(2 * np.sin(pi * u))))
 

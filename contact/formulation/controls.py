@@ -17,11 +17,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 import sie
 from contact.errors import OutOfRange
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 
+Array = NDArray[np.float64]
 Conditions = tuple[tuple[sie.Condition, ...], tuple[sie.TotalWidth, ...]]
 
 
@@ -52,9 +56,9 @@ class Control:
         """Side conditions on the pressure, and on the ends of its zones."""
         raise NotImplementedError
 
-    def gap_conditions(self, period: float, mean_height: Callable[[], float]) -> Conditions:
+    def gap_conditions(self, period: float, mean_height: Callable[[], float], compression: float) -> Conditions:
         """Side conditions on the slope of the gap, whose column 0 is the mean pressure, and on the ends of the gaps. mean_height: of
-        the profile above its lowest place."""
+        the profile above its lowest place; compression: mean displacement under a unit of mean pressure."""
         raise NotImplementedError
 
     def unit(self, units: Units) -> float:
@@ -79,7 +83,7 @@ class Load(Control):
     def conditions(self) -> Conditions:
         return (sie.Total(self.value), sie.EqualPotential()), ()
 
-    def gap_conditions(self, period: float, mean_height: Callable[[], float]) -> Conditions:
+    def gap_conditions(self, period: float, mean_height: Callable[[], float], compression: float) -> Conditions:
         return (sie.Amplitude(0, self.value / period), sie.ZoneTotals(0.0)), ()
 
     def unit(self, units: Units) -> float:
@@ -99,9 +103,10 @@ class Approach(Control):
     def conditions(self) -> Conditions:
         return (sie.Level(-self.value),), ()
 
-    def gap_conditions(self, period: float, mean_height: Callable[[], float]) -> Conditions:
-        # min f = 0 and mean u = 0: the mean of f less the mean gap.
-        return (sie.ZoneMoments((self.value - mean_height()) * period), sie.ZoneTotals(0.0)), ()
+    def gap_conditions(self, period: float, mean_height: Callable[[], float], compression: float) -> Conditions:
+        # min f = 0, and u has the mean of the compression: the mean of f less the mean gap, and that.
+        opened = sie.ZoneMoments((self.value - mean_height()) * period)
+        return (opened if compression == 0.0 else _OpenedAndSunk(opened, compression * period), sie.ZoneTotals(0.0)), ()
 
     def unit(self, units: Units) -> float:
         return units.height
@@ -137,11 +142,27 @@ class Width(Control):
     def conditions(self) -> Conditions:
         return (sie.Total(None), sie.EqualPotential()), (sie.TotalWidth(self.value),)
 
-    def gap_conditions(self, period: float, mean_height: Callable[[], float]) -> Conditions:
+    def gap_conditions(self, period: float, mean_height: Callable[[], float], compression: float) -> Conditions:
         return (sie.Amplitude(0, None), sie.ZoneTotals(0.0)), (sie.TotalWidth(period - self.value),)
 
     def unit(self, units: Units) -> float:
         return units.length
+
+
+@dataclass(frozen=True)
+class _OpenedAndSunk(sie.Condition):
+    """What the gaps open, and `depth` times the amplitude of column 0, add up to a value."""
+
+    opened: sie.ZoneMoments
+    depth: float
+
+    def count(self, zones: sie.Zones) -> int:
+        return 1
+
+    def rows(self, system: sie.Rows) -> tuple[Array, Array, Array]:
+        matrix, constants, value = self.opened.rows(system)
+        row, constant = system.amplitude(0)
+        return matrix + self.depth * row, constants + self.depth * constant, value
 
 
 def scaled_control(scene: Scene, units: Units) -> Control:

@@ -289,7 +289,7 @@ class Equilibria:
         """The equilibrium near by, tightly."""
         for _ in range(_CORRECTIONS):
             here = self.at(here.table, here.value)
-            step = np.linalg.solve(-here.rates, here.residual)
+            step = np.asarray(np.linalg.solve(-here.rates, here.residual), dtype=np.float64)
             size = float(np.abs(step / here.widths).max())
             if size < 1e-11 or size > 1e-2:
                 break

@@ -233,17 +233,19 @@ class ZoneFields(sie.Kept):
     def formal_gap(self, x: Array) -> Array:
         """F - V + lambda C + level everywhere, rounding left as it is on the zones."""
         gap = np.asarray(self._shape(x) + self.level + self._sunk(x))
-        if isinstance(self.density, sie.Pierced):
-            # In a narrow gap what opens it keeps digits that the difference has lost.
-            narrow, opening = self.density.opening(x)
-            gap = np.where(narrow, opening, gap)
-        return gap
+        # In a narrow gap what opens it keeps digits that the difference has lost.
+        narrow, opening = self.density.opening(x)
+        return np.where(narrow, opening, gap) if narrow.any() else gap
+
+    def formal_pressure(self, x: Array) -> Array:
+        """Scaled, whatever its sign."""
+        return np.asarray(self.density(x))
 
     def gap_between(self, lo: float, hi: float) -> Callable[[Array], Array]:
         """The scaled gap as a function on an interval without contact; cheap at many points where zones are many."""
-        if len(self.density.zones) < _MANY or not isinstance(self.density, sie.Density):
+        potential = self.density.potential_on(lo, hi) if len(self.density.zones) >= _MANY else None
+        if potential is None:
             return self.scaled_gap
-        potential = sie.LocalPotential.on(self.density, lo, hi)
         return lambda x: self._shape(x) + self.level + self._raised(x, potential(x))
 
     def _shape(self, x: Array) -> Array:

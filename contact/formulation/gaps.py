@@ -1,16 +1,17 @@
 r"""Nearly full contact by its gaps: the unknown is the slope of the gap on the few places without contact.
 
-With s the slope of the gap (zero in contact), u' = s - f', and p = pbar + (E*/2) H u', H the periodic Hilbert transform. No
+With s the slope of the gap (zero in contact), u' = s - f', and on a body of symbol L the pressure is p = pbar + (E*/2) G u', G of
+symbol 1/L: on a half-plane H, the periodic Hilbert transform, else H and a smooth part. With R = G f' (contact.formulation.relief), no
 pressure in the gaps means
 
-    (1/pi) PV int_gaps s(xi) K(x - xi) dxi = H f'(x) - 2 pbar / E*     on the gaps,     int_gap s = 0 on each,
+    (1/pi) PV int_gaps s(xi) K(x - xi) dxi = R(x) - 2 pbar / E*     on the gaps,     int_gap s = 0 on each,
 
-the same equation as that of the zones, with the roles of contact and gap exchanged, bounded at free ends. Its unknowns are
-few where the contact is nearly full, however narrow the gaps (theory: derived here from (5); see docs/theory).
+K the kernel of G: the same equation as that of the zones, with the roles of contact and gap exchanged, bounded at free ends. Its
+unknowns are few where the contact is nearly full, however narrow the gaps (theory: derived here from (5); see docs/theory).
 
-Where f' jumps inside a gap so does s, by as much, and H f' has the logarithm of that (sie.jumps.density): a valley with a kink.
-About such a valley alone, H f' = R + (J/pi) ln|2 sin(pi y/L)|, J < 0, and R constant, the gap is |y| < w,
-w = (L/pi) exp(-pi (2 pbar/E* - R)/|J|): it never closes, and is narrower than any number soon.
+Where f' jumps inside a gap so does s, by as much, and R has the logarithm of that (sie.jumps.density): a valley with a kink.
+About such a valley alone, R = C + (J/pi) ln|2 sin(pi y/l)|, J < 0, and C constant, the gap is |y| < w,
+w = (l/pi) exp(-pi (2 pbar/E* - C)/|J|): it never closes, and is narrower than any number soon.
 """
 
 from __future__ import annotations
@@ -24,10 +25,10 @@ from numpy.typing import ArrayLike, NDArray
 
 import sie
 from contact.formulation import zone_loads
-from contact.formulation.conjugate import ScaledConjugate
 from contact.formulation.fields import mean_shape, moved_ends
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
+from contact.formulation.relief import ScaledRelief
 
 Array = NDArray[np.float64]
 
@@ -36,17 +37,17 @@ Array = NDArray[np.float64]
 class GapFields(sie.Kept):
     """Fields of a periodic contact from the slope of its gaps; scaled inside, SI in the public methods.
 
-    mean: scaled mean pressure. conjugate: H f' over the unit slope, of scaled x. In pickles and copies the state with its matrices is
+    mean: scaled mean pressure. relief: R over the unit slope, of scaled x. In pickles and copies the state with its matrices is
     left out, and what it tells beyond the density is worked out before.
     """
 
     problem: Problem
     state: sie.AnyState = field(repr=False)
     mean: float
-    conjugate: ScaledConjugate
+    relief: ScaledRelief
 
     def __getstate__(self) -> dict[str, Any]:
-        kept = {"problem": self.problem, "mean": self.mean, "conjugate": self.conjugate}
+        kept = {"problem": self.problem, "mean": self.mean, "relief": self.relief}
         return kept | {"density": self.density, "stiffness": self.stiffness}
 
     @cached_property
@@ -67,15 +68,23 @@ class GapFields(sie.Kept):
         return np.column_stack((gaps.b, np.append(gaps.a[1:], gaps.a[0] + self.period)))
 
     # scaled -----------------------------------------------------------------------------------------------------------
+    def formal_gap(self, x: Array) -> Array:
+        """Scaled, whatever its sign: the integral of its slope."""
+        return np.asarray(self.density.integral(x))
+
+    def formal_pressure(self, x: Array) -> Array:
+        """Scaled, whatever its sign."""
+        return self.scaled_pressure(x)
+
     def scaled_pressure(self, x: Array) -> Array:
-        """pbar - H f' + H s where there is contact, zero in the gaps."""
+        """pbar - R + G s where there is contact, zero in the gaps."""
         inside = self.density.locate(x)[2]
         with np.errstate(invalid="ignore"):
             return np.where(inside, 0.0, self.bearing(x))
 
     def bearing(self, x: Array) -> Array:
-        """pbar - H f' + H s wherever it is asked for."""
-        return np.asarray(self.mean - self.conjugate(x) + self.density.transform(x))
+        """pbar - R + G s wherever it is asked for."""
+        return np.asarray(self.mean - self.relief(x) + self.density.transform(x))
 
     def pressure_in(self, zone: int | NDArray[np.intp], left: Array, right: Array) -> Array:
         """Scaled pressure at distances over the half width from the ends of contact zones."""
@@ -126,11 +135,11 @@ class GapFields(sie.Kept):
     def loads(self) -> Array:
         """Load of each contact zone [N/m]."""
         rise = np.diff(self.density.potential(self.zones), axis=1)[:, 0]
-        return zone_loads.loads(self.mean, self.conjugate, self.zones, rise) * self.problem.units.load
+        return zone_loads.loads(self.mean, self.relief, self.zones, rise) * self.problem.units.load
 
     @cached_property
     def max_pressure(self) -> float:
-        tips = self.conjugate.at[self.conjugate.heights > 0]
+        tips = self.relief.at[self.relief.heights > 0]
         if not np.all(self.density.locate(tips)[2]):
             return np.inf
         x, value = self._samples
@@ -164,8 +173,8 @@ class GapFields(sie.Kept):
 
     @cached_property
     def approach(self) -> float:
-        """min f = 0 and mean u = 0: the mean of f less the mean gap [m]."""
-        return mean_shape(self.problem) * self.problem.units.height - self.mean_gap
+        """min f = 0, and u has the mean of the compression: the mean of f less the mean gap, and that [m]."""
+        return (mean_shape(self.problem) + self.problem.compression * self.mean) * self.problem.units.height - self.mean_gap
 
     @property
     def mean_gap(self) -> float:
@@ -174,9 +183,9 @@ class GapFields(sie.Kept):
 
     @cached_property
     def stiffness(self) -> float:
-        """d load / d approach [N/m^2]: the gap's response to the mean pressure, ends held."""
+        """d load / d approach [N/m^2]: the gap's response to the mean pressure, ends held, and the compression's."""
         values = np.zeros(len(self.state.condition_scale))
         values[self.state.condition_index[0]] = 1.0
         response = self.state.response(values)
-        rate = response.moment() / self.period * self.problem.units.height
+        rate = (response.moment() / self.period + self.problem.compression) * self.problem.units.height
         return self.period * self.problem.units.load / rate

@@ -78,6 +78,10 @@ class Problem(sie.Kept):
         return self.operator.kernel(self.units.length)
 
     @cached_property
+    def inverse_kernel(self) -> sie.Kernel:
+        return self.operator.inverse_kernel(self.units.length)
+
+    @cached_property
     def walls(self) -> tuple[float, float]:
         """Scaled sharp corners beyond which the profile ends; infinite without."""
         if self.profile.support is None:

@@ -115,8 +115,7 @@ def carried_by(problem: Problem, control: Control, a: float) -> float:
     state = sie.solve_fixed(problem.equation(HalfWidth(a)), zones, 1e-13)
     if control.load is not None:
         return state.density.total
-    matrix, constants = state.system.levels()
-    return -float((matrix @ state.unknowns + constants)[0])
+    return -float(state.levels[0])
 
 
 def single_half_width(problem: Problem, control: Control) -> float | None:

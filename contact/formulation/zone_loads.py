@@ -1,7 +1,7 @@
-r"""Loads of the zones of a nearly full contact, p = pbar - H f' + H s.
+r"""Loads of the zones of a nearly full contact, p = pbar - R + G s.
 
-The load of a zone [a, b] is pbar (b - a) - int H f' + V(b) - V(a), V the potential of s, a closed form (V' = H s): all that the gaps
-bring, the roots of the pressure at the zone's ends with it. H f' does not know of the gaps. Its logarithms at kinks have the
+The load of a zone [a, b] is pbar (b - a) - int R + V(b) - V(a), V the potential of s, a closed form (V' = G s): all that the gaps
+bring, the roots of the pressure at the zone's ends with it. R does not know of the gaps. Its logarithms at kinks have the
 integral
 
     (J / pi) int ln|2 sin(pi (x - s)/L)| dx = -(J L / 2 pi^2) Cl_2(2 pi (x - s)/L),
@@ -21,12 +21,13 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.formulation.conjugate import ScaledConjugate, clausen2
+from contact.formulation.conjugate import clausen2
+from contact.formulation.relief import ScaledRelief
 
 Array = NDArray[np.float64]
 
 _NODES = 16
-# Of the largest H f' on a panel's length: what the last coefficients may be. Gauss's rule is good to about the square.
+# Of the largest R on a panel's length: what the last coefficients may be. Gauss's rule is good to about the square.
 _TAIL = 1e-7
 _HALVINGS = 40
 # Even panels of a period at the least.
@@ -34,26 +35,26 @@ _LEAST = 16
 _BLOCK = 1 << 20
 
 
-def loads(mean: float, conjugate: ScaledConjugate, zones: Array, rise: Array) -> Array:
+def loads(mean: float, relief: ScaledRelief, zones: Array, rise: Array) -> Array:
     """Scaled loads of zones (n, 2), which follow each other within a period; rise: V(b) - V(a) of each."""
-    return np.asarray(mean * (zones[:, 1] - zones[:, 0]) - integrals(conjugate, zones) + rise)
+    return np.asarray(mean * (zones[:, 1] - zones[:, 0]) - integrals(relief, zones) + rise)
 
 
-def integrals(conjugate: ScaledConjugate, zones: Array) -> Array:
-    """int H f' over each zone."""
-    start, period = float(zones[0, 0]), conjugate.period
-    breaks = np.concatenate((conjugate.breakpoints, start + period * np.arange(_LEAST) / _LEAST))
+def integrals(relief: ScaledRelief, zones: Array) -> Array:
+    """int R over each zone."""
+    start, period = float(zones[0, 0]), relief.period
+    breaks = np.concatenate((relief.breakpoints, start + period * np.arange(_LEAST) / _LEAST))
     cuts = np.unique(np.concatenate((breaks - np.floor((breaks - start) / period) * period, zones.ravel())))
     lo, hi = cuts[:-1], cuts[1:]
     zone = np.searchsorted(zones[:, 0], lo, side="right") - 1
     inside = lo < zones[zone, 1]
     lo, hi, zone = lo[inside], hi[inside], zone[inside]
-    out = np.bincount(zone, _panels(conjugate, lo, hi), len(zones))
-    return np.asarray(out + _of_logarithms(conjugate, zones))
+    out = np.bincount(zone, _panels(relief, lo, hi), len(zones))
+    return np.asarray(out + _of_logarithms(relief, zones))
 
 
-def _panels(conjugate: ScaledConjugate, lo: Array, hi: Array) -> Array:
-    """int over each panel of H f' less its logarithms."""
+def _panels(relief: ScaledRelief, lo: Array, hi: Array) -> Array:
+    """int over each panel of R less its logarithms."""
     node, weight = np.polynomial.legendre.leggauss(_NODES)
     u, v = 0.5 * (1 + node), 0.5 * (1 - node)
     # Distances from the nearer end over the length keep their digits.
@@ -65,7 +66,7 @@ def _panels(conjugate: ScaledConjugate, lo: Array, hi: Array) -> Array:
     for _ in range(_HALVINGS):
         length = (hi - lo)[:, None]
         x = np.where(left < right, lo[:, None] + length * left, hi[:, None] - length * right)
-        value = conjugate.smooth(x.ravel()).reshape(x.shape)
+        value = relief.smooth(x.ravel()).reshape(x.shape)
         largest = max(largest, float(np.abs(value).max(initial=0.0)))
         tail = np.abs((value * growth / weight) @ last).max(axis=1)
         rough = tail > _TAIL * largest
@@ -76,23 +77,23 @@ def _panels(conjugate: ScaledConjugate, lo: Array, hi: Array) -> Array:
         panel = np.repeat(panel[rough], 2)
         lo, hi = np.column_stack((lo[rough], middle)).ravel(), np.column_stack((middle, hi[rough])).ravel()
     else:
-        np.add.at(out, panel, _last(conjugate, lo, hi))
+        np.add.at(out, panel, _last(relief, lo, hi))
     return out
 
 
-def _last(conjugate: ScaledConjugate, lo: Array, hi: Array) -> Array:
+def _last(relief: ScaledRelief, lo: Array, hi: Array) -> Array:
     """Panels halved down to rounding, by their middles."""
-    return np.asarray((hi - lo) * conjugate.smooth(0.5 * (lo + hi)))
+    return np.asarray((hi - lo) * relief.smooth(0.5 * (lo + hi)))
 
 
-def _of_logarithms(conjugate: ScaledConjugate, zones: Array) -> Array:
-    out, period = np.zeros(len(zones)), conjugate.period
-    if len(conjugate.at) == 0:
+def _of_logarithms(relief: ScaledRelief, zones: Array) -> Array:
+    out, period = np.zeros(len(zones)), relief.period
+    if len(relief.at) == 0:
         return out
-    factor = -conjugate.heights * period / (2 * pi**2)
-    block = max(1, _BLOCK // len(conjugate.at))
+    factor = -relief.heights * period / (2 * pi**2)
+    block = max(1, _BLOCK // len(relief.at))
     for s in range(0, len(zones), block):
-        turns = (zones[s : s + block, :, None] - conjugate.at) / period
+        turns = (zones[s : s + block, :, None] - relief.at) / period
         values = clausen2(turns - np.round(turns)) @ factor
         out[s : s + block] = values[:, 1] - values[:, 0]
     return out

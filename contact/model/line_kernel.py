@@ -43,6 +43,7 @@ _SETTLED = 3e-15
 class SmoothPart:
     """m, M and N of the distance r [m].
 
+    length: about how near to the real axis the singularities of m are [m].
     first: the end of the first panel [m], from which on they double; m, M, N: Chebyshev coefficients (panels, terms) of the panels, of
     lengths in units of `first`; beyond the last panel r m = limit. scale: the length in the logarithm of a body with a base [m]; None
     without.
@@ -54,6 +55,7 @@ class SmoothPart:
     N: Array
     limit: float
     scale: float | None
+    length: float
 
     @classmethod
     def of(cls, symbol: Symbol, grounded: bool) -> SmoothPart:
@@ -61,7 +63,7 @@ class SmoothPart:
         top = _shortest(symbol)
         if top is None:
             zero = np.zeros((1, _TERMS))
-            return cls(1.0, zero, zero, zero, 0.0, None)
+            return cls(1.0, zero, zero, zero, 0.0, None, np.inf)
         first = _FIRST / top
         integral = _Integral(symbol, top)
         # Where L goes over to its limit for long waves: beyond the inverse of that r m(r) may settle.
@@ -86,7 +88,8 @@ class SmoothPart:
         M = _integrated(m, half)
         M[:, 0] += start - _at_end(M) if grounded else 0.0
         N = _integrated(M, half)
-        return cls(first, m, M, N, limit, first if grounded else None)
+        # L - 1 falls by so much as exp(-q length) does.
+        return cls(first, m, M, N, limit, first if grounded else None, -np.log(ONE) / top)
 
     @property
     def is_zero(self) -> bool:
@@ -122,12 +125,15 @@ class SmoothPart:
 
 def _shortest(symbol: Symbol) -> float | None:
     """The wave [1/m] from which on L = 1; None if L = 1 everywhere."""
-    seen = np.flatnonzero(np.abs(np.asarray(symbol(WAVES)) - 1) > ONE)
+    off = np.abs(np.asarray(symbol(WAVES)) - 1)
+    # Of the shortest waves rounding alone is left.
+    level = max(ONE, 4 * float(off[-8:].max()))
+    seen = np.flatnonzero(off > level)
     if len(seen) == 0:
         return None
     lo, hi = WAVES[seen[-1]], WAVES[min(seen[-1] + 1, len(WAVES) - 1)]
     finer = np.geomspace(lo, hi, 33)
-    return float(finer[np.flatnonzero(np.abs(np.asarray(symbol(finer)) - 1) > ONE)[-1]])
+    return float(finer[np.flatnonzero(np.abs(np.asarray(symbol(finer)) - 1) > level)[-1]])
 
 
 def _longest(symbol: Symbol) -> float:
@@ -142,7 +148,9 @@ class _Integral:
 
     def __init__(self, symbol: Symbol, top: float) -> None:
         self.symbol, self.top = symbol, top
-        self.base = float(np.asarray(symbol(WAVES[:1]))[0])
+        # A compliance that grows without bound has no limit to take off.
+        first, next_ = np.asarray(symbol(WAVES[:2]))
+        self.base = float(first) if abs(next_ - first) <= 1e-3 * abs(first) or first < 1 else 1.0
         edges = np.concatenate(([0.0], top * 2.0 ** np.arange(-_HALVINGS, 1.0)))
         counts = np.maximum(np.ceil(np.diff(edges) * _SUMMED / (top * _TURN)), 1).astype(int)
         cuts = np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(edges[:-1], edges[1:], counts, strict=True)] + [[top]])

@@ -6,7 +6,7 @@ The symbol of the substrate is the one source of all of it:
                   of all periods, Hilbert's and sum (L_n - 1) sin(2 pi n r / l) 2 pi / l (contact.model.spectrum)
     grid          the multiplier 2 L / (E* q)
     full contact  p_q = -E* q f_q / 2 L(q) + mean
-    by the gaps   the slope of the gap as the unknown, under the symbol 1/L: so far of the half-plane, L = 1
+    by the gaps   the slope of the gap as the unknown, under the symbol 1/L: sum (1/L_n - 1) sin(2 pi n r / l) 2 pi / l beside Hilbert's
     a maximum     u is harmonic below the surface: half-plane sources and nothing else; contact only grows with the load, and a flat
                   top is in contact as a whole
 
@@ -85,12 +85,17 @@ class Operator(sie.Kept):
 
     @property
     def has_inverse(self) -> bool:
-        """Whether the pressure of a given displacement is known: full contact."""
+        """Whether the pressure of a given displacement is known: full contact, and the gap formulation."""
         return self.excess is not None
+
+    @cached_property
+    def inverse_excess(self) -> Array | None:
+        """1 / L_n - 1, the same of the inverse operator."""
+        return None if self.excess is None else np.asarray(-self.excess / (1 + self.excess))
 
     @property
     def is_half_plane(self) -> bool:
-        """Whether the inverse is that of the half-plane: the gap formulation."""
+        """Whether L = 1, and the displacement is that of a half-plane."""
         return self.excess is not None and len(self.excess) == 0 and not self.compression
 
     @cached_property
@@ -121,6 +126,11 @@ class Operator(sie.Kept):
         datum: float | None = self.smooth_part.scale if self.compression is not None else self.interaction.datum
         return datum
 
+    def inverse_kernel(self, unit: float) -> sie.Kernel:
+        """The kernel of symbol 1 / L in scaled lengths: what the slope of the gap is to the pressure, as the pressure to that."""
+        assert self.period is not None and self.inverse_excess is not None
+        return kernel_of(self.inverse_excess, self.period / unit)
+
     def kernel(self, unit: float) -> sie.Kernel:
         """The kernel in scaled lengths; that of all periods with a potential that has no mean but that of the compression."""
         period = None if self.period is None else self.period / unit
@@ -144,8 +154,9 @@ class Operator(sie.Kept):
         plain = sie.images(period, shifts, datum=scaled) if period is not None else sie.cauchy(scaled)
         if smooth.is_zero:
             return plain
-        raised = self._raised(datum)
-        return plain + sie.Smooth(_Lines(smooth.value, plain.poles, unit, unit), _Lines(smooth.potential, plain.poles, unit, 1.0, raised))
+        potential = _Lines(smooth.potential, plain.poles, unit, 1.0, self._raised(datum))
+        value = _Lines(smooth.value, plain.poles, unit, unit)
+        return plain + sie.Smooth(value, potential, of_lag=True, length=smooth.length / unit)
 
     def _raised(self, datum: float | None) -> float:
         """What makes the potential of a line load vanish in the datum [m], or far away from a body with a base."""
@@ -161,6 +172,8 @@ class Operator(sie.Kept):
             kernel = kernel_of(self.excess, period)
         if not isinstance(kernel, sie.Kernel):
             raise SceneError.of("interaction.kernel(period, unit)", kernel, "a sie.Kernel, such as sie.hilbert(period) + sie.Smooth(...)")
+        # Of the lag alone: that is held when a scene is made.
+        kernel = replace(kernel, of_lag=True)
         if not self.is_periodic or kernel.regular_potential is None or self.is_half_plane:
             return kernel
         assert period is not None
@@ -176,7 +189,7 @@ class Operator(sie.Kept):
         beyond = BeyondStrip(
             0.5 * (2 * interaction.neighbours + 1) * period, period, centre, self.smooth_part, unit, self.compression
         )
-        return (sie.Forcing(beyond.slope, beyond.height),)
+        return (sie.Forcing(beyond.slope, beyond.height, between=True),)
 
     # For grids --------------------------------------------------------------------------------------------------------
     def multiplier(self, q: Array) -> Array:

@@ -114,22 +114,143 @@ LAWS = Registry("law", "contact.laws", ("intensity",))
 
 
 def register_profile(name: str) -> Callable[[C], C]:
-    """Class decorator: make a profile known by name."""
+    """Class decorator: make a profile known by name.
+
+    Parameters
+    ----------
+    name : str
+        What `contact.profile` and scene files call it; new.
+
+    Returns
+    -------
+    callable
+        The decorator; it sets the `name` of the class and returns it.
+
+    Raises
+    ------
+    SceneError
+        If the name is taken, or the class has no `height`.
+
+    Examples
+    --------
+    >>> import contact
+    >>> import numpy as np
+    >>> from dataclasses import dataclass
+    >>> @contact.register_profile("doc-cosh")
+    ... @dataclass(frozen=True)
+    ... class Cosh(contact.Profile):
+    ...     scale: float
+    ...     def height(self, x):
+    ...         return self.scale * np.cosh(np.asarray(x) / self.scale)
+    >>> contact.profile("doc-cosh", scale=2.0) == Cosh(2.0)
+    True
+    >>> contact.model.registry.PROFILES.forget("doc-cosh")
+    """
     return PROFILES.register(name)
 
 
 def register_interaction(name: str) -> Callable[[C], C]:
-    """Class decorator: make an interaction known by name."""
+    """Class decorator: make an interaction known by name.
+
+    Parameters
+    ----------
+    name : str
+        What `contact.interaction` and scene files call it; new.
+
+    Returns
+    -------
+    callable
+        The decorator; it sets the `name` of the class and returns it.
+
+    Raises
+    ------
+    SceneError
+        If the name is taken.
+
+    Examples
+    --------
+    >>> import contact
+    >>> from dataclasses import dataclass
+    >>> @contact.register_interaction("doc-alone")
+    ... @dataclass(frozen=True)
+    ... class Alone(contact.Interaction):
+    ...     allows = ("load",)
+    >>> contact.interaction("doc-alone") == Alone()
+    True
+    >>> contact.model.registry.INTERACTIONS.forget("doc-alone")
+    """
     return INTERACTIONS.register(name)
 
 
 def register_substrate(name: str) -> Callable[[C], C]:
-    """Class decorator: make a substrate known by name."""
+    """Class decorator: make a substrate known by name.
+
+    Parameters
+    ----------
+    name : str
+        What `contact.substrate` and scene files call it; new.
+
+    Returns
+    -------
+    callable
+        The decorator; it sets the `name` of the class and returns it.
+
+    Raises
+    ------
+    SceneError
+        If the name is taken, or the class has no `symbol`.
+
+    Examples
+    --------
+    >>> import contact
+    >>> import numpy as np
+    >>> from dataclasses import dataclass
+    >>> @contact.register_substrate("doc-soft")
+    ... @dataclass(frozen=True)
+    ... class Soft(contact.Substrate):
+    ...     depth: float
+    ...     def symbol(self, q):
+    ...         return 1 + 0.5 * np.exp(-q * self.depth)
+    >>> contact.substrate("doc-soft", depth=1e-3) == Soft(1e-3)
+    True
+    >>> contact.model.registry.SUBSTRATES.forget("doc-soft")
+    """
     return SUBSTRATES.register(name)
 
 
 def register_law(name: str) -> Callable[[C], C]:
-    """Class decorator: make a law known by name."""
+    """Class decorator: make a law known by name.
+
+    Parameters
+    ----------
+    name : str
+        What `contact.law` and scene files call it; new.
+
+    Returns
+    -------
+    callable
+        The decorator; it sets the `name` of the class and returns it.
+
+    Raises
+    ------
+    SceneError
+        If the name is taken.
+
+    Examples
+    --------
+    >>> import contact
+    >>> from dataclasses import dataclass
+    >>> @contact.register_law("doc-sticky")
+    ... @dataclass(frozen=True)
+    ... class Sticky(contact.Law):
+    ...     K: float
+    ...     pulls = True
+    ...     def intensity(self, E_star):
+    ...         return -self.K
+    >>> contact.law("doc-sticky", K=1e3) == Sticky(1e3)
+    True
+    >>> contact.model.registry.LAWS.forget("doc-sticky")
+    """
     return LAWS.register(name)
 
 
@@ -139,40 +260,180 @@ def from_table(registry: Registry, name: str, params: Mapping[str, Any], key: st
 
 
 def profile(name: str, **params: Any) -> Any:
-    """The profile of that name with these parameters, as a scene file would give them."""
+    """The profile of that name with these parameters, as a scene file would give them.
+
+    Parameters
+    ----------
+    name : str
+        A name of `contact.profiles()`.
+    **params
+        The arguments of its class.
+
+    Returns
+    -------
+    Profile
+
+    Raises
+    ------
+    SceneError
+        If the name or a parameter is not known, missing or wrong; the nearest name is told.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.profile("sinusoid", amplitude=1e-6, period=1e-4)
+    Sinusoid(amplitude=1e-06, period=0.0001)
+    """
     return PROFILES.find(name).from_table(params)
 
 
 def interaction(name: str, **params: Any) -> Any:
-    """The interaction of that name with these parameters."""
+    """The interaction of that name with these parameters.
+
+    Parameters
+    ----------
+    name : str
+        A name of `contact.interactions()`.
+    **params
+        The arguments of its class.
+
+    Returns
+    -------
+    Interaction
+
+    Raises
+    ------
+    SceneError
+        If the name or a parameter is not known, missing or wrong; the nearest name is told.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.interaction("localized", closure="self-consistent", neighbours=2)
+    Localized(closure='self-consistent', neighbours=2)
+    """
     return from_table(INTERACTIONS, name, params)
 
 
 def substrate(name: str, **params: Any) -> Any:
-    """The substrate of that name with these parameters."""
+    """The substrate of that name with these parameters.
+
+    Parameters
+    ----------
+    name : str
+        A name of `contact.substrates()`.
+    **params
+        The arguments of its class.
+
+    Returns
+    -------
+    Substrate
+
+    Raises
+    ------
+    SceneError
+        If the name or a parameter is not known, missing or wrong; the nearest name is told.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.substrate("layer", thickness=1e-3, nu=0.3)
+    Layer(thickness=0.001, nu=0.3, base='bonded')
+    """
     return from_table(SUBSTRATES, name, params)
 
 
 def law(name: str, **params: Any) -> Any:
-    """The law of that name with these parameters."""
+    """The law of that name with these parameters.
+
+    Parameters
+    ----------
+    name : str
+        A name of `contact.laws()`.
+    **params
+        The arguments of its class.
+
+    Returns
+    -------
+    Law
+
+    Raises
+    ------
+    SceneError
+        If the name or a parameter is not known, missing or wrong; the nearest name is told.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.law("frictionless")
+    Frictionless()
+    """
     return from_table(LAWS, name, params)
 
 
 def profiles() -> dict[str, Any]:
-    """Every known profile: name to class."""
+    """Every known profile: name to class.
+
+    Returns
+    -------
+    dict
+        In alphabetical order; those of installed packages among them.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.profiles()["wedge"] is contact.Wedge
+    True
+    """
     return PROFILES.all()
 
 
 def interactions() -> dict[str, Any]:
-    """Every known interaction: name to class."""
+    """Every known interaction: name to class.
+
+    Returns
+    -------
+    dict
+        In alphabetical order; those of installed packages among them.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.interactions()["periodic"] is contact.Periodic
+    True
+    """
     return INTERACTIONS.all()
 
 
 def substrates() -> dict[str, Any]:
-    """Every known substrate: name to class."""
+    """Every known substrate: name to class.
+
+    Returns
+    -------
+    dict
+        In alphabetical order; those of installed packages among them.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.substrates()["half-plane"] is contact.HalfPlane
+    True
+    """
     return SUBSTRATES.all()
 
 
 def laws() -> dict[str, Any]:
-    """Every known law: name to class."""
+    """Every known law: name to class.
+
+    Returns
+    -------
+    dict
+        In alphabetical order; those of installed packages among them.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.laws()["frictionless"] is contact.Frictionless
+    True
+    """
     return LAWS.all()

@@ -13,10 +13,12 @@ Everything is checked when the scene is made, so that the solver need not check 
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
+from functools import cached_property
 from math import isfinite
 
 import numpy as np
 
+import sie
 from contact.errors import SceneError
 from contact.model.checks import finite, finite_or_none, positive
 from contact.model.interactions.base import CONTROLS, TURNING, Interaction
@@ -30,7 +32,31 @@ from contact.model.substrates.declared import require_body
 
 
 def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = None) -> float:
-    """The reduced modulus E* [Pa] of two bodies by (2); a counter-body left out is rigid."""
+    """The reduced modulus E* [Pa] of two bodies by (2); a counter-body left out is rigid.
+
+    Parameters
+    ----------
+    E1, E2 : float
+        Young's moduli [Pa]; E2 None: a rigid counter-body.
+    nu1, nu2 : float
+        Poisson's ratios [1], above -1 and at most 0.5; nu2 is given with E2.
+
+    Returns
+    -------
+    float
+        E* [Pa], 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2.
+
+    Raises
+    ------
+    SceneError
+        If a modulus is not positive, a ratio out of range, or one of E2, nu2 is given without the other.
+
+    Examples
+    --------
+    >>> import contact
+    >>> round(contact.E_star(210e9, 0.3, 210e9, 0.3) / 1e9, 3)
+    115.385
+    """
     compliance = _plane_compliance("E1", E1, "nu1", nu1)
     if E2 is not None or nu2 is not None:
         if E2 is None:
@@ -51,14 +77,50 @@ def _plane_compliance(modulus_name: str, modulus: float, ratio_name: str, ratio:
 
 
 @dataclass(frozen=True)
-class Scene:
+class Scene(sie.Kept):
     """One contact problem in full. Exactly one of the five controls is given, the others stay None.
 
-    substrate: the elastic body, a half-plane if left out; law: what happens at the interface, frictionless if left out.
+    All is checked when the scene is made. Units are SI, loads per unit thickness.
 
-    tilt [rad]: the gap at zero load is f(x) - tilt x: where it is positive, the body is turned so that x > 0 comes down.
-    moment [N]: int p x dx, about x = 0 and per unit thickness, positive where more of the load is at x > 0; the tilt is then
-    unknown. At most one of the two, and only under a model that lets the body turn (`isolated`); without either the tilt is 0.
+    Parameters
+    ----------
+    profile : Profile
+        The shape: the gap at zero load.
+    E_star : float
+        Reduced modulus [Pa], see `contact.E_star`.
+    interaction : Interaction
+        How the rest of the surface acts: `Isolated()`, `Periodic()`, `Localized()` or one of your own.
+    substrate : Substrate
+        The elastic body, a half-plane if left out.
+    law : Law
+        What happens at the interface, frictionless if left out.
+    load : float or None
+        Control: load [N/m], per period where there is one.
+    mean_pressure : float or None
+        Control: load over the profile's period [Pa].
+    approach : float or None
+        Control: approach of the bodies [m]; needs a datum where nothing repeats.
+    half_width : float or None
+        Control: half width of the one zone of a symmetric profile [m].
+    contact_fraction : float or None
+        Control: width in contact over the period [1], above 0 and at most 1.
+    tilt : float or None
+        The gap at zero load is f(x) - tilt x [rad]: where it is positive, the body is turned so that x > 0 comes down.
+    moment : float or None
+        int p x dx about x = 0 [N], positive where more of the load is at x > 0; the tilt is then unknown. At most one of tilt and moment,
+        and only under a model that lets the body turn (`Isolated`); without either the tilt is 0.
+
+    Raises
+    ------
+    SceneError
+        If anything given is not what it must be, or the parts do not go together; the message names the field.
+
+    Examples
+    --------
+    >>> import contact
+    >>> scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), E_star=1.1e11, interaction=contact.Periodic(), mean_pressure=1.7e9)
+    >>> scene.control, round(scene.given_load)
+    (('mean_pressure', 1700000000.0), 170000)
     """
 
     profile: Profile
@@ -128,7 +190,7 @@ class Scene:
         """The period of the solution; None where nothing repeats, as with one cell of a profile taken alone."""
         return self.profile.period if self.interaction.needs_period else None
 
-    @property
+    @cached_property
     def operator(self) -> Operator:
         """What the pressure does to the surface."""
         return Operator(self.interaction, self.substrate, self.period)

@@ -31,7 +31,38 @@ MODULI = ("E_star", "E1", "nu1", "E2", "nu2")
 
 
 def load_scene(path: str | PathLike[str]) -> Scene:
-    """Read a scene file. A fault in it is a SceneError that names the file, the table and the key."""
+    """Read a scene file. A fault in it is a SceneError that names the file, the table and the key.
+
+    Parameters
+    ----------
+    path : str or path
+        Name of a TOML file; docs/scenes.md has its tables and keys. Files that it names are looked for from its folder.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read, is no TOML, or a table or key is wrong.
+
+    Examples
+    --------
+    >>> import contact, pathlib, tempfile
+    >>> text = '''
+    ... profile = {shape = "sinusoid", amplitude = 1e-6, period = 1e-4}
+    ... material = {E_star = 1.1e11}
+    ... interaction = {model = "periodic"}
+    ... control = {mean_pressure = 1.7e9}
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder) / "wave.toml"
+    ...     _ = file.write_text(text)
+    ...     scene = contact.load_scene(file)
+    >>> scene.profile
+    Sinusoid(amplitude=1e-06, period=0.0001)
+    """
     if not isinstance(path, (str, PathLike)):
         raise SceneError.of("path", path, "the name of a scene file")
     path = Path(path)

@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 # Harmonics looked at, first and at the most, and what is taken for L = 1.
 _FIRST, _MOST = 2**12, 2**16
 _ONE = 1e-15
+# Waves from which on they tell how they fall.
+_FALLING = 16
 
 
 def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
@@ -88,4 +90,6 @@ def kernel_of(excess: Array, period: float) -> sie.Kernel:
         return plain
     n = np.arange(1, len(excess) + 1)
     value, potential = (Sum.of(np.asarray(c, dtype=np.complex128)) for c in (-2j * np.pi / period * excess, -excess / n))
-    return plain + sie.Smooth(_Waves(value, period), _Waves(potential, period))
+    # The harmonics fall by so much as exp(-2 pi n length / l) does; but for a few of them there is no telling.
+    length = -np.log(_ONE) * period / (2 * np.pi * len(excess)) if len(excess) >= _FALLING else np.inf
+    return plain + sie.Smooth(_Waves(value, period), _Waves(potential, period), of_lag=True, length=float(length))

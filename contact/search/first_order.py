@@ -22,9 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import NotConverged, OutOfRange
-from contact.extras import require
 from contact.formulation.controls import Control, HalfWidth, Load, Width
 from contact.formulation.problem import Problem
+from contact.formulation.roots import bracketed
 from contact.model.interactions.isolated import Isolated
 from contact.verify.accuracy import Found
 
@@ -50,6 +50,8 @@ class FirstOrder:
         self.single = single
         self.isolated = replace(problem, interaction=Isolated(), centre=0.0, amplitude=None, reference=True)
         self.together: Found | None = None
+        # How nearly the nominal pressure is found, or the miss brought to zero.
+        self.close = 0.0
 
     def found(self, control: Control, guess: float) -> tuple[Found, float]:
         """The zones that carry the control, and d amplitude / d load at them (for the stiffness). guess: of their total width where
@@ -64,9 +66,10 @@ class FirstOrder:
             assert self.together is not None
             found = self.together
         rate = self._rate(found) if self.single else self._rate_of_miss(found, amplitude)
+        off = 0.0 if self.single else self._off(found, control, amplitude)
         load = found.fields.density.total
         final = self.strip(found.fields.problem.with_amplitude(amplitude), Load(load), _table(found))
-        return replace(final, fields=replace(final.fields, amplitude_rate=rate), control=control), amplitude
+        return replace(final, fields=replace(final.fields, amplitude_rate=rate), control=control, off=off), amplitude
 
     @property
     def _period(self) -> float:
@@ -95,14 +98,22 @@ class FirstOrder:
     def _rate_of_miss(self, found: Found, amplitude: float) -> float:
         """d amplitude / d load of vanishing miss, by central differences in both."""
         load = found.fields.density.total
+        ahead, behind = (self._missed_from(found, Load(load * (1 + more)), amplitude)[0] for more in (_APART, -_APART))
+        above, below = (self._missed_from(found, Load(load), amplitude * (1 + more))[0] for more in (_APART, -_APART))
+        return -(ahead - behind) / load / ((above - below) / amplitude)
 
-        def miss(more_load: float, more: float) -> float:
-            self.together = found
-            return self._miss(Load(load * (1 + more_load)), amplitude * (1 + more))
+    def _off(self, found: Found, control: Control, amplitude: float) -> float:
+        """How far the ends may be off, over the widths of their zones, by what the nominal pressure is off."""
+        (above, wide), (below, narrow) = (self._missed_from(found, control, amplitude * (1 + more)) for more in (_APART, -_APART))
+        apart = 2 * _APART * amplitude
+        moved = float((np.abs(wide - narrow) / np.diff(_table(found), axis=1)).max()) / apart
+        return moved * self.close * (1 + apart / abs(above - below))
 
-        by_load = (miss(_APART, 0.0) - miss(-_APART, 0.0)) / load
-        by_amplitude = (miss(0.0, _APART) - miss(0.0, -_APART)) / amplitude
-        return -by_load / by_amplitude
+    def _missed_from(self, found: Found, control: Control, amplitude: float) -> tuple[float, Array]:
+        """The miss at a nominal pressure near that of what was found, and the zones there."""
+        self.together = found
+        missed = self._miss(control, amplitude)
+        return missed, _table(self.together)
 
     def _width_for(self, control: Control, guess: float) -> float:
         """Bracket the root upwards from zero width, then close the bracket."""
@@ -141,15 +152,14 @@ class FirstOrder:
                 step *= 0.25
                 high, at_high = low, at_low
         # Rounding may keep the bracket from closing: then its last point is as good as any.
-        root = require("scipy.optimize").brentq(miss, low, high, xtol=4e-16 * high, rtol=1e-15, maxiter=2 * _STEPS, disp=False)
-        return float(root)
+        return bracketed(miss, {low: at_low, high: at_high}, xtol=4e-16 * high, rtol=1e-15, most=2 * _STEPS)
 
     def _amplitude_for(self, control: Control, guess: float) -> float:
         """The first root of the miss below the load over L, by secants: the first step goes to P0 / L, which is the root to first order
         in what the neighbours do."""
         at = guess
         here = step = self._miss(control, at)
-        close = max(1e-15, 0.01 * self.tolerance) * max(abs(guess), abs(here))
+        close = self.close = max(1e-15, 0.01 * self.tolerance) * max(abs(guess), abs(here))
         halved = 0
         passed = [(at, here)]
         for _ in range(_STEPS):
@@ -166,7 +176,7 @@ class FirstOrder:
             before, missed, at, here = at, here, at + step, there
             passed.append((at, here))
             if here * missed < 0:
-                return self._between(control, before, at, close)
+                return self._between(control, {before: missed, at: here}, close)
             if abs(here) >= abs(missed):
                 return self._beyond_turn(control, passed[-3:], close)
             step = here * (at - before) / (missed - here)
@@ -181,13 +191,11 @@ class FirstOrder:
         alone = self.alone(self.isolated, self._of_width(_width(self.together)), _table(self.together))
         return alone.fields.density.total / self._period - amplitude
 
-    def _between(self, control: Control, one: float, other: float, close: float) -> float:
+    def _between(self, control: Control, known: dict[float, float], close: float) -> float:
         # Rounding may keep the bracket from closing: then its last point is as good as any.
-        root = require("scipy.optimize").brentq(
-            lambda at: self._miss(control, at), one, other, xtol=close, rtol=1e-15, maxiter=_STEPS, disp=False
-        )
-        self._miss(control, float(root))
-        return float(root)
+        root = bracketed(lambda at: self._miss(control, at), known, xtol=close, rtol=1e-15, most=_STEPS)
+        self._miss(control, root)
+        return root
 
     def _beyond_turn(self, control: Control, passed: list[tuple[float, float]], close: float) -> float:
         """The root before the turn of the miss, where the top of the parabola through the last points is beyond zero."""
@@ -197,7 +205,7 @@ class FirstOrder:
             if abs(there) <= close:
                 return top
             if there * passed[0][1] < 0:
-                return self._between(control, passed[0][0], top, close)
+                return self._between(control, {passed[0][0]: passed[0][1], top: there}, close)
         raise self._refused(control)
 
     def _refused(self, control: Control, width: float | None = None, miss: float = 0.0) -> OutOfRange:

@@ -7,12 +7,17 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.formulation.conjugate import ScaledConjugate
 from contact.formulation.controls import Control
+from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
-from contact.search.gap_topology import find_gaps, settle_gaps
-from contact.search.missed import Missed
-from contact.search.task import LEAST, Task
+from contact.formulation.relief import ScaledRelief
+from contact.search.by_gaps import ByGaps
+from contact.search.first_gaps import FirstGaps
+from contact.search.intervals import united
+from contact.search.missed import Missed, WrongTopology
+from contact.search.task import Task
+from contact.search.tightened import tightened
+from contact.search.topology import Newton, settle
 from contact.verify.gap_accuracy import Gapped
 
 Array = NDArray[np.float64]
@@ -23,15 +28,13 @@ _NEARLY_FULL = 0.7
 _WITH_KINKS = 0.25
 # An end of a gap moves all of the pressure beside it: gaps are found to this part of what zones are.
 OF_GAPS = 0.01
-# A smaller inner tolerance that leaves more of the error than this does no good: what is left is rounding.
-USELESS = 0.5
 
 NOT_WIDE = Missed("the contact is not wide enough to be solved by its gaps, or the operator has no inverse")
 
 
 def worth_gaps(task: Task, problem: Problem, width: float) -> bool:
     """Whether contact of about this scaled width is better solved by its gaps."""
-    if not (task.full.approached and task.operator.is_half_plane and task.scene.law.by_gaps) or problem.period is None:
+    if not (task.full.approached and task.operator.has_inverse and task.scene.law.by_gaps) or problem.period is None:
         return False
     return width > (_NEARLY_FULL if task.full.possible or task.single else _WITH_KINKS) * problem.period
 
@@ -42,33 +45,48 @@ def by_gaps(
     """The contact solved by its gaps, where it is about as wide as that."""
     if control.half_width is not None or not worth_gaps(task, problem, width):
         return NOT_WIDE
-    conjugate = ScaledConjugate.of(task.full.conjugate, problem)
+    form = ByGaps(problem, ScaledRelief.of(task.full.relief, problem))
     with task.plan.timed("zone ends"):
-        found = find_gaps(problem, control, conjugate, OF_GAPS * task.tolerance, width, zones, near)
+        found = _found(task, form, control, width, zones, near)
         if isinstance(found, Missed):
             return found
-        found = tightened_gaps(task, found, control)
+        found = tightened_gaps(task, found)
     return found if math.isfinite(found.error) else Missed("the gaps leave no pressure that could be told", found.free)
 
 
-def gaps_beside(task: Task, near: Gapped, control: Control, tolerance: float) -> Gapped | Missed:
-    """From the gaps of a solution near by."""
-    fields = near.fields
-    return settle_gaps(fields.problem, control, fields.conjugate, fields.density.zones.table, fields.mean, tolerance, near=True)
+def _found(task: Task, form: ByGaps, control: Control, width: float, zones: Array | None, near: bool) -> Gapped | Missed:
+    """First guesses, Newton, signs. width: about that of all contact, zones: about where it is; near: these are those of a solution, and
+    given up as soon as they turn out to be far."""
+    tolerance, period = OF_GAPS * task.tolerance, form.period
+    try:
+        first = FirstGaps.of(form.problem, form.relief)
+        width = width if control.width is None else control.width
+        mean = first.mean_of(width) if control.load is None else control.load / period
+        if zones is not None and len(zones) > 0:
+            # Where zones are known about, so are the gaps; but not those that a grid does not see.
+            between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + period)))
+            found = settle(form, control, united(between, period, True, form.what), Newton(tolerance, mean, near=near))
+            if near or isinstance(found, Gapped):
+                return found
+        return settle(form, control, first.gaps(mean), Newton(tolerance, mean))
+    except WrongTopology as wrong:
+        return wrong.missed
 
 
-def tightened_gaps(task: Task, found: Gapped, control: Control, stuck: bool = False) -> Gapped:
-    """Solved again from the same gaps with a smaller inner tolerance, where the error came out above the wanted one. stuck: even
-    where rounding has kept the ends from the tolerance before."""
-    tolerance, useless = OF_GAPS * task.tolerance, False
-    for _ in range(3):
-        if found.error <= task.tol or tolerance <= LEAST or (found.free.trace[-1].move > tolerance and not stuck):
-            break
-        tolerance = LEAST if useless else max(LEAST, 0.05 * tolerance * task.tol / found.error)
-        better = gaps_beside(task, found, control, tolerance)
-        if isinstance(better, Missed):
-            break
-        before = found.error
-        found = better if better.error < before else found
-        useless = better.error > USELESS * before
-    return found
+def gaps_beside(problem: Problem, near: GapFields, control: Control, tolerance: float, closely: bool) -> Gapped | Missed:
+    """From the gaps of fields near by. closely: given up as soon as these turn out to be far off."""
+    form = ByGaps(problem, near.relief)
+    return settle(form, control, near.density.zones.table, Newton(tolerance, near.mean, near=closely))
+
+
+def tightened_gaps(task: Task, found: Gapped, stuck: bool = False) -> Gapped:
+    """Solved again from the same gaps, where the error came out above the wanted one. stuck: even where rounding has kept the ends from
+    the tolerance before."""
+
+    def again(here: Gapped, tolerance: float) -> Gapped | Missed:
+        return gaps_beside(here.fields.problem, here.fields, here.control, tolerance, closely=True)
+
+    def at_rest(here: Gapped, tolerance: float) -> bool:
+        return here.free.trace[-1].move > tolerance and not stuck
+
+    return tightened(task, found, OF_GAPS * task.tolerance, again, at_rest)

@@ -15,14 +15,16 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import OutOfRange
+from contact.errors import ContactError, OutOfRange
+from contact.formulation.controls import Control
+from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width, largest_single_load, single_half_width
 from contact.search.coarse import MOST_POINTS
 from contact.search.full_contact import Full, full_under, no_inverse, refuse_full_approach
 from contact.search.gaps import by_gaps, worth_gaps
 from contact.search.loads import by_fraction
 from contact.search.missed import Missed
-from contact.search.proposals import about, placed, proposed
+from contact.search.proposals import Proposed, about, placed, proposed
 from contact.search.scaling import Framed
 from contact.search.task import Task
 from contact.verify.accuracy import Found
@@ -157,31 +159,45 @@ def from_grid(task: Task, frame: Framed, held: bool = False) -> Outcome:
             touched, points = True, 4 * points
             continue
         width = proposal.width / problem.units.length
-        if problem.period is not None and width > 0.4 * problem.period and (known := full_under(task, control)):
-            return known
-        gapped = by_gaps(task, problem, control, width, placed(problem, proposal.zones))
-        if isinstance(gapped, Gapped):
-            return gapped
-        if not proposal.full and len(proposal.zones):
-            table = placed(problem, proposal.zones)
-            found = task.settle(problem if held else about(problem, table), control, table)
-            if isinstance(found, Found):
-                return found
-            if found.beyond:
-                raise task.error(found, problem)
+        found = _from_proposal(task, problem, control, proposal, held)
+        if not isinstance(found, Missed):
+            return found
+        if found is not NOT_MINE:
             task.left(f"zones of a grid of {points} points", found)
             if failure is not None and found.same(failure):
                 break
             failure = found
         points *= 4
+    raise _not_found(task, problem, failure, width, points, full)
+
+
+def _not_found(task: Task, problem: Problem, failure: Missed | None, width: float, points: int | None, full: bool) -> ContactError:
+    """What to say where no grid leads to the contact. width, points, full: of the finest grid."""
     if full and task.operator.is_periodic and not task.operator.has_inverse:
-        raise OutOfRange(no_inverse(task, f"in full contact, or nearer to it than a grid of {points} points tells"))
+        return OutOfRange(no_inverse(task, f"in full contact, or nearer to it than a grid of {points} points tells"))
     narrow = "the gaps are narrower than the finest grid tells from full contact"
-    if task.operator.is_periodic and not task.operator.is_half_plane:
-        narrow += "; the gaps themselves are solved for on a half-plane only"
+    if task.operator.is_periodic and not task.operator.has_inverse:
+        narrow += "; the gaps themselves are solved for where the model declares its symbol"
         if failure is not None and width > _ALMOST_FULL * (problem.period or math.inf):
             failure = Missed(f"{failure.reason}, and {narrow}", failure.free)
-    raise task.error(failure or Missed(narrow), problem)
+    return task.error(failure or Missed(narrow), problem)
+
+
+def _from_proposal(task: Task, problem: Problem, control: Control, proposal: Proposed, held: bool) -> Outcome | Missed:
+    """The contact from the zones that a grid proposes: full, by its gaps, or by its zones."""
+    width = proposal.width / problem.units.length
+    if problem.period is not None and width > 0.4 * problem.period and (known := full_under(task, control)):
+        return known
+    table = placed(problem, proposal.zones)
+    gapped = by_gaps(task, problem, control, width, table)
+    if isinstance(gapped, Gapped):
+        return gapped
+    if proposal.full or not len(proposal.zones):
+        return NOT_MINE
+    found = task.settle(problem if held else about(problem, table), control, table)
+    if isinstance(found, Missed) and found.beyond:
+        raise task.error(found, problem)
+    return found
 
 
 GUESSES: tuple[tuple[str, Guess], ...] = (

@@ -18,10 +18,9 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.model.scene import Scene
 from contact.search.by_load import approach, contact_fraction, nearer
-from contact.search.gap_topology import settle_gaps
-from contact.search.gaps import OF_GAPS, by_gaps, tightened_gaps
+from contact.search.gaps import OF_GAPS, by_gaps, gaps_beside, tightened_gaps
 from contact.search.missed import Missed
-from contact.search.proposals import load_of_width, placed
+from contact.search.proposals import Proposed, of_width, placed
 from contact.search.scaling import Framed, framed_about
 from contact.search.task import Task
 from contact.search.tilt import known_part
@@ -84,14 +83,19 @@ def by_fraction(task: Task, frame: Framed) -> Found | Gapped:
     """A width from a solution under about the load that has it, ever nearer ones until its zones lead on."""
     problem, control, goal = frame.problem, frame.control, task.scene.control[1]
     if task.near is None:
-        # What is open of a contact as full as this are tops of H f', of which no grid tells the load.
+        # What is open of a contact as full as this are tops of R, of which no grid tells the load.
         if 1 - goal < _LAST_OPEN:
             gapped = by_gaps(task, problem, control, control.value)
             if isinstance(gapped, Gapped):
                 return gapped
             task.left("gaps", gapped)
         with task.plan.timed("coarse search"):
-            first = load_of_width(frame, problem, control.value) * problem.units.load
+            proposal = of_width(frame, problem, control.value)
+        task.plan["coarse search"].detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
+        first, found = proposal.load, _from_grid(task, problem, control, proposal)
+        if not isinstance(found, Missed):
+            return found
+        task.left("zones of about this width from a grid", found)
     else:
         first = task.near.load
     near_enough, last, off = _NEAR_WIDTH, None, 1.0
@@ -114,6 +118,17 @@ def by_fraction(task: Task, frame: Framed) -> Found | Gapped:
             raise task.error(found, problem)
     assert last is not None
     return _under_load_of(task, problem, control, last)
+
+
+def _from_grid(task: Task, problem: Problem, control: Control, proposal: Proposed) -> Found | Gapped | Missed:
+    """From zones of about the width that a grid has found."""
+    if proposal.full or len(proposal.zones) == 0:
+        return Missed("the grid has no zones of about this width")
+    table = placed(problem, proposal.zones)
+    gapped = by_gaps(task, problem, control, control.value, table)
+    if isinstance(gapped, Gapped):
+        return gapped
+    return task.settle(problem, control, table, value=proposal.load / problem.units.load, steps=_FEW, rounds=_FEW_ROUNDS)
 
 
 def _under_load_of(task: Task, problem: Problem, control: Control, near: Solution) -> Found | Gapped:
@@ -143,8 +158,8 @@ def _from(task: Task, problem: Problem, control: Control, near: Solution) -> Fou
         value = near.load / problem.units.load
         return task.settle(problem, control, placed(problem, near.zones), value=value, steps=_FEW, rounds=_FEW_ROUNDS)
     with task.plan.timed("zone ends"):
-        found = settle_gaps(problem, control, fields.conjugate, fields.density.zones.table, fields.mean, OF_GAPS * task.tolerance)
-        return found if isinstance(found, Missed) else tightened_gaps(task, found, control)
+        found = gaps_beside(problem, fields, control, OF_GAPS * task.tolerance, closely=False)
+        return found if isinstance(found, Missed) else tightened_gaps(task, found)
 
 
 def _to_width(task: Task, load: float, near: Solution | None, tol: float) -> Solution:

@@ -30,6 +30,10 @@ _CENTRINGS = 6
 # Of a width, or of what it leaves of the period: near enough for a load to begin with; cells in it at least; of a grid that tells as
 # much, cells to a shortest length of the shape, and its tolerance.
 _ABOUT, _SEEN, _PER_FEATURE, _ROUGHLY = 0.03, 64, 2, 1e-3
+# The same from the finest grid, of many zones and of few, how many such grids, and the least rate that a width grows with.
+_CLOSE, _FINE_GRIDS, _FLATTEST = (2e-3, 0.05), 3, 0.2
+# Zones missing, or too many, that a grid may leave to Newton, as far as the width tells.
+_MISSED = 0.3
 # Loads over each other that are near enough to begin with, whatever lies between.
 _CLOSE_BY = 1.1
 
@@ -146,22 +150,48 @@ def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | 
     return Proposed(best.found.zones, best.found.points, False, best.found.touches_border, best.tilt)
 
 
-def load_of_width(frame: Framed, problem: Problem, width: float) -> float:
-    """A scaled load at which a grid's zones have about the given scaled total width, by false position. It is that of a first guess:
-    the grid is no finer than the width asks for."""
+def of_width(frame: Framed, problem: Problem, width: float) -> Proposed:
+    """Zones from a grid under a load at which they have about the given scaled total width: from one no finer than the width asks for
+    first, then from one as fine as the profile's resolution does."""
+    period, length = problem.period, problem.units.length
+    assert period is not None
+    load, rate = _load_of_width(frame, problem, width)
+    before: tuple[float, float] | None = None
+    for _ in range(_FINE_GRIDS):
+        found = proposed(frame, problem, Load(load), None)
+        miss = _miss(found.width / length, width, period)
+        if before is not None and math.isfinite(miss - before[1]) and load != before[0]:
+            rate = max((miss - before[1]) / math.log(load / before[0]), _FLATTEST)
+        # So near that hardly a zone is missing, or one too many.
+        if not math.isfinite(miss) or abs(miss) < min(max(_MISSED / max(len(found.zones), 1), _CLOSE[0]), _CLOSE[1]):
+            break
+        before, load = (load, miss), load * math.exp(min(max(-miss / rate, -0.5), 0.5))
+    return found
+
+
+def _miss(found: float, width: float, period: float) -> float:
+    """By how much a width is off: of what is in contact to what is not, the logarithm goes about straight with that of the load."""
+    if not 0.0 < found < period:
+        return math.copysign(math.inf, found - width)
+    return math.log(found / width * (period - width) / (period - found))
+
+
+def _load_of_width(frame: Framed, problem: Problem, width: float) -> tuple[float, float]:
+    """(a scaled load at which a grid's zones have about the given scaled total width, by false position, d miss / d log(load)). It is that
+    of a first guess: the grid is no finer than the width asks for."""
     assert problem.period is not None
     units, profile, period = problem.units, problem.profile, problem.period
     near_enough, least = _ABOUT * min(width, period - width), _SEEN * period / min(width, period - width)
     features = 16.0 if profile.feature is None else units.length * period / profile.feature
     points = 2 ** int(np.clip(np.ceil(np.log2(max(_PER_FEATURE * features, least))), 8, 17))
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
+    tried: list[tuple[float, float]] = []
     for _ in range(60):
         found = proposed(frame, problem, Load(load), points, _ROUGHLY).width / units.length
+        miss = _miss(found, width, period)
+        tried.append((math.log(load), miss))
         if abs(found - width) < near_enough or high < _CLOSE_BY * low:
             break
-        # Of what is in contact to what is not, the logarithm goes about straight with that of the load.
-        beyond = math.copysign(math.inf, found - width)
-        miss = math.log(found / width * (period - width) / (period - found)) if 0.0 < found < period else beyond
         # The end that stays a second time loses half of its weight, for the other to come nearer.
         weight = 0.5 if miss * last > 0 else 1.0
         if miss < 0:
@@ -176,7 +206,8 @@ def load_of_width(frame: Framed, problem: Problem, width: float) -> float:
         else:
             share = at_high / (at_high - at_low) if math.isfinite(at_high - at_low) else 0.5
             load = high * (low / high) ** min(max(share, 0.02), 0.98)
-    return load
+    rises = [(miss - tried[-1][1]) / (at - tried[-1][0]) for at, miss in tried[-2:-1] if math.isfinite(miss - tried[-1][1])]
+    return load, max(rises[0], _FLATTEST) if rises else 1.0
 
 
 def placed(problem: Problem, zones: Array) -> Array:

@@ -9,14 +9,15 @@ import numpy as np
 
 from contact.errors import NotConverged, OutOfRange
 from contact.search.full_contact import Full
-from contact.search.gaps import USELESS, tightened_gaps
+from contact.search.gaps import tightened_gaps
 from contact.search.guesses import Outcome
 from contact.search.missed import Missed
 from contact.search.proposals import about, placed
 from contact.search.scaling import Framed, framed_about
 from contact.search.strips import centred, first_order
-from contact.search.task import LEAST, Task
-from contact.verify.accuracy import Found, limit, of_positions, stated_error
+from contact.search.task import Task
+from contact.search.tightened import tightened
+from contact.verify.accuracy import Found, limit, of_positions, too_thin
 from contact.verify.gap_accuracy import Gapped
 
 # Zones of a lone body farther than so many times their span from the origin of places.
@@ -32,7 +33,7 @@ def refined(task: Task, found: Outcome, again: Callable[[Task], Outcome]) -> Out
     if isinstance(found, Gapped):
         if found.error > task.tol:
             with task.plan.timed("zone ends"):
-                found = tightened_gaps(task, found, task.control(found.fields.problem), stuck=True)
+                found = tightened_gaps(task, found, stuck=True)
         return found
     return _tightened(task, _counted_from_there(task, found), again)
 
@@ -59,29 +60,26 @@ def _by_zones(task: Task, found: Gapped) -> Found | Gapped:
         return found
     table = found.fields.zones
     other = task.settle(about(problem, table), control, table)
-    return other if isinstance(other, Found) and stated_error(other, control) < found.error else found
+    return other if isinstance(other, Found) and other.error < found.error else found
 
 
-def _tightened(task: Task, found: Found, again: Callable[[Task], Outcome]) -> Outcome:
-    """Solved again from the same zones with a smaller inner tolerance; from the start, if they do not stand up to it. Where a smaller
-    tolerance leaves the error, the least one is the last that is tried."""
-    control = task.control(found.fields.problem)
-    error, useless = stated_error(found, control), False
-    for _ in range(3):
-        if error <= task.tol or task.tolerance <= LEAST or _is_rounding(task, found):
-            break
-        task = task.to(LEAST if useless else max(LEAST, 0.05 * task.tolerance * task.tol / error))
+def _tightened(task: Task, found: Found, whole: Callable[[Task], Outcome]) -> Found | Gapped:
+    """Solved again from the same zones; from the start, if they do not stand up to it."""
+
+    def again(here: Found | Gapped, tolerance: float) -> Found | Gapped | Missed:
+        sharper = task.to(tolerance)
         try:
-            better = _from_the_same(task, found) or again(task)
+            same = _from_the_same(sharper, here) if isinstance(here, Found) else None
+            better = same or whole(sharper)
         except (NotConverged, OutOfRange) as failure:
-            task.left("a smaller inner tolerance", Missed(str(failure)))
-            break
-        if not isinstance(better, Found):
-            return better
-        after = stated_error(better, control)
-        useless = after > USELESS * error
-        found, error = (better, after) if after < error else (found, error)
-    return found
+            return Missed(str(failure))
+        return Missed("full contact, as the whole search says") if isinstance(better, Full) else better
+
+    def at_rest(here: Found | Gapped, tolerance: float) -> bool:
+        return not isinstance(here, Found) or _is_rounding(task, here)
+
+    first: Found | Gapped = found
+    return tightened(task, first, task.tolerance, again, at_rest)
 
 
 def _from_the_same(task: Task, found: Found) -> Found | None:
@@ -99,5 +97,7 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
 
 
 def _is_rounding(task: Task, found: Found) -> bool:
-    """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error."""
+    """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error, or what modes do not show."""
+    if too_thin(found.fields.problem, found.free.density.zones.table):
+        return True
     return not found.free.state.iterated and bool(limit(found.free, 4 * task.tol, "zone", 4 * of_positions(found)))

@@ -14,13 +14,14 @@ from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
 from contact.model.interactions.periodic import Periodic
+from contact.search.by_pressure import ByPressure
 from contact.search.first_order import FirstOrder
 from contact.search.guesses import EXACT, from_grid, search
 from contact.search.missed import Missed
 from contact.search.proposals import about, proposed
 from contact.search.scaling import Framed
 from contact.search.task import Task
-from contact.search.topology import settle
+from contact.search.topology import Newton, settle
 from contact.verify.accuracy import Found
 
 Array = NDArray[np.float64]
@@ -47,6 +48,8 @@ def centred(task: Task, frame: Framed, start: Array | None) -> Found:
         frame = replace(frame, problem=about(frame.problem, start))
     found = _in_strip(task, frame, start)
     certified, before, moved = True, None, math.inf
+    # How far ends move with what their middle is off the centre.
+    follows = 1.0
     passed: list[float] = []
     for _ in range(_CENTRINGS):
         zones, problem = found.free.density.zones, found.fields.problem
@@ -55,7 +58,7 @@ def centred(task: Task, frame: Framed, start: Array | None) -> Found:
         # Near the digits of the zones the centre no longer comes nearer.
         if abs(miss) <= 0.1 * task.tolerance * width + np.spacing(abs(centre)) or moved / 4 < abs(miss) < 1e-7 * width:
             if certified:
-                return found
+                return replace(found, off=found.off + abs(miss) * follows / width)
             found, certified, before, moved = _in_strip(task, replace(frame, problem=problem), zones.table), True, None, math.inf
             continue
         passed.append(abs(miss))
@@ -65,6 +68,7 @@ def centred(task: Task, frame: Framed, start: Array | None) -> Found:
         if before is not None and before.table.shape == zones.table.shape and before.miss != miss:
             step = float(np.clip(miss * (centre - before.centre) / (before.miss - miss), -_LONGER * abs(miss), _LONGER * abs(miss)))
             rate = (zones.table - before.table) / (centre - before.centre)
+            follows = float(np.abs(rate).max()) * abs((centre - before.centre) / (before.miss - miss))
         before, moved = _Centring(centre, miss, zones.table), abs(miss)
         found, certified = _moved(task, frame, found, step, rate)
     raise task.error(Missed(f"the centre of the strip did not settle; {EXACT}", found.free), found.fields.problem)
@@ -76,7 +80,7 @@ def _moved(task: Task, frame: Framed, found: Found, step: float, rate: Array | N
     problem, table = found.fields.problem, found.free.density.zones.table
     for _ in range(_SHORTENED):
         there, expected = problem.about(problem.centre + step), table if rate is None else table + step * rate
-        moved = settle(there, frame.control, expected, task.tolerance, formal=True, near=True)
+        moved = settle(ByPressure(there), frame.control, expected, Newton(task.tolerance, near=True), formal=True)
         if isinstance(moved, Found):
             return moved, False
         try:
@@ -133,7 +137,7 @@ def _reference(task: Task, problem: Problem, control: Control, start: Array | No
     middle = 0.5 * float(start[0, 0] + start[-1, 1])
     if len(start) > 1 or abs(middle) > 0.25 * float(start[0, 1] - start[0, 0]):
         problem = problem.about(middle)
-    found = settle(problem, control, start, task.tolerance, formal=True)
+    found = settle(ByPressure(problem), control, start, Newton(task.tolerance), formal=True)
     if isinstance(found, Missed):
         raise OutOfRange(f"the isolated reference of the first-order closure has no solution: {found.reason}; {EXACT}")
     return found

@@ -17,8 +17,9 @@ from contact.formulation.full import FullLimit
 from contact.formulation.problem import Problem
 from contact.model.operator import Operator
 from contact.model.scene import Scene
+from contact.search.by_pressure import ByPressure
 from contact.search.missed import Missed
-from contact.search.topology import ROUNDS, Progress, settle
+from contact.search.topology import ROUNDS, Newton, Progress, settle
 from contact.solution.made import in_cell
 from contact.solution.plan import Plan, plan, starts_from_one_zone
 from contact.solution.solution import Solution
@@ -36,7 +37,8 @@ LEAST = 2e-15
 @dataclass(frozen=True, eq=False)
 class Task:
     """One solve. branch: which of several equilibria; tolerance: of the ends and of the density; full: where full contact begins;
-    single: the contact begins as one zone about x = 0; near: a solution of the same profile and model; under: the solver itself, for a control that is found by loads."""
+    single: the contact begins as one zone about x = 0; near: a solution of the same profile and model;
+    under: the solver itself, for a control that is found by loads."""
 
     scene: Scene
     tol: float
@@ -71,16 +73,14 @@ class Task:
         return scaled_control(self.scene, problem.units)
 
     def settle(
-        self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 40,
+        self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 0,
         rounds: int = ROUNDS,
     ) -> Found | Missed:
         """Zones that pass, from proposed ones."""
+        newton = Newton(self.tolerance, value, steps, near)
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
-            return settle(
-                problem, control, table, self.tolerance, self.progress, timed=self.plan.timed, near=near, value=value, steps=steps,
-                rounds=rounds,
-            )
+            return settle(ByPressure(problem), control, table, newton, self.progress, timed=self.plan.timed, rounds=rounds)
 
     def left(self, way: str, missed: Missed) -> None:
         """Say in the plan what was tried and why it led to nothing."""

@@ -9,15 +9,14 @@ from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged
-from contact.formulation.controls import scaled_control
-from contact.formulation.fields import mean_shape
+from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.solution.plan import Plan
 from contact.solution.solution import Solution, limit_of_approach
-from contact.verify.accuracy import Found, limit, of_positions, stated_error
+from contact.verify.accuracy import Found, limit, of_positions, too_thin
 from contact.verify.certificate import Certificate
 from contact.verify.gap_accuracy import Gapped
 
@@ -36,15 +35,14 @@ def of_zones(scene: Scene, found: Found, plan: Plan, tol: float) -> Solution:
     plan["kinks"].used = len(density.steps) > 0
     if plan["kinks"].used:
         plan["kinks"].reason = f"{len(density.steps)} jumps of the slope or its derivatives inside zones"
-    if isinstance(density, sie.Pierced):
+    if density.slits:
         plan["holes"].used, plan["holes"].reason = True, "narrow gaps between zones"
-        plan["holes"].detail = f"{len(density.cut.holes)} in {len(density.cut.wide)} wide zones"
+        plan["holes"].detail = f"{density.slits} in {len(zones) - density.slits} wide zones"
     else:
         plan["holes"].reason = "no narrow gaps between zones"
     _tell_sizes(plan, len(zones), found.free.state)
-    error = stated_error(found, scaled_control(scene, problem.units))
     table = in_cell(scene, np.asarray(problem.units.x(zones.table)))
-    solution = Solution(scene, table, found.fields, error, found.certificate, plan, found.free.trace)
+    solution = Solution(scene, table, found.fields, found.error, found.certificate, plan, found.free.trace)
     return _within(tol, solution, found.free, "zone", of_positions(found))
 
 
@@ -118,14 +116,16 @@ def _tell_sizes(plan: Plan, zones: int, state: sie.AnyState) -> None:
         sums.used, sums.reason = True, "many unknowns: sums by trees, GMRES for the matrix"
         sums.detail = f"{sizes.iterations} iterations"
     plan.counts.update(
-        zones=zones, own_modes=int(sizes.own.sum()), coupled_unknowns=int(state.solver.size),
+        zones=zones, own_modes=int(sizes.own.sum()), coupled_unknowns=state.coupled,
         kernel_evaluations=sizes.kernel_evaluations, profile_evaluations=sizes.profile_evaluations, solves=sizes.solves,
     )
 
 
 def _within(tol: float, solution: Solution, free: sie.Free, of: str, positions: float = 0.0) -> Solution:
     if solution.error > tol:
-        why = limit_of_approach(solution, tol) or limit(free, tol, of, positions)
+        fields = solution.fields
+        thin = too_thin(fields.problem, fields.density.zones.table) if isinstance(fields, ZoneFields) else ""
+        why = limit_of_approach(solution, tol) or thin or limit(free, tol, of, positions)
         raise NotConverged(
             f"the stated error {solution.error:.2g} is above the tolerance {tol:.2g}{': ' if why else ''}{why}; the best state is attached",
             solution.trace, solution,

@@ -25,8 +25,29 @@ class Part:
 
 @dataclass
 class Plan:
-    """The parts in order, counts of work done, what was tried on the way and why it was left, and the seconds that it all took (None
-    if it has not run)."""
+    """The parts in order, counts of work done, what was tried on the way and why it was left, and the seconds that it all took.
+
+    `plan["zone ends"]` is one part: name, used, reason, detail, seconds.
+
+    Parameters
+    ----------
+    parts : list
+        What may run, used or left out, each with the reason.
+    counts : dict
+        Solves, modes and kernel evaluations.
+    tried : list of str
+        What was tried and why it was left.
+    seconds : float or None
+        Time of all; None if it has not run.
+
+    Examples
+    --------
+    >>> import contact
+    >>> scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), mean_pressure=1e6)
+    >>> solution = contact.solve(scene)
+    >>> solution.plan["coarse search"].used, solution.plan.tried
+    (False, [])
+    """
 
     parts: list[Part] = field(default_factory=list)
     counts: dict[str, int] = field(default_factory=dict)
@@ -79,7 +100,29 @@ class Plan:
 
 
 def plan(scene: Scene) -> Plan:
-    """What solving the scene would run, without running it."""
+    """What solving the scene would run, without running it.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Returns
+    -------
+    Plan
+
+    Raises
+    ------
+    SceneError
+        If it is no scene.
+
+    Examples
+    --------
+    >>> import contact
+    >>> scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), mean_pressure=1e6)
+    >>> part = contact.plan(scene)["periodic kernel"]
+    >>> part.used, part.reason
+    (True, 'the whole period repeats')
+    """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
     profile, model = scene.profile, scene.interaction
@@ -133,10 +176,9 @@ def _inverse(scene: Scene) -> Part:
     operator, name = scene.operator, scene.interaction.name if scene.operator.is_own else scene.substrate.name
     if not operator.is_periodic:
         return Part("inverse operator", False, f"{scene.interaction.name} has no full contact")
-    if operator.is_half_plane:
-        return Part("inverse operator", True, "half-plane: full contact, and gaps where contact is nearly full")
     if operator.has_inverse:
-        return Part("inverse operator", True, f"{name} has a symbol: full contact; gaps on a half-plane only")
+        body = "half-plane" if operator.is_half_plane else f"{name} has a symbol"
+        return Part("inverse operator", True, f"{body}: full contact, and gaps where contact is nearly full")
     return Part("inverse operator", False, f"{name} declares no symbol: by its zones alone, no full contact")
 
 

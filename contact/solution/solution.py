@@ -26,11 +26,38 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Solution(sie.Kept):
-    """Zones (n, 2) [m], pressure and gap anywhere, loads per unit thickness [N/m]; see the properties.
+    """Zones (n, 2) [m], pressure and gap anywhere, loads per unit thickness [N/m]; made by `contact.solve`.
 
-    error: stated bound of (i) the pressure's error at equal normalised position in corresponding zones over the peak pressure
-    (over the mean contact pressure where the peak is infinite), and (ii) each end's error over its zone's width.
-    What follows from it for the numbers below is stated with each, p being that peak (or mean) pressure; see docs/errors.md.
+    What follows from `error` for each number is stated with it, p being the peak pressure (the mean contact pressure where the peak is
+    infinite); see docs/errors.md.
+
+    Parameters
+    ----------
+    scene : Scene
+        What was asked.
+    zones : ndarray
+        Zone ends [m], (n, 2), ascending; with a period, left ends in [x0, x0 + L); (0, 2) in full contact.
+    fields : Fields
+        What the methods below ask.
+    error : float
+        Stated bound of (i) the pressure's error at equal normalised position in corresponding zones over p, and (ii) each end's error over
+        its zone's width.
+    certificate : Certificate
+        What was checked on the whole line, and the values.
+    plan : Plan
+        What ran, what was left out and why, and the times.
+    trace : tuple
+        The Newton steps.
+
+    Examples
+    --------
+    >>> import contact
+    >>> scene = contact.Scene(contact.Parabola(radius=1.0), 1e9, contact.Isolated(datum=1.0), load=1e4)
+    >>> solution = contact.solve(scene)
+    >>> solution.zones.round(9).tolist()
+    [[-0.003568248, 0.003568248]]
+    >>> solution.pressure([0.0, 1.0]).round(-3).tolist(), solution.gap(0.0).tolist()
+    ([1784000.0, 0.0], 0.0)
     """
 
     scene: Scene

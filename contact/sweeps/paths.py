@@ -22,18 +22,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import sie
 from contact.errors import NotConverged, SceneError, unwarned, warn
-from contact.extras import require
-from contact.formulation.controls import Load
-from contact.formulation.fields import ZoneFields
-from contact.formulation.gaps import GapFields
 from contact.formulation.maxima import maximum
+from contact.formulation.roots import bracketed
 from contact.model.checks import finite_array
 from contact.model.scene import Scene
-from contact.search.gap_topology import with_gaps
+from contact.search.formulations import formulation_of
 from contact.search.missed import WrongTopology
-from contact.search.topology import Progress, kinds
+from contact.search.topology import Progress
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solve
@@ -54,8 +50,27 @@ _REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth
 
 @dataclass(frozen=True, eq=False)
 class Event:
-    """A change of the number of zones: kind (birth, death, merge, split, full), load [N/m], position [m], and the zones (n, 2)
-    just before and just after in the direction of the path; full contact has none."""
+    """A change of the number of zones between two loads of a path.
+
+    Parameters
+    ----------
+    kind : str
+        birth, death, merge, split or full.
+    load : float
+        Where it happens [N/m].
+    position : float
+        Where on the profile [m].
+    before, after : ndarray
+        The zones [m], (n, 2), just before and just after in the direction of the path; full contact has none.
+
+    Examples
+    --------
+    >>> import contact
+    >>> pair = contact.Scene(contact.Biquadratic(1.0, 0.2), 1e9, contact.Isolated(), load=1.0)
+    >>> (event,) = contact.path(pair, [1e5, 1e7]).events
+    >>> event.kind, len(event.before), len(event.after)
+    ('merge', 2, 1)
+    """
 
     kind: str
     load: float
@@ -66,7 +81,23 @@ class Event:
 
 @dataclass(frozen=True, eq=False)
 class Path:
-    """Solutions at the given loads and the events between them, in the order of the path."""
+    """Solutions at the given loads and the events between them, in the order of the path.
+
+    Parameters
+    ----------
+    solutions : tuple of Solution
+        One for each load.
+    events : tuple of Event
+        Changes of the number of zones, in order.
+
+    Examples
+    --------
+    >>> import contact
+    >>> scene = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), load=1.0)
+    >>> found = contact.path(scene, [1e3, 4e3])
+    >>> found.loads.round(6).tolist(), found.events
+    ([1000.0, 4000.0], ())
+    """
 
     solutions: tuple[Solution, ...]
     events: tuple[Event, ...]
@@ -79,8 +110,35 @@ class Path:
 def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress | None = None) -> Path:
     """Solve a scene along loads [N/m] (per period where there is one), each from the zones of the last, with all events.
 
-    The scene's own control is replaced by each load in turn; its tilt or its moment stays. loads: one or more, in any order.
-    Raises what `contact.solve` raises.
+    The scene's own control is replaced by each load in turn; its tilt or its moment stays.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is pressed, under any control.
+    loads : array_like
+        One or more loads [N/m], (n,), positive, in any order.
+    tol : float
+        Largest stated error of each solution.
+    progress : callable or None
+        Called with (stage, done, total or None).
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    SceneError, OutOfRange, NotConverged
+        As `contact.solve`; SceneError also if the law is one under which contact may not grow with the load.
+
+    Examples
+    --------
+    >>> import contact
+    >>> wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), load=1.0)
+    >>> found = contact.path(wave, [1e3, 2e3, 4e3])
+    >>> [event.kind for event in found.events], len(found.solutions)
+    (['full'], 3)
     """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
@@ -179,17 +237,14 @@ class _Path:
             return _full_event(self.scene, low)
         first, second = (high, low) if change.back else (low, high)
         side = first if change.kind == "birth" else second
-        make = _conditions(side)[change.kind]
-        condition = make(side.fields, first, second, change)
+        condition = _CONDITIONS[change.kind](side.fields, first, second, change)
         load = condition.problem.units.load
         try:
             # Each state starts from the zones of the last: close to a zero its sign may depend on the way there.
             known = {end: condition(end) for end in (low.load / load, high.load / load)}
             if not np.prod(np.sign(list(known.values()))) < 0:
                 return None
-            root = require("scipy.optimize").brentq(
-                lambda at: known[at] if at in known else condition(at), *known, xtol=1e-300, rtol=4e-15, maxiter=100
-            )
+            root = bracketed(condition, known, xtol=1e-300, strict=True)
         except WrongTopology:
             return None
         condition(root)
@@ -241,7 +296,7 @@ class _Condition:
         raise NotImplementedError
 
     def __init__(self, fields: Any, low: Solution, high: Solution, change: _Change) -> None:
-        self.problem, self.fields = fields.problem, fields
+        self.problem, self.form = fields.problem, formulation_of(fields)
         # Of the loads at which it was evaluated: the zones (or gaps) found there.
         self.tables: dict[float, Array] = {fields.load / fields.problem.units.load: fields.density.zones.table}
         if change.kind == "birth":
@@ -267,17 +322,10 @@ class _Condition:
         return np.asarray(table) if kept.all() else first
 
     def formal(self, load: float) -> Any:
-        """Fields with this number of zones at a load, whatever the signs; later calls start from these zones."""
-        control = Load(load)
-        zones, equation = kinds(self.problem, control, self.start(load)), self.problem.equation(control)
-        try:
-            free = sie.find_ends(equation, zones, _ENDS, walls=self.problem.walls, decay=_DECAY, settled=False)
-        except sie.SingularSystem as failure:
-            raise WrongTopology(f"the equation has no solution on such zones ({failure})", None) from failure
-        if not free.converged:
-            raise WrongTopology("the zones do not go on to this load", free)
-        self.tables[load] = free.density.zones.table
-        return ZoneFields(self.problem, free.state)
+        """Fields with this number of zones, or of gaps, at a load, whatever the signs; later calls start from these."""
+        fields = self.form.formal(load, self.start(load), _ENDS, _DECAY)
+        self.tables[load] = fields.density.zones.table
+        return fields
 
     def least(self, function: Callable[[Array], Array]) -> float:
         place, value = maximum(lambda x: -function(x), np.linspace(*self.where, 33), levels=_ZOOMS, peaks=1)
@@ -296,37 +344,10 @@ class _Merge(_Condition):
     """The least pressure between two zones that have become one."""
 
     def __call__(self, load: float) -> float:
-        return self.least(self.formal(load).density)
+        return self.least(self.formal(load).formal_pressure)
 
 
-class _ByGaps(_Condition):
-    """The same for fields that come from their gaps."""
-
-    def formal(self, load: float) -> Any:
-        assert self.problem.period is not None
-        fields = with_gaps(self.fields, load / self.problem.period, self.start(load), _ENDS, _DECAY)
-        self.tables[load] = fields.density.zones.table
-        return fields
-
-
-class _BirthInGap(_ByGaps):
-    """The least opening of a gap about the place where the higher load has a zone."""
-
-    def __call__(self, load: float) -> float:
-        return self.least(self.formal(load).density.integral)
-
-
-class _GapClosed(_ByGaps):
-    """The least pressure where a gap was."""
-
-    def __call__(self, load: float) -> float:
-        return self.least(self.formal(load).scaled_pressure)
-
-
-def _conditions(side: Solution) -> dict[str, type[_Condition]]:
-    if isinstance(side.fields, GapFields):
-        return {"birth": _BirthInGap, "merge": _GapClosed}
-    return {"birth": _Birth, "merge": _Merge}
+_CONDITIONS: dict[str, type[_Condition]] = {"birth": _Birth, "merge": _Merge}
 
 
 def _scaled(fields: Any, zone: Array) -> tuple[float, float]:

@@ -8,37 +8,44 @@ pressure follows its ends (`sie.Density.sensitivity`), and is off itself by the 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 import sie
-from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
-from contact.verify.certificate import ROUNDING, Certificate
+from contact.formulation.problem import Problem
+from contact.verify.certificate import ROUNDING
+from contact.verify.settled import Settled
+
+Array = NDArray[np.float64]
 
 # Beside a singular end the pressure is several times the mean, to which its error is referred.
 _SINGULAR = 8
 _EPS = 2.2e-16
 # Angles of a zone at which the pressure is looked at for its size.
 _LOOKS = 64
+# Half widths of a zone over the length of the kernel's smooth part, up to which the modes of a zone show it to rounding, and from which on
+# not at all.
+RESOLVED, HOPELESS = 40.0, 150.0
+# Of neglected modes what they may make of the pressure, and of rounding over the compliance that is left: several times what layers of
+# known contact have.
+_MODES, _CANCELLED = 5.0, 4e-15
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
-    """Zones that passed: the Newton result, the load-controlled fields, the certificate, the rounds it took, the tolerance.
-    off: how far its control may have been missed, in ends over the width of their zones."""
+class Found(Settled):
+    """Zones that passed. off: how far the control may have been missed, in ends over the width of their zones."""
 
-    free: sie.Free
     fields: ZoneFields
-    certificate: Certificate
-    rounds: int
-    control: Control
-    tolerance: float = 0.0
-    off: float = 0.0
+
+    @cached_property
+    def error(self) -> float:
+        return _stated(self)
 
 
-def stated_error(found: Found, control: Control) -> float:
-    """Bound of the errors of pressure and ends."""
+def _stated(found: Found) -> float:
     free, state = found.free, found.fields.state
     density = state.density
     ends = free.end_error + state.end_truncation + found.off
@@ -46,14 +53,38 @@ def stated_error(found: Found, control: Control) -> float:
     singular, peak = _is_singular(density), _reference(density)
     moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
     on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
-    error = max(float(ends.max(initial=0.0)) + ROUNDING, of_positions(found) + ROUNDING, moved + on_zones)
-    if control.approach is None:
+    error = max(float(ends.max(initial=0.0)) + ROUNDING, of_positions(found) + ROUNDING, moved + on_zones) + _of_body(found)
+    if found.control.approach is None:
         return error
     # A stiff contact turns the rounding of its level into load.
     fields, units = found.fields, found.fields.problem.units
     assert fields.stiffness is not None
     rounding = fields.gap_rounding / 16 + 4e-16 * abs(density.total)
     return error + abs(rounding * fields.stiffness * units.height / (units.load * fields.load_size))
+
+
+def _of_body(found: Found) -> float:
+    """What a body that is no half-plane adds: its smooth part, where it nearly cancels the line load of the half-plane, as that of a thin
+    layer does, leaves rounding and neglected modes that are large beside the little that remains."""
+    operator, state, units = found.fields.problem.operator, found.fields.state, found.fields.problem.units
+    if operator.is_plain or operator.is_own or not isinstance(state, sie.State):
+        return 0.0
+    zones = state.density.zones
+    wave = np.array([np.pi / (2 * float(zones.half.max()) * units.length)])
+    left = state.field_tail if np.isfinite(state.system.equation.kernel.length) else 0.0
+    return _MODES * left + _CANCELLED / float(operator.substrate.symbol(wave)[0])
+
+
+def too_thin(problem: Problem, table: Array, limit: float = RESOLVED) -> str:
+    """Why modes do not show the smooth part of the body's kernel on scaled zones (n, 2), so many times as wide; empty if they do."""
+    kernel, unit = problem.kernel, problem.units.length
+    width = float((table[:, 1] - table[:, 0]).max(initial=0.0))
+    if not width > 2 * limit * kernel.length:
+        return ""
+    return (
+        f"the kernel of {problem.substrate.name} varies over {kernel.length * unit:.2g} m, 1/{width / kernel.length:.0f} of a zone's "
+        "width, more than the modes of a zone show: ask for a larger tolerance, or for narrower zones"
+    )
 
 
 def of_positions(found: Found) -> float:

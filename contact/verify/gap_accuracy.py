@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 import sie
 from contact.formulation.fields import moved_ends
 from contact.formulation.gaps import GapFields
-from contact.verify.certificate import ROUNDING, Certificate
+from contact.verify.certificate import ROUNDING
+from contact.verify.settled import Settled
 
 Array = NDArray[np.float64]
 
@@ -27,14 +28,10 @@ _BESIDE_TIPS = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Gapped:
-    """Gaps that passed: the Newton result, the fields, the certificate, and how far the mean pressure may be off where it
-    was found from another control."""
+class Gapped(Settled):
+    """Gaps that passed. off: how far the mean pressure may be off where it was found from another control."""
 
-    free: sie.Free
     fields: GapFields
-    certificate: Certificate
-    off: float = 0.0
 
     @cached_property
     def error(self) -> float:
@@ -62,25 +59,25 @@ class Gapped:
         seen = np.minimum((gaps.b - gaps.a) / (_BESIDE * fields.period), 1.0) ** 2
         beside = float((moved.sum(axis=1) * state.zone_sizes * seen).max()) / unit
         # Beside a kink the logarithms that cancel are several times the pressure.
-        rounding = (3 if len(fields.conjugate.at) else 1) * ROUNDING * (1 + abs(fields.mean) / unit)
+        rounding = (3 if len(fields.relief.at) else 1) * ROUNDING * (1 + abs(fields.mean) / unit) + fields.relief.rounding / unit
         on_zones = state.density_error * state.size / unit + rounding
         tips = float((np.maximum(shift[:, 1], np.roll(shift[:, 0], -1)) * self._steepest).max()) / unit
         return 2 * (ends + float(shift.max()) * slope + beside + tips) + on_zones
 
     @property
     def _adrift(self) -> Array:
-        """How far each gap may be from its place where its ends do not tell: on a smooth top of H f' of curvature k it may be anywhere
-        where H f' is within rounding r of the top, by sqrt(2 r / k). 0 for gaps wider than that, and for those over kinks."""
+        """How far each gap may be from its place where its ends do not tell: on a smooth top of R of curvature k it may be anywhere
+        where R is within rounding r of the top, by sqrt(2 r / k). 0 for gaps wider than that, and for those over kinks."""
         fields, profile = self.fields, self.fields.problem.profile
-        gaps, conjugate = fields.density.zones, fields.conjugate
+        gaps, relief = fields.density.zones, fields.relief
         out = np.zeros(len(gaps))
-        _, gap, inside = fields.density.locate(conjugate.at)
+        _, gap, inside = fields.density.locate(relief.at)
         narrow = np.flatnonzero(self.free.end_error.max(axis=1) > _UNCERTAIN)
-        some = np.setdiff1d(narrow, gap[inside & (conjugate.heights < 0)])
+        some = np.setdiff1d(narrow, gap[inside & (relief.heights < 0)])
         if len(some):
             step = (profile.resolution or fields.problem.units.length * fields.period) / fields.problem.units.length / 64
             middle = gaps.middle[some]
-            top, beside = conjugate(middle), 0.5 * (conjugate(middle - step) + conjugate(middle + step))
+            top, beside = relief(middle), 0.5 * (relief(middle - step) + relief(middle + step))
             curvature = 2 * np.maximum(top - beside, 0.0) / step**2
             rounding = 8 * float(np.finfo(np.float64).eps) * (abs(fields.mean) + np.abs(top))
             reach = np.sqrt(2 * rounding / np.maximum(curvature, 2 * rounding / step**2))
@@ -91,8 +88,8 @@ class Gapped:
     def _steepest(self) -> Array:
         """Slope of the pressure in each zone beside the largest of its tips, no nearer than stated (J / pi over the distance)."""
         fields = self.fields
-        zones, convex = fields.zones, fields.conjugate.heights > 0
-        at, heights = fields.conjugate.at[convex], fields.conjugate.heights[convex]
+        zones, convex = fields.zones, fields.relief.heights > 0
+        at, heights = fields.relief.at[convex], fields.relief.heights[convex]
         at = at - np.floor((at - zones[0, 0]) / fields.period) * fields.period
         zone = np.maximum(np.searchsorted(zones[:, 0], at, side="right") - 1, 0)
         count, largest = np.bincount(zone, minlength=len(zones)), np.zeros(len(zones))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,16 +16,7 @@ NARROWEST = 1e-13
 _EPS = 2.2e-16
 
 
-@dataclass(frozen=True)
-class Signs:
-    """The certificate, and where it fails: scaled intervals of negative pressure, and of overlap in the gaps."""
-
-    certificate: Certificate
-    negative: Array
-    overlaps: Array
-
-
-def certify_gaps(fields: GapFields) -> Signs:
+def certify_gaps(fields: GapFields) -> Certificate:
     """Signs of gap and pressure on the whole period."""
     smallest_gap, overlaps, looked = _openings(fields)
     least, negative, dip, points = _pressures(fields)
@@ -37,12 +26,12 @@ def certify_gaps(fields: GapFields) -> Signs:
     note = "solved by its gaps"
     if left_out:
         note += f"; {left_out} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of the period"
-    certificate = Certificate(
+    return Certificate(
         smallest_pressure=least * units.pressure, smallest_gap=smallest_gap * units.height, gap_rounding=0.0,
         load_balance=0.0, level_spread=0.0, points=looked + points, holds=not (negative or overlaps),
         undecided=left_out > 0 or (dip <= DIP_ROUNDING and not negative), note=note, dip=dip,
+        negative=np.array(sorted(negative)).reshape(-1, 2), overlaps=np.array(sorted(overlaps)).reshape(-1, 2),
     )
-    return Signs(certificate, np.array(sorted(negative)).reshape(-1, 2), np.array(overlaps).reshape(-1, 2))
 
 
 def _openings(fields: GapFields) -> tuple[float, list[tuple[float, float]], int]:
@@ -107,26 +96,26 @@ def _over_root(fields: GapFields, zone: NDArray[np.intp], angle: Array) -> tuple
     """(pressure over the sine of the angle in contact zones, its rounding)."""
     left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
     pressure = fields.pressure_in(zone, left, right)
-    # The pressure is a difference of numbers of the size of H f': next to an end only their rounding is left.
+    # The pressure is a difference of numbers of the size of R: next to an end only their rounding is left.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
     return pressure / np.sin(angle), 64 * _EPS * size / np.sin(angle)
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
     """(the gap that each valley with a kink must have, where it has none; how many are too narrow)."""
-    conjugate = fields.conjugate
-    kinks = np.flatnonzero((conjugate.heights < 0) & ~fields.density.locate(conjugate.at)[2])
+    relief = fields.relief
+    kinks = np.flatnonzero((relief.heights < 0) & ~fields.density.locate(relief.at)[2])
     if len(kinks) == 0:
         return [], 0
     half = valley_gaps(fields, kinks)
     wide = half > NARROWEST * fields.period
-    at = fields.density.locate(conjugate.at[kinks])[0]
+    at = fields.density.locate(relief.at[kinks])[0]
     return [(float(x - w), float(x + w)) for x, w in zip(at[wide], half[wide], strict=True)], int(np.sum(~wide))
 
 
 def valley_gaps(fields: GapFields, kinks: NDArray[np.intp]) -> Array:
     """Scaled half widths of lone gaps over kinks that have none: see contact.formulation.gaps."""
-    conjugate = fields.conjugate
-    at, heights = conjugate.at[kinks], conjugate.heights[kinks]
-    rest = fields.mean - conjugate.without_own(kinks) + fields.density.transform(at)
+    relief = fields.relief
+    at, heights = relief.at[kinks], relief.heights[kinks]
+    rest = fields.mean - relief.without_own(kinks) + fields.density.transform(at)
     return np.asarray(fields.period / np.pi * np.exp(np.pi * rest / heights))

@@ -106,6 +106,15 @@ def _t_matrix(n: int, count: int) -> Array:
     return np.asarray(np.cos(_turn(4 * n))[np.outer(2 * np.arange(n) + 1, np.arange(count)) % (4 * n)])
 
 
+def t_values(c: Array, n: int) -> Array:
+    """sum c_l T_l at the n Gauss nodes, of coefficients (..., count <= n)."""
+    if n * c.shape[-1] <= _KEPT:
+        return np.asarray(c @ t_matrix(n, c.shape[-1]).T)
+    halved = 0.5 * c
+    halved[..., 0] = c[..., 0]
+    return np.asarray(fft.dct(halved, type=3, n=n, axis=-1))
+
+
 def t_means(values: Array) -> Array:
     """Means of f T_l, l = 0 ... n - 1, with the weight 1 / sqrt(1 - t^2), from f at the n nodes of `gauss`."""
     return np.asarray(fft.dct(values, type=2) / (2 * len(values)))

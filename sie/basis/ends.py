@@ -16,8 +16,23 @@ from dataclasses import dataclass
 class End:
     """One end of a zone.
 
-    moves: True if the position is unknown.
-    intensity: the prescribed K at the end; None if K is left free (a singular end).
+    Parameters
+    ----------
+    moves : bool
+        Whether the position is unknown.
+    intensity : float or None
+        The prescribed K at the end; None if K is left free (a singular end).
+
+    Raises
+    ------
+    ValueError
+        If the end moves and has no intensity.
+
+    Examples
+    --------
+    >>> import sie
+    >>> sie.BOUNDED, sie.FREE.moves
+    (End(moves=False, intensity=0.0), True)
     """
 
     moves: bool
@@ -39,5 +54,26 @@ SINGULAR = End(moves=False, intensity=None)
 
 
 def free_with_intensity(intensity: float) -> End:
-    """An end of unknown position at which the density is `intensity / sqrt(d)` (adhesion, a crack at its limit)."""
+    """An end of unknown position at which the density is `intensity / sqrt(d)` (adhesion, a crack at its limit).
+
+    Parameters
+    ----------
+    intensity : float
+        K; zero is `FREE`.
+
+    Returns
+    -------
+    End
+
+    Examples
+    --------
+    A line contact that adheres, K = -0.1, a = 1: load = pi a^2 / 2 + pi K sqrt(2 a) (M. Barquins, J. Adhesion 26, 1988, 1-12).
+
+    >>> import numpy as np, sie
+    >>> load = np.pi * (0.5 - 0.1 * np.sqrt(2))
+    >>> adhering = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(load),))
+    >>> end = sie.free_with_intensity(-0.1)
+    >>> sie.solve(adhering, sie.Zones.of([[-0.9, 1.05]], end, end)).zones.table.round(9).tolist()
+    [[-1.0, 1.0]]
+    """
     return End(moves=True, intensity=float(intensity))

@@ -7,7 +7,15 @@ from typing import Any
 
 
 class Kept:
-    """Base of classes whose cached properties follow from their fields, bit for bit, whenever they are asked for again."""
+    """Base of classes whose cached properties follow from their fields, bit for bit, whenever they are asked for again.
+
+    Examples
+    --------
+    >>> import pickle, sie
+    >>> zones = sie.Zones.of([[0.0, 1.0]])
+    >>> zones.half.tolist(), "half" in pickle.loads(pickle.dumps(zones)).__dict__
+    ([0.5], False)
+    """
 
     def __getstate__(self) -> Any:
         state: Any = super().__getstate__()

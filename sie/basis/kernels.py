@@ -12,25 +12,56 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gammaln, psi
+from scipy.special import gammaln, loggamma, psi
+
+from sie.basis.kept import Kept
 
 Array = NDArray[np.float64]
 Regular = Callable[[Array, Array], Array]
 
 
 @dataclass(frozen=True)
-class Kernel:
-    """poles: positions s of 1 / (x - xi - s), the first of them 0.
-    period: the period of the kernel, None if it has none.
-    regular, regular_potential: (x, xi) -> smooth rest of K and of Lambda (broadcast), or None.
-    reach: distance from a source point to the nearest singularity of the regular part over all targets, in units of
-        length.
-    sure: whether the reach alone tells how many nodes and modes the regular part needs, as it does where that part is no larger off
-        the zones than on them. If not, as of a user's own, a zone's modes grow until they show it.
-    datum: Lambda is log|(x - xi - s) / datum| summed over the poles.
+class Kernel(Kept):
+    """A sum of poles 1 / (x - xi - s) and a smooth rest; made by `cauchy`, `hilbert`, `images` and by adding a `Smooth`.
+
+    Parameters
+    ----------
+    poles : tuple of float
+        Positions s, the first of them 0.
+    period : float or None
+        Of the kernel, None if it has none.
+    regular, regular_potential : callable or None
+        (x, xi) -> smooth rest of K and of Lambda, arrays that broadcast.
+    reach : float
+        Distance from a source point to the nearest singularity of the regular part over all targets.
+    datum : float
+        Lambda is log|(x - xi - s) / datum| summed over the poles.
+    sure : bool
+        Whether the reach alone tells how many nodes and modes the regular part needs, as it does where that part is no larger off the zones
+        than on them. If not, as of a user's own, a zone's modes grow until they show it.
+    regular_slope : callable or None
+        Derivative of the regular part by x, only asked for by derivatives at complex points.
+    of_lag : bool
+        Whether the regular part depends on x - xi alone: then it is summed fast, however many zones there are.
+    length : float
+        How near to the real axis the singularities of the regular part are, where that is known (inf: not): a zone of half width w begins
+        with as many modes as w over that asks for, and may take more than other regular kernels.
+
+    Raises
+    ------
+    ValueError
+        If the poles are not different finite numbers from 0 on, a length is not positive, or a potential has no regular part.
+
+    Examples
+    --------
+    >>> import sie
+    >>> sie.hilbert(2.0).poles, sie.cauchy().period
+    ((0.0, -2.0, 2.0), None)
     """
 
     poles: tuple[float, ...] = (0.0,)
@@ -40,6 +71,9 @@ class Kernel:
     reach: float = math.inf
     datum: float = 1.0
     sure: bool = False
+    regular_slope: Regular | None = None
+    of_lag: bool = False
+    length: float = math.inf
 
     def __post_init__(self) -> None:
         poles = np.asarray(self.poles, dtype=float)
@@ -56,6 +90,11 @@ class Kernel:
         """Whether modes must grow until they show all of the regular part."""
         return self.regular is not None and not self.sure
 
+    @cached_property
+    def kept_panels(self) -> dict[tuple[float, int, int], Any]:
+        """Panels of the regular part that have been looked at (`panels`)."""
+        return {}
+
     def __add__(self, other: Smooth) -> Kernel:
         """This kernel plus a user's regular kernel."""
         if not isinstance(other, Smooth):
@@ -63,16 +102,46 @@ class Kernel:
         # Without one of the potentials there is none of the sum.
         lacking = other.potential is None or (self.regular is not None and self.regular_potential is None)
         potential = None if lacking else _summed(self.regular_potential, other.potential)
-        return Kernel(self.poles, self.period, _summed(self.regular, other.value), potential, 0.0, self.datum)
+        without = other.slope is None or (self.regular is not None and self.regular_slope is None)
+        slope = None if without else _summed(self.regular_slope, other.slope)
+        of_lag, length = other.of_lag and (self.regular is None or self.of_lag), min(self.length, other.length)
+        regular = _summed(self.regular, other.value)
+        return Kernel(
+            self.poles, self.period, regular, potential, 0.0, self.datum, regular_slope=slope, of_lag=of_lag, length=length
+        )
 
 
 @dataclass(frozen=True)
 class Smooth:
-    """A regular kernel value(x, xi), smooth on all zones; `potential` is its antiderivative in x, needed only by side
-    conditions on potentials."""
+    """A regular kernel value(x, xi), smooth on all zones, to be added to one with poles.
+
+    Parameters
+    ----------
+    value : callable
+        (x, xi) -> the kernel, arrays that broadcast.
+    potential : callable or None
+        Its antiderivative in x, needed only by side conditions on potentials.
+    slope : callable or None
+        Its derivative in x, needed only by derivatives at complex points.
+    of_lag : bool
+        Whether it depends on x - xi alone.
+    length : float
+        How near to the real axis its singularities are, where that is known (inf: not).
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> kernel = sie.cauchy() + sie.Smooth(lambda x, xi: np.sin(x - xi), lambda x, xi: -np.cos(x - xi), of_lag=True)
+    >>> found = sie.solve(sie.Equation(kernel, sie.Forcing(lambda x: x), (sie.Total(1.0),)), sie.Zones.of([[-1.0, 1.0]]))
+    >>> found.error < 1e-10
+    True
+    """
 
     value: Regular
     potential: Regular | None = None
+    slope: Regular | None = None
+    of_lag: bool = False
+    length: float = math.inf
 
 
 def _summed(first: Regular | None, second: Regular | None) -> Regular | None:
@@ -102,6 +171,34 @@ class _HilbertRest:
 
 
 @dataclass(frozen=True)
+class _HilbertSlopeRest:
+    """Derivative of `_HilbertRest`."""
+
+    period: float
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        d = (x - xi) / self.period
+        return np.asarray(-(_trigamma(2 - d) + _trigamma(2 + d)) / self.period**2)
+
+
+# Of the asymptotic series of psi', Bernoulli's numbers B_2, B_4, ...; beyond so many steps it is as good as rounding (DLMF 5.15.8).
+_BERNOULLI = (1 / 6, -1 / 30, 1 / 42, -1 / 30, 5 / 66, -691 / 2730, 7 / 6)
+_UP = 10
+
+
+def _trigamma(z: Array) -> Array:
+    """psi' at real or complex z, Re z >= 1."""
+    far = 1 / (z + _UP)
+    total = np.zeros_like(far)
+    for number in _BERNOULLI[::-1]:
+        total = (total + number) * far * far
+    out = far * (1 + 0.5 * far + total)
+    for k in range(_UP):
+        out = out + 1 / (z + k) ** 2
+    return np.asarray(out)
+
+
+@dataclass(frozen=True)
 class _HilbertPotentialRest:
     """log|2 sin(pi d/L)| less those of its poles."""
 
@@ -109,11 +206,33 @@ class _HilbertPotentialRest:
 
     def __call__(self, x: Array, xi: Array) -> Array:
         d = (x - xi) / self.period
-        return np.asarray(math.log(2 * math.pi) - gammaln(2 - d) - gammaln(2 + d))
+        log = loggamma if np.iscomplexobj(d) else gammaln
+        return np.asarray(math.log(2 * math.pi) - log(2 - d) - log(2 + d))
 
 
 def cauchy(datum: float = 1.0) -> Kernel:
-    """K = 1 / (x - xi), Lambda = log|(x - xi) / datum|."""
+    """K = 1 / (x - xi), Lambda = log|(x - xi) / datum|.
+
+    Parameters
+    ----------
+    datum : float
+        Length in which the potential is counted.
+
+    Returns
+    -------
+    Kernel
+
+    Raises
+    ------
+    ValueError
+        If the datum is no finite positive number.
+
+    Examples
+    --------
+    >>> import sie
+    >>> sie.cauchy().poles
+    (0.0,)
+    """
     return Kernel(datum=float(datum))
 
 
@@ -122,15 +241,57 @@ def hilbert(period: float) -> Kernel:
 
     With the poles at 0 and +-L taken out, psi(2 - d/L) - psi(2 + d/L) over L remains, and in the potential
     log(2 pi) - log(Gamma(2 - d/L) Gamma(2 + d/L)), by the reflection formula (DLMF 5.5.3).
+
+    Parameters
+    ----------
+    period : float
+        L.
+
+    Returns
+    -------
+    Kernel
+
+    Raises
+    ------
+    ValueError
+        If the period is no finite positive number.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> wave = sie.Equation(sie.hilbert(1.0), sie.Forcing(lambda x: np.sin(2 * np.pi * x)), (sie.Total(0.5),))
+    >>> sie.solve(wave, sie.Zones.of([[-0.2, 0.3]])).zones.table.round(9).tolist()
+    [[-0.25, 0.25]]
     """
     length = float(period)
     if not (math.isfinite(length) and length > 0):
         raise ValueError(f"period must be a finite positive number, got {period!r}")
-    return Kernel((0.0, -length, length), length, _HilbertRest(length), _HilbertPotentialRest(length), length, datum=length, sure=True)
+    parts, slope = (_HilbertRest(length), _HilbertPotentialRest(length)), _HilbertSlopeRest(length)
+    return Kernel((0.0, -length, length), length, *parts, length, datum=length, sure=True, regular_slope=slope, of_lag=True)
 
 
 def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
-    """The pole and its images at +-L, ..., +-mL: sum over |k| <= m of 1 / (x - xi - k L)."""
+    """The pole and its images at +-L, ..., +-mL: sum over |k| <= m of 1 / (x - xi - k L).
+
+    Parameters
+    ----------
+    period : float
+        L, the distance of neighbouring images.
+    neighbours : int
+        m, how many images are kept on each side.
+    datum : float
+        Length in which the potential is counted.
+
+    Returns
+    -------
+    Kernel
+
+    Examples
+    --------
+    >>> import sie
+    >>> sie.images(1.0, 2).poles
+    (0.0, -1.0, 1.0, -2.0, 2.0)
+    """
     shifts = [0.0]
     for k in range(1, neighbours + 1):
         shifts += [-k * float(period), k * float(period)]

@@ -27,11 +27,26 @@ def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Zones(Kept):
-    """`n` zones with ends a (n,) and b (n,), a < b < next a. `left`, `right`: one End for all, or one per zone.
+    """`n` zones with ends a (n,) and b (n,), a < b < next a; `Zones.of(table, left, right)` makes and checks them.
 
-    symmetric: the zones are mirror images of each other about x = 0 and so are the data; only half is solved.
-    rest: what rounding has cut off the ends, (2, n), which are a + rest[0] and b + rest[1]: an end may lie nearer to a corner of the
-        profile than the digits of its position tell.
+    Parameters
+    ----------
+    a, b : ndarray
+        Left and right ends (n,).
+    left, right : sequence of End
+        Kinds of the ends, one for each zone.
+    symmetric : bool
+        The zones are mirror images of each other about x = 0 and so are the data; only half is solved.
+    rest : ndarray
+        What rounding has cut off the ends (2, n), which are a + rest[0] and b + rest[1]: an end may lie nearer to a corner of the right
+        side than the digits of its position tell.
+
+    Examples
+    --------
+    >>> import sie
+    >>> zones = sie.Zones.of([[0.0, 1.0], [1.5, 2.0]], left=sie.SINGULAR, right=sie.BOUNDED)
+    >>> len(zones), zones.middle.tolist(), zones.half.tolist()
+    (2, [0.5, 1.75], [0.5, 0.25])
     """
 
     a: Array
@@ -53,7 +68,13 @@ class Zones(Kept):
         right: End | Sequence[End] = FREE,
         symmetric: bool = False,
     ) -> Zones:
-        """Checked zones from an (n, 2) array of ends."""
+        """Checked zones from an (n, 2) array of ends; left, right: one kind for all, or one for each.
+
+        Raises
+        ------
+        ValueError
+            If ends are not finite and strictly ascending, or symmetric zones are no mirror images.
+        """
         table = np.array(ends, dtype=float)
         if table.ndim != 2 or table.shape[1] != 2 or table.shape[0] == 0:
             raise ValueError(f"zones must have shape (n, 2) with n >= 1, got {table.shape}")

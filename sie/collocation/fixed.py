@@ -20,6 +20,7 @@ from sie.collocation.rounding import density_rounding, intensity_rounding
 from sie.collocation.symmetry import Folding
 from sie.collocation.system import Layout, System
 from sie.density.density import Density
+from sie.density.field import panels_over
 from sie.equation.checks import look_at
 from sie.equation.conditions import asked
 from sie.equation.equation import Equation
@@ -46,7 +47,18 @@ MOST_UNKNOWNS = 20_000
 
 
 class SingularSystem(ArithmeticError):
-    """The assembled system has no unique solution: the side conditions depend on each other."""
+    """The assembled system has no unique solution: the side conditions depend on each other.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> twice = sie.Equation(sie.cauchy(), sie.Forcing(np.sin), (sie.Total(1.0), sie.Weighted(np.ones_like, 1.0)))
+    >>> try:
+    ...     sie.solve_fixed(twice, sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR))
+    ... except sie.SingularSystem as error:
+    ...     print(error)
+    the system is singular: the side conditions depend on each other
+    """
 
 
 class TooLarge(SingularSystem):
@@ -134,9 +146,33 @@ class Factored:
 class State(Kept):
     """The solution on given zones, with what its error is made of.
 
-    density; the solver for further right sides; `truncation`: what the neglected coefficients may amount to, over
-    the largest coefficient of the same zone (Z,); `tails`: the same for the coupled modes;
-    `linear_error`: what an iteration left of the error of each zone's coefficients (Z,), 0 for a direct solve.
+    Attributes
+    ----------
+    density : Density
+        The wanted function.
+    system, solver
+        The equation's rows, and what solves them for further right sides.
+    unknowns, folded_unknowns : ndarray
+        The coefficients, and those of the solved half of symmetric zones.
+    conditions_from : int
+        The first row of the side conditions.
+    condition_scale : ndarray
+        What each of these rows was divided by.
+    truncation, tails : ndarray
+        What the neglected coefficients may amount to, over the largest coefficient of the same zone (Z,), and the same of the coupled
+        modes.
+    linear_error : ndarray
+        What an iteration left of the error of each zone's coefficients (Z,), 0 for a direct solve.
+    sizes : Sizes
+        How many functions each zone has.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(1.0),))
+    >>> state = sie.solve_fixed(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    >>> float(round(state.response(np.array([2.0])).total, 12)), state.density_error < 1e-14
+    (2.0, True)
     """
 
     density: Density
@@ -161,8 +197,8 @@ class State(Kept):
         """The unknowns of `response`, to be put into rows of the system."""
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
-        solver = self.solver
-        return self.folding.unfold(solver(right, None, tolerance) if isinstance(solver, Iterative) else solver(right))
+        iteration = self.iteration
+        return self.folding.unfold(self.solver(right) if iteration is None else iteration(right, None, tolerance))
 
     def with_value(self, condition: int, change: float) -> State:
         """The state after the value of one side condition has changed."""
@@ -209,6 +245,15 @@ class State(Kept):
         """The solver, where it has a matrix."""
         return self.solver if isinstance(self.solver, Factored) else None
 
+    @property
+    def iteration(self) -> Iterative | None:
+        """The solver, where it iterates."""
+        return self.solver if isinstance(self.solver, Iterative) else None
+
+    def wide_of(self, zones: Index) -> tuple[State, Index]:
+        """The state without slits, and the places of zones among its own."""
+        return self, zones
+
     @cached_property
     def intensity_noise(self) -> Array:
         """Rounding of K at the left and right ends (2, Z)."""
@@ -225,14 +270,19 @@ class State(Kept):
         return float(self.tails.max())
 
     @property
+    def coupled(self) -> int:
+        """How many unknowns are solved for together."""
+        return int(self.solver.size)
+
+    @property
     def unresolved(self) -> bool:
         """Whether the most modes that zones are given do not show what the columns do on them."""
-        return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.COUPLED_SIZES[-1]
+        return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.most(self.system.equation.kernel)
 
     @property
     def iterated(self) -> bool:
         """Whether the unknowns come from an iteration, to its tolerance."""
-        return isinstance(self.solver, Iterative)
+        return self.iteration is not None
 
     def _homogeneous_density(self, y: Array) -> Density:
         layout = self.system.layout
@@ -385,7 +435,14 @@ def residual_error(residuals: Array, size: float, coupled: Index, rounding: Arra
 
 def first_sizes(equation: Equation, zones: Zones) -> Sizes:
     """Modes to begin with: a few to resolve columns and regular kernels, else as many as the distances ask for."""
-    least = 16 if equation.grows else max((column.modes or 0 for column in equation.columns), default=0)
+    least: int | Index
+    panels = panels_over(equation.kernel, zones)
+    if panels is not None and all(column.modes is not None for column in equation.columns):
+        least = np.minimum(panels.modes(zones.half), modes.least(zones, equation.kernel))
+    elif equation.grows:
+        least = modes.least(zones, equation.kernel)
+    else:
+        least = max((column.modes or 0 for column in equation.columns), default=0)
     return Sizes(np.full(len(zones), 16), least)
 
 
@@ -394,7 +451,36 @@ def solve_fixed(
 ) -> State:
     """Solve on given zones, with singular ends allowed at moving ends (their intensity is what a Newton step needs).
 
-    Raises CountError if conditions and index do not match, SingularSystem if the conditions are dependent.
+    Parameters
+    ----------
+    equation : Equation
+    zones : Zones
+        Free ends are taken where they are.
+    tolerance : float
+        Coefficients are asked for until they have fallen to this part of the largest.
+    sizes : Sizes or None
+        Modes to start from, kept from one solve to the next.
+    largest : int
+        Modes of a zone at the most.
+
+    Returns
+    -------
+    State
+        The density, and what its error is made of.
+
+    Raises
+    ------
+    ValueError
+        For functions that do not return what the equation is about; `CountError` if conditions and unknowns do not match.
+    SingularSystem
+        If the side conditions depend on each other, or something is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(np.pi),))
+    >>> float(sie.solve_fixed(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)).density(0.6).round(12))
+    1.25
     """
     equation.check_count(zones)
     if sizes is None:
@@ -409,18 +495,29 @@ def solve_fixed(
     while True:
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
         unknowns = int(np.sum(m + 1))
-        if unknowns > MANY_UNKNOWNS:
-            lacking = unfit(equation, zones)
-            if lacking is None:
-                return _solve_many(equation, zones, m, samples, steps, sizes)
-            if unknowns > MOST_UNKNOWNS:
-                raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
-        state = _solve_once(equation, zones, m, samples, steps, sizes)
-        # Each zone by itself: what one asks for would cost all of them too much.
-        few = (state.tails > tolerance * 10) & (m < modes.COUPLED_SIZES[-1])
-        if not equation.grows or not few.any():
+        lacking = unfit(equation, zones) if unknowns > MANY_UNKNOWNS else "too few of them"
+        if lacking and unknowns > MOST_UNKNOWNS:
+            raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
+        state = (_solve_once if lacking else _solve_many)(equation, zones, m, samples, steps, sizes)
+        more = more_modes(state, state.tails, tolerance)
+        if more is None:
             return state
-        sizes.least = np.where(few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m)
+        sizes.least = more
+
+
+def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
+    """Coupled modes to solve with again, where their tails show that they are too few; None where they are enough, or need not tell.
+
+    Each zone by itself: what one asks for would cost all of them too much. An iteration leaves its own error in all modes."""
+    m, zones, panels = state.system.layout.m, state.system.zones, state.system.panels
+    kernel = state.equation.kernel
+    few = (tails > max(modes.enough(kernel, tolerance), 10 * state.sizes.linear if state.iterated else 0.0)) & (m < modes.most(kernel))
+    if panels is not None and not any(column.modes is None for column in state.equation.columns):
+        # Of the regular part nothing is left beyond these.
+        few &= m < panels.modes(zones.half)
+    if not state.equation.grows or not few.any():
+        return None
+    return np.where(few, modes.COUPLED_SIZES[np.searchsorted(modes.COUPLED_SIZES[:-1], m, side="right")], m)
 
 
 def _solve_once(
@@ -483,7 +580,7 @@ def _state(
     sizes.solves += 1
     top = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(system.known).max(axis=1, initial=0.0)
     truncation = samples.tail / np.where(top > 0, top, 1.0)
-    tail = np.maximum(_field_tails(system, y, density), system.source_tails)
+    tail = np.maximum(field_tails(system, y, density), system.source_tails)
     if system.zones.symmetric:
         tail = np.maximum(tail, tail[::-1])
     left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
@@ -534,7 +631,7 @@ def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[A
     return np.concatenate(rows) if rows else np.zeros((0, system.layout.size)), np.concatenate(values or [np.zeros(0)])
 
 
-def _field_tails(system: System, y: Array, density: Density) -> Array:
+def field_tails(system: System, y: Array, density: Density) -> Array:
     """Last coupled coefficients of what the other zones and the columns do, over the zone's largest one (Z,)."""
     layout, g = system.layout, system.lowest
     if layout.m.max() < 8:

@@ -60,8 +60,8 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
     ends = {*zones.left, *zones.right}
     if len(zones.solved) < 2:
         return "one zone is too few"
-    if equation.grows or not reaches(equation.kernel, zones):
-        return "the kernel or a column is too general"
+    if not reaches(equation.kernel, zones):
+        return "the kernel is too general"
     if any(end.intensity not in (None, 0.0) for end in ends):
         return "no intensities may be prescribed"
     per_zone = [c for c in equation.conditions if for_every_zone(c) is not None]
@@ -92,6 +92,9 @@ class ManySystem(System):
         self.column_rows = np.array([self._projected(c.value) for c in equation.columns]).reshape(-1, len(k))
         none = np.zeros(len(solved))
         self.known_field = self.sums(self.layout.flat(self.known)) if len(steps) else (np.zeros(len(k)), none, none)
+        if self.unseen_moments is not None:
+            rows, middle, mean = self.sums.of_panels(self.unseen_moments)
+            self.known_field = self.known_field[0] + rows, self.known_field[1] + middle, self.known_field[2] + mean
         self.equation_right = (g - self.known_field[0])[self.kept]
 
     def _projected(self, value: Callable[[Array], Array]) -> Array:
@@ -108,6 +111,10 @@ class ManySystem(System):
     def known_intensities(self) -> tuple[Array, Array]:
         """What is known of K at the left and right ends, without unknowns."""
         return self.intensities_of(self.beyond)
+
+    def of_panels(self, moments: Array) -> tuple[Array, Array]:
+        rows, middle, mean = self.sums.of_panels(moments)
+        return rows[self.kept], middle + mean
 
     # rows applied ---------------------------------------------------------------------------------------------------
     def applied(self, y: Array) -> tuple[Array, Applied]:

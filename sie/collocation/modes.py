@@ -33,15 +33,35 @@ _ALONE = 690.0
 # Coefficients among which the largest of a jump's part is.
 _LEADING = 8
 COUPLED_SIZES = np.array(
-    [0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768]
+    [0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768, 1024, 1280, 1536]
 )
+# Modes at the most: as a rule, and of a regular kernel that is known to ask for more.
+_MOST, _MOST_KNOWN = 768, 1536
+# Modes to begin with to a half width over the length of a regular kernel: exp(-12) of it is left.
+_PER_LENGTH = 12.0
+
+
+def most(kernel: Kernel) -> int:
+    """Coupled modes of a zone at the most."""
+    return _MOST if np.isinf(kernel.length) else _MOST_KNOWN
+
+
+def enough(kernel: Kernel, tolerance: float) -> float:
+    """How far the coefficients of a regular part have to fall: where they fall as exponentials do, more costs little, and what is left of
+    them may weigh more than they tell if the regular part nearly cancels the poles."""
+    return 10 * tolerance if np.isinf(kernel.length) else 0.01 * tolerance
+
+
+def least(zones: Zones, kernel: Kernel) -> Index:
+    """Coupled modes of each zone to begin with, where the kernel's regular part is a user's own."""
+    return np.maximum(16, np.ceil(_PER_LENGTH * zones.half / kernel.length)).astype(np.intp)
 
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
     """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at least `least`."""
     fall = decay(zones, kernel)
     want = np.where(fall < _ALONE, -np.log(tolerance) / np.maximum(fall, 1e-3), 0.0)
-    return _at_least(COUPLED_SIZES, np.maximum(want, least))
+    return _at_least(COUPLED_SIZES[: np.searchsorted(COUPLED_SIZES, most(kernel)) + 1], np.maximum(np.minimum(want, _MOST), least))
 
 
 def decay(zones: Zones, kernel: Kernel) -> Array:

@@ -25,8 +25,10 @@ from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import crowded
+from sie.density.field import moments_of, panels_over
 from sie.equation.conditions import Linear, multiplicity
 from sie.equation.equation import Equation
+from sie.fast.panels import TERMS, Panels, Spread
 from sie.jumps.forcing import Steps
 
 Array = NDArray[np.float64]
@@ -142,10 +144,7 @@ def fields(
                 e = np.where(own, 1.0, e)
             root = np.sqrt(e * (e + 2))
             rho = sign / (1 + e + root)
-            if what == "transform":
-                power = sign / root
-            else:
-                power = np.ones_like(rho)
+            power = sign / root if what == "transform" else np.ones_like(rho)
             if own is not None:
                 power = np.where(own, 0.0, power)
             if what == "potential":
@@ -173,6 +172,11 @@ def _add_regular(
     out: Array, zones: Zones, kernel: Kernel, regular: Callable[[Array, Array], Array], targets: Targets,
     layout: Layout, over_width: bool,
 ) -> None:
+    panels = panels_over(kernel, zones)
+    if panels is not None:
+        moments = _panel_moments(zones, panels, layout, over_width)
+        out[:, : layout.coefficients] += panels.at(Spread.of(panels, targets.x), moments, over_width)
+        return
     sizes = np.array([regular_size(kernel, w, int(m)) for w, m in zip(zones.half, layout.m, strict=True)])
     for m in np.unique(layout.m):
         for q in np.unique(sizes[layout.m == m]):
@@ -185,6 +189,19 @@ def _add_regular(
                 block *= zones.half[sources][:, None]
             columns = layout.offset[sources][:, None] + np.arange(count)
             out[:, columns] += block
+
+
+def _panel_moments(zones: Zones, panels: Panels, layout: Layout, over_width: bool) -> Array:
+    """Moments of the panels by each unknown coefficient."""
+    out = np.zeros((panels.count * TERMS, layout.coefficients))
+    modes = panels.modes(zones.half)
+    for i in range(len(zones)):
+        q = int(modes[i]) + 2
+        count = min(int(layout.m[i]), int(modes[i])) + 1
+        xi = zones.middle[i] + zones.half[i] * chebyshev.gauss(q)
+        weights = chebyshev.t_matrix(q, count) * ((1.0 if over_width else zones.half[i]) / q)
+        out[:, layout.offset[i] : layout.offset[i] + count] = panels.moments(Spread.of(panels, xi), weights)
+    return out
 
 
 class System:
@@ -226,7 +243,7 @@ class System:
         """(matrix, right side), the rows k = 1 ... m of each solved zone (even k only for a central symmetric one)."""
         layout, zones = self.layout, self.zones
         raw = fields(zones, self.equation.kernel, self.targets, layout, "transform")
-        if self.equation.kernel.grows:
+        if self.equation.kernel.grows and panels_over(self.equation.kernel, zones) is None:
             # A regular kernel of a user's own: its last coefficients in xi tell whether they are enough.
             last = layout.offset + layout.m - np.minimum([[0], [1], [2]], layout.m)
             self.source_tails = np.abs(raw[:, last]).max(axis=(0, 1)) / max(1.0, np.abs(raw).max())
@@ -252,7 +269,43 @@ class System:
             rights.append(g[step - 1 :: step])
         if not blocks:
             return np.zeros((0, layout.size)), np.zeros(0)
-        return np.concatenate(blocks), np.concatenate(rights)
+        right = np.concatenate(rights)
+        if self.unseen_moments is not None:
+            right -= self.of_panels(self.unseen_moments)[0]
+        return np.concatenate(blocks), right
+
+    @cached_property
+    def panels(self) -> Panels | None:
+        """Those of the kernel's regular part."""
+        return panels_over(self.equation.kernel, self.zones)
+
+    @cached_property
+    def unseen_moments(self) -> Array | None:
+        """Moments of the coefficients that are no unknowns, as far as the regular part sees them; None where it sees none."""
+        zones, panels = self.zones, self.panels
+        if panels is None or np.all(panels.modes(zones.half) <= self.layout.m):
+            return None
+        count = int(panels.modes(zones.half).max()) + 1
+        table, given = np.zeros((len(zones), count)), min(count, self.g.shape[1])
+        table[:, :given] = -self.g[:, :given]
+        if len(self.steps):
+            table += self.steps.t_coefficients(zones, count)
+        table = np.where(np.arange(count) > self.layout.m[:, None], table, 0.0)
+        return moments_of(panels, zones, self.equation.kernel, table, Steps.none())
+
+    def of_panels(self, moments: Array) -> tuple[Array, Array]:
+        """(rows of the equation, levels) of what has these moments on the panels."""
+        assert self.panels is not None
+        spread, solved = Spread.of(self.panels, self.targets.x), self.zones.solved
+        seen, rows = self.panels.at(spread, moments, False), [np.zeros(0)]
+        for place, i in enumerate(solved):
+            if self.layout.m[i]:
+                step = 2 if self.zones.central and place == 0 else 1
+                inner = seen[self.starts[place] + 1 : self.starts[place + 1] - 1, None]
+                rows.append(chebyshev.project_rows(inner)[step - 1 :: step, 0])
+        if self.equation.kernel.regular_potential is None:
+            return np.concatenate(rows), np.zeros(len(solved))
+        return np.concatenate(rows), self._means(self.panels.at(spread, moments, True))
 
     @cached_property
     def diagonal(self) -> Index:
@@ -381,6 +434,8 @@ class System:
             w = zones.half[i]
             rows[place, layout.offset[i]] += w * math.log(w / (2 * kernel.datum))
         constants = rows @ layout.flat(self.known)
+        if self.unseen_moments is not None:
+            constants = constants + self.of_panels(self.unseen_moments)[1]
         for k, column in enumerate(self.equation.columns):
             rows[:, layout.coefficients + k] = -self._column_means(column.primitive)
         return rows, constants - self._forcing_means()
@@ -388,7 +443,10 @@ class System:
     def _column_means(self, primitive: Callable[[Array], Array] | None) -> Array:
         if primitive is None:
             raise ValueError("a condition on potentials needs the primitive of every column")
-        values = primitive(self.targets.x)
+        return self._means(primitive(self.targets.x))
+
+    def _means(self, values: Array) -> Array:
+        """Means over each solved zone of values at its nodes."""
         return np.array([
             (values[s:e].sum() - 0.5 * (values[s] + values[e - 1])) / (e - s - 1)
             for s, e in zip(self.starts[:-1], self.starts[1:], strict=True)

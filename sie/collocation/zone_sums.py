@@ -24,8 +24,10 @@ from sie.basis import chebyshev
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
+from sie.density.field import panels_over
 from sie.fast import lazy
 from sie.fast.far import FarSum, Nested
+from sie.fast.panels import Panels, Spread
 from sie.fast.tree import TERMS, Pairs, Tree
 
 Array = NDArray[np.float64]
@@ -52,8 +54,7 @@ class NearRows:
         right = zones.middle[zone] > zones.middle[source] + shift
         sign = np.where(right, 1.0, -1.0)
         gap = np.where(right, zones.a[zone] - (zones.b[source] + shift), (zones.a[source] + shift) - zones.b[zone])
-        half, width = zones.half[source], zones.half[zone]
-        m = layout.m[zone]
+        half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
         # The decay at the node nearest to the source tells how many powers are seen.
         e = (gap + width * np.array([chebyshev.lobatto(int(n))[1][min(1, n)] for n in range(int(m.max(initial=0)) + 1)])[m]) / half
         need = np.ceil(_VANISHED / np.arccosh(1 + e) / 8).astype(np.intp) * 8
@@ -104,6 +105,35 @@ class NearRows:
         )
 
 
+class PanelSums:
+    """What a smooth regular part does on the solved zones, through its panels."""
+
+    def __init__(self, panels: Panels, zones: Zones, layout: Layout) -> None:
+        self.panels, self.zones = panels, zones
+        modes, solved = panels.modes(zones.half), zones.solved
+        count = np.minimum(layout.m, modes) + 1
+        self.groups = []
+        nodes = []
+        for q, k in np.unique(np.column_stack((modes + 2, count)), axis=0):
+            some = np.flatnonzero((modes + 2 == q) & (count == k))
+            self.groups.append((layout.offset[some][:, None] + np.arange(k), zones.half[some][:, None] / q, int(q)))
+            nodes.append((zones.middle[some][:, None] + zones.half[some][:, None] * chebyshev.gauss(int(q))).ravel())
+        self.sources = Spread.of(panels, np.concatenate(nodes))
+        inner = [zones.middle[i] + zones.half[i] * chebyshev.lobatto(int(layout.m[i]))[0][1:-1] for i in solved]
+        self.targets, self.middles = Spread.of(panels, np.concatenate(inner)), Spread.of(panels, zones.middle[solved])
+
+    def moments(self, y: Array) -> Array:
+        """Moments of the panels from unknowns."""
+        weights = [
+            (chebyshev.t_values(y[columns], q) * scale).ravel() for columns, scale, q in self.groups
+        ]
+        return self.panels.moments(self.sources, np.concatenate(weights))
+
+    def at_targets(self, moments: Array) -> tuple[Array, Array]:
+        """(transform at the inner nodes of each solved zone, one after the other; potential at their middles)."""
+        return self.panels.at(self.targets, moments, False), self.panels.at(self.middles, moments, True)
+
+
 class ZoneSums:
     """What all zones and images do on the solved zones, but for a zone's action on itself, as U coefficients and as the mean of
     the potential (weight 1 / sqrt(1 - t^2))."""
@@ -121,6 +151,8 @@ class ZoneSums:
         k = np.arange(TERMS)
         self.lead = np.where(k <= layout.m[:, None], layout.offset[:, None] + k, layout.size)
         self.scale = zones.half[:, None] * np.where(k, 0.5, 1.0)
+        panels = panels_over(kernel, zones)
+        self.smooth = None if panels is None else PanelSums(panels, zones, layout)
 
     @property
     def size(self) -> int:
@@ -129,11 +161,24 @@ class ZoneSums:
 
     def __call__(self, y: Array) -> tuple[Array, Array, Array]:
         """(U coefficients k = 1 ... m of every solved zone, one after the other; mean potential of each, in two words)."""
-        zones, solved = self.zones, self.zones.solved
         leaves = np.append(y, 0.0)[self.lead] * self.scale
         series, middle, mean = self.far(leaves)
         mean = mean + self.near.potential @ y
         at_nodes = self.near.transform @ y
+        if self.smooth is not None:
+            seen, potential = self.smooth.at_targets(self.smooth.moments(y))
+            at_nodes, middle = at_nodes + seen, middle + potential
+        return self._rows(at_nodes, series, middle, mean)
+
+    def of_panels(self, moments: Array) -> tuple[Array, Array, Array]:
+        """The same for what has these moments on the panels of the regular part, of that part alone."""
+        assert self.smooth is not None
+        count = len(self.zones.solved)
+        at_nodes, middle = self.smooth.at_targets(moments)
+        return self._rows(at_nodes, np.zeros((count, TERMS)), middle, np.zeros(count))
+
+    def _rows(self, at_nodes: Array, series: Array, middle: Array, mean: Array) -> tuple[Array, Array, Array]:
+        zones, solved = self.zones, self.zones.solved
         far = 0.5 * series
         far[:, :-2] -= 0.5 * series[:, 2:]
         far[:, 0] += 0.5 * series[:, 0]

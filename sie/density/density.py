@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -10,12 +11,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
+from sie.basis.half_plane import What, sum_of_powers
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.density.field import CHUNK, Sources, potential_at, quadrature, sum_of_powers, transform_at
+from sie.density.field import (
+    CHUNK,
+    Sources,
+    moments_of,
+    panels_over,
+    potential_at,
+    quadrature,
+    transform_at,
+)
+from sie.density.interval_potential import LocalPotential
+from sie.density.plane import Plane
 from sie.density.treecode import Everywhere
 from sie.fast.far import reaches
+from sie.fast.panels import Panels
 from sie.jumps.forcing import LOG2, SERIES_REACH, Steps, of_zones
 
 Array = NDArray[np.float64]
@@ -32,10 +45,39 @@ LOOKS = 128
 
 @dataclass(frozen=True, eq=False)
 class Density(Kept):
-    """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the steps, on each zone.
+    """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the steps, on each zone, t from -1 to 1 there.
 
-    coefficients: smooth part (zones, n + 1). amplitudes: those of the equation's columns. closed: see `settled`. parts: what
-    `bounded` is, where it is known to more digits than the coefficients tell.
+    Called at points of the line it gives phi, zero off the zones; `transform`, `potential` and their slopes also take complex points
+    off it.
+
+    Attributes
+    ----------
+    zones : Zones
+        The zones, Z of them.
+    kernel : Kernel
+        By which transform and potential are taken.
+    coefficients : ndarray
+        c of the smooth part (Z, n + 1).
+    steps : Steps
+        The jumps of the right side within the zones.
+    amplitudes : ndarray
+        Those of the equation's columns (k,).
+    closed : bool
+        See `settled`.
+    parts : tuple or None
+        What `bounded` is, where it is known to more digits than the coefficients tell.
+
+    Examples
+    --------
+    The density 1 / sqrt(1 - x^2) of a flat punch, on the zone, and its transform 1 / sqrt(z^2 - 1) off it.
+
+    >>> import numpy as np, sie
+    >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(np.pi),))
+    >>> density = sie.solve(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)).density
+    >>> density([0.0, 0.6, 2.0]).round(12).tolist(), density.transform(1.25).round(12).tolist()
+    ([1.0, 1.25, 0.0], 1.333333333333)
+    >>> float(density.transform(0.75j).imag.round(12)), float(density.transform_slope(0.75j).real.round(12))
+    (-0.8, 0.384)
     """
 
     zones: Zones
@@ -57,6 +99,16 @@ class Density(Kept):
         right = np.array([end.moves and end.intensity == 0.0 for end in zones.right])
         k_left, k_right = np.where(left, 0.0, alpha - beta), np.where(right, 0.0, alpha + beta)
         return 0.5 * (k_left + k_right), 0.5 * (k_right - k_left), u
+
+    @property
+    def slits(self) -> int:
+        """How many narrow gaps between the zones are taken as slits of wider ones; here none."""
+        return 0
+
+    def opening(self, x: ArrayLike) -> tuple[NDArray[np.bool_], Array]:
+        """(whether x lies in a slit, what has been released from the slit's left end to x); here nowhere, nothing."""
+        shape = np.shape(x)
+        return np.zeros(shape, dtype=bool), np.zeros(shape)
 
     def settled(self) -> Density:
         """The same density with the last traces of 1/sqrt(d) taken out at free ends, where the exact one has none.
@@ -274,17 +326,43 @@ class Density(Kept):
         out[inside] = self.integral_at(z, 2 * np.arctan2(np.sqrt(right), np.sqrt(left)))
         return out
 
-    def transform(self, x: ArrayLike) -> Array:
-        """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end."""
+    def transform(self, x: ArrayLike) -> NDArray[Any]:
+        """(1/pi) PV int phi K dxi at x (any shape), on and off the zones; infinite at a singular end. At complex x what it is
+        continued to, F(x) (see `plane`); there a zero imaginary part is the upper side of the line."""
+        if np.iscomplexobj(x):
+            return self._in_plane(x, "transform")
         x = _float(x)
         return transform_at(self, self.into_period(x).ravel(), self.sources).reshape(x.shape)
 
-    def potential(self, x: ArrayLike) -> Array:
-        """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones."""
+    def transform_slope(self, z: ArrayLike) -> NDArray[np.complex128]:
+        """F'(z), the derivative of `transform` at complex z (any shape)."""
+        return self._in_plane(z, "derivative")
+
+    def _in_plane(self, z: ArrayLike, what: What) -> NDArray[np.complex128]:
+        points = np.asarray(z, dtype=complex)
+        out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
+        out[finite] = self.plane(points[finite], what)
+        return out
+
+    @cached_property
+    def plane(self) -> Plane:
+        """The density at complex points."""
+        return Plane(self)
+
+    def potential(self, x: ArrayLike) -> NDArray[Any]:
+        """(1/pi) int phi Lambda dxi at x (any shape), on and off the zones. At complex x the complex potential W, W' = F, whose real part
+        is the harmonic function that is the potential on the line: it is analytic in either half plane, real on the line right of all
+        zones (with a period: between the last zone and the next one), and W(conj x) = conj W(x)."""
+        if np.iscomplexobj(x):
+            return self._in_plane(x, "potential")
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
             raise ValueError("the regular kernel has no potential")
         x = _float(x)
         return potential_at(self, self.into_period(x).ravel(), self.sources).reshape(x.shape)
+
+    def potential_on(self, lo: float, hi: float) -> Callable[[Array], Array] | None:
+        """The potential on [lo, hi], an interval without zones in it, cheap at many points; None where nothing is gained."""
+        return LocalPotential.on(self, lo, hi)
 
     def into_period(self, x: Array) -> Array:
         """x moved by periods to within half of one of the zones' middle, where the kernel's poles are the near ones."""
@@ -315,7 +393,13 @@ class Density(Kept):
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:
         """Nodes and weighted density for the regular part of the kernel."""
-        return quadrature(self)
+        return quadrature(self.zones, self.kernel, self.coefficients, self.steps)
+
+    @cached_property
+    def panel_moments(self) -> tuple[Panels, Array] | None:
+        """The panels of the regular part and this density's moments on them; None where it has none."""
+        panels = panels_over(self.kernel, self.zones)
+        return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.steps))
 
     def own_transform(self, zone: Index, left: Array, right: Array) -> Array:
         """-sum c_j U_{j-1}(t) on the zones, by the angle from the nearer end."""

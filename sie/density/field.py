@@ -19,9 +19,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.half_plane import sum_of_powers
 from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.zones import Zones
 from sie.density.series import Evaluated, Series
+from sie.fast.panels import Panels, Spread, panels_of
+from sie.jumps.forcing import Steps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -109,14 +112,13 @@ def potential_from(density: Series, x: Array, sources: Sources) -> Array:
 def _by_blocks(density: Evaluated, x: Array, sources: Sources, what, regular: Regular | None) -> Array:  # type: ignore[no-untyped-def]
     if len(x) * len(sources) > (SOME_PAIRS if density.has_series else MANY_PAIRS) and density.everywhere is not None:
         here = density.everywhere
-        return here.potential(x) if what is _potential else here.transform(x)
-    out = np.zeros(x.shape)
+        value = here.potential(x) if what is _potential else here.transform(x)
+        return value if regular is None or density.kernel.sure else np.asarray(value + regular_at(density, x, regular))
+    out = np.zeros(x.shape) if regular is None else regular_at(density, x, regular)
     block = max(1, CHUNK // len(sources))
     for s in range(0, len(x), block):
         part = x[s : s + block]
-        out[s : s + block] = what(density, part, sources)
-        if regular is not None:
-            out[s : s + block] += regular_at(density, part, regular)
+        out[s : s + block] += what(density, part, sources)
     return out
 
 
@@ -161,7 +163,11 @@ def _potential(density: Series, x: Array, sources: Sources) -> Array:
 
 
 def regular_at(density: Evaluated, x: Array, regular: Regular) -> Array:
-    """The regular part of the kernel, by Gauss-Chebyshev quadrature on every zone."""
+    """The regular part of the kernel (or of its potential): through its panels, where it has some, else by Gauss-Chebyshev quadrature on
+    every zone."""
+    if density.panel_moments is not None:
+        panels, moments = density.panel_moments
+        return panels.at(Spread.of(panels, x), moments, regular is not density.kernel.regular)
     out = np.zeros(x.shape)
     for xi, weights in density.quadrature:
         block = max(1, CHUNK // weights.size)
@@ -170,21 +176,31 @@ def regular_at(density: Evaluated, x: Array, regular: Regular) -> Array:
     return out
 
 
-def quadrature(density: Series) -> list[tuple[Array, Array]]:
-    """(nodes, weights times density) for the regular part, zones of equal size together."""
-    zones, kernel = density.zones, density.kernel
-    m = density.coefficients.shape[1] - 1
-    sizes = np.array([regular_size(kernel, w, m) for w in zones.half])
+def panels_over(kernel: Kernel, zones: Zones) -> Panels | None:
+    """The panels of a kernel's regular part over all zones."""
+    return panels_of(kernel, float(zones.a[0]), float(zones.b[-1]))
+
+
+def moments_of(panels: Panels, zones: Zones, kernel: Kernel, table: Array, steps: Steps) -> Array:
+    """Moments of the panels of a density, see `quadrature`."""
+    nodes, weights = (np.concatenate(parts) for parts in zip(*quadrature(zones, kernel, table, steps), strict=True))
+    return panels.moments(Spread.of(panels, nodes), weights)
+
+
+def quadrature(zones: Zones, kernel: Kernel, table: Array, steps: Steps) -> list[tuple[Array, Array]]:
+    """(nodes, weights times density) for the regular part, of T coefficients (zones, n + 1) and jumps; zones of equal size together."""
+    m, panels = table.shape[1] - 1, panels_over(kernel, zones)
+    sizes = np.array([regular_size(kernel, w, m) for w in zones.half]) if panels is None else panels.modes(zones.half) + 2
     found = []
     for q in np.unique(sizes):
         group = np.flatnonzero(sizes == q)
         count = min(int(q), m + 1)
         xi = zones.middle[group][:, None] + zones.half[group][:, None] * chebyshev.gauss(int(q))
-        c = density.coefficients[group, :count]
-        if len(density.steps):
+        c = table[group, :count]
+        if len(steps):
             count = int(q)
-            c = np.pad(c, ((0, 0), (0, count - c.shape[1]))) + density.steps.t_coefficients(zones, count)[group]
-        weights = (c @ chebyshev.t_matrix(int(q), count).T) * (zones.half[group] / q)[:, None]
+            c = np.pad(c, ((0, 0), (0, count - c.shape[1]))) + steps.t_coefficients(zones, count)[group]
+        weights = chebyshev.t_values(c, int(q)) * (zones.half[group] / q)[:, None]
         found.append((xi.ravel(), weights.ravel()))
     return found
 
@@ -207,25 +223,3 @@ def power_sum(u: Array, rho: Array, zone: Index) -> Array:
         powers[..., 1:] = rho[..., None]
         return np.asarray(np.einsum("psk,sk->ps", np.cumprod(powers, axis=-1), u[zone]))
     return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)
-
-
-def sum_of_powers(u: Array, rho: Array, zone: Index) -> Array:
-    """sum_k u[zone, k] rho^k pair by pair (n,), as far as rho^k is seen."""
-    count = u.shape[1]
-    if count == 0 or len(rho) == 0:
-        return np.zeros(rho.shape)
-    flat = np.abs(rho)
-    with np.errstate(divide="ignore"):
-        need = np.fmin(count, np.ceil(-40.0 / np.log(np.minimum(flat, 1 - 1e-12)))).astype(int)
-    need = np.maximum(need, 1)
-    order = np.argsort(-need, kind="stable")
-    point_rho, row = rho[order], zone[order]
-    counts = need[order]
-    out = np.zeros(len(order))
-    active = np.searchsorted(-counts, -np.arange(1, counts[0] + 1), side="right")
-    for k in range(int(counts[0]) - 1, -1, -1):
-        n = active[k]
-        out[:n] = out[:n] * point_rho[:n] + u[row[:n], k]
-    result = np.empty(len(order))
-    result[order] = out
-    return result

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from sie.basis import chebyshev
 from sie.basis.kernels import Regular
-from sie.density.density import Density
 from sie.density.field import Sources, potential_at, potential_from, regular_at
+from sie.density.series import Evaluated
 
 Array = NDArray[np.float64]
 
@@ -24,9 +24,32 @@ _NODES = 26
 
 @dataclass(frozen=True, eq=False)
 class LocalPotential:
-    """The potential of a density on [lo, hi], an interval without zones in it."""
+    """The potential of a density on [lo, hi], an interval without zones in it, made by `LocalPotential.on(density, lo, hi)`.
 
-    density: Density
+    Attributes
+    ----------
+    density : Density
+        Whose potential it is.
+    lo, hi : float
+        The interval.
+    far : ndarray
+        What sources far away make, as a series.
+    near : Sources
+        Those near by.
+    rough : callable or None
+        The kernel's regular potential, where it is not smooth over the interval.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(1.0),))
+    >>> density = sie.solve(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)).density
+    >>> x = np.linspace(3, 4, 5)
+    >>> bool(np.allclose(sie.LocalPotential.on(density, 3.0, 4.0)(x), density.potential(x), rtol=1e-13))
+    True
+    """
+
+    density: Evaluated
     lo: float
     hi: float
     far: Array
@@ -34,14 +57,14 @@ class LocalPotential:
     rough: Regular | None = None
 
     @classmethod
-    def on(cls, density: Density, lo: float, hi: float) -> LocalPotential:
+    def on(cls, density: Evaluated, lo: float, hi: float) -> LocalPotential:
         """Choose the near sources of [lo, hi] and interpolate all others."""
-        sources = density.sources
+        sources = Sources.of(density.zones, density.kernel)
         distance = np.maximum(sources.a - hi, lo - sources.b)
         near = sources.chosen(distance < 0.5 * (hi - lo))
         t = chebyshev.gauss(_NODES)
         x = 0.5 * (lo + hi) + 0.5 * (hi - lo) * t
-        values = potential_at(density, x, density.sources) - potential_from(density, x, near)
+        values = potential_at(density, x, sources) - potential_from(density, x, near)
         regular = density.kernel.regular_potential
         rough = regular if density.kernel.reach < hi - lo else None
         if rough is not None:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
+from sie.fast.panels import Panels
 from sie.jumps.forcing import Steps
 
 Array = NDArray[np.float64]
@@ -66,3 +67,8 @@ class Evaluated(Series, Protocol):
 
     @property
     def quadrature(self) -> list[tuple[Array, Array]]: ...
+
+    @property
+    def panel_moments(self) -> tuple[Panels, Array] | None: ...
+
+    def into_period(self, x: Array) -> Array: ...

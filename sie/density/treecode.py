@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.half_plane import sum_of_powers
 from sie.basis.zones import Zones
-from sie.density.field import sum_of_powers
 from sie.density.series import Series
 from sie.fast.far import FarSum, Nested
 from sie.fast.piecewise import clenshaw

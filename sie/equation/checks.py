@@ -69,6 +69,10 @@ def _real(name: str, returned: Any, shape: tuple[int, ...], given: str) -> Array
 
 
 def _look_at_forcing(name: str, forcing: Forcing, x: Array, half: Array, levels: bool, symmetric: bool) -> None:
+    for part, function in (("value", forcing.value), ("primitive", forcing.primitive)):
+        if not (callable(function) or (part == "primitive" and function is None)):
+            raise ValueError(f"{name}: {part} must be a function of x, got {type(function).__name__}")
+
     def value(places: Array) -> Array:
         return _real(f"{name}: value", forcing.value(places.ravel()), (places.size,), f"x of shape ({places.size},)").reshape(places.shape)
 

@@ -22,7 +22,28 @@ Linear = tuple[Array, Array]
 
 
 class Rows(Protocol):
-    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order."""
+    """What a condition may ask of the assembled system. Each answer covers the solved zones, in order; (matrix, constants) stands for the
+    quantities matrix @ unknowns + constants.
+
+    Examples
+    --------
+    A condition that makes the first zone hold a given part of the total.
+
+    >>> import numpy as np, sie
+    >>> class Part(sie.Condition):
+    ...     def __init__(self, part):
+    ...         self.part = part
+    ...     def count(self, zones):
+    ...         return 1
+    ...     def rows(self, system: sie.Rows):
+    ...         matrix, constants = system.totals()
+    ...         weight = (np.arange(len(constants)) == 0) - self.part
+    ...         return weight[None] @ matrix, np.array([weight @ constants]), np.zeros(1)
+    >>> charge = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(1.0), Part(0.25)))
+    >>> found = sie.solve(charge, sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR))
+    >>> found.density.totals.round(12).tolist()
+    [0.25, 0.75]
+    """
 
     @property
     def zones(self) -> Zones:
@@ -51,7 +72,35 @@ class Rows(Protocol):
 
 
 class Condition:
-    """Base: `open` conditions have an unknown value, found from a condition on the ends."""
+    """Base: a linear statement about the density and the unknown amplitudes.
+
+    A condition of one's own has `count(zones)`, how many rows it has, and `rows(system)`, (matrix, constants, values) of shapes
+    (count, unknowns), (count,), (count,) with matrix @ unknowns + constants = values; see `Rows` for what `system` tells.
+
+    Attributes
+    ----------
+    open : bool
+        Whether the condition's value is unknown, and found from a condition on the ends.
+    levels : bool
+        Whether it speaks of potentials.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> class Left(sie.Condition):
+    ...     "The intensity K at the left end of the first zone."
+    ...     def __init__(self, value):
+    ...         self.value = value
+    ...     def count(self, zones):
+    ...         return 1
+    ...     def rows(self, system):
+    ...         (matrix, constants), _ = system.intensities()
+    ...         return matrix[:1], constants[:1], np.array([self.value])
+    >>> equation = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (Left(2.0),))
+    >>> found = sie.solve(equation, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    >>> found.density.intensities[1].round(12).tolist()
+    [2.0]
+    """
 
     open: bool = False
     levels: bool = False
@@ -143,7 +192,20 @@ def multiplicity(zones: Zones) -> Array:
 
 @dataclass(frozen=True)
 class Total(Condition):
-    """The integral of the density over all zones; value None: unknown, found from a condition on the ends."""
+    """The integral of the density over all zones.
+
+    Parameters
+    ----------
+    value : float or None
+        What it is to be; None: unknown, found from a condition on the ends.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> hertz = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(2 * np.pi),))
+    >>> sie.solve(hertz, sie.Zones.of([[-1.0, 1.0]])).zones.table.round(9).tolist()
+    [[-2.0, 2.0]]
+    """
 
     value: float | None
 
@@ -166,6 +228,25 @@ class Weighted(Condition):
 
     The weight is smooth on each zone; degree: where it is a polynomial, of few coefficients. Of a symmetric set only the even
     part of the weight counts.
+
+    Parameters
+    ----------
+    weight : callable
+        weight(x), x (n,), smooth on each zone.
+    value : float
+        What the integral is to be.
+    degree : int or None
+        Where the weight is a polynomial, its degree.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> second = sie.Weighted(lambda x: x**2, 1.0, degree=2)
+    >>> found = sie.solve(
+    ...     sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (second,)), sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)
+    ... )
+    >>> float(round(found.density.total, 12))
+    2.0
     """
 
     weight: Callable[[Array], Array]
@@ -185,7 +266,28 @@ class Weighted(Condition):
 
 
 def moment(value: float, about: float = 0.0) -> Weighted:
-    """Integral of (x - about) phi."""
+    """Integral of (x - about) phi.
+
+    Parameters
+    ----------
+    value : float
+        What the moment is to be.
+    about : float
+        The place it is taken about.
+
+    Returns
+    -------
+    Weighted
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> still, column = sie.Forcing(np.zeros_like), sie.Forcing(np.ones_like, modes=1)
+    >>> tilted = sie.Equation(sie.cauchy(), still, (sie.Total(0.0), sie.moment(np.pi / 2)), (column,))
+    >>> found = sie.solve(tilted, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    >>> float(round(found.amplitudes[0], 12))
+    -1.0
+    """
     return Weighted(_Lever(float(about)), float(value), degree=1)
 
 
@@ -202,7 +304,25 @@ class _Lever:
 @dataclass(frozen=True)
 class ZoneMoments(Condition):
     """The first moments of the density about the middle of each zone add up to `value`: where every total is zero, minus
-    the integral of what the density opens."""
+    the integral of what the density opens.
+
+    Parameters
+    ----------
+    value : float
+        What they add up to.
+
+    Examples
+    --------
+    A crack opened so far that its area is one.
+
+    >>> import numpy as np, sie
+    >>> opened = sie.Equation(
+    ...     sie.cauchy(), sie.Forcing(np.zeros_like), (sie.ZoneTotals(), sie.ZoneMoments(-1.0)), (sie.Forcing(np.ones_like, modes=1),)
+    ... )
+    >>> found = sie.solve(opened, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    >>> float(round(found.amplitudes[0], 12)) == round(2 / np.pi, 12)
+    True
+    """
 
     value: float
 
@@ -222,7 +342,21 @@ class ZoneMoments(Condition):
 
 @dataclass(frozen=True)
 class ZoneTotals(Condition):
-    """The integral of the density over each zone: one value for all, or one per solved zone (0: as in cracks)."""
+    """The integral of the density over each zone.
+
+    Parameters
+    ----------
+    values : float or tuple of float
+        One value for all, or one for each solved zone (0: as in cracks).
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> cracks = sie.Equation(sie.cauchy(), sie.Forcing(np.ones_like), (sie.ZoneTotals(0.0),))
+    >>> found = sie.solve(cracks, sie.Zones.of([[-1, 0], [1, 2]], sie.SINGULAR, sie.SINGULAR))
+    >>> bool(np.abs(found.density.totals).max() < 1e-14)
+    True
+    """
 
     values: tuple[float, ...] | float = 0.0
 
@@ -242,7 +376,21 @@ class ZoneTotals(Condition):
 
 @dataclass(frozen=True)
 class EqualPotential(Condition):
-    """Potential less primitive of the right side takes one unknown value on all zones."""
+    """Potential less primitive of the right side takes one unknown value on all zones.
+
+    One condition for each zone but one; the right side needs its primitive.
+
+    Examples
+    --------
+    Two equal plates at one potential share a charge.
+
+    >>> import numpy as np, sie
+    >>> still = sie.Forcing(np.zeros_like, np.zeros_like)
+    >>> charge = sie.Equation(sie.cauchy(), still, (sie.Total(1.0), sie.EqualPotential()))
+    >>> found = sie.solve(charge, sie.Zones.of([[-2, -1], [1, 2]], sie.SINGULAR, sie.SINGULAR))
+    >>> found.density.totals.round(12).tolist()
+    [0.5, 0.5]
+    """
 
     levels = True
 
@@ -259,7 +407,22 @@ class EqualPotential(Condition):
 
 @dataclass(frozen=True)
 class Level(Condition):
-    """Potential less primitive of the right side takes the given value on every zone."""
+    """Potential less primitive of the right side takes the given value on every zone; the right side needs its primitive.
+
+    Parameters
+    ----------
+    value : float
+        What it is to be.
+
+    Examples
+    --------
+    A plate of half width 2 has the capacity 1, and any charge holds it at the potential zero; twice as wide, at log(2) / pi.
+
+    >>> import numpy as np, sie
+    >>> held = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like, np.zeros_like), (sie.Level(np.log(2) / np.pi),))
+    >>> float(round(sie.solve(held, sie.Zones.of([[-4, 4]], sie.SINGULAR, sie.SINGULAR)).density.total, 12))
+    1.0
+    """
 
     value: float
     levels = True
@@ -274,8 +437,27 @@ class Level(Condition):
 
 @dataclass(frozen=True)
 class Amplitude(Condition):
-    """The amplitude of column k is `value` plus `per_total` times the total: a closure by name; value None: unknown, found
-    from a condition on the ends."""
+    """The amplitude of column k is `value` plus `per_total` times the total of the density: a closure by name.
+
+    Parameters
+    ----------
+    k : int
+        Which column of the equation.
+    value : float or None
+        What is known of the amplitude; None: unknown, found from a condition on the ends.
+    per_total : float
+        How much of it goes with the total.
+
+    Examples
+    --------
+    With half of a column x known to be there, a load pi / 4 makes a zone of half width one.
+
+    >>> import numpy as np, sie
+    >>> slope = sie.Forcing(lambda x: x)
+    >>> equation = sie.Equation(sie.cauchy(), slope, (sie.Total(np.pi / 4), sie.Amplitude(0, -0.5)), (sie.Forcing(lambda x: x),))
+    >>> sie.solve(equation, sie.Zones.of([[-0.8, 1.1]])).zones.table.round(9).tolist()
+    [[-1.0, 1.0]]
+    """
 
     k: int
     value: float | None = 0.0
@@ -312,7 +494,20 @@ class EndCondition(Protocol):
 
 @dataclass(frozen=True)
 class TotalWidth:
-    """The zones' widths add up to `value`."""
+    """The zones' widths add up to `value`. It goes with one condition whose value is unknown.
+
+    Parameters
+    ----------
+    value : float
+        What they add up to.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> width = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(None),), end_conditions=(sie.TotalWidth(2.0),))
+    >>> float(round(sie.solve(width, sie.Zones.of([[-0.5, 1.0]]), value=1.0).value, 9))
+    1.570796327
+    """
 
     value: float
 

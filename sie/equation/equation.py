@@ -27,25 +27,61 @@ Function = Callable[[Array], Array]
 
 
 class CountError(ValueError):
-    """The side conditions do not match the index of the problem; the message says what is missing or too much."""
+    """The side conditions do not match the index of the problem; the message says what is missing or too much.
+
+    Examples
+    --------
+    >>> import sie
+    >>> crack = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: 1 + 0 * x), ())
+    >>> try:
+    ...     sie.solve(crack, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    ... except sie.CountError as error:
+    ...     print(str(error)[:31])
+    1 side conditions are needed (i
+    """
 
 
 @dataclass(frozen=True, eq=False)
 class Forcing(Kept):
     """A known function of the right side.
 
-    value: g, vectorized; smooth on each zone but for the declared jumps.
-    primitive: an antiderivative of g, continuous over all zones; only needed by conditions on potentials.
-    steps_at, steps, orders: positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its
-        derivatives, all (k,); for a kernel with a period they repeat. orders left out: all 0, jumps of g itself.
-    breaks_at, breaks, break_orders: the same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!;
-        for q = 0 this is (J/pi) Lambda(x, s), Lambda the kernel's potential, and is left out of `value`. Either steps or
-        breaks.
-    spline: a quadratic spline with the breaks of order 2, where it is known: of very many it keeps the digits.
-    resolution: smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones
-        are many: they keep digits that the primitive has lost.
-    placed: where x comes to stand when `value` rounds it; x itself if left out. Narrow zones far from the origin see it.
-    modes: of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
+    Parameters
+    ----------
+    value : callable
+        g(x), x of any shape; smooth on each zone but for the declared jumps.
+    primitive : callable or None
+        An antiderivative of g, continuous over all zones; only needed by conditions on potentials.
+    steps_at, steps, orders : array_like
+        Positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its derivatives, all (k,); for a kernel with a
+        period they repeat. orders None: all 0, jumps of g itself.
+    breaks_at, breaks, break_orders : array_like
+        The same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!; for q = 0 this is (J/pi) Lambda(x, s), Lambda
+        the kernel's potential, and is left out of `value`. Either steps or breaks.
+    spline : callable or None
+        A quadratic spline with the breaks of order 2, where it is known: of very many it keeps the digits.
+    modes : int or None
+        Of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
+    between : bool
+        Of a column, whether it is as smooth between the intervals as on them: then narrow gaps are taken as slits beside it too.
+    resolution : float or None
+        Smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones are many: they keep
+        digits that the primitive has lost.
+    placed : callable or None
+        Where x comes to stand when `value` rounds it; None: x itself. Narrow zones far from the origin see it.
+
+    Raises
+    ------
+    ValueError
+        If both steps and breaks are given.
+
+    Examples
+    --------
+    A wedge: g jumps by 2 at the origin, which is declared, and the load 2 gives a half width of one.
+
+    >>> import numpy as np, sie
+    >>> wedge = sie.Forcing(np.sign, np.abs, steps_at=np.array([0.0]), steps=np.array([2.0]))
+    >>> sie.solve(sie.Equation(sie.cauchy(), wedge, (sie.Total(2.0),)), sie.Zones.of([[-0.5, 2.0]])).zones.table.round(9).tolist()
+    [[-1.0, 1.0]]
     """
 
     value: Function
@@ -58,6 +94,7 @@ class Forcing(Kept):
     break_orders: NDArray[np.intp] | None = None
     spline: Function | None = None
     modes: int | None = None
+    between: bool = False
     resolution: float | None = None
     placed: Function | None = None
 
@@ -104,7 +141,34 @@ def _of_order_zero(at: Array, heights: Array, orders: NDArray[np.intp] | None) -
 
 @dataclass(frozen=True, eq=False)
 class Equation:
-    """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the ends alone."""
+    """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the ends alone.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        `cauchy()`, `hilbert(period)`, `images(period, neighbours)`, or one of these plus a `Smooth`.
+    forcing : Forcing
+        The right side g.
+    conditions : tuple of Condition
+        Side conditions: one for each zone with two singular or two free ends, one less for each fixed bounded end, one more for each
+        column.
+    columns : tuple of Forcing
+        Functions of the right side whose amplitudes are unknown.
+    end_conditions : tuple
+        Conditions on the ends alone, as many as conditions of unknown value.
+
+    Raises
+    ------
+    ValueError
+        For columns with jumps, and for potentials asked of right sides with logarithms.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> hertz = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(np.pi / 2),))
+    >>> sie.solve(hertz, sie.Zones.of([[-0.5, 2.0]])).zones.table.round(9).tolist()
+    [[-1.0, 1.0]]
+    """
 
     kernel: Kernel
     forcing: Forcing

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from sie.basis import chebyshev
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
+from sie.fast.panels import panels_of
 from sie.fast.tree import TERMS, Tree, interactions
 
 Array = NDArray[np.float64]
@@ -141,9 +142,10 @@ class FarSum:
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
-        """The regular part between the roots, on their nodes: (of the transform, of the potential at the middle)."""
+        """The regular part between the roots, on their nodes: (of the transform, of the potential at the middle); not that of a user's
+        own, which has panels."""
         kernel = self.kernel
-        if kernel.regular is None:
+        if kernel.regular is None or not kernel.sure:
             return None
         assert kernel.regular_potential is not None
         s, t = self.sources.tree, self.targets.tree
@@ -188,4 +190,7 @@ def reaches(kernel: Kernel, zones: Zones) -> bool:
     """Whether far sums hold for the kernel: poles, and a regular part that is smooth across all zones."""
     if kernel.regular is None:
         return kernel.regular_potential is None
-    return kernel.sure and kernel.regular_potential is not None and kernel.reach >= zones.b[-1] - zones.a[0]
+    if kernel.regular_potential is None:
+        return False
+    first, last = float(zones.a[0]), float(zones.b[-1])
+    return kernel.reach >= last - first if kernel.sure else panels_of(kernel, first, last) is not None

@@ -23,6 +23,7 @@ from sie.equation.equation import Equation
 from sie.free_ends.end_rates import end_rates
 from sie.free_ends.gap_steps import gap_steps
 from sie.free_ends.near_jumps import bent_steps, corner_distances, tips_between
+from sie.free_ends.progress import Motion, Progress, Rest, Step, Turn
 from sie.free_ends.single import far_off, moved_apart
 from sie.slits.system import AnyDensity, AnyState, solve_zones
 
@@ -31,39 +32,11 @@ Index = NDArray[np.intp]
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
-# A zone alone that has shrunk to this part of its first width has vanished.
-_VANISHED = 1e-12
-# A gap below this part of the zones beside it, which has asked so many steps on end to be closed altogether, has closed.
-_CLOSING, _INSISTS = 0.05, 3
-# Steps after which ends that still want to move by more than half of their zones may be given up.
-_WANDERING = 20
-# Of zones said to be near: the first move over the width, and what is left of a move in the next one. Moves below the last are about
-# rounding, which need not fall.
-_NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
 # Over what the mean slope of the right side's smooth part makes of A.
 _SMOOTH = 4.0
-# The remaining motion of an end is the next step but for its square.
-MARGIN = 1.5
-# Tolerances of solutions by iteration: at first, and at last over that of the ends.
-_LOOSE, _TIGHT = 1e-6, 1e-3
-
-
-@dataclass(frozen=True, eq=False)
-class Step:
-    """One Newton step: ends before it, largest move over zone width, unknown value if any."""
-
-    zones: Array
-    move: float
-    value: float | None
-
-
-@dataclass(frozen=True)
-class Turn:
-    """missed: largest difference from the intensities prescribed; growth: largest real part of the eigenvalues that tell stable ends."""
-
-    missed: float
-    growth: float
-
+# After a move no larger than this the response to the open condition's value is about as it was: what that leaves of a step is of the
+# size of its square.
+_SAME_RESPONSE = 0.05
 
 # Condition of the rates of K from which on they are rounding.
 _NEUTRAL_FROM = 1e14
@@ -76,16 +49,43 @@ _NEUTRAL = "some motion of the ends, as of all of them together, leaves the inte
 class Free:
     """Result of the search for the ends.
 
-    converged; end_error: each end's remaining move over its zone's width (Z, 2), with roundoff but without what
-    truncated coefficients shift it by (`state.end_truncation`); rounding: that part of it alone; trace of the steps;
-    value: that of the open condition, if there is one; value_error: how far it moved last; lost: zones that shrank away; met:
-    gaps (by the zone left of them) that closed. reason: why the search stopped.
+    An end is driven outward while s (K - K*) > 0, s the sign of the density beside it (`signs`) and K* the intensity prescribed: adhesive
+    contact grows while K is above K*, a crack while it is above in size. There may be several roots, and the search finds one near its
+    start. A root is stable if ends that are pushed off it come back: all eigenvalues of s dK/d(outward motions) have negative real parts,
+    for motions that meet the condition on the ends, if any, and are symmetric, if the zones are. Where the intensities wanted are zero,
+    s dK/d(end) = -s A / 2, and what is found is stable.
 
-    stable: where intensities K* are prescribed there may be several roots, and the search finds one near its start. An end is driven
-    outward while s (K - K*) > 0, s the sign of the density beside it (`signs`): adhesive contact grows while K is above K*, a crack while
-    it is above in size. A root is stable if ends that are pushed off it come back: all eigenvalues of s dK / d(outward motions) have
-    negative real parts, for motions that meet the condition on the ends, if any, and are symmetric, if the zones are. Where the
-    intensities wanted are zero s dK/d(end) = -s A / 2, and what is found is stable. None: nothing was found.
+    Attributes
+    ----------
+    state : State
+        The equation solved on the last zones; `density` is its density.
+    converged : bool
+        Whether the ends have come to rest.
+    end_error : ndarray
+        Each end's remaining move over its zone's width (Z, 2), with roundoff but without what truncated coefficients shift it by
+        (`state.end_truncation`).
+    rounding : ndarray
+        That part of it alone (Z, 2).
+    trace : tuple of Step
+        The steps.
+    value, value_error : float
+        Value of the open condition, None without one, and how far it moved last.
+    lost : ndarray
+        Zones that shrank away.
+    met : ndarray
+        Gaps, by the zone left of them, that closed.
+    stable : bool or None
+        See above; None: nothing was found.
+    reason : str
+        Why the search stopped.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> hertz = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(np.pi / 2),))
+    >>> free = sie.find_ends(hertz, sie.Zones.of([[-0.5, 2.0]]))
+    >>> free.converged, free.stable, free.reason
+    (True, True, 'the ends are at rest')
     """
 
     state: AnyState
@@ -120,135 +120,134 @@ def find_ends(
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
-    tolerance: largest remaining end error over its zone's width. decay: asked of the coefficients, a tenth of that by default.
-    settled: whether 1/sqrt(d) is taken out of the last density: the rest is right at equal normalised position to first order in what the
-    ends are off, and the whole of it, farther from them, at equal places to second order.
-    value: first guess for the value of an open condition. collapse: one of several zones that has shrunk to this part of its first
-    width, or a gap to this part of its first size, stops the search, which then reports it in `lost` or `met`.
-    walls: free ends do not pass these; one that reaches a wall stays there as a singular end, until its intensity turns
-    negative. signs: of the wanted density next to left and to right ends (the slope of a gap falls at its right end).
-    near: the zones are a guess worth no more than the few steps in which Newton's method ends beside a solution: as soon as a step shows
-    that they are not so near, the search is given up, unconverged.
+    Parameters
+    ----------
+    equation : Equation
+        Kernel, right side, side conditions.
+    zones : Zones
+        A first guess of the ends, with their kinds.
+    tolerance : float
+        Largest remaining end error over its zone's width.
+    max_steps : int
+        Newton steps after which the search is given up.
+    value : float
+        First guess for the value of an open condition.
+    collapse : float
+        One of several zones that has shrunk to this part of its first width, or a gap to this part of its first size, stops the search,
+        which then reports it in `lost` or `met`.
+    walls : (float, float)
+        Free ends do not pass these; one that reaches a wall stays there as a singular end, until its intensity turns negative.
+    signs : (float, float)
+        Of the wanted density next to left and to right ends (the slope of a gap falls at its right end).
+    near : bool
+        The zones are a guess worth no more than the few steps in which Newton's method ends beside a solution: as soon as a step shows that
+        they are not so near, the search is given up, unconverged.
+    decay : float or None
+        Asked of the coefficients over the largest of them; None: a tenth of the tolerance.
+    settled : bool
+        Whether 1/sqrt(d) is taken out of the last density: the rest is right at equal normalised position to first order in what the ends
+        are off, and the whole of it, farther from them, at equal places to second order.
+
+    Returns
+    -------
+    Free
+        Whether the ends were found, where, and how well they are known.
+
+    Raises
+    ------
+    ValueError, SingularSystem
+        As `solve_fixed`.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> hertz = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(np.pi / 2),))
+    >>> sie.find_ends(hertz, sie.Zones.of([[-0.5, 2.0]])).density.zones.table.round(12).tolist()
+    [[-1.0, 1.0]]
     """
     decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
-    first_width, first_gap = zones.b - zones.a, modes.gaps(zones, equation.kernel)[1]
+    opened = equation.open_condition
+    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1])
     sizes = first_sizes(equation, zones)
-    trace: list[Step] = []
-    turns: list[Turn] = []
-    best = np.inf
-    stalled, closing = 0, np.zeros(len(zones), dtype=np.intp)
+    unit: Unit | None = None
     while True:
-        # The next move is about the square of the last one: a solution by iteration need not be much better than that.
-        last = min(trace[-1].move, 1.0) if trace else 1.0
-        sizes.linear = min(_LOOSE, max(1e-3 * last**2, _TIGHT * tolerance))
         # Where that saves a solution of its own, the value at hand is in the right side.
-        sizes.value = value
+        sizes.linear, sizes.value = progress.linear, value
         state = solve_zones(equation, zones, decay, sizes)
-        loose = state.iterated and sizes.linear > _TIGHT * tolerance
-        if equation.open_condition is not None and value != 0.0 and not state.iterated:
-            state = state.with_value(equation.open_condition, value)
+        loose = state.iterated and sizes.linear > progress.tightest
+        if opened is not None and value != 0.0 and not state.iterated:
+            state = state.with_value(opened, value)
         zones, released = _release(zones, walls, state.density)
-        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
-        target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
-        delta, noise, change, certain, turn = _newton(state, moves, target, sizes, signs)
-        turns += [turn] if turn is not None else []
-        if turn is not None and not np.isfinite(delta).all():
+        if opened is not None and (unit is None or progress.last > _SAME_RESPONSE):
+            unit = Unit.of(state, sizes)
+        motion = _newton(state, zones, signs, unit)
+        progress.turns += [motion.turn] if motion.turn is not None else []
+        if not np.isfinite(motion.delta).all():
+            if motion.turn is None:
+                raise SingularSystem("no motion of the ends meets the condition on them")
             nowhere = np.full((len(zones), 2), np.inf)
-            return Free(state, False, nowhere, nowhere, tuple(trace), value, reason=_NEUTRAL)
-        if not np.all(np.isfinite(delta)):
-            raise SingularSystem("no motion of the ends meets the condition on them")
-        width = zones.b - zones.a
+            return Free(state, False, nowhere, nowhere, tuple(progress.trace), value, reason=_NEUTRAL)
         corners = _corners(state)
-        noise = noise + np.where(moves, _of_places(state, corners), 0.0)
-        move = float(np.abs(delta / width).max(initial=0.0))
-        trace.append(Step(zones.table, move, value if equation.open_condition is not None else None))
-        rounding = (noise / width).T
-        rest = bool(np.all(np.abs(delta) <= np.maximum(tolerance * np.minimum(width, corners), noise)))
-        stalled = stalled + 1 if move > 0.5 * best else 0
-        best = min(best, move)
-        quiet = bool(np.all(np.abs(delta) < np.clip(100 * noise, 1e-6 * width, 1e-2 * width)))
-        stuck = (stalled >= 2 and move < 1e-9) or (stalled >= 5 and quiet)
-        # Where rounding keeps the ends moving, the largest of the moves since the least one is what they are known to.
-        largest = max(step.move for step in trace[-min(stalled + 1, 4) :]) / max(move, 1e-300) if stuck else 1.0
-        error = rounding + MARGIN * largest * (np.abs(delta) / width).T
-        done = certain and not released and not loose and (rest or stuck)
-        # The value cannot be at rest where rounding keeps the ends moving.
-        done = done and abs(change) <= max(tolerance, 1e-14, largest * move if stuck else 0.0) * abs(value + change)
-        # At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones.
-        hopeless = stalled >= 5 and not certain and (move < 1e-6 or (stalled >= 15 and _stays(trace)))
-        hopeless = hopeless or (len(trace) > _WANDERING and min(step.move for step in trace[-10:]) > 0.5 and _stays(trace))
-        hopeless = hopeless or (equation.grows and state.unresolved) or (near and not _is_near(trace))
-        if done or hopeless or len(trace) > max_steps:
-            if done:
-                if equation.open_condition is not None:
-                    # The ends are at rest, and so is the value after its own last step.
-                    state, value = state.with_value(equation.open_condition, change), value + change
-                state = state.settled() if settled else state
-            found = value if equation.open_condition is not None else None
-            stable = (turn is None or turn.growth < 0.0) if done else None
-            if done:
-                reason = _FOUND if stable else _UNSTABLE
-            elif equation.grows and state.unresolved:
-                reason = "a column or the kernel's regular part varies more than the modes of a zone show"
-            elif not certain:
-                reason = "the density does not drive its ends apart as it should: it takes other zones"
-            elif _folded(turns):
-                reason = _at_a_fold(turns)
-            else:
-                reason = f"the ends did not come to rest in {len(trace)} steps"
-            return Free(state, done, error, rounding, tuple(trace), found, value_error=abs(change), stable=stable, reason=reason)
-        value += change
-        closing = np.where(_closes(zones, equation, delta), closing + 1, 0)
-        limited = _limit(zones, equation, delta)
-        apart = far_off(state, moves, delta)
-        if len(apart):
-            near_a, near_b, came = moved_apart(state, apart, lambda d, size: _alone(d, size, signs))
-            limited[0, apart] = np.where(came, zones.a[apart] - near_a, limited[0, apart])
-            limited[1, apart] = np.where(came, near_b - zones.b[apart], limited[1, apart])
-        zones = _held_at(zones.moved(limited, equation.forcing.cornered), walls)
-        gap = modes.gaps(zones, equation.kernel)[1]
-        # The last zone keeps what total is given, however narrow it becomes; without one it may vanish.
-        least = (collapse if len(zones) > 1 else _VANISHED) * first_width
-        lost = np.flatnonzero(zones.b - zones.a < np.maximum(least, 8 * np.spacing(np.abs(zones.a))))
-        narrowest = np.minimum(zones.b - zones.a, first_width)
-        closed = (closing >= _INSISTS) & (gap < _CLOSING * narrowest)
-        met = np.flatnonzero((gap < collapse * np.minimum(first_gap, narrowest)) | closed)
+        motion = replace(motion, noise=motion.noise + np.where(motion.moves, _of_places(state, corners), 0.0))
+        rest = progress.after(zones, motion, corners, value, opened is not None)
+        done = rest.reached and not released and not loose
+        if done:
+            return _found(state, progress, rest, motion, value, settled)
+        hopeless = progress.is_hopeless(motion.certain) or (equation.grows and state.unresolved) or (near and not progress.is_near())
+        if hopeless or len(progress.trace) > max_steps:
+            found = value if opened is not None else None
+            reason = _why_not(state, progress, motion)
+            return Free(state, False, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), reason=reason)
+        value += motion.change
+        closes = _closes(zones, equation, motion.delta)
+        zones = _held_at(zones.moved(_limited(state, zones, motion, signs), equation.forcing.cornered), walls)
+        lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], closes, collapse)
         if len(lost) or len(met):
-            reason = "a zone has shrunk away" if len(lost) else "a gap has closed"
-            if _folded(turns):
-                reason = f"{reason}; {_at_a_fold(turns)}"
-            return Free(state, False, error, rounding, tuple(trace), value, abs(change), lost, met, reason=reason)
+            reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.folded]))
+            return Free(
+                state, False, rest.error, rest.rounding, tuple(progress.trace), value, abs(motion.change), lost, met, reason=reason
+            )
 
 
-def _folded(turns: list[Turn]) -> bool:
-    """Whether the search has gone to and fro between stable and unstable ends."""
-    return any(turn.growth < 0.0 for turn in turns) and any(turn.growth >= 0.0 for turn in turns)
-
-
-def _at_a_fold(turns: list[Turn]) -> str:
-    missed = min(turn.missed for turn in turns)
-    return (
-        f"the intensities asked for may lie past a fold: nearer to them than {missed:.3g} the search did not come, on both sides of where "
-        f"ends turn from stable to unstable"
+def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, value: float, settled: bool) -> Free:
+    """The ends that have come to rest."""
+    opened = state.equation.open_condition
+    if opened is not None and not state.iterated:
+        # The ends are at rest, and so is the value after its own last step. By iteration that would be another solution.
+        state, value = state.with_value(opened, motion.change), value + motion.change
+    state = state.settled() if settled else state
+    found = value if opened is not None else None
+    stable = motion.turn is None or motion.turn.growth < 0.0
+    reason = _FOUND if stable else _UNSTABLE
+    return Free(
+        state, True, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), stable=stable, reason=reason
     )
 
 
-def _is_near(trace: list[Step]) -> bool:
-    """Whether the last step is one of Newton's method beside a solution."""
-    largest = _NEAR if len(trace) == 1 else max(_FALLING * trace[-2].move, _AT_REST)
-    return trace[-1].move <= largest
+def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
+    """Why the search is given up."""
+    if state.equation.grows and state.unresolved:
+        return "a column or the kernel's regular part varies more than the modes of a zone show"
+    if not motion.certain:
+        return "the density does not drive its ends apart as it should: it takes other zones"
+    return progress.folded or f"the ends did not come to rest in {len(progress.trace)} steps"
+
+
+def _limited(state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float]) -> Array:
+    """Moves cut to what widths and gaps allow; of zones far off that stand alone, by steps of their own."""
+    limited = _limit(zones, state.equation, motion.delta)
+    apart = far_off(state, motion.moves, motion.delta)
+    if len(apart):
+        near_a, near_b, came = moved_apart(state, apart, lambda d, size: _alone(d, size, signs))
+        limited[0, apart] = np.where(came, zones.a[apart] - near_a, limited[0, apart])
+        limited[1, apart] = np.where(came, near_b - zones.b[apart], limited[1, apart])
+    return limited
 
 
 def _closes(zones: Zones, equation: Equation, delta: Array) -> NDArray[np.bool_]:
     """Whether the steps of both ends at the gap right of each zone would leave nothing of it."""
     gap = modes.gaps(zones, equation.kernel)[1]
     return np.asarray(delta[1] + np.roll(delta[0], -1) >= (1 - 1e-9) * gap)
-
-
-def _stays(trace: list[Step]) -> bool:
-    """Whether the zones have neither grown nor shrunk in the last steps, nor their ends come to rest."""
-    now, before = (np.diff(step.zones, axis=1) for step in (trace[-1], trace[-10]))
-    return bool(np.all((before / 3 < now) & (now < 3 * before))) and trace[-1].move > 0.7 * trace[-5].move
 
 
 def _alone(density: AnyDensity, natural: Array, signs: tuple[float, float]) -> Array:
@@ -270,7 +269,7 @@ def _safe_slopes(density: AnyDensity, natural: Array, signs: tuple[float, float]
 def _corners(state: AnyState) -> Array:
     """Distance of a corner from each end (2, Z), within the zone or beyond: over it the density changes; infinite without one."""
     equation, zones = state.equation, state.density.zones
-    if not isinstance(state, State) or len(equation.forcing.kinks[0]) == 0:
+    if state.density.slits or len(equation.forcing.kinks[0]) == 0:
         return np.full((2, len(zones)), np.inf)
     return corner_distances(equation.forcing, zones, equation.kernel.period)
 
@@ -281,11 +280,12 @@ def _of_places(state: AnyState, corners: Array) -> Array:
     not count, since the ends' distances from these are known."""
     zones = state.density.zones
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
-    if not isinstance(state, State) or not np.isfinite(corners).any():
+    if state.density.slits or not np.isfinite(corners).any():
         return rounding
     # An end at a corner, as far as positions tell, is known by its distance from there.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
-    cornered, g = state.density.steps.kinked, state.system.g
+    whole = state.wide_of(np.arange(len(zones)))[0]
+    cornered, g = whole.density.steps.kinked, whole.system.g
     smooth = _SMOOTH * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
     known = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
     rounding[:, cornered] *= known[:, cornered]
@@ -328,10 +328,11 @@ def _intensity(end: End) -> float:
 
 
 def _newton(
-    state: AnyState, moves: NDArray[np.bool_], target: Array, sizes: Sizes, signs: tuple[float, float]
-) -> tuple[Array, Array, float, bool, Turn | None]:
-    """(outward moves (2, Z), their roundoff, change of the open condition's value, whether the step can be trusted, what is seen of other
-    roots where intensities are prescribed)."""
+    state: AnyState, zones: Zones, signs: tuple[float, float], unit: Unit | None
+) -> Motion:
+    """The next step of ends of these kinds."""
+    moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+    target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
     equation = state.equation
     density = state.density
     k = np.array(density.intensities)
@@ -342,21 +343,20 @@ def _newton(
     prescribed = np.any(target != 0)
     noise_k = state.intensity_noise
     residual = np.where(moves, k - target, 0.0)
-    unit = _unit_response(state, sizes) if equation.open_condition is not None else None
     if prescribed:
-        assert isinstance(state, State)  # no holes where intensities are prescribed
-        delta, noise, change, growth = _full_newton(equation, state, residual, noise_k, unit, side)
-        return delta, noise, change, True, Turn(float(np.abs(residual).max()), growth)
+        whole = state.wide_of(np.arange(len(w)))[0]  # no slits where intensities are prescribed
+        delta, noise, change, growth = _full_newton(equation, whole, residual, noise_k, unit, side)
+        return Motion(moves, delta, noise, change, True, Turn(float(np.abs(residual).max()), growth))
     safe, weak = _safe_slopes(density, natural, signs)
     delta = np.where(moves, 2 * residual / safe, 0.0)
     noise = np.where(moves, 2 * noise_k / np.abs(safe), 0.0)
     change = 0.0
     if unit is not None:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            slope = np.where(moves, 2 * np.array(unit.intensities) / safe, 0.0)
+            slope = np.where(moves, 2 * unit.intensities / safe, 0.0)
         delta, change = _bordered(equation, density.zones, delta, slope)
-        residual = np.where(moves, residual + change * np.array(unit.intensities), 0.0)
-        a = a + change * np.array(unit.edge_slopes)
+        residual = np.where(moves, residual + change * unit.intensities, 0.0)
+        a = a + change * unit.edge_slopes
     gaps = np.array(modes.gaps(density.zones, equation.kernel))
     jumps = len(equation.forcing.breaks_at) > 0
     tips = tips_between(equation.forcing, density.zones, equation.kernel.period) if jumps else 0.0
@@ -370,16 +370,25 @@ def _newton(
         # A corner that shortens the step shortens what rounding of K does.
         noise = noise * np.minimum(np.abs(bent) / np.maximum(np.abs(delta), 1e-300), 1.0)
         delta = bent
-    return delta, noise, change, not np.any(weak & moves), None
+    return Motion(moves, delta, noise, change, not np.any(weak & moves))
 
 
-def _unit_response(state: AnyState, sizes: Sizes) -> AnyDensity:
-    """What a unit of the open condition's value does. An error of it is one of a step: as good as the square of the next is enough."""
-    index = state.equation.open_condition
-    assert index is not None
-    values = np.zeros(len(state.condition_scale))
-    values[state.condition_index[index]] = 1.0
-    return state.response(values, np.sqrt(sizes.linear))
+@dataclass(frozen=True, eq=False)
+class Unit:
+    """K and A (2, Z) that a unit of the open condition's value makes."""
+
+    intensities: Array
+    edge_slopes: Array
+
+    @classmethod
+    def of(cls, state: AnyState, sizes: Sizes) -> Unit:
+        """An error of them is one of a step: as good as the square of the next is enough."""
+        index = state.equation.open_condition
+        assert index is not None
+        values = np.zeros(len(state.condition_scale))
+        values[state.condition_index[index]] = 1.0
+        response = state.response(values, np.sqrt(sizes.linear))
+        return cls(np.array(response.intensities), np.array(response.edge_slopes))
 
 
 def _bordered(equation: Equation, zones: Zones, delta: Array, slope: Array) -> tuple[Array, float]:
@@ -403,7 +412,7 @@ def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
 
 
 def _full_newton(
-    equation: Equation, state: State, residual: Array, noise_k: Array, unit: AnyDensity | None, signs: Array
+    equation: Equation, state: State, residual: Array, noise_k: Array, unit: Unit | None, signs: Array
 ) -> tuple[Array, Array, float, float]:
     """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth of a push (`Free.stable`) by Newton
     with the full Jacobian dK_i/d(end_j), for prescribed intensities.
@@ -432,7 +441,7 @@ def _full_newton(
     noise = spread(np.abs(inverse) @ np.array([noise_k[end] for end in ends]))
     if unit is None:
         return delta, noise, 0.0, _growth(driven)
-    by_unit = np.array(unit.intensities)
+    by_unit = unit.intensities
     slope = spread(-inverse @ np.array([by_unit[end] for end in ends]))
     delta, change = _bordered(equation, zones, delta, slope)
     _, by_left, by_right = equation.end_conditions[0].residual(zones)

@@ -24,13 +24,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.half_plane import Complex, Seen
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.jumps.exterior import Beyond
+from sie.jumps.exterior import Beyond, potential_series
 from sie.jumps.forcing import LOG2 as _LOG2
 from sie.jumps.forcing import SERIES, Steps, of_sines, pair_blocks, power
 from sie.jumps.local_spline import LocalSpline
@@ -260,7 +262,7 @@ class Breaks(Steps):
         end = np.where(rho > 0, self.right[k], self.left[k])
         return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))
 
-    def _polynomial(self, k: Index, t: Array) -> Array:
+    def _polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
         q, s = self.order[k], self.s[k]
         second = -(t - 2 * s) * s - np.cos(2 * self.phi[k]) / 4
         return np.where(q == 0, 0.0, np.where(q == 1, -s, second))
@@ -304,33 +306,58 @@ class Breaks(Steps):
         z, beyond = 0.5 * (left - right)[:, None], np.where(on, 0.0, np.maximum(-left, -right))[:, None]
         g = 2 * np.arcsinh(np.sqrt(0.5 * beyond))
         root = np.where(left > 0, 1.0, -1.0)[:, None] * np.sqrt(beyond * (beyond + 2))
-        out = np.zeros(len(left))
+        away = left[:, None] - self.left[k]
+        with np.errstate(divide="ignore"):
+            log = np.log(2 * np.abs(away))
+        log[~on] = self._plain(k, rho[~on])
+        return self.potential_by(k, away, z, log, g, root)
+
+    def potential_by(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
+        """Sum of the primitives of jumps k, of order 1 and 2, with z - s, L, g and R at hand, real or complex."""
+        log, g = turn, grown
+        out = np.zeros(len(z), dtype=log.dtype)
         for q in (1, 2):
-            of = k[self.order[k] == q]
+            of = np.flatnonzero(self.order[k] == q)
             if len(of) == 0:
                 continue
-            away, s = left[:, None] - self.left[of], self.s[of]
-            with np.errstate(divide="ignore"):
-                log = np.log(2 * np.abs(away))
-            log[~on] = self._plain(of, rho[~on])
-            main = away ** (q + 1) * (np.where(away == 0, 0.0, log) / (q + 1) - 1 / (q + 1) ** 2)
+            from_s, s = away[:, of], self.s[k[of]]
+            main = from_s ** (q + 1) * (np.where(from_s == 0, 0.0, log[:, of]) / (q + 1) - 1 / (q + 1) ** 2)
             if q == 1:
                 rest = 0.5 * (0.5 * (z * root + g) - 2 * s * root + s * s * g) + s * z - (0.25 + 0.5 * s * s) * _LOG2 - 0.5 * s * s
             else:
                 turned = (z * z + 2) * root / 3 - 1.5 * s * (z * root + g) + s * s * (3 * root - s * g)
-                double = np.cos(2 * self.phi[of])
-                constant = -(3 * s + np.cos(3 * self.phi[of]) / 3) / 12 + s * double / 4 - s**3 + (1.5 * s + s**3) / 9 + 0.25 * s
+                double = np.cos(2 * self.phi[k[of]])
+                constant = -(3 * s + np.cos(3 * self.phi[k[of]]) / 3) / 12 + s * double / 4 - s**3 + (1.5 * s + s**3) / 9 + 0.25 * s
                 rest = turned / 3 + s * z * (0.5 * z - 2 * s) + 0.25 * z * double + (0.5 * s + s**3 / 3) * _LOG2 - constant
-            out += (main + rest) @ (self.height[of] / np.pi)
+            out += (main + rest) @ (self.height[k[of]] / np.pi)
         return out
+
+    # at complex points (see `plane`) ----------------------------------------------------------------------------------
+    def logarithm(self, k: Index, seen: Seen, away: Complex) -> Complex:
+        """log(A B) of jumps k."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(2 * seen.rho[:, None] * away))
+
+    def logarithm_slope(self, k: Index, seen: Seen, away: Complex) -> Complex:
+        """Its derivative by zeta."""
+        return np.asarray(1 / away - 1 / seen.root[:, None])
+
+    def polynomial(self, k: Index, zeta: Complex) -> tuple[NDArray[Any], NDArray[Any]]:
+        """P_q and its derivative."""
+        return self._polynomial(k, zeta), np.where(self.order[k] == 2, -self.s[k], 0.0)
+
+    def plane_potential(self, k: Index, seen: Seen, away: Complex, log: Complex) -> Complex:
+        """Potential of jumps k over w, less c_0 log(w)."""
+        out = np.asarray(self.potential_by(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None]))
+        for place in k[self.order[k] == 0]:
+            up = np.exp(1j * self.phi[place])
+            own = np.real(up) * (np.log(2.0) - seen.log - seen.rho**2 / 2)
+            both = potential_series(up, seen.rho) + potential_series(np.conj(up), seen.rho)
+            out = out + self.height[place] / np.pi * (own - both / 2)
+        return out
+
+    def logarithms_near(self, zone: int) -> tuple[Beyond, Index] | None:
+        return self._beyond(zone)
 
     def _sine_weights(self, k: Index, j: Array) -> Array:
         return -np.cos(j * self.phi[k][:, None])
-
-
-def potential_series(up: complex, rho: NDArray[np.complex128] | Array) -> NDArray[np.complex128]:
-    """sum_{j >= 2} (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)), and of j = 1 what has no logarithm of rho."""
-    q = up * rho
-    log = -np.log1p(-q)
-    rest = log - q
-    return np.asarray(-(up * log - rest / rho) + rho * rest - (rest - q * q / 2) / up)

@@ -16,6 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.half_plane import Complex, Seen
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 
@@ -101,3 +102,33 @@ class Beyond(Kept):
         turn = np.arctan2((1 + rho) * np.sin(theta / 2), (1 - rho) * np.cos(theta / 2))
         part = (1 + rho**2) / (2 * rho) * turn - (1 - rho**2) * theta / (4 * rho) - np.sin(theta) / 2 - np.cos(theta) * angle
         return np.asarray((2 * part - np.pi * rho) @ self.weight[k])
+
+    # at complex points (see `plane`) ----------------------------------------------------------------------------------
+    def log(self, k: Index, seen: Seen) -> Complex:
+        """2 log(1 - rho rho_z) of parts k, (points, k): (1 - rho_z) + rho_z (1 - rho), or the same from the left end."""
+        rho, z = self.rho[k], seen.rho[:, None]
+        from_right, from_left = (2 * part[:, None] / (seen.p + seen.m)[:, None] for part in (seen.m, seen.p))
+        return np.asarray(2 * np.log(np.where(rho > 0, from_right + z * (1 - rho), from_left - z * (1 + rho))))
+
+    def plane_transform(self, k: Index, seen: Seen) -> Complex:
+        return np.asarray(self.log(k, seen) @ self.weight[k])
+
+    def plane_slope(self, k: Index, seen: Seen) -> Complex:
+        """Derivative of the transform by zeta."""
+        both = seen.rho[:, None] * self.rho[k]
+        return np.asarray((2 * both * np.exp(-0.5 * self.log(k, seen))) @ self.weight[k] / seen.root)
+
+    def plane_potential(self, k: Index, seen: Seen) -> Complex:
+        """Potential over w, less c_0 log(w)."""
+        out = np.zeros(seen.left.shape, dtype=complex)
+        for up, weight in zip(self.rho[k], self.weight[k], strict=True):
+            out += weight * (up * (np.log(2.0) - seen.log - seen.rho**2 / 2) - potential_series(up, seen.rho))
+        return out
+
+
+def potential_series(up: complex, rho: Complex | Array) -> Complex:
+    """sum_{j >= 2} (up^j / j) (-rho^{j-1} / (j-1) + rho^{j+1} / (j+1)), and of j = 1 what has no logarithm of rho."""
+    q = up * rho
+    log = -np.log1p(-q)
+    rest = log - q
+    return np.asarray(-(up * log - rest / rho) + rho * rest - (rest - q * q / 2) / up)

@@ -32,10 +32,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.half_plane import Complex, Seen
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
+from sie.jumps.exterior import Beyond
 from sie.jumps.local_spline import MANY, LocalSpline
-from sie.jumps.zone_spline import NEAREST, ZoneSpline
+from sie.jumps.zone_spline import ZoneSpline
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -57,6 +59,8 @@ _SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
 _TINY = 1e-16
 # Kinks of a zone beside which it is looked how the density follows the ends.
 _KINKS = 32
+# Zones whose series are found together.
+_TOGETHER = 256
 # (point, jump) pairs handled at once.
 _PAIRS = 1 << 19
 
@@ -102,22 +106,24 @@ class Steps(Kept):
 
     def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made) -> Any:  # type: ignore[no-untyped-def]
         """The same with splines of f, made of knots, their jumps and f, in every zone of many jumps of order 2 and no others."""
-        height, splines = self.height.copy(), {}
+        height, splines, more = self.height.copy(), {}, []
         for zone in np.flatnonzero(np.bincount(self.zone, minlength=1) >= MANY).tolist():
             k = self.by_zone[zone]
             if np.any(self.order[k] != HIGHEST):
                 continue
-            k = k[np.minimum(self.left[k], self.right[k]) > NEAREST]
             k = k[np.argsort(self.left[k])]
             found = made(self.left[k], height[k], lambda left, zone=zone: f(zones.a[zone] + zones.half[zone] * left))
             if found is not None:
-                splines[zone], height[k] = found
+                splines[zone], height[k], others = found
+                more.append(np.column_stack((np.full(others.shape[1], zone), others.T)))
         if not splines:
             return self
         keep = height != 0.0
+        zone, left, jump = np.concatenate(more).T
         return replace(
-            self, zone=self.zone[keep], left=self.left[keep], right=self.right[keep], height=height[keep], order=self.order[keep],
-            splines=splines,
+            self, zone=np.append(self.zone[keep], zone.astype(np.intp)), left=np.append(self.left[keep], left),
+            right=np.append(self.right[keep], 2.0 - left), height=np.append(height[keep], jump),
+            order=np.append(self.order[keep], np.full(len(zone), HIGHEST)), splines=splines,
         )
 
     def __len__(self) -> int:
@@ -184,7 +190,7 @@ class Steps(Kept):
         found = dict(zip(zones.tolist(), np.split(order, first[1:]), strict=False))
         return {zone: np.zeros(0, np.intp) for zone in self.splines} | found
 
-    def _polynomial(self, k: Index, t: Array) -> Array:
+    def _polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
         """P_q(t) of jumps k at t (..., 1), for each jump along the last axis."""
         sine, q, s = self.sine[k], self.order[k], self.s[k]
         second = (t - 2 * s) * sine + np.sin(2 * self.phi[k]) / 4
@@ -202,8 +208,10 @@ class Steps(Kept):
 
     def level_part(self, zone: int, left: Array) -> Array:
         """The same of the jumps of g itself alone: they have no slope."""
-        k = self.by_zone.get(zone)
-        return np.zeros(left.shape) if k is None else self._added(k[self.order[k] == 0], left)
+        if zone not in self.kinked:
+            return np.zeros(left.shape)
+        k = self.by_zone[zone]
+        return self._added(k[self.order[k] == 0], left)
 
     def _added(self, k: Index, left: Array) -> Array:
         out = np.empty(left.shape)
@@ -379,8 +387,11 @@ class Steps(Kept):
     def _summed(self, zone: int) -> Array:
         """Coefficients of T_l / sqrt(1 - t^2) of all parts of a zone together."""
         if zone not in self._sums:
-            k = self.by_zone[zone]
-            self._sums[zone] = self._coefficients(k, np.zeros_like(k), 1, _SERIES_TO[-1][1])[0]
+            # With the zones after it, which are asked for next: one by one takes several times as long.
+            zones = [other for other in self.by_zone if zone <= other < zone + _TOGETHER]
+            row = np.repeat(np.arange(len(zones)), [len(self.by_zone[other]) for other in zones])
+            k = np.concatenate([self.by_zone[other] for other in zones])
+            self._sums.update(zip(zones, self._coefficients(k, row, len(zones), _SERIES_TO[-1][1]), strict=True))
         return self._sums[zone]
 
     @cached_property
@@ -404,7 +415,7 @@ class Steps(Kept):
         """What the right side has at points x beyond the values that the caller gives: nothing."""
         return np.zeros(x.shape)
 
-    def chosen(self, which: NDArray[np.bool_]) -> Steps:
+    def chosen(self, which: NDArray[np.bool_] | Index) -> Steps:
         """Those of the jumps alone."""
         return Steps(self.zone[which], self.left[which], self.right[which], self.height[which], self.order[which])
 
@@ -446,7 +457,10 @@ class Steps(Kept):
         on = (left >= 0) & (right >= 0)
         far = ~on & (np.abs(rho) < _FAR)
         if far.any():
-            c = self._coefficients(k, np.zeros_like(k), 1, _SERIES_TO[0][1])[0]
+            zone = int(self.zone[k[0]]) if len(k) else -1
+            whole = zone in self.by_zone and len(k) == len(self.by_zone[zone])
+            count = _SERIES_TO[0][1]
+            c = self._summed(zone)[:count] if whole else self._coefficients(k, np.zeros_like(k), 1, count)[0]
             r, total = rho[far], np.zeros(int(far.sum()))
             for l in range(len(c) - 1, 0, -1):
                 total = (total + c[l] / l) * r
@@ -462,14 +476,19 @@ class Steps(Kept):
         z, beyond = 0.5 * (left - right), np.where(on, 0.0, np.maximum(-left, -right))
         grown = 2 * np.arcsinh(np.sqrt(0.5 * beyond))[:, None]
         root = (np.where(left > 0, 1.0, -1.0) * np.sqrt(beyond * (beyond + 2)))[:, None]
-        out, z = np.zeros(len(left)), z[:, None]
+        away = left[:, None] - self.left[k]
+        turn = np.where(away > 0, self.psi[k], -self.phi[k])
+        turn[~on] = self._plain(k, rho[~on])
+        return self.potential_by(k, away, z[:, None], turn, grown, root)
+
+    def potential_by(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
+        """Sum of the closed potentials of jumps k (see the head of this file), z - s, F, A and B at hand, real or complex."""
+        out = np.zeros(len(z), dtype=turn.dtype)
         for q in range(HIGHEST + 1):
-            of = k[self.order[k] == q]
+            of = np.flatnonzero(self.order[k] == q)
             if len(of) == 0:
                 continue
-            away, sine, s = left[:, None] - self.left[of], self.sine[of], self.s[of]
-            turn = np.where(away > 0, self.psi[of], -self.phi[of])
-            turn[~on] = self._plain(of, rho[~on])
+            sine, s = self.sine[k[of]], self.s[k[of]]
             square = sine**2
             if q == 0:
                 rest = grown - LOG2 - 1
@@ -478,8 +497,32 @@ class Steps(Kept):
             else:
                 rest = (grown * (0.5 + s * s) + root * (0.5 * z - 2 * s)) / 3 - z * (0.5 * z - 1.5 * s)
                 rest += square / 9 - s * s / 2 - 1 / 12 - LOG2 * (square / 6 + s * s / 2)
-            out += (away ** (q + 1) * turn / (q + 1) + sine * rest) @ (self.height[of] / np.pi)
+            out += (away[:, of] ** (q + 1) * turn[:, of] / (q + 1) + sine * rest) @ (self.height[k[of]] / np.pi)
         return out
+
+    # at complex points (see `plane`) ----------------------------------------------------------------------------------
+    def logarithm(self, k: Index, seen: Seen, away: Complex) -> Complex:
+        """-i log(B / A) of jumps k."""
+        c, s = np.sqrt(0.5 * self.left[k]), np.sqrt(0.5 * self.right[k])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(-1j * np.log((c - 1j * s) ** 2 * (c * seen.m[:, None] + 1j * s * seen.p[:, None]) ** 2 / away))
+
+    def logarithm_slope(self, k: Index, seen: Seen, away: Complex) -> Complex:
+        """Its derivative by zeta."""
+        return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
+
+    def polynomial(self, k: Index, zeta: Complex) -> tuple[NDArray[Any], NDArray[Any]]:
+        """P_q and its derivative."""
+        return self._polynomial(k, zeta), np.where(self.order[k] == HIGHEST, self.sine[k], 0.0)
+
+    def plane_potential(self, k: Index, seen: Seen, away: Complex, log: Complex) -> Complex:
+        """Potential of jumps k over w, less c_0 log(w)."""
+        found: Complex = self.potential_by(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None])
+        return found
+
+    def logarithms_near(self, zone: int) -> tuple[Beyond, Index] | None:
+        """Logarithms of the right side that lie near a zone, outside it."""
+        return None
 
     @cached_property
     def sharp(self) -> list[int]:

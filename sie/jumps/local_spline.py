@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 
 # From this number of jumps on: below, their powers lose few digits, and the closed forms of all of them are as fast.
 MANY = 400
+# Knots nearer to an end of the zone than this are no knots of the spline. (Beyond one, g changes by its jump times the square of that.)
+NEAREST = 1e-9
 # Jumps that are left over inside, over the largest: more than rounding leaves means that f is no quadratic spline.
 _SAME = 1e-8
 _ROUNDED = 1e-14
@@ -31,6 +33,12 @@ _ROUNDED = 1e-14
 _NODES, _TURN = 8, 1.5
 # Up to this place on either side of the spline its transform is a series on cells; beyond, one of the whole.
 _REACH = 4.0
+
+
+def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
+    """Whether the jumps found between pieces of such lengths are those wanted, as far as rounding of values of such a size allows."""
+    rounding = _ROUNDED * size / np.minimum(length[1:], length[:-1]) ** 2
+    return not np.any(np.abs(found - wanted) > np.maximum(_SAME * np.abs(wanted).max(initial=0.0), rounding))
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,24 +49,32 @@ class LocalSpline(Kept):
     pieces: Array
 
     @classmethod
-    def inside(cls, knots: Array, jumps: Array, f: Callable[[Array], Array]) -> tuple[LocalSpline, Array] | None:
-        """(the B-splines of f between these knots, what is left of the jumps: half of those of the second derivative); None if f has
-        other jumps than these."""
+    def of(cls, knots: Array, control: Array) -> LocalSpline:
+        """With the middle control points of its pieces, zero at the first and at the last knot; where the first and the last of these
+        points are zero, so is its slope."""
+        length = np.diff(knots)
+        at_knots = np.zeros(len(knots))
+        at_knots[1:-1] = (length[1:] * control[:-1] + length[:-1] * control[1:]) / (length[1:] + length[:-1])
+        first, last = at_knots[:-1], at_knots[1:]
+        return cls(knots, np.column_stack((first, 2 * (control - first) / length, (first - 2 * control + last) / length**2)))
+
+    @classmethod
+    def inside(cls, knots: Array, jumps: Array, f: Callable[[Array], Array]) -> tuple[LocalSpline, Array, Array] | None:
+        """(the B-splines of f between these knots, what is left of the jumps: half of those of the second derivative; places and heights of
+        others: none); None if f has other jumps than these."""
+        within = np.flatnonzero(np.minimum(knots, 2 - knots) > NEAREST)
+        knots = knots[within]
         u, v = knots[1:-2], knots[2:-1]
         values = np.asarray(f(knots))
         d = np.concatenate(([0.0], 2 * np.asarray(f(0.5 * (u + v))) - 0.5 * (values[1:-2] + values[2:-1]), [0.0]))
-        length = np.diff(knots)
-        at_knots = np.zeros(len(knots))
-        at_knots[1:-1] = (length[1:] * d[:-1] + length[:-1] * d[1:]) / (length[1:] + length[:-1])
-        first, last = at_knots[:-1], at_knots[1:]
-        pieces = np.column_stack((first, 2 * (d - first) / length, (first - 2 * d + last) / length**2))
-        left = jumps - np.diff(pieces[:, 2], prepend=0.0, append=0.0)
-        # f is known to rounding, and so are its second differences.
-        rounding = _ROUNDED * np.abs(values).max() / np.minimum(length[1:], length[:-1])[2:-2] ** 2
-        if np.any(np.abs(left[3:-3]) > np.maximum(_SAME * np.abs(jumps).max(), rounding)):
+        spline, length = cls.of(knots, d), np.diff(knots)
+        found = np.diff(spline.pieces[:, 2], prepend=0.0, append=0.0)
+        if not same_jumps(found[3:-3], jumps[within][3:-3], length[2:-2], float(np.abs(values).max())):
             return None
-        left[3:-3] = 0.0
-        return cls(knots, pieces), left
+        left = jumps.copy()
+        left[within] -= found
+        left[within[3:-3]] = 0.0
+        return spline, left, np.zeros((2, 0))
 
     def _locate(self, x: Array) -> tuple[NDArray[np.intp], Array, NDArray[np.bool_]]:
         i = np.searchsorted(self.knots, x, side="right") - 1

@@ -25,16 +25,14 @@ from numpy.typing import NDArray
 from sie.basis import chebyshev
 from sie.basis.kept import Kept
 from sie.fast.piecewise import clenshaw
-from sie.jumps.local_spline import LocalSpline
+from sie.jumps.local_spline import NEAREST, LocalSpline, same_jumps
 
 Array = NDArray[np.float64]
 
-# Knots nearer to an end of the zone than this are left to closed forms.
-NEAREST = 1e-9
 # Moments of a panel: it is seen from no nearer than twice its half width beyond its middle.
 _TERMS = 24
-# From the knots to the ends the cells of the density go on to this part of the outermost knot's angle: nearer, it is taken from the panels.
-_BEYOND = 0.25
+# Of the size of g: as much as that is left to the outermost panels.
+_NOTHING = 1e-12
 # Gauss nodes on a piece of the spline, and largest angle over which a panel is turned when coefficients are found.
 _NODES, _TURN = 16, 8.0
 # (point, node) pairs handled at once.
@@ -43,36 +41,64 @@ _PAIRS = 1 << 20
 
 @dataclass(frozen=True, eq=False)
 class ZoneSpline(Kept):
-    """spline: g by distance from the zone's left end over its half width, zero towards both ends."""
+    """spline: g by distance from the zone's left end over its half width, from one end to the other; zero there, and its slope too."""
 
     spline: LocalSpline
 
     @classmethod
-    def inside(cls, knots: Array, jumps: Array, g: Callable[[Array], Array]) -> tuple[ZoneSpline, Array] | None:
-        """See `LocalSpline.inside`."""
-        found = LocalSpline.inside(knots, jumps, g)
-        return None if found is None else (cls(found[0]), found[1])
+    def inside(cls, knots: Array, jumps: Array, g: Callable[[Array], Array]) -> tuple[ZoneSpline, Array, Array] | None:
+        """(the spline, what is left of the jumps: none; place and height of another one); None if g has other jumps than these.
+
+        What is left of g has its values and slopes at both ends, and two pieces: no number is larger than those slopes.
+        """
+        left = np.zeros_like(jumps)
+        inner = np.minimum(knots, 2 - knots) > NEAREST
+        knots, jumps = knots[inner], jumps[inner]
+        piece = int(np.searchsorted(knots, 1.0))
+        cut = 0.5 * float(np.append(0.0, knots)[piece] + np.append(knots, 2.0)[piece])
+        ends = np.concatenate(([0.0], knots[:piece], [cut], knots[piece:], [2.0]))
+        length, middles = np.diff(ends), 0.5 * (ends[1:] + ends[:-1])
+        values, between = np.asarray(g(ends)), np.asarray(g(middles))
+        # Control points of the first and the last piece: they tell the slopes at the ends.
+        first, last = (2 * between[i] - 0.5 * (values[i] + values[j]) for i, j in ((0, 1), (-1, -2)))
+        at_left = float(values[0]), float(2 * (first - values[0]) / length[0])
+        at_right = float(values[-1]), float(2 * (values[-1] - last) / length[-1])
+        rest, height = _two_pieces(cut, *at_left, *at_right)
+        size = float(np.abs(values).max()) + abs(height)
+        values, between = values - rest(ends), between - rest(middles)
+        spline = LocalSpline.of(ends, np.concatenate(([0.0], (2 * between - 0.5 * (values[1:] + values[:-1]))[1:-1], [0.0])))
+        found = np.diff(spline.pieces[:, 2])
+        if not same_jumps(found, np.insert(jumps, piece, -height), length, size):
+            return None
+        return cls(spline), left, np.array([[cut], [height]])
 
     @property
     def knots(self) -> Array:
-        return self.spline.knots
+        """Those inside."""
+        return self.spline.knots[1:-1]
+
+    @property
+    def jumps(self) -> Array:
+        """Half of the jumps of the second derivative at these."""
+        return np.diff(self.spline.pieces[:, 2])
 
     @property
     def size(self) -> float:
         return self.spline.size
 
     @cached_property
-    def _angles(self) -> tuple[float, float]:
-        """Least phi of a knot, and largest."""
-        first, last = (2 * np.arctan2(np.sqrt(2 - x), np.sqrt(x)) for x in (self.knots[-1], self.knots[0]))
-        return float(first), float(last)
+    def _cuts(self) -> Array:
+        """Of panels that double in length away from both ends, from so near to these that g, which goes as the fourth power of the angle
+        there, is nothing to speak of within the first."""
+        curved = np.abs(self.spline.pieces[[-1, 0], 2]) + 1e-300
+        outermost = 2 * np.arcsin(np.sqrt(0.5 * np.array([2 - self.knots[-1], self.knots[0]])))
+        first, last = np.clip((_NOTHING * self.size / curved) ** 0.25, 1e-6, np.minimum(outermost, 0.5))
+        return _graded(float(first), float(last))
 
     # g by moments ---------------------------------------------------------------------------------------------------
     def _moments(self, cuts: Array) -> tuple[Array, Array]:
-        """(nodes phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F smooth on each panel between cuts, which reach
-        from the first phi to the last."""
-        t = 1 + np.cos(cuts[1:-1])
-        ends = np.unique(np.concatenate((self.knots, t[(t > self.knots[0]) & (t < self.knots[-1])])))
+        """(nodes phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F smooth on each panel between cuts."""
+        ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
         angle = 2 * np.arctan2(np.sqrt(2 - ends), np.sqrt(ends))
         length = -np.diff(angle)
@@ -94,7 +120,12 @@ class ZoneSpline(Kept):
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
         """Nodes and weights of panels that double in length away from both ends."""
-        return self._moments(_graded(*self._angles))
+        return self._moments(self._cuts)
+
+    @property
+    def angles_and_weights(self) -> tuple[Array, Array]:
+        """(phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F with no singularity nearer than the zone's ends."""
+        return self._nodes
 
     @cached_property
     def mean(self) -> float:
@@ -105,9 +136,8 @@ class ZoneSpline(Kept):
         """First `count` coefficients of the density as a sum of T_l / sqrt(1 - t^2)."""
         known = self._coefficients.get("c")
         if known is None or len(known) < count:
-            first, last = self._angles
-            panels = int(np.ceil((last - first) * (count + 1) / _TURN)) + 1
-            phi, weight = self._moments(np.linspace(first, last, panels + 1))
+            panels = int(np.ceil(np.pi * (count + 1) / _TURN)) + 1
+            phi, weight = self._moments(np.linspace(0.0, np.pi, panels + 1))
             turn = np.exp(1j * phi)
             wave, cosines = (2 / np.pi) * weight * turn, np.empty(count + 1)
             for k in range(count + 1):
@@ -142,9 +172,9 @@ class ZoneSpline(Kept):
     @cached_property
     def _cells(self) -> tuple[Array, Array]:
         """(ends in theta, series (TERMS, cells)) of what makes the density of the transform of g."""
-        first, last = self._angles
-        inner = _graded(first, last)
-        cuts = np.concatenate(([_BEYOND * first, 0.5 * first], inner, [np.pi - 0.5 * (np.pi - last), np.pi - _BEYOND * (np.pi - last)]))
+        cuts = self._cuts[1:-1]
+        nearest = np.array([0.25, 0.5])
+        cuts = np.concatenate((nearest * cuts[0], cuts, np.pi - nearest[::-1] * (np.pi - cuts[-1])))
         half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
         place = np.cos((np.arange(_TERMS) + 0.5) * np.pi / _TERMS)
         phi, weight = self._nodes
@@ -156,22 +186,30 @@ class ZoneSpline(Kept):
 
     def density(self, left: Array, right: Array) -> Array:
         """The density at points given by their distances from both ends."""
-        theta = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))
-        cuts, series = self._cells
-        out = np.empty(theta.shape)
+        theta, psi = 2 * np.arctan2(np.sqrt(right), np.sqrt(left)), 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        cuts = self._cells[0]
         close = (theta >= cuts[0]) & (theta <= cuts[-1])
-        cell = np.clip(np.searchsorted(cuts, theta[close], side="right") - 1, 0, len(cuts) - 2)
-        u = (2 * theta[close] - cuts[cell] - cuts[cell + 1]) / (cuts[cell + 1] - cuts[cell])
-        out[close] = clenshaw(series, cell, u) - self.spline.transform(left[close])
-        phi, weight = self._nodes
-        for here in _blocks(np.flatnonzero(~close), len(phi)):
-            # From the nearer end: the same of theta and of phi.
-            from_left = left[here, None] < right[here, None]
-            own = np.where(from_left, 2 * np.arctan2(np.sqrt(left[here]), np.sqrt(right[here]))[:, None], theta[here, None])
-            other = np.where(from_left, np.pi - phi, phi)
-            away = 2 * np.sin(0.5 * (own + other)) * np.sin(0.5 * (own - other)) * np.where(from_left, -1.0, 1.0)
-            out[here] = np.sqrt(left[here] * right[here]) / np.pi * ((1 / away) @ weight)
+        out = np.empty(theta.shape)
+        out[close] = self._on_cells(theta[close], left[close])
+        beside = (psi, theta > cuts[-1]), (theta, theta < cuts[0])
+        for (angle, here), slope, cubic in zip(beside, self.edge_slopes, self._cubics, strict=True):
+            out[here] = angle[here] * (slope + cubic * angle[here] ** 2)
         return out
+
+    def _on_cells(self, theta: Array, left: Array) -> Array:
+        cuts, series = self._cells
+        cell = np.clip(np.searchsorted(cuts, theta, side="right") - 1, 0, len(cuts) - 2)
+        u = (2 * theta - cuts[cell] - cuts[cell + 1]) / (cuts[cell + 1] - cuts[cell])
+        return clenshaw(series, cell, u) - self.spline.transform(left)
+
+    @cached_property
+    def _cubics(self) -> tuple[float, float]:
+        """Beside the left and the right end the density is a series of odd powers of the angle from there: coefficient of the second."""
+        cuts = self._cells[0]
+        theta, angle = cuts[[-1, 0]], np.array([np.pi - cuts[-1], cuts[0]])
+        value = self._on_cells(theta, 2 * np.cos(0.5 * theta) ** 2)
+        left, right = (value / angle - np.array(self.edge_slopes)) / angle**2
+        return float(left), float(right)
 
     def angular_slope(self, left: Array, right: Array) -> Array:
         """Its derivative by theta, by differences."""
@@ -216,12 +254,26 @@ class ZoneSpline(Kept):
 
 
 def _graded(first: float, last: float) -> Array:
-    """Cuts from first to last in (0, pi), panels no longer than their distances from 0 and from pi."""
+    """Cuts from 0 to pi: the panels at both ends have these lengths, and others are no longer than their distances from 0 and from pi."""
     middle = 0.5 * np.pi
-    low = first * 2.0 ** np.arange(60)
-    high = (np.pi - last) * 2.0 ** np.arange(60)
-    inner = np.unique(np.concatenate((low[low < 0.75 * middle], [middle], np.pi - high[high < 0.75 * middle])))
-    return np.concatenate(([first], inner[(inner > first) & (inner < last)], [last]))
+    low, high = (size * 2.0 ** np.arange(60) for size in (first, last))
+    return np.concatenate(([0.0], low[low < 0.75 * middle], [middle], np.pi - high[high < 0.75 * middle][::-1], [np.pi]))
+
+
+def _two_pieces(cut: float, left: float, left_slope: float, right: float, right_slope: float) -> tuple[Callable[[Array], Array], float]:
+    """(the function of two quadratic pieces with these values and slopes at 0 and 2, continuous at the cut with its slope; half of the jump
+    of its second derivative there)."""
+    beyond = 2.0 - cut
+    # Control points.
+    before, after = left + 0.5 * cut * left_slope, right - 0.5 * beyond * right_slope
+    middle = 0.5 * (beyond * before + cut * after)
+    bends = (left - 2 * before + middle) / cut**2, (right - 2 * after + middle) / beyond**2
+
+    def pieces(x: Array) -> Array:
+        y = 2.0 - x
+        return np.where(x < cut, left + x * (left_slope + x * bends[0]), right - y * (right_slope - y * bends[1]))
+
+    return pieces, bends[1] - bends[0]
 
 
 def _blocks(points: NDArray[np.intp], nodes: int) -> list[NDArray[np.intp]]:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
+from sie.basis.half_plane import What
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.zones import Zones
@@ -18,6 +20,7 @@ from sie.density.field import Sources, potential_from, transform_from
 from sie.jumps.forcing import Steps
 from sie.slits.kinks import Valley
 from sie.slits.merged import Cut
+from sie.slits.plane import SlitPlane
 from sie.slits.slits import Hole, Holes, beyond
 
 Array = NDArray[np.float64]
@@ -35,6 +38,15 @@ class Pierced(Kept):
 
     closed: whether the last traces of 1/sqrt(d) at free ends are taken out, as `Density.settled` does. forced: whether the right side
     stands behind it, with the kinks that it has in holes; not so for a response.
+
+    Examples
+    --------
+    >>> import numpy as np, sie
+    >>> wave = sie.Forcing(np.sin, lambda x: -np.cos(x))
+    >>> near = sie.Zones.of([[-1.0, -0.001], [0.001, 1.0]])
+    >>> density = sie.solve_zones(sie.Equation(sie.cauchy(), wave, (sie.Total(1.0), sie.EqualPotential())), near).density
+    >>> type(density).__name__, density.totals.round(9).tolist()
+    ('Pierced', [0.5, 0.5])
     """
 
     cut: Cut
@@ -73,7 +85,8 @@ class Pierced(Kept):
     def sampling(self) -> Index:
         return self.smooth.sampling[self.cut.piece_zone]
 
-    def _valleys(self, here: Holes) -> list[tuple[int, Valley]]:
+    def valleys_of(self, here: Holes) -> list[tuple[int, Valley]]:
+        """The jumps in holes of one wide zone, by hole."""
         return here.valleys if self.forced else []
 
     # series of the holes --------------------------------------------------------------------------------------------
@@ -123,7 +136,7 @@ class Pierced(Kept):
                 values = hole.at_gauss(d) / hole.x_root**2
                 alpha[here.zone] += hole.half * float(np.mean(values * np.cos(hole.theta)))
                 beta[here.zone] += hole.half * float(np.mean(values))
-            for _, valley in self._valleys(here):
+            for _, valley in self.valleys_of(here):
                 alpha[here.zone] += valley.edge[0]
                 beta[here.zone] += valley.edge[1]
         return replace(self.smooth, parts=(alpha, beta, u), closed=self.closed)
@@ -169,7 +182,7 @@ class Pierced(Kept):
                 for side in (past, ~past):
                     added[side] += beyond(away[side] / hole.width, 1.0 if side is past else -1.0, d)
             out[on] += np.sqrt(from_left[on] * from_right[on]) * added
-            for k, valley in self._valleys(here):
+            for k, valley in self.valleys_of(here):
                 past = begin[p] >= here.b[k]
                 away = np.where(past, begin[p] - here.b[k] + lf[on] * half[on], here.a[k] - end[p] + rt[on] * half[on])
                 out[on] += valley.beside(from_left[on], from_right[on], away / here.holes[k].width, past)
@@ -218,7 +231,7 @@ class Pierced(Kept):
                 before, after = a - wide.a[here.zone], wide.b[here.zone] - b
                 left[here.zone] += scale * beyond(np.array([before / hole.width]), -1.0, d)[0]
                 right[here.zone] += scale * beyond(np.array([after / hole.width]), 1.0, d)[0]
-            for _, valley in self._valleys(here):
+            for _, valley in self.valleys_of(here):
                 left[here.zone] += scale * valley.edge_slopes[0]
                 right[here.zone] += scale * valley.edge_slopes[1]
         slopes_left, slopes_right = self._edges((left, right), self._sigma_slopes, (1.0, -1.0))
@@ -236,7 +249,7 @@ class Pierced(Kept):
         left, right = (part.copy() for part in self.sigma.edge_slopes)
         root_left, root_right = self.hole_roots
         for here in self.holes:
-            for k, valley in self._valleys(here):
+            for k, valley in self.valleys_of(here):
                 i, slope = here.which[k], valley.at_ends / np.pi * np.sqrt(2 / here.holes[k].width)
                 left[i] -= root_left[i] * slope
                 right[i] += root_right[i] * slope
@@ -302,13 +315,13 @@ class Pierced(Kept):
             half, w = self.zones.half[piece], wide.half[zone]
             last, n, here = np.inf, 64, 0.0
             while n <= 16384:
-                theta = np.arange(1, n + 1) * np.pi / (n + 1)
+                theta = (np.arange(n) + 0.5) * np.pi / n
                 left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
                 value = self.at(piece, left, right)
                 if zone in kinks.by_zone:
                     value = value - kinks.density(zone, (before + half * left) / w, (after + half * right) / w)
                     value = np.where(np.isfinite(value), value, 0.0)
-                here = float(half) * np.pi / (n + 1) * float(value @ np.sin(theta))
+                here = float(half) * np.pi / n * float(value @ np.sin(theta))
                 if abs(here - last) <= 1e-13 * abs(here):
                     break
                 last, n = here, 2 * n
@@ -319,6 +332,10 @@ class Pierced(Kept):
         return out
 
     # the line ---------------------------------------------------------------------------------------------------------
+    def potential_on(self, lo: float, hi: float) -> None:
+        """Nothing is gained beside slits: see `Density.potential_on`."""
+        return None
+
     def _into_wide(self, x: Array) -> Array:
         """x moved by periods to lie right of the first wide zone's left end."""
         period = self.kernel.period
@@ -326,6 +343,11 @@ class Pierced(Kept):
             return x
         first = self.cut.wide.a[0]
         return np.asarray(x - np.floor((x - first) / period) * period)
+
+    @property
+    def slits(self) -> int:
+        """How many narrow gaps between the zones are taken as slits of wider ones."""
+        return len(self.cut.holes)
 
     def opening(self, x: ArrayLike) -> tuple[NDArray[np.bool_], Array]:
         """(whether x lies in a hole, integral of s from the hole's left end to x)."""
@@ -347,13 +369,15 @@ class Pierced(Kept):
     def _in_valleys(self, place: Array) -> Iterator[tuple[Valley, float, NDArray[np.bool_], Array, Array]]:
         """For each jump in a hole: itself, the hole's half width, which places lie in it, and how far from its ends over that."""
         for here in self.holes:
-            for k, valley in self._valleys(here):
+            for k, valley in self.valleys_of(here):
                 a, b, width = here.a[k], here.b[k], here.holes[k].width
                 some = (place >= a) & (place <= b)
                 yield valley, width, some, (place[some] - a) / width, (b - place[some]) / width
 
-    def transform(self, x: ArrayLike) -> Array:
-        """(1/pi) PV int phi K dxi at x (any shape)."""
+    def transform(self, x: ArrayLike) -> NDArray[Any]:
+        """(1/pi) PV int phi K dxi at x (any shape), real or complex: see `Density.transform`."""
+        if np.iscomplexobj(x):
+            return self._in_plane(x, "transform")
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.transform(flat))
@@ -361,8 +385,26 @@ class Pierced(Kept):
         out -= self.slope_of_gap(self._into_wide(flat))
         return np.asarray(out.reshape(x.shape))
 
-    def potential(self, x: ArrayLike) -> Array:
-        """(1/pi) int phi Lambda dxi at x (any shape)."""
+    def transform_slope(self, z: ArrayLike) -> NDArray[np.complex128]:
+        """See `Density.transform_slope`."""
+        return self._in_plane(z, "derivative")
+
+    def _in_plane(self, z: ArrayLike, what: What) -> NDArray[np.complex128]:
+        points = np.asarray(z, dtype=complex)
+        out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
+        out[finite] = self.plane(points[finite], what)
+        return out
+
+    @cached_property
+    def plane(self) -> SlitPlane:
+        """The density at complex points."""
+        valleys = [self.valleys_of(here) for here in self.holes]
+        return SlitPlane(self.cut, self.whole, self._told_density, self.holes, self.series, valleys)
+
+    def potential(self, x: ArrayLike) -> NDArray[Any]:
+        """(1/pi) int phi Lambda dxi at x (any shape), real or complex: see `Density.potential`."""
+        if np.iscomplexobj(x):
+            return self._in_plane(x, "potential")
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.potential(flat))
@@ -426,7 +468,7 @@ class Pierced(Kept):
             for hole, d in zip(here.holes, row, strict=True):
                 away = excess[on] + (hole.rest if side > 0 else hole.start)
                 total[on] += beyond(away / hole.half, side, d)
-            for _, valley in self._valleys(here):
+            for _, valley in self.valleys_of(here):
                 left, right, _, weight = valley.seen
                 away = excess[on][:, None] + (right if side > 0 else left)
                 total[on] += side / np.pi * ((np.sqrt(left * right) / away) @ weight)
@@ -443,7 +485,7 @@ class Pierced(Kept):
         for hole, d in zip(here.holes, row, strict=True):
             values = hole.at_gauss(d) / hole.x_root / hole.nodes
             total -= 2 * hole.width * (angles(hole.theta) @ values)
-        for _, valley in self._valleys(here):
+        for _, valley in self.valleys_of(here):
             _, _, theta, weight = valley.seen
             total -= 2 / np.pi * here.w * (angles(theta) @ weight)
         return total

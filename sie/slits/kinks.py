@@ -1,6 +1,6 @@
-r"""A kink in a hole, or a jump of the curvature: what the right side jumps by in a hole of a wide zone, carried in closed form.
+r"""A kink in a hole, a jump of the curvature or a knot: what the right side jumps by in a hole of a wide zone, carried in closed form.
 
-With h the jump (see `steps`), q = 0 that of the right side, q = 1 of its derivative, the zone's own part of it,
+With h the jump (see `steps`), q = 0 that of the right side, q = 1, 2 of its derivatives, the zone's own part of it,
 (h/pi)(t - s)^q kappa(t), is singular at s, and the slope of the gap with it. Let bars be means over the hole's equilibrium
 measure, and chi = arccos(-z)/pi the step whose jump is spread like that. Then psi = h (H(t - s) - chi), or for q = 1, m being
 the hole's middle, h ((t - s)_+ - bar((t - .)_+) - (m - s) chi), vanishes at both ends of the hole, and with psi taken out of s
@@ -9,7 +9,15 @@ the hole's middle, h ((t - s)_+ - bar((t - .)_+) - (m - s) chi), vanishes at bot
     (h/pi) (t - s) kappa + P[psi] = (h/pi)(bar((t - .) kappa) + (m - s) bar(kappa) - (phi - bar(phi)) X) + (a_0 + a_1 t) / X,
 
 whose logarithms are, r the hole's half width, ln(r/2) and r z (ln(r/2) + 1) on the hole: what is left for its series is smooth.
-Off the hole, with |z| = cosh u, they are ln(r/2) + u and r sgn(z) (|z| (ln(r/2) + 1 + u) - sinh u). (Derived here.)
+Off the hole, with |z| = cosh u, they are ln(r/2) + u and r sgn(z) (|z| (ln(r/2) + 1 + u) - sinh u).
+
+For q = 2, with t - m = r z, s - m = r zeta, b_k = bar((z - .)_+^k), psi = h r^2 ((z - zeta)_+^2 - b_2 + 2 zeta b_1 - (zeta^2 - 1/2) b_0),
+and (t - s)^2 kappa is spread as bar((t - .)^2 kappa) - 2 r zeta bar((t - .) kappa) + r^2 (zeta^2 - 1/2) bar(kappa),
+the mean of (z - .)^2 ln|z - .| being z^2 (3/2 - ln 2) + 1/4 - (ln 2)/2 on the hole and, off it,
+(z^2 + 1/2) (u - ln 2) + 2 |z| e^-u - e^-2u / 4. The transforms of both differ by a polynomial, which X times another
+one makes up for; with D = phi - phi(.), y = t - m, that is
+
+    -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)),   c = cos over the hole. (Derived here.)
 """
 
 from __future__ import annotations
@@ -25,7 +33,9 @@ from sie.basis.kept import Kept
 Array = NDArray[np.float64]
 
 # Orders q that are carried.
-HIGHEST = 1
+HIGHEST = 2
+# Of those of order 2: beyond so many half widths of the hole its psi is summed up; there the closed forms cancel.
+_BEYOND = 4.0
 _MEANS = 32
 _LEGENDRE = 24
 
@@ -55,7 +65,7 @@ class Valley(Kept):
         return 0.5 * (left - right)
 
     @cached_property
-    def _mean_places(self) -> tuple[Array, Array, Array]:
+    def mean_places(self) -> tuple[Array, Array, Array]:
         """Gauss nodes of the equilibrium measure: z, and distances from the wide zone's ends."""
         theta = (np.arange(_MEANS) + 0.5) * np.pi / _MEANS
         left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
@@ -67,8 +77,13 @@ class Valley(Kept):
         place, angle, z = left - self._beside[0], 2 * np.arctan2(np.sqrt(left), np.sqrt(right)), 0.5 * (left - right)
         if self.order == 0:
             return np.asarray(self.jump * (np.heaviside(place, 0.5) - angle / np.pi))
-        spread = (z * angle + np.sqrt(left * right)) / np.pi
-        return np.asarray(self.jump * self.half * (np.maximum(place, 0.0) - spread + self.zeta * angle / np.pi))
+        root, zeta = np.sqrt(left * right), self.zeta
+        first = (z * angle + root) / np.pi
+        if self.order == 1:
+            return np.asarray(self.jump * self.half * (np.maximum(place, 0.0) - first + zeta * angle / np.pi))
+        second = (angle * (z * z + 0.5) + 1.5 * z * root) / np.pi
+        spread = second - 2 * zeta * first + (zeta * zeta - 0.5) * angle / np.pi
+        return np.asarray(self.jump * self.half**2 * (np.maximum(place, 0.0) ** 2 - spread))
 
     def opening(self, left: Array, right: Array) -> Array:
         """Integral of psi from the hole's left end, over its half width."""
@@ -77,13 +92,16 @@ class Valley(Kept):
         first = (z * angle + root) / np.pi
         if self.order == 0:
             return np.asarray(self.jump * (place - first))
-        second = (angle * (0.5 * z * z + 0.25) + 0.75 * z * root) / np.pi
-        return np.asarray(self.jump * self.half * (0.5 * place**2 - second + self.zeta * first))
+        second, zeta = (angle * (z * z + 0.5) + 1.5 * z * root) / np.pi, self.zeta
+        if self.order == 1:
+            return np.asarray(self.jump * self.half * 0.5 * (place**2 - second + 2 * zeta * first))
+        third = (angle * z * (z * z + 1.5) + root * (11 * z * z + 4) / 6) / np.pi
+        return np.asarray(self.jump * self.half**2 * ((place**3 - third) / 3 + zeta * second - (zeta * zeta - 0.5) * first))
 
     @property
     def at_ends(self) -> float:
         """J of psi = -+(J/pi) sqrt(2 delta) at the hole's ends, delta the distance over its half width."""
-        return self.jump if self.order == 0 else -self.jump * self.half * self.zeta
+        return self.jump * self.half**self.order * (1.0, -self.zeta, self.zeta**2 - 0.5)[self.order]
 
     @cached_property
     def seen(self) -> tuple[Array, Array, Array, Array]:
@@ -123,32 +141,59 @@ class Valley(Kept):
         return float(over @ (0.5 * (from_left - from_right))), float(over.sum())
 
     @cached_property
-    def _turn(self) -> float:
-        """(h/pi)(phi - bar(phi)), which multiplies X for q = 1; else 0."""
+    def polynomial(self) -> tuple[float, float]:
+        """(value at the middle of the hole, slope) of what is multiplied by X: 0 for q = 0, constant for q = 1."""
         if self.order == 0:
-            return 0.0
-        _, l, r = self._mean_places
-        own = 2 * np.arctan2(np.sqrt(self.from_right), np.sqrt(self.from_left))
-        return self.jump / np.pi * float(np.mean(own - 2 * np.arctan2(np.sqrt(r), np.sqrt(l))))
+            return 0.0, 0.0
+        cosine, l, r = self.mean_places
+        s, places = 0.5 * (self.from_left - self.from_right), 0.5 * (l - r)
+        # Differences of phi and of sin(phi) from those at the nodes, to all their digits.
+        away, roots = self.half * (cosine - self.zeta), np.sqrt(self.from_left * self.from_right) + np.sqrt(l * r)
+        angles = 2 * np.arctan2(away, roots)
+        mean = float(np.mean(angles))
+        if self.order == 1:
+            return self.jump / np.pi * mean, 0.0
+        middle = 0.5 * (self.start - self.rest)
+        sines = float(np.mean((s + places) * away / roots - middle * angles))
+        value = sines - 2 * self.half * (self.zeta * mean + float(np.mean(cosine * angles)))
+        return self.jump / np.pi * value, self.jump / np.pi * mean
+
+    def _turn(self, from_left: Array, from_right: Array) -> Array:
+        """What is multiplied by X, at distances from the wide zone's ends."""
+        value, slope = self.polynomial
+        return np.asarray(value + slope * 0.5 * ((from_left - self.start) - (from_right - self.rest)))
 
     def in_hole(self, from_left: Array, from_right: Array, z: Array) -> Array:
         """X ((h/pi)(t - s)^q kappa + P[psi]) at distances from the wide zone's ends, on this hole or another one; z: in this hole."""
         root, (a_0, a_1) = np.sqrt(from_left * from_right), self.edge
-        value = self.jump / np.pi * self._spread(from_left, from_right, z) - self._turn * root
+        value = self.jump / np.pi * self._spread(from_left, from_right, z) - self._turn(from_left, from_right) * root
         return np.asarray(root * value + a_0 + a_1 * 0.5 * (from_left - from_right))
 
     def beside(self, from_left: Array, from_right: Array, outside: Array, past: NDArray[np.bool_]) -> Array:
         """P[psi] less (a_0 + a_1 t)/X, off the hole by `outside` of its half width. past: on its right."""
+        if self.order == HIGHEST and np.any(outside > _BEYOND):
+            out, far = np.empty(outside.shape), outside > _BEYOND
+            out[far] = self._summed(from_left[far], from_right[far], outside[far], past[far])
+            out[~far] = self.beside(from_left[~far], from_right[~far], outside[~far], past[~far])
+            return out
         z = np.where(past, 1.0, -1.0) * (1 + outside)
         away = outside + np.where(past, self._beside[1], self._beside[0])
         sums = 2 * np.log(np.sqrt(from_right * self.from_left) + np.sqrt(from_left * self.from_right)) - np.log(2.0)
         own = (sums - np.log(self.half * away)) * (self.half * np.where(past, away, -away)) ** self.order
         spread = self._spread(from_left, from_right, z)
-        return np.asarray(-self.jump / np.pi * (own - spread) - self._turn * np.sqrt(from_left * from_right))
+        return np.asarray(-self.jump / np.pi * (own - spread) - self._turn(from_left, from_right) * np.sqrt(from_left * from_right))
+
+    def _summed(self, from_left: Array, from_right: Array, outside: Array, past: NDArray[np.bool_]) -> Array:
+        """The same as X times (1/pi) int psi / (X (t - tau))."""
+        lefts, rights, _, weight = self.seen
+        over = weight / np.sqrt(lefts * rights) / np.pi
+        inward = np.where(past[:, None], self.start + 2 * self.half - lefts, lefts - self.start)
+        away = np.where(past, 1.0, -1.0)[:, None] * (self.half * outside[:, None] + inward)
+        return np.asarray(np.sqrt(from_left * from_right) * ((1 / away) @ over))
 
     def _spread(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """bar(kappa); for q = 1 bar((t - .) kappa) + (m - s) bar(kappa)."""
-        nodes, l, r = self._mean_places
+        """bar(kappa); for q = 1 bar((t - .) kappa) + (m - s) bar(kappa); for q = 2 see the head of this file."""
+        nodes, l, r = self.mean_places
         sums = 2 * np.log(np.sqrt(from_right[..., None] * l) + np.sqrt(from_left[..., None] * r)) - np.log(2.0)
         beyond = np.maximum(np.abs(z) - 1, 0.0)
         root = np.sqrt(beyond * (beyond + 2))
@@ -158,12 +203,23 @@ class Valley(Kept):
             return np.asarray(plain)
         moment = (sums * (z[..., None] - nodes)).mean(axis=-1)
         log = z * (constant + 1 + u) - np.sign(z) * root
-        return np.asarray(self.half * (moment - log - self.zeta * plain))
+        if self.order == 1:
+            return np.asarray(self.half * (moment - log - self.zeta * plain))
+        square = (sums * (z[..., None] - nodes) ** 2).mean(axis=-1)
+        on = z * z * (constant + 1.5) + 0.25 + 0.5 * constant
+        fall = np.exp(-u)
+        off = (z * z + 0.5) * (constant + u) + (2 * np.abs(z) - 0.25 * fall) * fall
+        square -= np.where(np.abs(z) > 1, off, on)
+        return np.asarray(self.half**2 * (square - 2 * self.zeta * (moment - log) + (self.zeta**2 - 0.5) * plain))
 
     @cached_property
     def edge_slopes(self) -> tuple[float, float]:
         """Coefficient of the angle from the wide zone's left and right end in what `beside` gives."""
-        _, l, r = self._mean_places
+        if self.order == HIGHEST:
+            lefts, rights, _, weight = self.seen
+            over = weight / np.sqrt(lefts * rights) / np.pi
+            return -float(over @ (1 / lefts)), float(over @ (1 / rights))
+        _, l, r = self.mean_places
         out = []
         sides = ((-1.0, l, r, self.from_left, self.from_right), (1.0, r, l, self.from_right, self.from_left))
         for sign, near, far, own_near, own_far in sides:
@@ -171,5 +227,5 @@ class Valley(Kept):
             spread = float(np.mean((sign * near) ** self.order * np.sqrt(far / near)))
             if self.order == 1:
                 spread -= self.half * self.zeta * float(np.mean(np.sqrt(far / near)))
-            out.append(-self.jump / np.pi * (own - spread) - self._turn)
+            out.append(-self.jump / np.pi * (own - spread) - self.polynomial[0])
         return out[0], out[1]

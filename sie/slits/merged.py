@@ -18,14 +18,14 @@ from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
 from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals, for_every_zone
 from sie.equation.equation import Equation
-from sie.slits.kinks import HIGHEST
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 # Gaps narrower than this part of the wider zone beside them may be holes.
 NARROW = 0.02
-# Gaps with a jump of a derivative of the right side in them must be narrower than this part of both zones.
+# Gaps with jumps of higher derivatives of the right side than the first in them, of which there may be hundreds, must be narrower than this
+# part of both zones.
 SMALL = 0.003
 
 
@@ -70,7 +70,9 @@ class Cut(Kept):
 def cut(equation: Equation, pieces: Zones) -> Cut | None:
     """The zones with their narrow gaps as holes, None if there are none or the equation does not allow it."""
     kernel = equation.kernel
-    if len(pieces) < 2 or equation.grows or not _one_level(equation.conditions) or not _plain(pieces):
+    # A column that may be singular between zones is none of a wide one.
+    general = any(column.modes is None and not column.between for column in equation.columns)
+    if len(pieces) < 2 or general or not _one_level(equation.conditions) or not _plain(pieces):
         return None
     after = gaps(pieces, kernel)[1]
     width = pieces.b - pieces.a
@@ -80,8 +82,6 @@ def cut(equation: Equation, pieces: Zones) -> Cut | None:
     narrow &= _free(pieces)
     if kernel.period is None or pieces.symmetric:
         narrow[-1] = False
-    # With a jump of a higher derivative of the right side in it the hole's own series falls slowly: that matters unless it is small
-    # beside both zones.
     narrow &= ~_bent(equation, pieces, after) | (after < SMALL * np.minimum(width, following))
     if not narrow.any():
         return None
@@ -128,9 +128,9 @@ def _free(pieces: Zones) -> NDArray[np.bool_]:
 
 
 def _bent(equation: Equation, pieces: Zones, after: Array) -> NDArray[np.bool_]:
-    """Gaps with a jump of a derivative of the right side in them that is not carried in closed form."""
+    """Gaps with a jump of a higher derivative of the right side in them than the first."""
     forcing, period = equation.forcing, equation.kernel.period
-    at = forcing.steps_at[forcing.orders > HIGHEST] if forcing.orders is not None else np.zeros(0)
+    at = forcing.steps_at[forcing.orders > 1] if forcing.orders is not None else np.zeros(0)
     if period is not None:
         at = at - np.floor((at - pieces.a[0]) / period) * period
     i = np.searchsorted(pieces.a, at, side="right") - 1

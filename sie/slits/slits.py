@@ -25,16 +25,17 @@ from scipy.linalg import lu_factor, lu_solve
 
 from sie.basis import chebyshev
 from sie.basis.kept import Kept
-from sie.jumps.forcing import Steps
-from sie.slits.kinks import HIGHEST, Valley
+from sie.jumps.forcing import HIGHEST, Steps
+from sie.jumps.zone_spline import ZoneSpline
+from sie.slits.kinks import Valley
 from sie.slits.merged import Cut
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 LEAST, MOST = 12, 512
-# Modes at most for a jump of g, of g' or of g'' beside a hole, or of g'' in it: of the others in it nothing is left.
-_BENT = (64, 256, 64)
+# Modes at most for a jump of g, of g' or of g'' beside a hole: of those in it nothing is left.
+_BENT = (64, 256, 160)
 # Coefficients of s that are told to the other zones, at least.
 TOLD = 48
 
@@ -129,10 +130,23 @@ def beyond_rows(excess: Array, sign: float, count: int) -> Array:
     return np.asarray(sign * rho[:, None] ** np.arange(count) / root[:, None])
 
 
-def _valley(steps: Steps, k: int, start: float, rest: float, half: float) -> Valley:
-    """The jump of number k in a hole with these distances and this half width."""
-    height, left, right = (float(part[k]) for part in (steps.height, steps.left, steps.right))
-    return Valley(height, start, rest, half, left, right, int(steps.order[k]))
+def _within(steps: Steps, zone: int, start: Array, length: Array) -> tuple[Index, Steps]:
+    """(the jumps of a zone that lie in holes with these starts and lengths, by number; those of its spline's knots there)."""
+
+    def inside(left: Array) -> NDArray[np.bool_]:
+        hole = np.maximum(np.searchsorted(start, left, side="right") - 1, 0)
+        return np.asarray((left > start[hole]) & (left < start[hole] + length[hole]))
+
+    closed = steps.by_zone.get(zone, np.zeros(0, dtype=np.intp))
+    closed = closed[inside(steps.left[closed])]
+    spline = steps.splines.get(zone)
+    if spline is None:
+        return closed, Steps.none()
+    assert isinstance(spline, ZoneSpline)
+    some = np.flatnonzero(inside(spline.knots))
+    left = spline.knots[some]
+    count = len(some)
+    return closed, Steps(np.full(count, zone), left, 2 - left, spline.jumps[some], np.full(count, HIGHEST))
 
 
 class Holes(Kept):
@@ -149,16 +163,16 @@ class Holes(Kept):
         before = np.concatenate(([start[0] * w], a[1:] - b[:-1]))
         after = np.concatenate((a[1:] - b[:-1], [rest[-1] * w]))
         near = np.minimum(before, after) / half
-        here = steps.by_zone.get(zone, np.zeros(0, dtype=np.intp))
-        here = here[steps.order[here] <= HIGHEST]
-        place = steps.left[here][:, None]
-        hole, jump = np.nonzero(((place > start) & (place < start + 2 * half / w)).T)
-        self._inside = here[jump]
+        self._inside, self._knots = _within(steps, zone, start, 2 * half / w)
         self.valleys = [
-            (i, _valley(steps, k, float(start[i]), float(rest[i]), float(half[i]) / w))
-            for i, k in zip(hole.tolist(), self._inside.tolist(), strict=True)
+            (i, Valley(height, float(start[i]), float(rest[i]), float(half[i]) / w, left, right, order))
+            for jumps in (steps.chosen(self._inside), self._knots)
+            for i, height, left, right, order in zip(
+                (np.searchsorted(start, jumps.left, side="right") - 1).tolist(), jumps.height.tolist(), jumps.left.tolist(),
+                jumps.right.tolist(), jumps.order.tolist(), strict=True,
+            )
         ]
-        sharp = np.setdiff1d(here[steps.order[here] == 0], self._inside)
+        sharp = np.setdiff1d(np.flatnonzero((steps.zone == zone) & (steps.order == 0)), self._inside)
         if len(sharp):
             away = np.abs(steps.left[sharp][:, None] - (start + half / w)) * w / half - 1
             near = np.minimum(near, away.min(axis=0))
@@ -166,9 +180,9 @@ class Holes(Kept):
         waves = modes * half / w / np.sin(middle)
         need = 37 / np.arccosh(1 + np.maximum(near, 1e-4)) + 2 * waves
         if zone in steps.by_zone:
-            # Jumps in the hole that are not carried, or beside it: of their weak singularities the series soon leaves little.
+            # Jumps beside the hole: of their weak singularities the series soon leaves little.
             place, order = steps.places(zone)
-            other = ~np.isin(place, steps.left[self._inside])
+            other = ~np.isin(place, np.append(steps.left[self._inside], self._knots.left))
             place, order = place[other], order[other]
             away = np.maximum(np.abs(place[:, None] - (start + half / w)) * w / half - 1, 1e-4)
             most = np.array(_BENT)[order][:, None]
@@ -196,7 +210,7 @@ class Holes(Kept):
         return self._rows(lambda hole, left, right: np.cos(hole.angle(left, right)[:, None] * np.arange(self.modes + 1)))
 
     def of_steps(self, steps: Steps) -> Array:
-        """Right sides of the holes' rows by the jumps; those of the right side itself in a hole with the release they ask for."""
+        """Right sides of the holes' rows by the jumps; those in a hole with the release they ask for."""
         if self.zone not in steps.by_zone:
             return np.zeros(self.offset[-1])
         keep = np.delete(np.arange(len(steps.zone)), self._inside)
@@ -211,6 +225,8 @@ class Holes(Kept):
         def values(hole: Hole, left: Array, right: Array) -> Array:
             from_left, from_right = hole.start + hole.half * left, hole.rest + hole.half * right
             density = rest.density(self.zone, from_left, from_right)
+            if len(self._knots):
+                density -= self._knots.density(self.zone, from_left, from_right)
             return (hole.root(left, right) * density)[:, None]
 
         return out + self._rows(values)[:, 0]

@@ -7,8 +7,9 @@ import contact
 import sie
 from contact import solver
 from contact.search.by_load import approach, contact_fraction, nearer
+from contact.search.by_pressure import ByPressure
 from contact.search.scaling import framed
-from contact.search.topology import settle
+from contact.search.topology import Newton, settle
 
 TIPS = contact.Fourier(1e-4, [-1e-6, -0.3e-6, 0.2e-6], [0.1e-6, 0.25e-6, 0.0])
 
@@ -144,8 +145,21 @@ def test_a_gap_that_keeps_asking_to_close_has_closed_however_narrow_it_was_to_be
 
     monkeypatch.setattr(sie, "find_ends", counted)
     wave = framed(scene(contact.Sinusoid(1e-6, 1.0), mean_pressure=1e5), False)
-    alone = settle(wave.problem, wave.control, np.array([[-0.3, 0.3]]), 1e-9)
+    alone = settle(ByPressure(wave.problem), wave.control, np.array([[-0.3, 0.3]]), Newton(1e-9))
     steps.clear()
     (a, b), off = alone.free.density.zones.table[0], 0.02
-    found = settle(wave.problem, wave.control, np.array([[a - off, -gap], [gap, b + off]]), 1e-9)
+    found = settle(ByPressure(wave.problem), wave.control, np.array([[a - off, -gap], [gap, b + off]]), Newton(1e-9))
     assert len(found.free.density.zones) == 1 and sum(steps) <= 6
+
+
+def test_a_contact_fraction_of_a_rough_trace_takes_no_solution_under_another_load(monkeypatch):
+    rng = np.random.default_rng(11)
+    trace = contact.Sampled(np.arange(400.0), 0.05 * rng.normal(size=400), period=400.0)
+
+    def refused(*_):
+        raise AssertionError("a load on the way was solved")
+
+    monkeypatch.setattr("contact.search.loads._on_the_way", refused)
+    solution = contact.solve(contact.Scene(trace, 1.0, contact.Periodic(), contact_fraction=0.3), tol=1e-6)
+    assert solution.contact_fraction == pytest.approx(0.3, abs=1e-6)
+    assert solution.certificate.holds

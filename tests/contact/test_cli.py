@@ -241,6 +241,12 @@ class TestLists:
             assert name in result.stdout
         assert "amplitude, period" in result.stdout and "detrend = 'none'" in result.stdout
 
+    @pytest.mark.parametrize("command, names", [("substrates", ("half-plane", "layer")), ("laws", ("frictionless",))])
+    def test_every_substrate_and_law_is_listed(self, command, names):
+        result = run(command)
+        assert result.exit_code == 0
+        assert all(name in result.output for name in names)
+
     def test_every_interaction_is_listed_with_its_controls(self):
         result = run("interactions")
         assert result.exit_code == 0

@@ -12,6 +12,7 @@ import sie
 from contact.formulation.controls import Width
 from contact.reference import exact
 from contact.reference.inverse import design
+from contact.studies import random_scenes
 from tests.contact.judge import relative, solve, true_error
 from tests.tiers import quick
 
@@ -215,3 +216,28 @@ class TestLimits:
         full = solve(ROUGH, PERIODIC, contact_fraction=1.0).load
         with pytest.raises(contact.OutOfRange, match=r"border of the strip.*Periodic\(\)"):
             solve(ROUGH, model, load=turns * full)
+
+
+class TestFirstOrderSearch:
+    """Scenes drawn at random at which the search for the nominal pressure went wrong."""
+
+    @pytest.mark.parametrize("seed", [12601, 12805])
+    def test_the_stated_error_covers_what_the_nominal_pressure_is_off(self, seed):
+        scene = random_scenes.draw(seed).scene
+        solution, tight = (contact.solve(scene, tol) for tol in (1e-8, 1e-12))
+        off = np.abs(solution.zones - tight.zones) / np.diff(tight.zones, axis=1)
+        assert off.max() <= solution.error + tight.error
+
+    @pytest.mark.slow
+    def test_a_zone_that_is_led_over_the_border_of_its_strip_is_refused_by_name(self):
+        with pytest.raises(contact.OutOfRange, match="first-order closure"):
+            contact.solve(random_scenes.draw(11348).scene)
+
+    @pytest.mark.slow
+    def test_a_strip_with_very_many_zones_is_solved_by_fast_sums(self):
+        rng = np.random.default_rng(5)
+        trace = contact.Sampled(np.arange(600.0), 1e-3 * rng.normal(size=600), period=600.0)
+        full = contact.solve(contact.Scene(trace, 1.0, contact.Periodic(), contact_fraction=1.0)).load
+        solution = contact.solve(contact.Scene(trace, 1.0, contact.Localized("self-consistent", 0), load=0.05 * full), tol=1e-6)
+        assert solution.certificate.holds and len(solution.zones) > 60
+        assert solution.plan["fast sums"].used

@@ -137,7 +137,7 @@ class TestFullContact:
             for model in (contact.Periodic(), Coated(0.5, 0.2), Waves((0.5,)), contact.Localized())
         }
         assert [part.used for part in said.values()] == [True, True, False, False]
-        assert "no symbol" in said["waves"].reason and "gaps on a half-plane only" in said["coated"].reason
+        assert "no symbol" in said["waves"].reason and "has a symbol" in said["coated"].reason
 
 
 class TestPath:

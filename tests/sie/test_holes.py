@@ -235,3 +235,10 @@ def test_many_zones_by_fast_sums_have_the_same_holes(monkeypatch):
     size = np.abs(direct.density.coefficients).max()
     for piece in range(24):
         assert direct.density.at_t(piece, T) == pytest.approx(iterated.density.at_t(piece, T), abs=1e-12 * size)
+
+
+def test_totals_of_pieces_add_up_where_the_ends_are_no_solution_and_the_density_is_singular_there():
+    still = sie.Forcing(np.zeros_like, np.zeros_like)
+    zones = sie.Zones.of([[-1.0, -0.001], [0.001, 0.6], [0.601, 1.0]])
+    density = solve_zones(sie.Equation(sie.cauchy(), still, (sie.Total(1.0), sie.EqualPotential())), zones).density
+    assert abs(density.totals.sum() - 1) < 1e-12

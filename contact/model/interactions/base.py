@@ -23,13 +23,46 @@ TURNING = ("tilt", "moment")
 class Interaction:
     """Base of the interaction models. A model is a frozen dataclass in a file of its own.
 
-    needs_period: the model means nothing without one: all periods act, unless it has a `strip`. allows: the controls it
-    accepts. exact: nothing is approximated. datum, where nothing repeats: the distance [m] from a line load at which it displaces
-    nothing; without it a substrate without a base has no approach.
-    strip: the zones are those of one strip, cut from the period at its widest gap and centred on them; neighbours: how many copies of it
-    on each side are in its kernel.
-    turns: one body alone, which may be given a tilt or a moment.
-    follows_isolated: the amplitude of the first column is the mean isolated load of the same total width.
+    All is in scaled lengths that count from an origin of the solver's own: columns and conditions may speak of loads, widths and slopes,
+    not of a place of the profile.
+
+    Attributes
+    ----------
+    needs_period : bool
+        The model means nothing without one: all periods act, unless it has a `strip`.
+    allows : tuple of str
+        The controls it accepts.
+    exact : bool
+        Nothing is approximated.
+    datum : float or None
+        Where nothing repeats: the distance [m] from a line load at which it displaces nothing; without it a substrate without a base has no
+        approach.
+    strip : bool
+        The zones are those of one strip, cut from the period at its widest gap and centred on them.
+    neighbours : int
+        How many copies of the strip on each side are in its kernel.
+    turns : bool
+        One body alone, which may be given a tilt or a moment.
+    follows_isolated : bool
+        The amplitude of the first column is the mean isolated load of the same total width.
+
+    Examples
+    --------
+    A strip whose surroundings carry nothing.
+
+    >>> import contact
+    >>> import sie
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True)
+    ... class Bare(contact.Interaction):
+    ...     name = "bare"
+    ...     needs_period, strip = True, True
+    ...     def side_conditions(self, period):
+    ...         return (sie.Amplitude(0, 0.0),)
+    >>> wave = contact.Sinusoid(1e-6, 1e-4)
+    >>> bare, lone = (contact.solve(contact.Scene(wave, 1e9, model, load=1e3)) for model in (Bare(), contact.Isolated()))
+    >>> bool(abs(bare.zones - lone.zones).max() < 1e-12)
+    True
     """
 
     name: ClassVar[str]

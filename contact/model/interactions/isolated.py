@@ -14,8 +14,23 @@ from contact.model.registry import register_interaction
 class Isolated(Interaction):
     """The line load of the substrate, on a half-plane 1/(x - xi) (Muskhelishvili 1953). A periodic profile is its one cell.
 
-    datum: the distance d [m] from a line load at which it displaces nothing, on a half-plane u(x) = -(2/(pi E*)) int p ln|(x - xi)/d| dxi;
-    without it a body without a base has no approach.
+    Parameters
+    ----------
+    datum : float or None
+        The distance d [m] from a line load at which it displaces nothing, on a half-plane u(x) = -(2/(pi E*)) int p ln|(x - xi)/d| dxi;
+        without it a body without a base has no approach.
+
+    Raises
+    ------
+    SceneError
+        If the datum is not a finite positive number.
+
+    Examples
+    --------
+    >>> import contact
+    >>> punch = contact.Scene(contact.Flat(width=2.0), 1e9, contact.Isolated(datum=10.0), load=1e3)
+    >>> round(contact.solve(punch).approach * 1e6, 9)  # 2 P ln(2 d / a) / (pi E*)
+    1.907142398
     """
 
     datum: float | None = None

@@ -27,8 +27,29 @@ CLOSURES = ("first-order", "self-consistent")
 class Localized(Interaction):
     """One strip solved exactly, the rest of the surface as its nominal pressure, self-consistent or to first order.
 
-    closure: what pbar is. "first-order" takes the isolated load of the same total width over L, as the paper's worked
-    examples do; "self-consistent" takes the load itself. neighbours: m, self-consistent only if above 0.
+    (I. G. Goryacheva & I. Y. Tsukanov, Front. Mech. Eng. 6:45, 2020, doi 10.3389/fmech.2020.00045, eq. (13).)
+
+    Parameters
+    ----------
+    closure : str
+        What the nominal pressure is. "first-order": the isolated load of the same total width over the period, as in the paper's worked
+        examples; "self-consistent": the load itself over the period.
+    neighbours : int
+        Copies of the strip kept on each side; above 0 self-consistent only.
+
+    Raises
+    ------
+    SceneError
+        If the closure is not one of these, or the number of neighbours does not go with it.
+
+    Examples
+    --------
+    >>> import contact
+    >>> wave = contact.Sinusoid(1e-6, 1e-4)
+    >>> models = contact.Localized("self-consistent"), contact.Localized("self-consistent", neighbours=2), contact.Periodic()
+    >>> rough, finer, exact = (contact.solve(contact.Scene(wave, 1e9, model, load=1e3)).zones[0, 1] for model in models)
+    >>> bool(abs(finer - exact) < 0.1 * abs(rough - exact))
+    True
     """
 
     closure: str = "first-order"

@@ -11,7 +11,16 @@ from contact.model.registry import register_interaction
 @register_interaction("periodic")
 @dataclass(frozen=True)
 class Periodic(Interaction):
-    """The line loads of all periods, on a half-plane K = (pi/L) cot(pi (x - xi)/L) (Shtaerman 1949). The approach counts from min f = 0 and
-    mean u = 0, or from the base of a substrate that has one."""
+    """The line loads of all periods, on a half-plane K = (pi/L) cot(pi (x - xi)/L) (Shtaerman 1949).
+
+    The approach counts from min f = 0 and mean u = 0, or from the base of a substrate that has one.
+
+    Examples
+    --------
+    >>> import contact
+    >>> wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), contact_fraction=0.5)
+    >>> contact.solve(wave).zones.round(12).tolist()
+    [[-2.5e-05, 2.5e-05]]
+    """
 
     needs_period = True

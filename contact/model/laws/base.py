@@ -16,14 +16,44 @@ CONTROLS = ("load", "mean_pressure", "approach", "half_width", "contact_fraction
 class Law(sie.Kept):
     """Base of the laws. A law is a frozen dataclass in a file of its own; what it leaves out is not taken for granted.
 
-    allows: the controls that it admits. turns: whether a body under it may be given a tilt or a moment.
-    pulls: whether the pressure may be negative; where not, its sign is checked in every zone.
-    convex: whether right signs make a contact the only one, so that it grows with the load whatever way it was come by: without it there
-    are no first guesses from a grid's pressure alone, and no load path.
-    by_gaps: whether there is nothing between the bodies where they do not touch, so that contact nearly full may be solved by its gaps.
-    full_contact: whether full contact is that of the least pressure zero.
-    bare: a convex law of which every contact lies within one that is reached by growing under this one, where there are several: their
-    branch is followed from there (contact.search.branches).
+    Attributes
+    ----------
+    allows : tuple of str
+        The controls that it admits.
+    turns : bool
+        Whether a body under it may be given a tilt or a moment.
+    pulls : bool
+        Whether the pressure may be negative; where not, its sign is checked in every zone.
+    convex : bool
+        Whether right signs make a contact the only one, so that it grows with the load whatever way it was come by: without it there are no
+        first guesses from a grid's pressure alone, and no load path.
+    by_gaps : bool
+        Whether there is nothing between the bodies where they do not touch, so that contact nearly full may be solved by its gaps.
+    full_contact : bool
+        Whether full contact is that of the least pressure zero.
+    bare : Law or None
+        A convex law of which every contact lies within one that is reached by growing under this one, where there are several: their
+        branch is followed from there (contact.search.branches).
+
+    Examples
+    --------
+    A parabola that adheres, p ~ K/sqrt(d) at its ends: P = pi E* a^2/(4 R) + pi K sqrt(2 a) (M. Barquins, J. Adhesion 26, 1988, 1,
+    doi 10.1080/00218468808071271).
+
+    >>> import contact
+    >>> import numpy as np
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True)
+    ... class Sticky(contact.Law):
+    ...     K: float
+    ...     name = "sticky"
+    ...     pulls = True
+    ...     def intensity(self, E_star):
+    ...         return -self.K
+    >>> scene = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), law=Sticky(1e5), half_width=1e-3)
+    >>> load = np.pi * 1e9 * 1e-6 / 4 - np.pi * 1e5 * np.sqrt(2e-3)
+    >>> bool(np.isclose(contact.solve(scene).load, load, rtol=1e-9))
+    True
     """
 
     name: ClassVar[str]

@@ -11,7 +11,15 @@ from contact.model.registry import register_law
 @register_law("frictionless")
 @dataclass(frozen=True)
 class Frictionless(Law):
-    """The bodies push and never pull: p >= 0 where they touch, and zones end where the pressure vanishes as a root, K = 0."""
+    """The bodies push and never pull: p >= 0 where they touch, and zones end where the pressure vanishes as a root, K = 0.
+
+    Examples
+    --------
+    >>> import contact
+    >>> scene = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), load=1e4)
+    >>> scene.law == contact.Frictionless(), contact.Frictionless().intensity(1e9)
+    (True, 0.0)
+    """
 
     turns = True
     convex = True

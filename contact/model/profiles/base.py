@@ -25,7 +25,26 @@ Array = NDArray[np.float64]
 
 
 class Profile(sie.Kept):
-    """Base of all profiles; subclasses are frozen dataclasses that check their fields when made."""
+    """Base of all profiles; subclasses are frozen dataclasses that check their fields when made.
+
+    A profile has a `height(x)`: the gap at zero load [m], at x [m] of any shape, growing away from contact; a constant does not matter. All
+    else may be left out: `slope`, `period`, `symmetric`, `kinks`, `jumps`, `support`, `extent`, `summits`, `resolution`,
+    `slope_conjugate` make solving faster or sharper (docs/own-profile.md).
+
+    Examples
+    --------
+    >>> import contact
+    >>> import numpy as np
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True)
+    ... class Cosh(contact.Profile):
+    ...     scale: float
+    ...     def height(self, x):
+    ...         return self.scale * np.cosh(np.asarray(x) / self.scale)
+    >>> solution = contact.solve(contact.Scene(Cosh(1.0), 1e9, contact.Isolated(), load=1e4))
+    >>> len(solution.zones), solution.error < 1e-8
+    (1, True)
+    """
 
     name: ClassVar[str] = ""
     period: float | None = None

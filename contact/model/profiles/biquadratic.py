@@ -19,7 +19,31 @@ from contact.model.registry import register_profile
 @register_profile("biquadratic")
 @dataclass(frozen=True)
 class Biquadratic(Profile):
-    """f = (x^2 - c^2)^2/(8 radius c^2), spacing = 2c: two tips of that radius, `spacing` apart."""
+    """f = (x^2 - c^2)^2/(8 radius c^2), spacing = 2c: two tips of that radius, `spacing` apart.
+
+    (I. G. Goryacheva & I. Y. Tsukanov, Front. Mech. Eng. 6:45, 2020, doi 10.3389/fmech.2020.00045, eq. (31).)
+
+    Parameters
+    ----------
+    radius : float
+        Radius of curvature of both tips [m].
+    spacing : float
+        Distance of the tips [m].
+    period : float or None
+        Length after which the two tips repeat [m], larger than the spacing; None: they stand alone.
+
+    Raises
+    ------
+    SceneError
+        If a length is not a finite positive number, or the period is too short.
+
+    Examples
+    --------
+    >>> import contact
+    >>> pair = contact.Biquadratic(radius=1.0, spacing=0.2)
+    >>> pair.height([-0.1, 0.0, 0.1]).round(12).tolist()
+    [0.0, 0.00125, 0.0]
+    """
 
     radius: float
     spacing: float

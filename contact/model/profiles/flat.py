@@ -16,7 +16,29 @@ from contact.model.registry import register_profile
 @register_profile("flat")
 @dataclass(frozen=True)
 class Flat(Profile):
-    """A punch of that width; with a period, one in each cell."""
+    """A punch of that width; with a period, one in each cell.
+
+    f = 0 for |x| <= width/2 and +inf beyond: the pressure is infinite as 1/sqrt(d) at the corners (M. Sadowsky, ZAMM 8, 1928, 107,
+    doi 10.1002/zamm.19280080203).
+
+    Parameters
+    ----------
+    width : float
+        Width of the punch [m].
+    period : float or None
+        Length after which it repeats [m], larger than the width; None: it stands alone.
+
+    Raises
+    ------
+    SceneError
+        If a length is not a finite positive number, or the period is too short.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.Flat(width=2.0).height([0.0, 1.0, 1.1]).tolist()
+    [0.0, 0.0, inf]
+    """
 
     width: float
     period: float | None = None

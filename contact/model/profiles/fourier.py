@@ -22,7 +22,29 @@ _BLOCK = 1 << 20  # entries of the largest table of powers held at a time (16 MB
 @register_profile("fourier")
 @dataclass(frozen=True, eq=False, repr=False)
 class Fourier(Profile):
-    """Harmonics 1, 2, ... of the period; the shorter list of `cosine` and `sine` is filled up with zeros."""
+    """Harmonics 1, 2, ... of the period; the shorter list of `cosine` and `sine` is filled up with zeros.
+
+    f(x) = sum_k cosine[k-1] cos(2 pi k x/L) + sine[k-1] sin(2 pi k x/L).
+
+    Parameters
+    ----------
+    period : float
+        L [m].
+    cosine, sine : array_like
+        Amplitudes of the harmonics [m], (n,) and (m,), at least one of them not zero.
+
+    Raises
+    ------
+    SceneError
+        If the period is not a finite positive number, or all amplitudes are zero or one is not finite.
+
+    Examples
+    --------
+    >>> import contact
+    >>> waves = contact.Fourier(period=1.0, cosine=[-0.01, 0.002], sine=[0.001])
+    >>> waves.height([0.0, 0.25, 0.5]).round(12).tolist()
+    [-0.008, -0.001, 0.012]
+    """
 
     period: float
     cosine: ArrayLike

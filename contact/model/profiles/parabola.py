@@ -16,7 +16,30 @@ from contact.model.registry import register_profile
 @register_profile("parabola")
 @dataclass(frozen=True)
 class Parabola(Profile):
-    """f = x^2/(2 radius) on the cell; with a period the cells meet in a corner at the border."""
+    """f = x^2/(2 radius) on the cell; with a period the cells meet in a corner at the border.
+
+    The line contact of H. Hertz (J. reine angew. Math. 92, 1882, 156, doi 10.1515/9783112342404-004): a = sqrt(4 P R / (pi E*)).
+
+    Parameters
+    ----------
+    radius : float
+        Radius of curvature R [m].
+    period : float or None
+        Length after which the parabola repeats [m]; None: it stands alone.
+
+    Raises
+    ------
+    SceneError
+        If a length is not a finite positive number.
+
+    Examples
+    --------
+    >>> import contact
+    >>> import numpy as np
+    >>> hertz = contact.solve(contact.Scene(contact.Parabola(radius=1.0), 1e9, contact.Isolated(), load=1e4))
+    >>> bool(np.isclose(hertz.zones[0, 1], np.sqrt(4e4 / (np.pi * 1e9)), rtol=1e-10))
+    True
+    """
 
     radius: float
     period: float | None = None

@@ -19,7 +19,26 @@ _ROUNDING = 1e-12  # of the sum of the terms' sizes: a smaller mismatch at the b
 @register_profile("polynomial")
 @dataclass(frozen=True, eq=False)
 class Polynomial(Profile):
-    """f = c0 + c1 x + c2 x^2 + ...; with a period the heights at both borders agree, the slopes need not."""
+    """f = c0 + c1 x + c2 x^2 + ...; with a period the heights at both borders agree, the slopes need not.
+
+    Parameters
+    ----------
+    coefficients : array_like
+        c0, c1, ... [m, 1, 1/m, ...], (n,), lowest power first, one beyond c0 not zero.
+    period : float or None
+        Length L of the cell [-L/2, L/2) that repeats [m]; None: f on the whole line.
+
+    Raises
+    ------
+    SceneError
+        If a coefficient is not finite, all beyond c0 are zero, or the heights at the borders of the period differ.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.Polynomial([0.0, 0.0, 0.5, 0.0, 2.0]).height([0.0, 1.0]).tolist()
+    [0.0, 2.5]
+    """
 
     coefficients: ArrayLike
     period: float | None = None

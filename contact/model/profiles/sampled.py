@@ -39,7 +39,31 @@ class Sampled(Profile):
     A last point one period after the first is accepted if it repeats the first height, and dropped. Without a
     period the profile is known between its first and last point only (`extent`): outside it is nan. The
     parameter `height` is kept as `heights` because `height(x)` is f for every profile; `history` says what
-    was done to a file's points on the way, `warnings` what is doubtful about them.
+    was done to a file's points on the way, `warnings` what is doubtful about them. `Sampled.from_file` reads a text file.
+
+    Parameters
+    ----------
+    x : array_like
+        Positions [m], (n,), n >= 4, increasing.
+    height : array_like
+        Heights [m], (n,), the asperities upwards; f = max(height) - the cubic spline through the points (C. de Boor, A Practical Guide to
+        Splines, 1978), periodic or not-a-knot.
+    period : float or None
+        Length of the period [m]; None: the trace just ends.
+
+    Raises
+    ------
+    SceneError
+        If positions do not increase, lengths differ, a number is not finite, or all heights are the same.
+
+    Examples
+    --------
+    >>> import contact
+    >>> import numpy as np
+    >>> x = np.linspace(0.0, 1.0, 65)
+    >>> trace = contact.Sampled(x, 0.01 * np.cos(2 * np.pi * x), period=1.0)
+    >>> float(trace.height(0.5).round(12)), len(trace.x)
+    (0.02, 64)
     """
 
     x: Array

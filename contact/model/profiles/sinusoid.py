@@ -16,7 +16,29 @@ from contact.model.registry import register_profile
 @register_profile("sinusoid")
 @dataclass(frozen=True)
 class Sinusoid(Profile):
-    """f = amplitude (1 - cos(2 pi x/period)): half the peak-to-valley height is the amplitude."""
+    """f = amplitude (1 - cos(2 pi x/period)): half the peak-to-valley height is the amplitude.
+
+    In full contact above the mean pressure pi E* amplitude / period (H. M. Westergaard, J. Appl. Mech. 6, 1939, A49,
+    doi 10.1115/1.4008919).
+
+    Parameters
+    ----------
+    amplitude : float
+        [m]
+    period : float
+        [m]
+
+    Raises
+    ------
+    SceneError
+        If one of them is not a finite positive number.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.Sinusoid(amplitude=1e-6, period=1e-4).height([0.0, 5e-5]).tolist()
+    [0.0, 2e-06]
+    """
 
     amplitude: float
     period: float

@@ -20,6 +20,27 @@ class Wedge(Profile):
     """f = slope |x| on the cell: a tip at 0 and, with a period, a valley with a corner at its border.
 
     The parameter is called `slope`; it is kept as `tangent` because `slope(x)` is f' for every profile.
+
+    Parameters
+    ----------
+    slope : float
+        Tangent of the angle between flank and counter-face [1], small.
+    period : float or None
+        Length after which the wedge repeats [m]; None: it stands alone.
+
+    Raises
+    ------
+    SceneError
+        If one of them is not a finite positive number.
+
+    Examples
+    --------
+    The half width of a lone wedge is load / (E* slope) (K. L. Johnson, Contact Mechanics, 1985, doi 10.1017/CBO9781139171731, section 5.2).
+
+    >>> import contact
+    >>> wedge = contact.solve(contact.Scene(contact.Wedge(slope=0.1), 1e9, contact.Isolated(), load=1e3))
+    >>> float(wedge.zones[0, 1].round(12))
+    1e-05
     """
 
     tangent: float

@@ -22,9 +22,30 @@ Array = NDArray[np.float64]
 class Substrate(sie.Kept):
     """Base of the substrates. A substrate is a frozen dataclass in a file of its own, with one method, `symbol`.
 
-    compression: the limit of L(q)/q for long waves [m], by which a uniform pressure p displaces the surface, 2 p compression / E*: of a
-    body on a rigid base, from which displacements and the approach then count. None for a body without a base, whose symbol tends to
-    a number above 0: there displacements have no mean with a period, and need a datum without.
+    Attributes
+    ----------
+    compression : float or None
+        The limit of L(q)/q for long waves [m], by which a uniform pressure p displaces the surface, 2 p compression / E*: of a body on a
+        rigid base, from which displacements and the approach then count. None for a body without a base, whose symbol tends to a number
+        above 0: there displacements have no mean with a period, and need a datum without.
+
+    Examples
+    --------
+    Full contact of a wave begins at pi E* amplitude / (period L(q)).
+
+    >>> import contact
+    >>> import numpy as np
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True)
+    ... class Soft(contact.Substrate):
+    ...     depth: float
+    ...     name = "soft"
+    ...     def symbol(self, q):
+    ...         return 1 + 0.5 * np.exp(-q * self.depth)
+    >>> wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), substrate=Soft(1e-5), contact_fraction=1.0)
+    >>> full = np.pi * 1e9 * 1e-2 / Soft(1e-5).symbol(2 * np.pi / 1e-4)
+    >>> bool(np.isclose(contact.solve(wave).mean_pressure, full, rtol=1e-12))
+    True
     """
 
     name: ClassVar[str]

@@ -16,7 +16,15 @@ Array = NDArray[np.float64]
 @register_substrate("half-plane")
 @dataclass(frozen=True)
 class HalfPlane(Substrate):
-    """The body deep below the surface and wide beside it: L = 1, the kernel 1/r of a line load."""
+    """The body deep below the surface and wide beside it: L = 1, the kernel 1/r of a line load.
+
+    Examples
+    --------
+    >>> import contact
+    >>> import numpy as np
+    >>> contact.HalfPlane().symbol(np.array([1.0, 10.0])).tolist()
+    [1.0, 1.0]
+    """
 
     def symbol(self, q: Array) -> Array:
         return np.ones_like(q)

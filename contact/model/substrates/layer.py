@@ -35,7 +35,31 @@ _TERMS = np.array([1 / factorial(n) for n in range(3, 29, 2)])
 class Layer(Substrate):
     """An elastic layer of a thickness [m] and Poisson ratio nu on a rigid base, "bonded" or "smooth"; E_star is that of the layer.
 
-    Displacements and the approach count from the base. nu from above -1 to 0.5; on a smooth base it matters in E_star only.
+    Displacements and the approach count from the base (K. L. Johnson, Contact Mechanics, 1985, doi 10.1017/CBO9781139171731, section 5.8).
+
+    Parameters
+    ----------
+    thickness : float
+        h [m].
+    nu : float
+        Poisson's ratio [1], above -1 and at most 0.5; on a smooth base it matters in E_star only.
+    base : str
+        "bonded": the base holds the layer sideways; "smooth": it slides there without friction.
+
+    Raises
+    ------
+    SceneError
+        If the thickness is not a finite positive number, nu is out of range or the base is not one of these.
+
+    Examples
+    --------
+    Waves much longer than the layer is thick only press it together; shorter ones do not feel its base.
+
+    >>> import contact
+    >>> import numpy as np
+    >>> layer = contact.Layer(thickness=1e-3, nu=0.3, base="smooth")
+    >>> layer.symbol(np.array([1.0, 1e5])).round(6).tolist(), layer.compression
+    ([0.0005, 1.0], 0.0005)
     """
 
     thickness: float

@@ -2,7 +2,7 @@
 
 A periodic contact can be solved for the pressure p on its zones or for the slope s of the gap on its gaps (see contact.formulation.gaps),
 
-    (1/pi) PV int_zones p K = (E*/2) f'  on the zones,      (1/pi) PV int_gaps s K = H f' - 2 pbar/E*  on the gaps, int_gap s = 0:
+    (1/pi) PV int_zones p K = (E*/2) f'  on the zones,      (1/pi) PV int_gaps s K = R - 2 pbar/E*  on the gaps, int_gap s = 0:
 
 other unknowns, another right side, other intervals, other side conditions. Each starts from what `solve` found, with every end
 moved by a thousandth of its interval, so that it finds the ends by itself.
@@ -15,17 +15,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import sie
 from contact.errors import NotConverged
-from contact.formulation.conjugate import ScaledConjugate, conjugate_of
 from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
+from contact.formulation.relief import Relief, ScaledRelief
 from contact.formulation.units import Units
 from contact.model.scene import Scene
-from contact.search.gap_topology import gap_equation
-from contact.search.topology import settle
+from contact.search import by_gaps, by_pressure
+from contact.search.missed import WrongTopology
+from contact.search.topology import Newton, settle
 from contact.solver import solve
 from contact.verify.accuracy import Found
 
@@ -35,7 +35,6 @@ Array = NDArray[np.float64]
 _MOVED = 1e-3
 # Below what `solve` may be asked for: how well it does is what is measured.
 _TOLERANCE = 2e-15
-_STEPS = 25
 
 
 def scaled(scene: Scene) -> Problem:
@@ -81,13 +80,12 @@ class ByGaps:
         gaps = np.column_stack((start[:, 1], np.append(start[1:, 0], start[0, 0] + problem.period)))
         gaps += _MOVED * np.minimum(np.diff(gaps, axis=1), np.diff(start, axis=1).min()) * [[-1.0, 1.0]]
 
-        conjugate = ScaledConjugate.of(conjugate_of(scene.profile), problem)
+        relief = ScaledRelief.of(Relief(scene.profile, scene.operator), problem)
         mean = _mean_pressure(scene) / units.pressure
-        equation = gap_equation(problem, Load(mean * problem.period), conjugate)
-        free = sie.find_ends(equation, sie.Zones.of(gaps), _TOLERANCE, _STEPS, signs=(1.0, -1.0))
-        if not free.converged:
-            raise NotConverged("the gaps' formulation does not converge from these zones")
-        fields = GapFields(problem, free.state, mean, conjugate)
+        try:
+            fields = by_gaps.ByGaps(problem, relief).formal(mean * problem.period, gaps, _TOLERANCE, settled=True)
+        except WrongTopology as failure:
+            raise NotConverged("the gaps' formulation does not converge from these zones") from failure
         zones, order = _in_cell(np.asarray(units.x(fields.zones)), scene)
         return cls(fields, zones, order)
 
@@ -127,7 +125,7 @@ class ByZones:
         start = np.roll(start, -turn, axis=0)
         start = start + np.where(start[:, :1] < start[0, 0], problem.period, 0.0)
         load = _mean_pressure(scene) * problem.period * units.length / units.load
-        found = settle(problem, Load(load), start, _TOLERANCE)
+        found = settle(by_pressure.ByPressure(problem), Load(load), start, Newton(_TOLERANCE))
         assert isinstance(found, Found)
         zones, order = _in_cell(np.asarray(units.x(found.free.density.zones.table)), scene)
         return cls(found.fields, zones, order)

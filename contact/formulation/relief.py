@@ -1,0 +1,176 @@
+r"""R, what full contact takes of the pressure: p = pbar - (E*/2) R, R_q = q f_q / L(q), of a periodic profile on a body of symbol L.
+
+For the half-plane L = 1 and R = H f' = (1/l) PV int f'(xi) cot(pi (x - xi)/l) dxi (cos kx -> sin kx, sin kx -> -cos kx); for others the
+few waves with L_n != 1 are put right, R = H f' + sum_n q_n (1/L_n - 1) 2 Re f_n exp(i q_n x). A convex jump J of f' makes R -inf
+there (infinite pressure), a concave one, a valley with a kink, +inf: the logarithm (J/pi) ln|2 sin(pi (x - s)/l)| whatever the body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import sie
+from contact.formulation.conjugate import Conjugate, conjugate_of, log_sine, logarithms
+from contact.formulation.problem import Problem
+from contact.formulation.units import Units
+from contact.model.operator import Operator
+from contact.model.profiles.base import Profile
+from contact.model.profiles.trigonometric import Sum
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class Relief(sie.Kept):
+    """R of x [m] of a periodic profile, with its kinks (k, 2) as it declares them; breakpoints: the profile's others."""
+
+    profile: Profile
+    operator: Operator
+
+    @cached_property
+    def conjugate(self) -> Conjugate:
+        """H f' of x [m]."""
+        return conjugate_of(self.profile)
+
+    @property
+    def kinks(self) -> Array:
+        return self.conjugate.kinks
+
+    @property
+    def breakpoints(self) -> Array:
+        return self.conjugate.breakpoints
+
+    @property
+    def period(self) -> float:
+        return self.conjugate.period
+
+    def __call__(self, x: ArrayLike) -> Array:
+        x = np.asarray(x, dtype=np.float64)
+        return np.asarray(self.smooth(x) + logarithms(x, self.kinks[:, 0], self.kinks[:, 1], self.period))
+
+    def smooth(self, x: Array) -> Array:
+        """All of R but the logarithms of the kinks."""
+        out = self.conjugate.smooth(x)
+        return out if self._sum is None else np.asarray(out + self._at(x, self._sum))
+
+    def of_waves(self, x: Array) -> Array:
+        """What the kinks add to R through the waves in which the body is no half-plane: (J/pi) times the smooth part of the inverse
+        kernel's potential, of all of them."""
+        x = np.asarray(x, dtype=np.float64)
+        if self._sum is None or len(self.kinks) == 0:
+            return np.zeros(x.shape)
+        return self._at(x, self._kinked)
+
+    def _at(self, x: Array, waves: Sum) -> Array:
+        turns = np.asarray((self.profile.wrap(x) - self.profile.x0) / self.period)
+        return waves(turns.ravel()).reshape(turns.shape)
+
+    @cached_property
+    def _q(self) -> Array:
+        return np.asarray(2 * np.pi / self.period * np.arange(1, len(self.inverse) + 1), dtype=np.float64)
+
+    @cached_property
+    def inverse(self) -> Array:
+        """1 / L_n - 1."""
+        inverse = self.operator.inverse_excess
+        assert inverse is not None
+        return inverse
+
+    @cached_property
+    def _sum(self) -> Sum | None:
+        if len(self.inverse) == 0:
+            return None
+        return Sum.of(np.asarray(2 * self._q * self.inverse * harmonics(self.profile, len(self.inverse)), dtype=np.complex128))
+
+    @cached_property
+    def _kinked(self) -> Sum:
+        turns = (self.kinks[:, 0] - self.profile.x0) / self.period
+        n = np.arange(1, len(self.inverse) + 1)
+        at_kinks = np.exp(-2j * np.pi * (np.outer(n, turns) % 1.0)) @ self.kinks[:, 1]
+        return Sum.of(np.asarray(-self.inverse / (np.pi * n) * at_kinks, dtype=np.complex128))
+
+    @cached_property
+    def rounding(self) -> float:
+        """What rounding of the heights may do to R through the waves."""
+        height = float(np.ptp(np.asarray(self.profile.height(period_samples(self.profile)))))
+        return 2 * float(np.finfo(np.float64).eps) * height * float(np.sum(self._q * np.abs(self.inverse)))
+
+
+@dataclass(frozen=True, eq=False)
+class ScaledRelief:
+    """R over the unit of slope, of scaled x; the kinks' places are those of the problem, bit for bit."""
+
+    relief: Relief
+    units: Units
+    at: Array
+    heights: Array
+
+    @classmethod
+    def of(cls, relief: Relief, problem: Problem) -> ScaledRelief:
+        return cls(relief, problem.units, *problem.forcing.kinks)
+
+    @property
+    def period(self) -> float:
+        return self.relief.period / self.units.length
+
+    @property
+    def breakpoints(self) -> Array:
+        """Scaled places beside which R is not smooth, of kinks those of the problem."""
+        return np.concatenate((self.at, self.units.scaled(self.relief.breakpoints)))
+
+    @property
+    def rounding(self) -> float:
+        return self.relief.rounding / self.units.slope
+
+    def without_own(self, kinks: NDArray[np.intp]) -> Array:
+        """R at some of the kinks themselves, less the logarithm of each."""
+        at, turns = self.at[kinks], (self.at[kinks, None] - self.at) / self.period
+        logs = log_sine(turns - np.round(turns))
+        logs[np.arange(len(kinks)), kinks] = 0.0
+        return np.asarray(self.smooth(at) + logs @ (self.heights / np.pi))
+
+    def smooth(self, x: Array) -> Array:
+        """All of R but the logarithms of the kinks."""
+        return np.asarray(self.relief.smooth(self.units.x(x)) / self.units.slope)
+
+    def forcing(self, x: Array) -> Array:
+        """All of R but (J/pi) times the inverse kernel's potential of the kinks."""
+        return np.asarray(self.smooth(x) - self.relief.of_waves(self.units.x(x)) / self.units.slope)
+
+    def __call__(self, x: Array) -> Array:
+        return np.asarray(self.smooth(x) + logarithms(np.asarray(x), self.at, self.heights, self.period))
+
+
+def harmonics(profile: Profile, count: int) -> Complex:
+    """f_n = (1/l) int f exp(-2 pi i n (x - x0)/l) dx, n = 1 ... count: Gauss-Legendre between breakpoints, panels as short as the
+    resolution and as the waves."""
+    length = profile.period
+    assert length is not None
+    panels = int(np.clip(np.ceil(2 * length / (profile.resolution or length / 8)), max(8, 2 * count), 2**16))
+    inner = (np.asarray(profile.breakpoints) - profile.x0) / length
+    cuts = np.unique(np.concatenate((np.arange(panels + 1) / panels, inner[(inner > 0) & (inner < 1)])))
+    t, weights = np.polynomial.legendre.leggauss(12)
+    half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
+    turns = (middle[:, None] + half[:, None] * t).ravel()
+    heights = np.asarray(profile.height(profile.x0 + length * turns), dtype=np.float64)
+    heights = (heights - heights.min()) * (half[:, None] * weights).ravel()
+    step = np.exp(-2j * np.pi * turns)
+    wave, out = np.ones_like(step), np.zeros(count, dtype=np.complex128)
+    for n in range(count):
+        # Powers of the first wave, begun anew now and then so that rounding does not add up.
+        wave = np.exp(-2j * np.pi * ((n + 1) * turns % 1.0)) if n % 16 == 0 else wave * step
+        out[n] = heights @ wave
+    return out
+
+
+def period_samples(profile: Profile) -> Array:
+    """Even samples of a period, closer than anything varies, as far as the profile tells."""
+    length = profile.period
+    assert length is not None
+    n = int(np.clip(16 * length / (profile.resolution or length / 16), 64, 2**17))
+    return np.asarray(profile.x0 + length * np.arange(n + 1) / n)

@@ -1,0 +1,261 @@
+r"""What a density does at complex points: its transform, the derivative of that, and its potential, off the line and on its sides.
+
+    F(z) = (1/pi) int phi K(z - xi) dxi,      F'(z),      W(z) = (1/pi) int phi Lambda(z - xi) dxi,   W' = F,
+
+F is analytic off the zones, and on their upper side it is the transform on the line less i phi (J. Plemelj, Monatsh. Math. Phys. 19,
+1908, 205-210). Everything is worked out in the closed upper half plane; below it phi, being real, has the conjugate values.
+
+On a zone or image everything is by rho (see `half_plane`). A jump at s = cos(phi), A, B = 1 - rho e^(+-i phi) (see `steps`, `breaks`), has
+
+    B = 2 e^(-i phi/2) (cos(phi/2) m + i sin(phi/2) p) / (p + m),     A B = 2 rho (zeta - s),
+    sum (2/j) rho^j sin(j phi) = -i log(B / A),      log(1 - 2 rho cos(phi) + rho^2) = log(A B).
+
+Zones that are many are summed by the tree of `everywhere`: a node seen with |rho| < 0.21 is its first moments.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis import chebyshev
+from sie.basis.half_plane import Complex, Seen, What, complex_of, of_bounded, of_t
+from sie.basis.kernels import Regular
+from sie.density.series import Evaluated
+from sie.fast.far import Nested
+from sie.fast.tree import SEPARATION, TERMS, Tree
+from sie.jumps.exterior import Beyond
+from sie.jumps.forcing import Steps, of_zones, pair_blocks
+from sie.jumps.local_spline import LocalSpline
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# Seen with a rho below this, a node is its first TERMS moments; jumps are their first coefficients below the other one.
+_FAR = 1 / (1 + SEPARATION + np.sqrt(SEPARATION * (SEPARATION + 2)))
+_FAR_JUMPS, _OF_JUMPS = 0.25, 32
+# Of splines so many coefficients for each knot make the potential.
+_OF_SPLINES = 8
+# (point, node) pairs handled at once.
+_PAIRS = 1 << 18
+# Gauss nodes on a piece of a spline, seen from farther than so many of its lengths.
+_GAUSS, _NEARBY = 8, 2.5
+
+
+class Plane:
+    """A density at complex points."""
+
+    def __init__(self, density: Evaluated) -> None:
+        self.density = density
+        zones = density.zones
+        self.nested = Nested(Tree.over(zones.a, zones.b), kept=False)
+        c = np.zeros((len(zones), TERMS))
+        count = min(TERMS, density.coefficients.shape[1])
+        c[:, :count] = density.coefficients[:, :count]
+        if len(density.steps):
+            c += density.steps.t_coefficients(zones, TERMS)
+        twice = np.where(np.arange(TERMS), 2.0, 1.0)
+        tree = self.nested.tree
+        self.series = self.nested.upward(c * zones.half[:, None] / twice) * twice / tree.half[:, None]
+        self.total = float(np.pi * (c[:, 0] @ zones.half))
+
+    def __call__(self, z: Complex, what: What) -> Complex:
+        """At points z (n,) that `Density.into_period` has not seen yet."""
+        x, y = z.real, np.abs(z.imag)
+        place = self.density.into_period(x)
+        out = self._poles(place, y, what)
+        regular = self._regular(complex_of(place, y), what)
+        out = out if regular is None else out + regular
+        if what == "potential":
+            turns = np.full(len(x), float(sum(shift > 0 for shift in self.density.kernel.poles)))
+            if self.density.kernel.period is not None:
+                turns += np.round((x - place) / self.density.kernel.period)
+            out = out - 1j * self.total * turns
+        return np.where(z.imag < 0, np.conj(out), out)
+
+    # the poles ------------------------------------------------------------------------------------------------------
+    def _poles(self, x: Array, y: Array, what: What) -> Complex:
+        """By the tree: from its root down to where a node is far, or one zone."""
+        tree, datum = self.nested.tree, self.density.kernel.datum
+        lo, hi, half = tree.lo, tree.hi, tree.half
+        out = np.zeros(len(x), dtype=complex)
+        for shift in self.density.kernel.poles:
+            block = max(1, _PAIRS // len(tree))
+            for start in range(0, len(x), block):
+                point = np.arange(start, min(start + block, len(x)))
+                node = np.zeros(len(point), dtype=np.intp)
+                while len(point):
+                    at, w = x[point] - shift, half[node]
+                    seen = Seen.of((at - lo[node]) / w, (at - hi[node]) / w, y[point] / w)
+                    far = np.abs(seen.rho) < _FAR
+                    np.add.at(out, point[far], of_t(self.series, seen[far], w[far], datum, node[far], what))
+                    leaf = ~far & (tree.item[node] >= 0)
+                    if leaf.any():
+                        i = point[leaf]
+                        np.add.at(out, i, self.of_zones(x[i] - shift, y[i], tree.item[node[leaf]], what))
+                    split = ~far & ~leaf
+                    point = np.repeat(point[split], 2)
+                    node = np.column_stack((tree.left[node[split]], tree.right[node[split]])).ravel()
+        return out
+
+    def of_zones(self, x: Array, y: Array, zone: Index, what: What) -> Complex:
+        """What single zones do, pair by pair."""
+        density = self.density
+        zones, w = density.zones, density.zones.half[zone]
+        seen = Seen.of(zones.beyond_a(x, zone) / w, -zones.before_b(x, zone) / w, y / w)
+        if what == "potential":
+            value = of_t(density.coefficients, seen, w, density.kernel.datum, zone, what)
+        else:
+            value = of_bounded(*density.bounded, seen, zone, what)
+            value = value / w if what == "derivative" else value
+        if len(density.steps):
+            value = value.copy()
+            for i, here in of_zones(zone):
+                if i in density.steps.by_zone:
+                    value[here] += self._jumps(i, seen[here], what)
+        return value
+
+    def _jumps(self, zone: int, seen: Seen, what: What) -> Complex:
+        """What the jumps of one zone do."""
+        w, datum, steps = float(self.density.zones.half[zone]), self.density.kernel.datum, self.density.steps
+        out = np.empty(seen.left.shape, dtype=complex)
+        far = np.abs(seen.rho) < _FAR_JUMPS
+        out[far] = of_t(self._of_jumps[[zone]], seen[far], np.full(int(far.sum()), w), datum, np.zeros(int(far.sum()), np.intp), what)
+        near = np.flatnonzero(~far)
+        k, beyond = steps.by_zone[zone], steps.logarithms_near(zone)
+        for here in pair_blocks(len(near), max(1, len(k))):
+            some = seen[near[here]]
+            value = of_jumps(steps, k, some, what)
+            if beyond is not None:
+                value = value + of_logarithms(*beyond, some, what)
+            if zone in steps.splines:
+                value = value + self._spline(zone, some, what)
+            out[near[here]] = value
+        if what == "potential":
+            # Of T_l series the logarithm of w is in already.
+            out[near] = w * (out[near] + self._of_jumps[zone, 0] * np.log(w / datum))
+        elif what == "derivative":
+            out[near] /= w
+        return out
+
+    @cached_property
+    def _of_jumps(self) -> Array:
+        return self.density.steps.t_coefficients(self.density.zones, _OF_JUMPS)
+
+    def _spline(self, zone: int, seen: Seen, what: What) -> Complex:
+        spline = self.density.steps.splines[zone]
+        if what == "potential":
+            c = spline.t_coefficients(min(_OF_SPLINES * len(spline.knots), 1 << 15))[None]
+            row = np.zeros(len(seen.left), dtype=np.intp)
+            return of_t(c, seen, np.ones(len(row)), 1.0, row, what)
+        if isinstance(spline, LocalSpline):
+            return of_spline(spline, seen, what)
+        phi, weight = spline.angles_and_weights
+        rho, turn = seen.rho[:, None], np.exp(-1j * phi)
+        b = np.exp(seen.turned(np.cos(0.5 * phi), np.sin(0.5 * phi)))
+        if what == "transform":
+            return np.asarray(1j * of_spline(spline.spline, seen, what) + (rho * turn / b) @ weight * (2 / np.pi))
+        return np.asarray(1j * of_spline(spline.spline, seen, what) - (rho * turn / b**2) @ weight * (2 / np.pi) / seen.root)
+
+    # the rest of the kernel -----------------------------------------------------------------------------------------
+    def _regular(self, z: Complex, what: What) -> Complex | None:
+        kernel = self.density.kernel
+        if kernel.regular is None:
+            return None
+        parts = {"transform": kernel.regular, "derivative": kernel.regular_slope, "potential": kernel.regular_potential}
+        regular = parts[what]
+        if regular is None:
+            raise ValueError(f"the regular kernel has no {'slope' if what == 'derivative' else what}")
+        if not kernel.sure:
+            _look_at(regular, z, self.density.zones.middle)
+        return self._quadrature(z, regular)
+
+    def _quadrature(self, z: Complex, regular: Regular) -> Complex:
+        """See `field.regular_at`."""
+        out = np.zeros(z.shape, dtype=complex)
+        for xi, weights in self._held if self.density.kernel.sure else self.density.quadrature:
+            for here in pair_blocks(len(z), len(xi)):
+                out[here] += regular(z[here, None], xi) @ weights  # type: ignore[arg-type]
+        return out
+
+    @cached_property
+    def _held(self) -> list[tuple[Array, Array]]:
+        """Nodes over the whole of the zones, with weights that have their moments: enough for what is smooth over a period."""
+        tree, half = self.nested.tree, self.nested.tree.half[0]
+        xi = 0.5 * (tree.lo[0] + tree.hi[0]) + half * chebyshev.gauss(TERMS)
+        return [(xi, chebyshev.t_matrix(TERMS, TERMS) @ self.series[0] * (half / TERMS))]
+
+
+def _look_at(regular: Regular, z: Complex, places: Array) -> None:
+    """ValueError unless a user's regular part is analytic where it is asked for: its differences along and across x agree."""
+    for at in z[:: max(1, len(z) // 3)][:3]:
+        xi, h = places[:1], 1e-4 * (1 + abs(at))
+        points = at + h * np.array([1, -1, 1j, -1j])
+        f = np.asarray(regular(points[:, None], xi)).ravel()  # type: ignore[arg-type]
+        along, across = (f[0] - f[1]) / (2 * h), (f[2] - f[3]) / (2j * h)
+        if abs(along - across) > 1e-4 * (abs(along) + abs(across)) + 1e-10 * np.abs(f).max() / h:
+            raise ValueError("at complex points the kernel's regular part must be the analytic function that it is on the line")
+
+
+# jumps --------------------------------------------------------------------------------------------------------------
+def of_jumps(steps: Steps, k: Index, seen: Seen, what: What) -> Complex:
+    """What jumps k of a zone do, near it; times w for the derivative; for the potential over w, and less c_0 log(w)."""
+    if len(k) == 0:
+        return np.zeros(seen.left.shape, dtype=complex)
+    away, q = seen.left[:, None] - steps.left[k], steps.order[k]
+    log = steps.logarithm(k, seen, away)
+    if what == "potential":
+        # At the jump itself only powers of the distance are left.
+        return steps.plane_potential(k, seen, away, np.where((away == 0) & (q >= 0), 0.0, log))
+    value, slope = steps.polynomial(k, seen.zeta[:, None])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        if what == "transform":
+            value = np.where((away == 0) & (q > 0), 0.0, away**q * log) - value
+        else:
+            value = away**q * steps.logarithm_slope(k, seen, away) + np.where(q > 0, q * away ** np.maximum(q - 1, 0) * log, 0.0) - slope
+    return np.asarray(value @ (steps.height[k] / np.pi))
+
+
+def of_logarithms(near: Beyond, k: Index, seen: Seen, what: What) -> Complex:
+    """The same of logarithms that lie near the zone."""
+    how = {"transform": near.plane_transform, "derivative": near.plane_slope, "potential": near.plane_potential}
+    return how[what](k, seen)
+
+
+def of_spline(spline: LocalSpline, seen: Seen, what: What) -> Complex:
+    """(1/pi) int f / (zeta - tau) dtau, f the spline, or its derivative: piece by piece, by Gauss's rule or, nearby, in closed form
+
+    int_0^h (p_0 + p_1 y + p_2 y^2) / (Y - y) dy = p(Y) log(Y / (Y - h)) - p_1 h - p_2 (h Y + h^2/2).
+    """
+    knots, p = spline.knots, spline.pieces
+    h = np.diff(knots)
+    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
+    y = 0.5 * h[:, None] * (1 + nodes)
+    places = (knots[:-1, None] + y).ravel()
+    held = ((p[:, :1] + y * (p[:, 1:2] + y * p[:, 2:])) * 0.5 * h[:, None] * weights).ravel()
+    power = 1 if what == "transform" else 2
+    sign = 1.0 if what == "transform" else -1.0
+    out = np.empty(seen.left.shape, dtype=complex)
+    for here in pair_blocks(len(out), len(places)):
+        at = seen.left[here]
+        # Distances from both knots of a piece, whichever of them rounding spares.
+        close = np.abs(at[:, None] - (knots[:-1] + 0.5 * h)) < _NEARBY * h
+        terms = sign * held / (at[:, None] - places) ** power
+        value = np.where(np.repeat(close, _GAUSS, axis=1), 0.0, terms).sum(axis=1)
+        i, j = np.nonzero(close)
+        one, two, three, size = *p[j].T, h[j]
+        past, before = at[i] - knots[j], at[i] - knots[j + 1]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            log = np.log(past) - np.log(before)
+            f = one + past * (two + past * three)
+            # At a knot both pieces have the same value: its logarithms cancel.
+            log = np.where((past == 0) | (before == 0), np.where(past == 0, -1.0, 1.0) * np.log(size) - 1j * np.pi * (past == 0), log)
+            if what == "transform":
+                closed = f * log - two * size - three * (size * past + 0.5 * size**2)
+            else:
+                closed = (two + 2 * three * past) * log - f * size / (past * before) - three * size
+        np.add.at(value, i, closed)
+        out[here] = value / np.pi
+    return out

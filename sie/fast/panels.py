@@ -1,0 +1,203 @@
+r"""A smooth kernel of the lag x - xi between even panels of the line, on each of which it is a short Chebyshev series in both variables.
+
+Nothing is said of a user's kernel but that it is smooth: on what length, is looked at. The panels over all zones are halved until its
+coefficients have decayed between any two of them,
+
+    k(x, xi) = sum_kl K^(d)_kl T_k(t) T_l(tau),      d: how many panels x lies farther right than xi,
+
+which is one matrix for each lag d. What zones do at points then goes by moments of the panels, sum_q w_q T_l(tau_q) over the quadrature
+nodes of the zones, and by series on the panels: in time linear in zones and points.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from sie.basis import chebyshev
+from sie.basis.kept import Kept
+from sie.basis.kernels import Kernel
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+Function = Callable[[Array, Array], Array]
+
+TERMS = 24
+# Panels over the zones, and over half a period, at the most: a kernel that varies over less is summed as it is.
+_MOST = 512
+# Coefficients that have decayed, over the largest; and those that are the kernel's own rounding, if half the width leaves them.
+_DECAYED, _ROUNDING, _FALLS = 1e-15, 1e-12, 0.3
+# Pairs of points and nodes, and lags, handled at once.
+_BLOCK, _LAGS = 200_000, 64
+# A series that falls by _DECAYED in TERMS has no singularity nearer than so many widths of a panel, to the side of the line.
+_REACH = 0.5 * math.sinh(-math.log(_DECAYED) / TERMS)
+
+
+def panels_of(kernel: Kernel, lo: float, hi: float) -> Panels | None:
+    """The panels of the kernel's regular part over [lo, hi]; None where it has none, is none of the lag, or varies over too little."""
+    if kernel.regular is None or kernel.sure or not kernel.of_lag or not hi > lo:
+        return None
+    step, before = 2.0 ** math.ceil(math.log2(max(hi - lo, kernel.period or 0.0))), math.inf
+    while True:
+        first = math.floor(lo / step)
+        count = math.floor(hi / step) - first + 1
+        # Of a period all that lies within half of one of their middle is asked for.
+        away = 0.0 if kernel.period is None else 0.5 * (kernel.period + hi - lo)
+        farthest = max(count - 1, math.ceil(away / step))
+        if farthest >= _MOST:
+            return None
+        key = step, first, count
+        if key not in kernel.kept_panels:
+            kernel.kept_panels[key] = Panels(kernel, step, first, count, farthest)
+        found: Panels = kernel.kept_panels[key]
+        tail = found.tail
+        if tail <= _DECAYED or (tail <= _ROUNDING and tail > _FALLS * before):
+            return found
+        step, before = 0.5 * step, tail
+
+
+@dataclass(frozen=True, eq=False)
+class Panels(Kept):
+    """Panels [p step, (p + 1) step], p = first ... first + count - 1, of the sources; farthest: lag that is looked at."""
+
+    kernel: Kernel
+    step: float
+    first: int
+    count: int
+    farthest: int
+
+    def modes(self, half: Array) -> Index:
+        """How many modes of zones of these half widths the kernel sees, or makes: as many as its own coefficients there."""
+        fall = np.arcsinh(_REACH * self.step / half)
+        return np.asarray(np.ceil(-math.log(_DECAYED) / fall), dtype=np.intp) + 2
+
+    @cached_property
+    def tail(self) -> float:
+        """The last coefficients in either variable, over the largest: of near panels, and if these have decayed of all."""
+        near = _tail(self._made(False, -min(1, self.farthest), min(1, self.farthest) + 1))
+        return _tail(self._table(False)) if near <= _ROUNDING else near
+
+    def _made(self, potential: bool, low: int, high: int) -> Array:
+        """K^(d), low <= d < high, (d, TERMS, TERMS)."""
+        function = self.kernel.regular_potential if potential else self.kernel.regular
+        if function is None:
+            raise ValueError("a condition on potentials needs the regular kernel's potential")
+        nodes, to_series = 0.5 * self.step * chebyshev.gauss(TERMS), _to_series()
+        out = np.empty((high - low, TERMS, TERMS))
+        with np.errstate(all="ignore"):  # too far off, until panels are short enough
+            for start in range(low, high, _LAGS):
+                lags = np.arange(start, min(start + _LAGS, high))
+                x = (nodes + self.step * lags[:, None])[:, :, None]
+                values = np.asarray(function(x, np.broadcast_to(nodes, (len(lags), 1, TERMS))))
+                out[lags - low] = to_series.T @ values @ to_series
+        return out
+
+    @cached_property
+    def _tables(self) -> dict[bool, Array]:
+        return {}
+
+    def _table(self, potential: bool) -> Array:
+        """K^(d) for all lags that are looked at, (2 farthest + 1, TERMS, TERMS)."""
+        if potential not in self._tables:
+            self._tables[potential] = self._made(potential, -self.farthest, self.farthest + 1)
+        return self._tables[potential]
+
+    def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
+        """Series on the panels low ... high, (panels, TERMS, n), by moments (count TERMS, n): a convolution over the panels."""
+        kernel, length = self._waves(potential, low, high)
+        moments = moments.reshape(self.count, TERMS, -1)
+        waves = np.matmul(kernel, fft.rfft(moments, length, axis=0))
+        return np.asarray(fft.irfft(waves, length, axis=0)[: high - low + 1])
+
+    def _waves(self, potential: bool, low: int, high: int) -> tuple[NDArray[np.complex128], int]:
+        """(transform of K^(d) over the lags between all panels and low ... high, its length)."""
+        key = potential, low, high
+        if key not in self._transforms:
+            wanted = high - low + 1
+            length = int(fft.next_fast_len(wanted + self.count - 1, real=True))
+            lag = np.arange(1 - self.count, wanted)
+            kernel = np.zeros((length, TERMS, TERMS))
+            kernel[lag % length] = self._table(potential)[lag + low - self.first + self.farthest]
+            # Of the last one that was asked for: zones ask for the same again and again.
+            self._transforms.pop(next((k for k in self._transforms if k[0] == potential), key), None)
+            self._transforms[key] = np.asarray(fft.rfft(kernel, axis=0)), length
+        return self._transforms[key]
+
+    @cached_property
+    def _transforms(self) -> dict[tuple[bool, int, int], tuple[NDArray[np.complex128], int]]:
+        return {}
+
+    def moments(self, spread: Spread, weights: Array) -> Array:
+        """Moments (count TERMS, ...) of weights (n, ...) at points."""
+        shape = weights.shape[1:]
+        out = np.zeros((self.count, TERMS, *shape))
+        for panel, here in spread.groups:
+            out[panel - self.first] = np.tensordot(spread.table[here], weights[here], axes=(0, 0))
+        return out.reshape(self.count * TERMS, *shape)
+
+    def at(self, spread: Spread, moments: Array, potential: bool) -> Array:
+        """Transform or potential at the points of `spread`, (n, ...), from moments (count TERMS, ...)."""
+        out = np.empty((len(spread.x), *moments.shape[1:]))
+        looked_at = self.first + self.count - 1 - self.farthest, self.first + self.farthest
+        inner = [panel for panel, _ in spread.groups if looked_at[0] <= panel <= looked_at[1]]
+        if inner:
+            low = min(inner)
+            series = self._series(moments, low, max(inner), potential).reshape(-1, TERMS, *moments.shape[1:])
+        for panel, here in spread.groups:
+            if looked_at[0] <= panel <= looked_at[1]:
+                out[here] = spread.table[here] @ series[panel - low]
+            else:
+                out[here] = self._far_off(spread.x[here], moments, potential)
+        return out
+
+    def _far_off(self, x: Array, moments: Array, potential: bool) -> Array:
+        """The same at points beyond the panels that were looked at: from the nodes of the others."""
+        function = self.kernel.regular_potential if potential else self.kernel.regular
+        assert function is not None
+        middles = (self.first + np.arange(self.count) + 0.5) * self.step
+        nodes = (middles[:, None] + 0.5 * self.step * chebyshev.gauss(TERMS)).ravel()
+        weights = np.einsum("jl,pl...->pj...", _to_series(), moments.reshape(self.count, TERMS, *moments.shape[1:]))
+        weights = weights.reshape(self.count * TERMS, *moments.shape[1:])
+        out = np.empty((len(x), *moments.shape[1:]))
+        block = max(1, _BLOCK // len(nodes))
+        for s in range(0, len(x), block):
+            out[s : s + block] = np.asarray(function(x[s : s + block, None], nodes)) @ weights
+        return out
+
+
+def _tail(blocks: Array) -> float:
+    largest = float(np.abs(blocks).max())
+    return 0.0 if largest == 0.0 else float(max(np.abs(blocks[:, -2:]).max(), np.abs(blocks[:, :, -2:]).max())) / largest
+
+
+def _to_series() -> Array:
+    """Values at the nodes @ this: the coefficients of their Chebyshev series."""
+    out = chebyshev.t_matrix(TERMS, TERMS) * (2 / TERMS)
+    out[:, 0] *= 0.5
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Spread(Kept):
+    """Points (n,) on the panels: T_k at each, (n, TERMS), and which of them lie in which panel."""
+
+    x: Array
+    table: Array
+    groups: list[tuple[int, Index]]
+
+    @classmethod
+    def of(cls, panels: Panels, x: Array) -> Spread:
+        place = x / panels.step
+        panel = np.floor(place)
+        theta = np.arccos(np.clip(2 * (place - panel) - 1, -1.0, 1.0))
+        table = np.cos(theta[:, None] * np.arange(TERMS))
+        order = np.argsort(panel, kind="stable")
+        starts = np.flatnonzero(np.diff(panel[order], prepend=np.nan) != 0)
+        parts = np.split(order, starts[1:]) if len(x) else []
+        return cls(x, table, [(int(panel[part[0]]), part) for part in parts])

@@ -1,0 +1,152 @@
+"""What the steps of a search for ends tell: whether the ends have come to rest and to what they are known, or why they will not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.zones import Zones
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# A zone alone that has shrunk to this part of its first width has vanished.
+_VANISHED = 1e-12
+# A gap below this part of the zones beside it, which has asked so many steps on end to be closed altogether, has closed.
+_CLOSING, _INSISTS = 0.05, 3
+# Steps after which ends that still want to move by more than half of their zones may be given up.
+_WANDERING = 20
+# Of zones said to be near: the first move over the width, and what is left of a move in the next one. Moves below the last are about
+# rounding, which need not fall.
+_NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
+# Tolerances of solutions by iteration: at first, and at last over that of the ends.
+_LOOSE, _TIGHT = 1e-6, 1e-3
+# The remaining motion of an end is the next step but for its square.
+MARGIN = 1.5
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One Newton step: ends before it, largest move over zone width, unknown value if any."""
+
+    zones: Array
+    move: float
+    value: float | None
+
+
+@dataclass(frozen=True)
+class Turn:
+    """missed: largest difference from the intensities prescribed; growth: largest real part of the eigenvalues that tell stable ends."""
+
+    missed: float
+    growth: float
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """What a Newton step asks for. delta: outward moves (2, Z), of the ends that move; noise: their roundoff; change: of the open
+    condition's value; certain: whether it can be trusted; turn: what is seen of other roots where intensities are prescribed."""
+
+    moves: NDArray[np.bool_]
+    delta: Array
+    noise: Array
+    change: float
+    certain: bool
+    turn: Turn | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """reached: whether the ends rest as far as the step tells; error: what they are known to over their zones' widths (Z, 2); rounding:
+    that part of it alone."""
+
+    reached: bool
+    error: Array
+    rounding: Array
+
+
+@dataclass(eq=False)
+class Progress:
+    """The steps so far of a search for ends from zones of these widths and gaps."""
+
+    tolerance: float
+    first_width: Array
+    first_gap: Array
+    trace: list[Step] = field(default_factory=list)
+    turns: list[Turn] = field(default_factory=list)
+    best: float = np.inf
+    stalled: int = 0
+    closing: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+
+    @property
+    def last(self) -> float:
+        """The largest move of the last step over its zone's width, at most one."""
+        return min(self.trace[-1].move, 1.0) if self.trace else 1.0
+
+    @property
+    def linear(self) -> float:
+        """Tolerance of a solution by iteration: the next move is about the square of the last one, and it need not be much better."""
+        return min(_LOOSE, max(1e-3 * self.last**2, self.tightest))
+
+    @property
+    def tightest(self) -> float:
+        return _TIGHT * self.tolerance
+
+    def after(self, zones: Zones, motion: Motion, corners: Array, value: float, opened: bool) -> Rest:
+        """Enters a step. corners: distance of a corner from each end (2, Z), over which the density changes; value: of the open condition,
+        if one is opened."""
+        width, delta = zones.b - zones.a, np.abs(motion.delta)
+        move = float((delta / width).max(initial=0.0))
+        self.trace.append(Step(zones.table, move, value if opened else None))
+        rests = bool(np.all(delta <= np.maximum(self.tolerance * np.minimum(width, corners), motion.noise)))
+        self.stalled = self.stalled + 1 if move > 0.5 * self.best else 0
+        self.best = min(self.best, move)
+        quiet = bool(np.all(delta < np.clip(100 * motion.noise, 1e-6 * width, 1e-2 * width)))
+        stuck = (self.stalled >= 2 and move < 1e-9) or (self.stalled >= 5 and quiet)
+        # Where rounding keeps the ends moving, the largest of the moves since the least one is what they are known to.
+        largest = max(step.move for step in self.trace[-min(self.stalled + 1, 4) :]) / max(move, 1e-300) if stuck else 1.0
+        # The value cannot be at rest where rounding keeps the ends moving.
+        least = max(self.tolerance, 1e-14, largest * move if stuck else 0.0)
+        settled = abs(motion.change) <= least * abs(value + motion.change)
+        rounding = (motion.noise / width).T
+        return Rest(motion.certain and (rests or stuck) and settled, rounding + MARGIN * largest * (delta / width).T, rounding)
+
+    def is_hopeless(self, certain: bool) -> bool:
+        """At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones."""
+        if self.stalled >= 5 and not certain and (self.trace[-1].move < 1e-6 or (self.stalled >= 15 and self._stays())):
+            return True
+        return len(self.trace) > _WANDERING and min(step.move for step in self.trace[-10:]) > 0.5 and self._stays()
+
+    def is_near(self) -> bool:
+        """Whether the last step is one of Newton's method beside a solution."""
+        largest = _NEAR if len(self.trace) == 1 else max(_FALLING * self.trace[-2].move, _AT_REST)
+        return self.trace[-1].move <= largest
+
+    def _stays(self) -> bool:
+        """Whether the zones have neither grown nor shrunk in the last steps, nor their ends come to rest."""
+        now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
+        return bool(np.all((before / 3 < now) & (now < 3 * before))) and self.trace[-1].move > 0.7 * self.trace[-5].move
+
+    def vanished(self, zones: Zones, gap: Array, closes: NDArray[np.bool_], collapse: float) -> tuple[Index, Index]:
+        """Zones that have shrunk away, and gaps, by the zone left of them, that have closed. closes: whether the last step asked to
+        close them."""
+        self.closing = np.where(closes, (self.closing if len(self.closing) else 0) + 1, 0)
+        # The last zone keeps what total is given, however narrow it becomes; without one it may vanish.
+        least = (collapse if len(zones) > 1 else _VANISHED) * self.first_width
+        lost = np.flatnonzero(zones.b - zones.a < np.maximum(least, 8 * np.spacing(np.abs(zones.a))))
+        narrowest = np.minimum(zones.b - zones.a, self.first_width)
+        closed = (self.closing >= _INSISTS) & (gap < _CLOSING * narrowest)
+        return lost, np.flatnonzero((gap < collapse * np.minimum(self.first_gap, narrowest)) | closed)
+
+    @property
+    def folded(self) -> str:
+        """That the search has gone to and fro between stable and unstable ends, in words; empty where it has not."""
+        if not (any(turn.growth < 0.0 for turn in self.turns) and any(turn.growth >= 0.0 for turn in self.turns)):
+            return ""
+        missed = min(turn.missed for turn in self.turns)
+        return (
+            f"the intensities asked for may lie past a fold: nearer to them than {missed:.3g} the search did not come, on both sides of "
+            f"where ends turn from stable to unstable"
+        )

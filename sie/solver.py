@@ -1,0 +1,256 @@
+"""One call for fixed and free ends alike: the density, the zones and one stated error, or the reason why there is none."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.zones import Zones
+from sie.collocation import modes
+from sie.collocation.fixed import SingularSystem
+from sie.equation.equation import Equation
+from sie.free_ends.newton import Free, find_ends
+from sie.slits.system import AnyDensity, AnyState, solve_zones
+
+Array = NDArray[np.float64]
+
+_EPS = float(np.finfo(float).eps)
+# What the coefficients are asked for at least, over the tolerance; and what the ends are asked for in turn, until the error is met.
+_DECAY, _ENDS = 0.1, (0.1, 1e-3, 1e-5)
+_LEAST = 3e-16
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """What `solve` has found.
+
+    Parameters
+    ----------
+    density : Density or Pierced
+        The wanted function: call it at points of the line, see `Density`.
+    zones : Zones
+        The zones, n of them, free ends where they have come to rest; `zones.table` is the (n, 2) array of ends.
+    error : float
+        Bounds, relative, (i) the density's error at equal normalised position in its zone, times sqrt(1 - t^2), over the density's
+        largest coefficient, and (ii) each free end's error over its zone's width. Infinite where the ends have not come to rest.
+    value : float or None
+        Value of the condition whose value was unknown, if there was one.
+    state : State
+        What was solved at last: levels, responses to further right sides, and what the error is made of.
+    search : Free or None
+        How the ends were found, step by step; None if all were fixed.
+
+    Examples
+    --------
+    >>> import sie
+    >>> crack = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: 1 + 0 * x), (sie.Total(0.0),))
+    >>> found = sie.solve(crack, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    >>> float(found.density(0.6).round(12)), found.error < 1e-10
+    (-0.75, True)
+    """
+
+    density: AnyDensity
+    zones: Zones
+    error: float
+    value: float | None = None
+    state: AnyState = field(repr=False, kw_only=True)
+    search: Free | None = field(default=None, repr=False, kw_only=True)
+
+    @property
+    def amplitudes(self) -> Array:
+        """Amplitudes of the equation's columns (k,)."""
+        return self.density.amplitudes
+
+    @property
+    def levels(self) -> Array:
+        """Mean over each solved zone of the density's potential less the primitive of the right side (n,)."""
+        return self.state.levels
+
+
+class NotConverged(ArithmeticError):
+    """No solution to the tolerance asked for.
+
+    Parameters
+    ----------
+    reason : str
+        Why, in words.
+    best : Solution or None
+        The best that was reached, with its own error; None if not even a first system could be solved.
+
+    Examples
+    --------
+    >>> import sie
+    >>> hertz = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(1.0),))
+    >>> try:
+    ...     sie.solve(hertz, sie.Zones.of([[-1.0, 2.0]]), max_steps=1)
+    ... except sie.NotConverged as stopped:
+    ...     print(stopped.reason, stopped.best.zones.table.shape)
+    the ends did not come to rest in 2 steps (1, 2)
+    """
+
+    def __init__(self, reason: str, best: Solution | None = None) -> None:
+        super().__init__(reason)
+        self.reason, self.best = reason, best
+
+
+def solve(
+    equation: Equation,
+    zones: Zones,
+    tol: float = 1e-10,
+    *,
+    value: float = 0.0,
+    signs: tuple[float, float] = (1.0, 1.0),
+    max_steps: int = 40,
+) -> Solution:
+    """Solve a singular integral equation on zones with fixed ends, free ends, or both.
+
+    Parameters
+    ----------
+    equation : Equation
+        Kernel, right side, side conditions.
+    zones : Zones
+        The zones with the kinds of their ends; where ends are free, a first guess of them.
+    tol : float
+        What the stated error must come to, 0 < tol < 1.
+    value : float
+        First guess for the value of a condition whose value is unknown.
+    signs : (float, float)
+        Signs of the wanted density beside free left and free right ends; they tell outward from inward far from the solution.
+    max_steps : int
+        Newton steps of the ends at most.
+
+    Returns
+    -------
+    Solution
+        `density`, `zones` and `error` <= tol.
+
+    Raises
+    ------
+    ValueError
+        For wrong input: what is missing, too much or out of range, in words. `CountError`, a ValueError, if side conditions and
+        unknowns do not match.
+    NotConverged
+        With `reason` and `best`, if the error cannot be brought below tol.
+
+    Examples
+    --------
+    Half a period of a wave touches: sin^2(pi a / L) = load / (amplitude L) (H. M. Westergaard, J. Appl. Mech. 6, 1939, A49).
+
+    >>> import numpy as np, sie
+    >>> wave = sie.Forcing(lambda x: np.sin(2 * np.pi * x))
+    >>> found = sie.solve(sie.Equation(sie.hilbert(1.0), wave, (sie.Total(0.5),)), sie.Zones.of([[-0.1, 0.2]]))
+    >>> found.zones.table.round(10).tolist()
+    [[-0.25, 0.25]]
+    """
+    _look_at(equation, zones, tol, value, signs, max_steps)
+    moving = any(end.moves for end in (*zones.left, *zones.right))
+    try:
+        found = _free(equation, zones, tol, value, signs, max_steps) if moving else _fixed(equation, zones, tol)
+    except SingularSystem as error:
+        if moving and _solvable(equation, zones):
+            raise NotConverged(f"the search for the ends came to zones on which there is no solution: {error}") from error
+        raise ValueError(f"{error}") from error
+    if found.error <= tol:
+        return found
+    raise NotConverged(_why(found, tol), found)
+
+
+def _look_at(equation: Equation, zones: Zones, tol: float, value: float, signs: tuple[float, float], max_steps: int) -> None:
+    """ValueError for what cannot be solved with at all."""
+    if not isinstance(equation, Equation):
+        raise ValueError(f"the equation must be a sie.Equation, got {type(equation).__name__}")
+    if not isinstance(zones, Zones):
+        raise ValueError(f"the zones must be sie.Zones, as sie.Zones.of([[a, b]], left, right) makes them, got {type(zones).__name__}")
+    if not (_is_number(tol) and 0 < tol < 1):
+        raise ValueError(f"tol must be a number between 0 and 1, got {tol!r}")
+    if not (_is_number(value) and math.isfinite(value)):
+        raise ValueError(f"the first guess of the unknown value must be a finite number, got {value!r}")
+    if not (isinstance(signs, tuple) and len(signs) == 2 and all(_is_number(sign) and sign in (-1, 1) for sign in signs)):
+        raise ValueError(f"signs must be two of 1 and -1, of the density beside left and beside right ends, got {signs!r}")
+    if not (isinstance(max_steps, int | np.integer) and max_steps >= 1):
+        raise ValueError(f"max_steps must be a whole number from 1 on, got {max_steps!r}")
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
+
+
+def _solvable(equation: Equation, zones: Zones) -> bool:
+    """Whether the system of the zones as they were given has a solution."""
+    try:
+        solve_zones(equation, zones)
+    except SingularSystem:
+        return False
+    return True
+
+
+def _fixed(equation: Equation, zones: Zones, tol: float) -> Solution:
+    """Solve on zones whose ends stay; once more with all the modes that rounding allows, if the first are too few."""
+    found: Solution | None = None
+    for decay in (max(_DECAY * tol, _LEAST), _LEAST):
+        state = solve_zones(equation, zones, decay)
+        if found is None or state.density_error < found.error:
+            found = Solution(state.density, zones, _of_density(state) + _EPS, state=state)
+        if found.error <= tol:
+            break
+    assert found is not None
+    return found
+
+
+def _free(
+    equation: Equation, zones: Zones, tol: float, value: float, signs: tuple[float, float], max_steps: int
+) -> Solution:
+    """Find the ends, to more digits if those asked for first turn out to be too few."""
+    best: Solution | None = None
+    for part in _ENDS:
+        free = find_ends(equation, zones, max(part * tol, _LEAST), max_steps, value=value, signs=signs)
+        found = _told(free)
+        best = found if best is None or found.error < best.error else best
+        if best.error <= tol or not free.converged:
+            break
+        zones, value = free.density.zones, free.value or 0.0
+    assert best is not None
+    return best
+
+
+def _told(free: Free) -> Solution:
+    state = free.state
+    error = math.inf
+    if free.converged:
+        ends = free.end_error + state.end_truncation
+        _, by_left, by_right = state.density.sensitivity
+        moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / max(state.size, 1e-300)
+        error = max(float(ends.max(initial=0.0)), moved + _of_density(state)) + _EPS
+    return Solution(state.density, state.density.zones, error, free.value, state=state, search=free)
+
+
+def _of_density(state: AnyState) -> float:
+    """The density's error on the zones as they are: with the rounding of what is subtracted for jumps, which may cancel."""
+    steps = state.density.steps
+    jumps = float((np.abs(steps.height) * steps.sine).max(initial=0.0)) / max(state.size, 1e-300)
+    return state.density_error + 2 * _EPS * jumps
+
+
+def _why(found: Solution, tol: float) -> str:
+    """What keeps the error above the tolerance."""
+    search, state = found.search, found.state
+    if search is not None and not search.converged:
+        which = [f"zone {i}" for i in search.lost] + [f"the gap after zone {i}" for i in search.met]
+        return search.reason + (f" ({', '.join(which)}, counted from 0)" if which else "")
+    reached = f"the error has come to {found.error:.1e}, not to {tol:.1e}: "
+    if search is not None and float(search.rounding.max(initial=0.0)) > 0.1 * tol:
+        zone = int(search.rounding.max(axis=1).argmax())
+        worst = float(search.rounding[zone].max())
+        return reached + f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {worst:.1e} of its width"
+    told = modes.decay(found.zones, state.equation.kernel) * modes.COUPLED_SIZES[-1]
+    if float(told.min()) < -math.log(_DECAY * tol):
+        zone = int(told.argmin())
+        return reached + f"zone {zone} (counted from 0) lies so close to another one, or to an image, that its modes do not show all of it"
+    if state.unresolved:
+        return reached + "a column or the kernel's regular part varies more than the modes of a zone show"
+    if found.error < 1e-11:
+        return reached + "that is what rounding leaves"
+    return reached + "the right side is not smooth enough on a zone: jumps of it or of its derivatives are to be declared (sie.Forcing)"

@@ -1,0 +1,148 @@
+"""Smooth kernels of the lag on panels: the same sums as by the kernel itself, whatever the number of zones, and beside slits."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import sie
+from sie.collocation import fixed
+from sie.fast.panels import Spread, panels_of
+
+FEW = np.array([[-1.0, -0.5], [-0.2, 0.3], [0.35, 1.0]])
+PERIOD = 2.5
+
+
+def kernel(eps, depth, period=None, of_lag=True):
+    """1/r + eps r/(r^2 + depth^2), and the same of all periods."""
+    if period is None:
+        smooth = sie.Smooth(
+            lambda x, xi: eps * (x - xi) / ((x - xi) ** 2 + depth**2),
+            lambda x, xi: 0.5 * eps * np.log((x - xi) ** 2 + depth**2), of_lag=of_lag,
+        )
+        return sie.cauchy() + smooth
+    k = 2 * np.pi / period
+    r = np.exp(-k * depth)
+    smooth = sie.Smooth(
+        lambda x, xi: k * eps * r * np.sin(k * (x - xi)) / (1 - 2 * r * np.cos(k * (x - xi)) + r * r),
+        lambda x, xi: 0.5 * eps * np.log(1 - 2 * r * np.cos(k * (x - xi)) + r * r), of_lag=of_lag,
+    )
+    return sie.hilbert(period) + smooth
+
+
+def equation(of_kernel, total=1.0):
+    right = sie.Forcing(lambda x: np.sin(3 * x) + 0.2, lambda x: -np.cos(3 * x) / 3 + 0.2 * x)
+    return sie.Equation(of_kernel, right, (sie.Total(total), sie.EqualPotential()))
+
+
+def scattered(count):
+    return np.sort(np.random.default_rng(3).uniform(-1, 1, 2 * count)).reshape(count, 2)
+
+
+@pytest.mark.parametrize("period", [None, PERIOD])
+@pytest.mark.parametrize("depth", [0.02, 0.3, 3.0])
+@pytest.mark.parametrize("potential", [False, True])
+def test_sums_over_points_are_those_of_the_kernel(depth, period, potential):
+    of, rng = kernel(0.8, depth, period), np.random.default_rng(1)
+    xi, weights = rng.uniform(-1, 1, 50), rng.standard_normal(50)
+    x = np.concatenate((rng.uniform(-1, 1, 40), [-1.2, 1.2], [] if period else [-3.0, 40.0, 1e6]))
+    panels = panels_of(of, -1.0, 1.0)
+    found = panels.at(Spread.of(panels, x), panels.moments(Spread.of(panels, xi), weights), potential)
+    function = of.regular_potential if potential else of.regular
+    exact = function(x[:, None], xi)
+    size = np.abs(function(np.linspace(-2, 2, 4001)[:, None], np.zeros(1))).max()
+    assert found == pytest.approx(exact @ weights, rel=1e-13, abs=2e-14 * size * np.abs(weights).sum())
+
+
+def test_a_kernel_of_both_places_and_one_that_varies_over_too_little_have_none():
+    assert panels_of(kernel(0.8, 0.1, of_lag=False), -1.0, 1.0) is None
+    assert panels_of(kernel(0.8, 1e-4), -1.0, 1.0) is None
+    assert panels_of(sie.hilbert(PERIOD), -1.0, 1.0) is None  # it is known without
+
+
+@pytest.mark.parametrize("period", [None, PERIOD])
+@pytest.mark.parametrize("depth", [0.1, 1.0])
+def test_a_density_is_the_same_with_panels_and_without(depth, period):
+    zones, x = sie.Zones.of(FEW), np.array([-1.2, -0.7, 0.1, 0.32, 1.1])
+    one, other = (sie.solve_fixed(equation(kernel(0.8, depth, period, lag)), zones) for lag in (True, False))
+    size = np.abs(other.density.coefficients).max()
+    assert one.density.coefficients[:, :12] == pytest.approx(other.density.coefficients[:, :12], abs=1e-12 * size)
+    assert one.density.transform(x) == pytest.approx(other.density.transform(x), abs=1e-11 * size)
+    assert one.density.potential(x) == pytest.approx(other.density.potential(x), abs=1e-12 * size)
+    assert one.levels == pytest.approx(other.levels, abs=1e-12 * size)
+
+
+@pytest.mark.parametrize("period", [None, PERIOD])
+def test_jumps_and_modes_that_are_no_unknowns_are_seen_by_the_smooth_part(period):
+    # A kink in a zone, and a right side of many more modes than zones far apart have unknowns.
+    right = sie.Forcing(
+        lambda x: np.sign(x - 0.1) + np.cos(120 * x), lambda x: np.abs(x - 0.1) + np.sin(120 * x) / 120, np.array([0.1]), np.array([2.0])
+    )
+    conditions = (sie.Total(1.0), sie.EqualPotential())
+    zones, x = sie.Zones.of(FEW), np.linspace(-0.95, 0.95, 31)
+    state = sie.solve_fixed(sie.Equation(kernel(2.0, 0.1, period), right, conditions), zones)
+    inside = np.any((x[:, None] > FEW[:, 0]) & (x[:, None] < FEW[:, 1]), axis=1)
+    off = state.density.transform(x[inside]) - right.value(x[inside])
+    assert np.abs(off).max() < 1e-10 and np.ptp(state.levels) < 1e-11
+
+
+@pytest.mark.parametrize("period", [None, PERIOD])
+def test_a_mode_beyond_the_coupled_ones_acts_through_the_smooth_part(period):
+    # All of the density is T_40 / sqrt(1 - t^2), of no load: the few coupled modes have nothing that would ask for more of them.
+    zones = sie.Zones.of([[-0.3, 0.3]])
+    right = sie.Forcing(lambda x: np.sin(40 * np.arccos(x / 0.3)) / np.sqrt(1 - (x / 0.3) ** 2))
+    wanted = sie.Equation(kernel(2.0, 0.1, period), right, (sie.Total(0.0),))
+    sizes = fixed.first_sizes(wanted, zones)
+    sizes.own[:] = 64
+    state = sie.solve_fixed(wanted, zones, sizes=sizes)
+    x = 0.3 * np.linspace(-0.95, 0.95, 21)
+    assert np.abs(state.density.transform(x) - right.value(x)).max() < 1e-10
+
+
+@pytest.mark.parametrize("period", [None, PERIOD])
+def test_many_zones_are_summed_and_iterated_like_few(period, monkeypatch):
+    zones, x = sie.Zones.of(scattered(30)), np.linspace(-1.1, 1.1, 301)
+    direct = sie.solve_fixed(equation(kernel(0.8, 0.1, period)), zones)
+    assert not direct.iterated
+    monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 50)
+    by_sums = sie.solve_fixed(equation(kernel(0.8, 0.1, period)), zones)
+    assert by_sums.iterated
+    size = np.abs(direct.density.coefficients).max()
+    assert by_sums.density.coefficients[:, :8] == pytest.approx(direct.density.coefficients[:, :8], abs=1e-11 * size)
+    assert by_sums.levels == pytest.approx(direct.levels, abs=1e-12 * size)
+    assert by_sums.density.potential(x) == pytest.approx(direct.density.potential(x), abs=1e-12 * size)
+
+
+def test_a_kernel_is_asked_no_more_often_for_more_zones():
+    def counted(count):
+        of, places = kernel(0.8, 0.3), [0]
+        regular = of.regular
+
+        def value(x, xi):
+            places[0] += np.broadcast(x, xi).size
+            return regular(x, xi)
+
+        sie.solve_fixed(equation(replace(of, regular=value)), sie.Zones.of(scattered(count)))
+        return places[0]
+
+    asked = [counted(count) for count in (5, 40)]
+    assert asked[1] <= 2 * asked[0]
+
+
+@pytest.mark.parametrize("symmetric", [False, True])
+@pytest.mark.parametrize("depth", [0.05, 0.5])
+@pytest.mark.parametrize("of_lag", [True, False])
+@pytest.mark.parametrize("period", [None, PERIOD])
+def test_beside_a_slit_the_density_is_that_of_the_zones_by_themselves(period, of_lag, depth, symmetric):
+    right = sie.Forcing(lambda x: x, lambda x: 0.5 * x * x)
+    equation = sie.Equation(kernel(0.8, depth, period, of_lag), right, (sie.Total(1.0), sie.EqualPotential()))
+    zones = sie.Zones.of(np.array([[-0.8, -0.004], [0.004, 0.8]] if symmetric else [[-0.8, 0.01], [0.018, 0.7]]), symmetric=symmetric)
+    one, other = sie.solve_zones(equation, zones), sie.solve_fixed(equation, zones)
+    assert isinstance(one.density, sie.Pierced) and not isinstance(other.density, sie.Pierced)
+    t = np.linspace(-0.9, 0.9, 7)
+    for zone in (0, 1):
+        assert one.density.at_t(zone, t) == pytest.approx(other.density.at_t(zone, t), rel=1e-9)
+    assert np.array(one.density.intensities) == pytest.approx(np.array(other.density.intensities), rel=1e-7)
+    assert one.density_error < 1e-9
