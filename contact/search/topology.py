@@ -173,7 +173,7 @@ def _again(
     if newton.tolerance > TIGHT and _is_error(free, certificate):
         return ended, tighter
     if newton.near:
-        raise WrongTopology(f"there are other {form.what}s than these", free)
+        raise WrongTopology(certificate.note or f"there are other {form.what}s than these", free)
     table = form.corrected(free.density.zones, certificate)
     if any(same(ended, before) for at, before in tried if at == newton.tolerance):
         # To and fro between two numbers of intervals: the error of one of them, or rounding, makes its signs fail.
