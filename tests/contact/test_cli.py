@@ -109,8 +109,8 @@ class TestSolve:
     def test_a_progress_callable_reaches_the_solver(self, scene, monkeypatch):
         given = {}
 
-        def solve(problem, tol, progress):
-            given.update(tol=tol, progress=progress)
+        def solve(problem, tol, progress, branch):
+            given.update(tol=tol, progress=progress, branch=branch)
             return contact.solve(problem, tol=tol)
 
         monkeypatch.setattr(cli, "solve", solve)
