@@ -125,7 +125,7 @@ def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
 
 def is_symmetric(problem: Problem, table: Array) -> bool:
     """Whether half of the zones need solving: profile and zones mirror each other about the origin."""
-    if not problem.profile.symmetric or problem.units.origin != 0.0 or problem.centre != 0.0:
+    if not problem.profile.symmetric or problem.units.origin != 0.0 or problem.centre != 0.0 or problem.operator.own_columns:
         return False
     if problem.cell is not None and max(-table[0, 0], table[-1, 1]) >= 0.5 * problem.cell:
         return False
