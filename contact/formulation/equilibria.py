@@ -5,7 +5,7 @@ With r_i = K_i - K* at every end, K* < 0 of the law, an end is driven outward wh
 (pi/E*)(K_i^2 - K*^2) ds. Under a held load or approach the other ends only gain by it, d r_j/ds_i >= 0, since what an end pulls down
 comes nearer for the others. So the ends that are driven outward everywhere advance, together and without turning back, to the least
 equilibrium that holds them, and those that are driven inward everywhere recede to the greatest one within them: what a slowly changed
-control leads to, too (M. W. Hirsch, cooperative systems). Steps that keep to that are those of
+control leads to, too (cooperative systems: M. W. Hirsch, SIAM J. Math. Anal. 13, 1982, 167). Steps that keep to that are those of
 
     -J ds = r,   J = dr/ds,
 

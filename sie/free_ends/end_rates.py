@@ -31,7 +31,27 @@ class EndRates:
     """Derivatives by the outward motions of the free ends, (side, zone) each, side 0 left and 1 right; of a mirrored pair the one on
     the right stands for both. The values of the side conditions are held.
 
-    intensities: (ends, ends), of K at each by the motion of each. levels: (solved zones, ends).
+    Attributes
+    ----------
+    ends : list of (int, int)
+        Which ends these are.
+    intensities : (E, E) array
+        Of K at each by the motion of each.
+    levels : (Z, E) array
+        Of the levels of the solved zones; none where no condition speaks of levels.
+
+    Examples
+    --------
+    A punch under a held total, K = P/(pi sqrt(2 w)), is half as much wider as one end moves.
+
+    >>> import numpy as np
+    >>> import sie
+    >>> end = sie.free_with_intensity(-0.1)
+    >>> flat = sie.Forcing(np.zeros_like, np.zeros_like)
+    >>> equation = sie.Equation(sie.cauchy(), flat, (sie.Total(1.0),))
+    >>> rates = sie.end_rates(sie.solve_fixed(equation, sie.Zones.of([[-2.0, 2.0]], end, end)))
+    >>> bool(np.allclose(rates.intensities, -1 / (16 * np.pi)))
+    True
     """
 
     ends: list[tuple[int, int]]
@@ -40,7 +60,29 @@ class EndRates:
 
 
 def end_rates(state: State) -> EndRates:
-    """The rates at a state with singular ends allowed where they are free."""
+    """The rates at a state with singular ends allowed where they are free.
+
+    Parameters
+    ----------
+    state : State
+        A solution on zones with free ends.
+
+    Returns
+    -------
+    EndRates
+
+    Examples
+    --------
+    A crack that is opened evenly, K = sqrt(w/2), takes up half as much as one end moves.
+
+    >>> import numpy as np
+    >>> import sie
+    >>> end = sie.free_with_intensity(1.0)
+    >>> equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: -np.ones_like(x)), (sie.ZoneTotals(),))
+    >>> state = sie.solve_fixed(equation, sie.Zones.of([[-2.0, 2.0]], end, end))
+    >>> bool(np.allclose(np.abs(sie.end_rates(state).intensities).sum(axis=1), 0.25))
+    True
+    """
     system, zones, layout = state.system, state.density.zones, state.system.layout
     solved, count = zones.solved, len(zones)
     ends = free_ends(state)

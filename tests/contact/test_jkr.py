@@ -10,6 +10,7 @@ import pytest
 
 import contact
 from contact import exact, inverse
+from contact.formulation import equilibria
 from contact.reference.inverse.stability import second_variation
 from tests.tiers import quick
 
@@ -222,3 +223,13 @@ def test_a_scene_file_names_it(tmp_path):
     scene = contact.load_scene(path)
     assert scene.law == contact.JKR(1e-5)
     assert contact.solve(scene).load == pytest.approx(-5e-4, rel=1e-12)
+
+
+@pytest.mark.parametrize(("slopes", "after", "passed"), [((-1.0, 1.0), 0.1, True), ((0.0, 0.0), 0.1, False), ((-0.2, -0.2), -0.1, True)])
+def test_a_step_over_a_place_of_rest_is_noticed_by_its_ends_and_by_the_cubic_between_them(slopes, after, passed):
+    table, step = np.array([[-1.0, 1.0]]), np.full(2, 0.5)
+    here, ahead = (
+        equilibria.Point(table, 0.0, np.full(2, residual), slope * np.eye(2), np.ones(2), 0.0, 0.0)
+        for residual, slope in zip((0.1, after), slopes, strict=True)
+    )
+    assert equilibria._passed(here, ahead, step, 1.0).all() == passed

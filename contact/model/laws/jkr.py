@@ -20,9 +20,27 @@ from contact.model.registry import register_law
 @register_law("jkr")
 @dataclass(frozen=True)
 class JKR(Law):
-    """Adhesion without range by a work of adhesion [J/m^2]; see docs/adhesion.md.
+    """Adhesion without range by a work of adhesion; see docs/adhesion.md.
 
     The contact has several equilibria; `contact.solve(scene, branch="advancing" | "receding")` says which is meant.
+
+    Parameters
+    ----------
+    work : float
+        Work of adhesion, > 0 [J/m^2].
+
+    Examples
+    --------
+    A cylinder under no load, and where it comes off: at -3 (pi E* w^2 R/16)^(1/3).
+
+    >>> import contact
+    >>> import numpy as np
+    >>> scene = contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(), law=contact.JKR(0.05), load=0.0)
+    >>> solution = contact.solve(scene)
+    >>> bool(np.isclose(solution.pull_off.load, -3 * (np.pi * 1e9 * 0.05**2 * 1e-3 / 16) ** (1 / 3), rtol=1e-9))
+    True
+    >>> solution.certificate.stability > 0
+    True
     """
 
     work: float
