@@ -74,9 +74,33 @@ class Report:
 
 
 def check_profile(profile: Profile, window: tuple[float, float] | None = None, raises: bool = True) -> Report:
-    """Check a profile on `window`: left out, its support, extent, cell or a length among its fields.
+    """Check what a profile says of itself against its height.
 
-    Raises ProfileFault if anything is wrong, or returns the report either way with raises=False.
+    Parameters
+    ----------
+    profile : Profile
+        The profile.
+    window : (float, float) or None
+        Where to look [m]; None: its support, extent, cell or a length among its fields.
+    raises : bool
+        Whether a fault is raised, or only reported.
+
+    Returns
+    -------
+    Report
+        What was checked, what is wrong, and what could be better.
+
+    Raises
+    ------
+    ProfileFault
+        If anything is wrong; it carries the report.
+
+    Examples
+    --------
+    >>> import contact
+    >>> from contact.testing import check_profile
+    >>> check_profile(contact.Sinusoid(1e-6, 1e-4)).ok
+    True
     """
     checked: list[str] = []
     faults: list[str] = []
@@ -111,7 +135,29 @@ def check_profile(profile: Profile, window: tuple[float, float] | None = None, r
 def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
     """Check a substrate: that its symbol is one of an elastic body, and that scenes can hold and compare it.
 
-    Raises SubstrateFault if anything is wrong, or returns the report either way with raises=False.
+    Parameters
+    ----------
+    substrate : Substrate
+        The body.
+    raises : bool
+        Whether a fault is raised, or only reported.
+
+    Returns
+    -------
+    Report
+        What was checked, what is wrong, and what could be better.
+
+    Raises
+    ------
+    SubstrateFault
+        If anything is wrong; it carries the report.
+
+    Examples
+    --------
+    >>> import contact
+    >>> from contact.testing import check_substrate
+    >>> check_substrate(contact.Layer(thickness=1e-3, nu=0.3)).ok
+    True
     """
     faults: list[str] = []
     notes: list[str] = []

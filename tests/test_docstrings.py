@@ -10,13 +10,19 @@ from typing import Any
 import pytest
 
 import contact
+import contact.testing
 import sie
+from contact import axisymmetric
 
 NAMES = {
     f"{package.__name__}.{name}": getattr(package, name)
     for package in (contact, sie)
     for name in package.__all__
     if inspect.isclass(getattr(package, name)) or inspect.isfunction(getattr(package, name))
+} | {
+    f"{module.__name__}.{name}": getattr(module, name)
+    for module, names in ((contact.testing, ("check_profile", "check_substrate")), (axisymmetric, ("solve_spot", "solve_levels")))
+    for name in names
 }
 # The density on zones with slits: made by the engine, and not told in full yet.
 LEFT = ("sie.Pierced",)

@@ -99,7 +99,40 @@ def solve_levels(
     rings: float = 0,
     tol: float = 1e-10,
 ) -> LevelsSolution:
-    """Which levels touch at a nominal pressure [Pa] or an approach [m], and their spots."""
+    """Which levels touch at a nominal pressure [Pa] or an approach [m], and their spots.
+
+    Parameters
+    ----------
+    levels : sequence of Level
+        Shape, depth of the tips below the highest, and sites of each.
+    E_star : float
+        Reduced modulus [Pa].
+    lattice : Lattice or None
+        What the sites repeat with.
+    nominal_pressure, approach : float or None
+        The control, one of them.
+    rings : float
+        Rings of neighbours kept in their places, up to inf; 0: the first step of the localization.
+    tol : float
+        Largest relative error of the solution of that model.
+
+    Returns
+    -------
+    LevelsSolution
+
+    Raises
+    ------
+    SceneError, OutOfRange, NotConverged
+        If the input is bad, no spots answer the control, or the tolerance was not met.
+
+    Examples
+    --------
+    >>> from contact.axisymmetric import Level, Sphere, Square, solve_levels
+    >>> levels = [Level(Sphere(1e-3), sites=[(0, 0)]), Level(Sphere(1e-3), depth=1e-6, sites=[(0.5, 0.5)])]
+    >>> found = solve_levels(levels, 1e11, Square(1e-4), nominal_pressure=1e5)
+    >>> [spot is not None for spot in found.spots]
+    [True, False]
+    """
     E, tol = positive("E_star", E_star), positive("tol", tol)
     name, value = one_control(nominal_pressure=nominal_pressure, approach=approach)
     kinds, around, kept = _system(levels, lattice, rings)

@@ -41,7 +41,38 @@ def solve_spot(
 ) -> Spot:
     """The spot under a load per spot [N], a nominal pressure [Pa] or of a given radius [m]: exactly one of them.
 
-    `profile` is an axisymmetric profile or a callable f(r); without a lattice the spot is alone.
+    Parameters
+    ----------
+    profile : AxisymmetricProfile or callable
+        The shape, such as `Sphere(radius)`, or f(r) [m].
+    E_star : float
+        Reduced modulus [Pa].
+    lattice : Lattice or Density or None
+        Where the other spots are; None: the spot is alone.
+    load, nominal_pressure, spot_radius : float or None
+        The control.
+    rings : float
+        Rings of neighbours kept in their places, up to inf; 0: the first step of the localization.
+    tol : float
+        Largest relative error of the solution of that model.
+
+    Returns
+    -------
+    Spot
+
+    Raises
+    ------
+    SceneError, OutOfRange, NotConverged
+        If the input is bad, no spot answers the control, or the tolerance was not met.
+
+    Examples
+    --------
+    Hertz: a^3 = 3 P R / (4 E*) (K. L. Johnson, Contact Mechanics, 1985, doi 10.1017/CBO9781139171731, section 4.2).
+
+    >>> from contact.axisymmetric import Sphere, solve_spot
+    >>> spot = solve_spot(Sphere(radius=1e-3), 1e11, load=1.0)
+    >>> round(spot.radius**3 / (0.75 * 1e-3 / 1e11), 9)
+    1.0
     """
     shape, E = as_profile(profile), positive("E_star", E_star)
     place = as_lattice(lattice)

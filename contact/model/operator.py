@@ -189,7 +189,7 @@ class Operator(sie.Kept):
         beyond = BeyondStrip(
             0.5 * (2 * interaction.neighbours + 1) * period, period, centre, self.smooth_part, unit, self.compression
         )
-        return (sie.Forcing(beyond.slope, beyond.height),)
+        return (sie.Forcing(beyond.slope, beyond.height, between=True),)
 
     # For grids --------------------------------------------------------------------------------------------------------
     def multiplier(self, q: Array) -> Array:

@@ -196,8 +196,8 @@ class State(Kept):
         """The unknowns of `response`, to be put into rows of the system."""
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
-        solver = self.solver
-        return self.folding.unfold(solver(right, None, tolerance) if isinstance(solver, Iterative) else solver(right))
+        iteration = self.iteration
+        return self.folding.unfold(self.solver(right) if iteration is None else iteration(right, None, tolerance))
 
     def with_value(self, condition: int, change: float) -> State:
         """The state after the value of one side condition has changed."""
@@ -244,6 +244,15 @@ class State(Kept):
         """The solver, where it has a matrix."""
         return self.solver if isinstance(self.solver, Factored) else None
 
+    @property
+    def iteration(self) -> Iterative | None:
+        """The solver, where it iterates."""
+        return self.solver if isinstance(self.solver, Iterative) else None
+
+    def wide_of(self, zones: Index) -> tuple[State, Index]:
+        """The state without slits, and the places of zones among its own."""
+        return self, zones
+
     @cached_property
     def intensity_noise(self) -> Array:
         """Rounding of K at the left and right ends (2, Z)."""
@@ -272,7 +281,7 @@ class State(Kept):
     @property
     def iterated(self) -> bool:
         """Whether the unknowns come from an iteration, to its tolerance."""
-        return isinstance(self.solver, Iterative)
+        return self.iteration is not None
 
     def _homogeneous_density(self, y: Array) -> Density:
         layout = self.system.layout

@@ -60,8 +60,8 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
     ends = {*zones.left, *zones.right}
     if len(zones.solved) < 2:
         return "one zone is too few"
-    if any(column.modes is None for column in equation.columns) or not reaches(equation.kernel, zones):
-        return "the kernel or a column is too general"
+    if not reaches(equation.kernel, zones):
+        return "the kernel is too general"
     if any(end.intensity not in (None, 0.0) for end in ends):
         return "no intensities may be prescribed"
     per_zone = [c for c in equation.conditions if for_every_zone(c) is not None]

@@ -61,6 +61,8 @@ class Forcing(Kept):
         A quadratic spline with the breaks of order 2, where it is known: of very many it keeps the digits.
     modes : int or None
         Of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
+    between : bool
+        Of a column, whether it is as smooth between the intervals as on them: then narrow gaps are taken as slits beside it too.
     resolution : float or None
         Smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones are many: they keep
         digits that the primitive has lost.
@@ -92,6 +94,7 @@ class Forcing(Kept):
     break_orders: NDArray[np.intp] | None = None
     spline: Function | None = None
     modes: int | None = None
+    between: bool = False
     resolution: float | None = None
     placed: Function | None = None
 

@@ -268,7 +268,7 @@ def _safe_slopes(density: AnyDensity, natural: Array, signs: tuple[float, float]
 def _corners(state: AnyState) -> Array:
     """Distance of a corner from each end (2, Z), within the zone or beyond: over it the density changes; infinite without one."""
     equation, zones = state.equation, state.density.zones
-    if not isinstance(state, State) or len(equation.forcing.kinks[0]) == 0:
+    if state.density.slits or len(equation.forcing.kinks[0]) == 0:
         return np.full((2, len(zones)), np.inf)
     return corner_distances(equation.forcing, zones, equation.kernel.period)
 
@@ -279,11 +279,12 @@ def _of_places(state: AnyState, corners: Array) -> Array:
     not count, since the ends' distances from these are known."""
     zones = state.density.zones
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
-    if not isinstance(state, State) or not np.isfinite(corners).any():
+    if state.density.slits or not np.isfinite(corners).any():
         return rounding
     # An end at a corner, as far as positions tell, is known by its distance from there.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
-    cornered, g = state.density.steps.kinked, state.system.g
+    whole = state.wide_of(np.arange(len(zones)))[0]
+    cornered, g = whole.density.steps.kinked, whole.system.g
     smooth = _SMOOTH * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
     known = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
     rounding[:, cornered] *= known[:, cornered]
@@ -342,8 +343,8 @@ def _newton(
     noise_k = state.intensity_noise
     residual = np.where(moves, k - target, 0.0)
     if prescribed:
-        assert isinstance(state, State)  # no holes where intensities are prescribed
-        delta, noise, change, growth = _full_newton(equation, state, moves, residual, noise_k, unit, sizes, tolerance, side)
+        whole = state.wide_of(np.arange(len(w)))[0]  # no slits where intensities are prescribed
+        delta, noise, change, growth = _full_newton(equation, whole, moves, residual, noise_k, unit, sizes, tolerance, side)
         return Motion(moves, delta, noise, change, True, Turn(float(np.abs(residual).max()), growth))
     safe, weak = _safe_slopes(density, natural, signs)
     delta = np.where(moves, 2 * residual / safe, 0.0)

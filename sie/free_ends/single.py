@@ -24,11 +24,10 @@ from numpy.typing import NDArray
 from sie.basis import chebyshev
 from sie.basis.zones import Zones
 from sie.collocation import modes
-from sie.collocation.fixed import State
 from sie.collocation.neighbours import conformal_radius
 from sie.density.density import Density
 from sie.jumps.forcing import Steps
-from sie.slits.system import AnyState, PiercedState
+from sie.slits.system import AnyState
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -57,17 +56,12 @@ def far_off(state: AnyState, moves: NDArray[np.bool_], delta: Array) -> Index:
     off = (np.abs(delta) > FAR_OFF * width).any(axis=0)
     if not off.any() or np.count_nonzero(off) > _FEW * len(zones):
         return np.zeros(0, dtype=np.intp)
-    whole, place = _whole(state, np.arange(len(zones)))
+    whole, place = state.wide_of(np.arange(len(zones)))
     alone = (np.minimum(*modes.gaps(zones, kernel)) > width) & (width < 0.5 * kernel.datum)
     alone &= np.bincount(place)[place] == 1
     smooth = whole.sizes.own <= _NODES
     smooth[list(whole.density.steps.kinked)] = False
     return np.flatnonzero(off & alone & smooth[place] & moves.all(axis=0))
-
-
-def _whole(state: AnyState, zones: Index) -> tuple[State, Index]:
-    """The state of wide zones and the places of zones among them, narrow gaps being holes of wide zones."""
-    return (state.wide, state.cut.piece_zone[zones]) if isinstance(state, PiercedState) else (state, zones)
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +74,7 @@ class Field:
 
     @classmethod
     def of(cls, state: AnyState, chosen: Index) -> Field:
-        zones, (whole, place) = state.density.zones, _whole(state, chosen)
+        zones, (whole, place) = state.density.zones, state.wide_of(chosen)
         c = np.zeros((len(chosen), _FIELD + 1))
         for table in (whole.density.coefficients, whole.system.g):
             count = min(_FIELD + 1, table.shape[1])
@@ -108,7 +102,7 @@ class Moving:
         reach = np.maximum(_HALVES * field.half, _WAVE * (self.equation.forcing.resolution or 0.0))
         self.lowest = np.maximum(zones.a[chosen] - _INTO_GAP * left_gap, field.middle - reach)
         self.highest = np.minimum(zones.b[chosen] + _INTO_GAP * right_gap, field.middle + reach)
-        whole, place = _whole(state, chosen)
+        whole, place = state.wide_of(chosen)
         self.total = whole.density.totals[place] / np.pi
         # Level plus the mean of the primitive of h, and the zones and coefficients to which it belongs.
         self.level = self.total * self._log(field.half)

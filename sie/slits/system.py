@@ -30,7 +30,6 @@ from sie.collocation.fixed import (
     residual_error,
     solve_fixed,
 )
-from sie.collocation.iterative import Iterative
 from sie.density.density import Density
 from sie.equation.conditions import Linear, asked
 from sie.equation.equation import Equation
@@ -111,7 +110,7 @@ class Release(Kept):
     def __init__(self, cut: Cut, base: State, linear: float) -> None:
         self.cut, self.base, self.system = cut, base, base.system
         # Solutions with a matrix at hand are as tight as rounding allows, at no cost.
-        self.linear = linear if isinstance(base.solver, Iterative) else 0.0
+        self.linear = linear if base.iterated else 0.0
         system = self.system
         modes = base.sizes.own[: len(cut.wide)]
         self.holes = tuple(
@@ -161,12 +160,13 @@ class Release(Kept):
         """
         solver, homogeneous = self.base.solver, values is not None
         right_side = self._first(values)
-        if isinstance(solver, Iterative):
+        iteration = self.base.iteration
+        if iteration is not None:
             # The holes' answer is part of the rows: what is iterated on is both at once.
             nothing = tuple(np.zeros(here.offset[-1]) for here in self.holes)
             given = nothing if homogeneous else tuple(one for _, one in self._answers)
             near = None if homogeneous else self.base.folded_unknowns
-            folded = solver(
+            folded = iteration(
                 right_side + self._right(given, homogeneous), near, max(self.linear, loose),
                 lambda y: self._right(self._series(y, True), True),
             )
@@ -212,7 +212,7 @@ class Release(Kept):
         """The right side without holes; for a matrix only that of values, its solution of the equation being at hand."""
         solver = self.base.solver
         if values is None:
-            return solver.right() if isinstance(solver, Iterative) else np.zeros(0)
+            return np.zeros(0) if self.base.iteration is None else self.base.iteration.right()
         right = np.zeros(solver.size)
         right[self.base.conditions_from :] = values / self.base.condition_scale
         return right
@@ -261,7 +261,7 @@ class Release(Kept):
         within = np.arange(count) <= system.layout.m[:, None]
         smooth = replace(whole, coefficients=np.where(within, table - s, table))
         whole = replace(whole, coefficients=np.where(within, table, table + s))
-        left_over = base.solver.error if isinstance(base.solver, Iterative) else base.linear_error
+        left_over = base.linear_error if base.iteration is None else base.iteration.error
         state = replace(base, folded_unknowns=folded, unknowns=y, density=whole, linear_error=left_over)
         return state, Pierced(self.cut, smooth, whole, self.holes, d, forced=not homogeneous)
 
@@ -315,6 +315,10 @@ class PiercedState(Kept):
     @property
     def coupled(self) -> int:
         return self.wide.coupled
+
+    def wide_of(self, zones: Index) -> tuple[State, Index]:
+        """The state of the wide zones, and the places of zones among these."""
+        return self.wide, self.cut.piece_zone[zones]
 
     @property
     def unresolved(self) -> bool:
@@ -515,10 +519,10 @@ def solve_zones(
             folded, series, rest = release.solve()
         except HolesUnsettled:
             return solve_fixed(equation, zones, tolerance, sizes)
-        if isinstance(state.solver, Iterative):
-            more = state.solver.iterations - (inner.iterations - before)
+        if state.iteration is not None:
+            more = state.iteration.iterations - (inner.iterations - before)
             inner.iterations += more
-            inner.kernel_evaluations += more * state.solver.system.sums.size
+            inner.kernel_evaluations += more * state.iteration.system.sums.size
         wide, density = release.density(folded, series)
         # What the slits do through a smooth part of the kernel may take more modes than there are.
         least = more_modes(wide, release.tails(wide, series), tolerance)

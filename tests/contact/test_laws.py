@@ -50,20 +50,6 @@ def test_it_is_made_by_name_and_listed(registered):
         contact.law("frictionles")
 
 
-def test_an_installed_package_brings_it(monkeypatch):
-    class Point:
-        name = "installed"
-
-        @staticmethod
-        def load():
-            return Glued
-
-    fresh = registry.Registry("law", "contact.laws", ("intensity",))
-    monkeypatch.setattr(registry, "entry_points", lambda group: [Point] if group == "contact.laws" else [])
-    assert fresh.find("installed") is Glued
-    Glued.name = "glued"
-
-
 def test_a_scene_file_says_it(registered, tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(

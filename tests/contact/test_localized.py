@@ -232,3 +232,12 @@ class TestFirstOrderSearch:
     def test_a_zone_that_is_led_over_the_border_of_its_strip_is_refused_by_name(self):
         with pytest.raises(contact.OutOfRange, match="first-order closure"):
             contact.solve(random_scenes.draw(11348).scene)
+
+    @pytest.mark.slow
+    def test_a_strip_with_very_many_zones_is_solved_by_fast_sums(self):
+        rng = np.random.default_rng(5)
+        trace = contact.Sampled(np.arange(600.0), 1e-3 * rng.normal(size=600), period=600.0)
+        full = contact.solve(contact.Scene(trace, 1.0, contact.Periodic(), contact_fraction=1.0)).load
+        solution = contact.solve(contact.Scene(trace, 1.0, contact.Localized("self-consistent", 0), load=0.05 * full), tol=1e-6)
+        assert solution.certificate.holds and len(solution.zones) > 60
+        assert solution.plan["fast sums"].used

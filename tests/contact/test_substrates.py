@@ -192,19 +192,6 @@ class TestByItsName:
         with pytest.raises(contact.SceneError, match=r"\[substrate\] model = 'tset-soft' is not known \(did you mean 'test-soft'"):
             contact.load_scene(path)
 
-    def test_an_installed_package_brings_it(self, monkeypatch):
-        class Point:
-            name = "installed"
-
-            @staticmethod
-            def load():
-                return Soft
-
-        fresh = registry.Registry("substrate", "contact.substrates", ("symbol",))
-        monkeypatch.setattr(registry, "entry_points", lambda group: [Point] if group == "contact.substrates" else [])
-        assert fresh.find("installed") is Soft
-        Soft.name = "soft"
-
 
 def body(symbol, compression=None):
     """A substrate with this symbol(q)."""
