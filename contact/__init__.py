@@ -46,5 +46,6 @@ __all__ = [
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",
     "Sinusoid", "Solution", "Substrate", "Wedge", "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",
-    "profiles", "read_trace", "register_interaction", "register_law", "register_profile", "register_substrate", "self_affine", "solve", "substrate", "substrates",
+    "profiles", "read_trace", "register_interaction", "register_law", "register_profile", "register_substrate", "self_affine",
+    "solve", "substrate", "substrates",
 ]

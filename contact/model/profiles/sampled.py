@@ -60,8 +60,8 @@ def read_trace(
     Parameters
     ----------
     path : str or path
-        Name of the file. Endings such as x3p, sur, opd, plu, OPDx or gwy are read by the extra `instruments`; all others are text, in UTF-8,
-        UTF-16 or Latin-1, also under gzip.
+        Name of the file. Endings such as x3p, sur, opd, plu, OPDx or gwy are read by the extra `instruments`; all others are text, in
+        UTF-8, UTF-16 or Latin-1, also under gzip.
     columns : sequence of int or str
         Columns of positions and heights, from 0 or by name; may be left out where no others hold numbers.
     units : str or two of them, or None
@@ -144,7 +144,8 @@ class Sampled(Profile):
     A last point one period after the first is accepted if it repeats the first height, and dropped. Without a
     period the profile is known between its first and last point only (`extent`): outside it is nan. The
     parameter `height` is kept as `heights` because `height(x)` is f for every profile; `history` says what
-    was done to a file's points on the way, `warnings` what is doubtful about them. `contact.read_trace` (and `Sampled.from_file`) reads a file.
+    was done to a file's points on the way, `warnings` what is doubtful about them.
+    `contact.read_trace` (and `Sampled.from_file`) reads a file.
 
     Parameters
     ----------

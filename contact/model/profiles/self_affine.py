@@ -28,8 +28,8 @@ def self_affine(
 ) -> Fourier:
     """A random rough profile: amplitudes k^-(H + 1/2), level beyond the roll-off, phases drawn evenly, scaled to an rms slope.
 
-    The power spectrum of the line falls as q^-(1 + 2H). Only phases are random, so that every seed has the same spectrum, rms height and rms slope; a shorter `shortest` with the same seed adds waves and
-    leaves the phases of the others.
+    The power spectrum of the line falls as q^-(1 + 2H). Only phases are random: every seed has the same spectrum, rms height and rms
+    slope. A shorter `shortest` with the same seed adds waves and leaves the phases of the others as they are.
 
     Parameters
     ----------

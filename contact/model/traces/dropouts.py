@@ -19,7 +19,8 @@ FILLS = ("linear", "drop")
 FEWEST = 4
 # What stands in a file where nothing was measured, in any case; so does an empty cell.
 WORDS = (
-    "", "nan", "-nan", "nan(ind)", "inf", "-inf", "n/a", "na", "null", "none", "bad", "invalid", "missing", "-", "--", "---", "*", "**", "***",
+    "", "nan", "-nan", "nan(ind)", "inf", "-inf", "n/a", "na", "null", "none", "bad", "invalid", "missing", "-", "--", "---",
+    "*", "**", "***",
 )  # fmt: skip
 # A larger part of heights that were not measured is warned about.
 _MANY = 0.1
@@ -75,7 +76,7 @@ def too_many(height: Array) -> bool:
 def in_order(
     path: str | Path, x: Array, height: Array, lines: NDArray[np.int64], sort: bool = False
 ) -> tuple[Array, Array, NDArray[np.int64], str]:
-    """The points by increasing position, and a sentence on what was done. What descends throughout is turned round; else sort must say so."""
+    """The points by increasing position, and a sentence on what was done. What descends is turned round; else sort must say so."""
     if not np.isfinite(x).all():
         raise at(path, lines[int(np.flatnonzero(~np.isfinite(x))[0])], "the position is not finite: cut such rows")
     if not np.ptp(x) > 0:

@@ -1,7 +1,7 @@
 """Gaussian profile filters (ISO 16610-21): waves longer than a cut-off kept, and by their difference the shorter ones.
 
-The weight is s(t) = exp(-pi (t/(alpha lambda))^2)/(alpha lambda) with alpha = sqrt(ln 2/pi) = 0.4697, which lets a wave of the length lambda
-through by half: a wave of the length l by exp(-pi (alpha lambda/l)^2). Near the ends, where a part of the weights would fall beyond the
+The weight is s(t) = exp(-pi (t/(alpha lambda))^2)/(alpha lambda) with alpha = sqrt(ln 2/pi) = 0.4697, which lets a wave of length lambda
+through by half: one of the length l by exp(-pi (alpha lambda/l)^2). Near the ends, where a part of the weights would fall beyond the
 trace, the height is that of the straight line fitted with the weights that are left (ISO 16610-28): lines stay lines up to the ends.
 """
 

@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 # Endings of formats that the package reads, but those of tables of text.
 FORMATS = (
     "x3p", "sur", "pro", "sdf", "spm", "mdt", "opd", "opdx", "ibw", "mi", "datx", "tif", "tiff", "tmd", "vk3", "vk4", "vk6", "vk7", "zmg",
-    "zon", "os3d", "al3d", "ezd", "nid", "bcr", "bcrf", "dat", "gwy", "plu", "apx", "frt", "lext", "oir", "poir", "cur", "stp", "tom", "top",
-    "plux", "jpk", "mnt", "qep", "nms", "mat",
+    "zon", "os3d", "al3d", "ezd", "nid", "bcr", "bcrf", "dat", "gwy", "plu", "apx", "frt", "lext", "oir", "poir", "cur", "stp", "tom",
+    "top", "plux", "jpk", "mnt", "qep", "nms", "mat",
 )  # fmt: skip
 # Those that may be text throughout and are no table.
 _OF_TEXT = ("sdf", "bcr", "bcrf")
@@ -104,7 +104,7 @@ def _of_map(heights: Array, sizes: tuple[float, float], line: Any, along: Any) -
         return _between(heights, dx, dy, line)
     direction = one_of("along", "x" if along is None else along, ALONG)
     most = ny if direction == "x" else nx
-    allowed = f"the number of a line along {direction}, 0 to {most - 1}, or two points [[x, y], [x, y]] [m]: the file is a map of {nx} x {ny}"
+    allowed = f"the number of a line along {direction}, 0 to {most - 1}, or two points [[x, y], [x, y]] [m]; the map is {nx} x {ny}"
     if line is None or isinstance(line, (str, bool, float)) or integer("line", line) >= most:
         raise SceneError.of("line", line, allowed)
     if direction == "x":
@@ -118,7 +118,7 @@ def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Ar
     nx, ny = heights.shape
     far = np.array([(nx - 1) * dx, (ny - 1) * dy])
     if ends.shape != (2, 2) or np.any(ends < 0) or np.any(ends > far * (1 + 1e-12)) or np.array_equal(*ends):
-        raise SceneError.of("line", line, f"two different points [[x, y], [x, y]] within {far[0]:.6g} and {far[1]:.6g} m of the map")
+        raise SceneError.of("line", line, f"two different points [[x, y], [x, y]] within 0 to {far[0]:.6g} and 0 to {far[1]:.6g} m")
     length = float(np.hypot(*(ends[1] - ends[0])))
     count = max(4, int(round(length / min(dx, dy))) + 1)
     points = ends[0] + np.linspace(0, 1, count)[:, None] * (ends[1] - ends[0])

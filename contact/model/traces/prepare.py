@@ -260,7 +260,7 @@ def _degree(detrend: Any) -> int:
     if isinstance(detrend, str):
         return _TRENDS[one_of("detrend", detrend, _TRENDS)]
     allowed = f"none, line, quadratic, or the degree of a polynomial, 0 to {_HIGHEST_TREND}"
-    if isinstance(detrend, bool) or not isinstance(detrend, Integral) or not 0 <= detrend <= _HIGHEST_TREND:
+    if isinstance(detrend, bool) or not isinstance(detrend, Integral) or not 0 <= int(detrend) <= _HIGHEST_TREND:
         raise SceneError.of("detrend", detrend, allowed)
     return int(detrend)
 
