@@ -59,7 +59,7 @@ KEYS: dict[str, tuple[Callable[[str], Any], str, str]] = {
     "pitch": (_number, "M", "Distance of the points [m], of a file of heights alone."),
     "decimal": (str, "MARK", "Decimal mark: . or ,"),
     "delimiter": (str, "MARK", "Between columns: ; , tab or blank."),
-    "channel": (str, "NAME", "Channel of an instrument's file."),
+    "channel": (_number, "NAME|N", "Channel of an instrument's file."),
     "line": (_line, "N|X,Y,X,Y", "Line of a map: its number, or from a point to a point [m]."),
     "along": (str, "x|y", "Direction of a numbered line."),
     "missing": (_number, "MARK", "What stands in the file for a missing height."),

@@ -48,7 +48,7 @@ def read_trace(
     sort: bool = False,
     lambda_s: float | None = None,
     lambda_c: float | None = None,
-    channel: str | None = None,
+    channel: str | int | None = None,
     line: int | Sequence[Sequence[float]] | None = None,
     along: str | None = None,
 ) -> Sampled:
@@ -86,8 +86,8 @@ def read_trace(
         Whether points out of order are sorted by position; positions that descend throughout are turned round without it.
     lambda_s, lambda_c : float or None
         Cut-offs of Gaussian filters [m] (ISO 16610-21): shorter waves than lambda_s, and longer ones than lambda_c, are filtered out.
-    channel : str or None
-        Name of the channel of heights, where an instrument's file has several.
+    channel : str, int or None
+        Name of the channel, or its number from 0 among those of heights, where an instrument's file has several.
     line : int, or two points, or None
         The line of a map: its number from 0, or [[x, y], [x, y]] [m] from where to where.
     along : str or None

@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 
 # Endings of formats that the package reads, but those of tables of text.
 FORMATS = (
-    "x3p", "sur", "pro", "sdf", "spm", "mdt", "opd", "opdx", "ibw", "mi", "datx", "tif", "tiff", "tmd", "vk3", "vk4", "vk6", "vk7", "zmg",
-    "zon", "os3d", "al3d", "ezd", "nid", "bcr", "bcrf", "dat", "gwy", "plu", "apx", "frt", "lext", "oir", "poir", "cur", "stp", "tom",
-    "top", "plux", "jpk", "mnt", "qep", "nms", "mat",
+    "x3p", "sur", "pro", "sdf", "di", "spm", "mdt", "opd", "opdx", "ibw", "mi", "datx", "tif", "tiff", "tmd", "vk3", "vk4", "vk6",
+    "vk7", "zmg", "zon", "os3d", "al3d", "ezd", "nid", "bcr", "bcrf", "dat", "gwy", "plu", "apx", "frt", "lext", "oir", "poir",
+    "cur", "stp", "tom", "top", "plux", "jpk", "mnt", "qep", "nms", "mat",
 )  # fmt: skip
 # Those that may be text throughout and are no table.
 _OF_TEXT = ("sdf", "bcr", "bcrf")
@@ -76,16 +76,20 @@ def read_instrument(path: str | Path, channel: Any = None, line: Any = None, alo
 
 
 def _channel(path: str | Path, reader: Any, names: list[str], channel: Any) -> Any:
-    """The channel of a name; without one the only one, or the file's own first choice where all but one are no heights."""
+    """The channel of a name or number; without one the only one of heights."""
+    told = ", ".join(f"{place} {name!r}" for place, name in enumerate(names)) or "none"
+    if channel is None and len(names) == 1:
+        channel = 0
     if channel is None:
-        if len(names) != 1:
-            what = f"it has {len(names)} channels of heights, {', '.join(map(repr, names))}: channel says which"
-            raise SceneError(f"file {str(path)!r}: {what if names else 'it has no channel of heights'}", "channel")
-        channel = names[0]
+        raise SceneError(f"file {str(path)!r}: its channels of heights are {told}: channel says which is meant", "channel")
+    if not isinstance(channel, str):
+        if integer("channel", channel) >= len(names):
+            raise SceneError.of("channel", channel, f"the number or name of one of heights: {told}")
+        return [c for c in reader.channels if c.is_height_channel][channel]
     one_of("channel", channel, names)
     found = [c for c in reader.channels if c.name == channel and c.is_height_channel]
     if len(found) > 1:
-        raise SceneError(f"file {str(path)!r}: {len(found)} channels are called {channel!r}: export the one that is meant", "channel")
+        raise SceneError.of("channel", channel, f"a number, as {len(found)} channels are called that: {told}")
     return found[0]
 
 

@@ -72,7 +72,7 @@ def load_trace(
     sort: bool = False,
     lambda_s: float | None = None,
     lambda_c: float | None = None,
-    channel: str | None = None,
+    channel: str | int | None = None,
     line: int | Sequence[Sequence[float]] | None = None,
     along: str | None = None,
 ) -> Trace:
@@ -151,7 +151,7 @@ def _instrument(path: str | Path, layout: dict[str, Any], place: dict[str, Any])
         if value is not None and not (name == "columns" and len(value) == 0):
             raise SceneError.of(name, value, "left out: an instrument's own format says it")
     x, height, said = read_instrument(path, **place)
-    return x, height, np.arange(1, x.size + 1), said
+    return x, height, np.zeros(x.size, dtype=np.int64), said
 
 
 def _refuse_repeated(path: str | Path, x: Array, lines: NDArray[np.int64]) -> None:

@@ -101,7 +101,7 @@ def power_spectrum(trace: Measured) -> tuple[Array, Array]:
     if n % 2 == 0:
         waves[-1] /= 2
     step = 2 * np.pi / length
-    return step * np.arange(1, waves.size), np.asarray(waves[1:] / step)
+    return np.asarray(step * np.arange(1, waves.size)), np.asarray(waves[1:] / step)
 
 
 def height_distribution(trace: Measured, bins: int | None = None) -> tuple[Array, Array]:

@@ -106,5 +106,6 @@ def _is_decimals(line: str) -> bool:
 
 
 def at(path: str | Path, line: int, what: str) -> SceneError:
-    """The error of one line of a file."""
-    return SceneError(f"file {str(path)!r}, line {int(line)}: {what}", "file", str(path))
+    """The error of one line of a file; 0 where it has no lines."""
+    place = f", line {int(line)}" if line else ""
+    return SceneError(f"file {str(path)!r}{place}: {what}", "file", str(path))
