@@ -136,7 +136,8 @@ def test_filters_are_one_line_each_in_a_scene(tmp_path: Path) -> None:
     [
         ({"lambda_c": 1.0}, "lambda_c = 1.0"), ({"lambda_s": 1e-9}, "lambda_s = 1e-09"),
         ({"lambda_c": 0.0}, "lambda_c = 0.0"),
-        ({"lambda_s": 9e-6, "lambda_c": 5e-6}, "below lambda_c"), ({"lambda_c": "long"}, "lambda_c = 'long'"), ({"fill": "zero"}, "fill = "),
+        ({"lambda_s": 9e-6, "lambda_c": 5e-6}, "below lambda_c"), ({"lambda_c": "long"}, "lambda_c = 'long'"),
+        ({"fill": "zero"}, "fill = "),
         ({"detrend": 13}, "detrend = 13"), ({"detrend": True}, "detrend = True"), ({"detrend": "cube"}, "detrend = 'cube'"),
         ({"missing": True}, "missing = True"), ({"missing": ""}, "missing = ''"),
         ({"channel": "Z"}, "channel = 'Z'"), ({"line": 3}, "line = 3"),
