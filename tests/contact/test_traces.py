@@ -82,6 +82,21 @@ def test_ends_without_heights_are_cut_off_and_not_made_up(tmp_path: Path) -> Non
     assert np.array_equal(read.x, X[2:-1]) and "3 at the ends cut off" in read.history[1]
 
 
+@pytest.mark.parametrize("mark", ["***", "", "nan", "-"])
+def test_heights_missing_from_the_first_row_on_are_no_header(tmp_path: Path, mark: str) -> None:
+    """Taken for one, they would hide the units."""
+    read = contact.read_trace(write(tmp_path, rows(with_holes(0, 1, 2, 3, mark=mark)), "x [um];z [nm]"), fill="drop")
+    assert read.x == pytest.approx(1e-6 * X[4:]) and "4 of 60" in read.history[1]
+    alone = write(tmp_path, with_holes(0, 1, 2, 3, mark="***"), "z [nm]")
+    assert "4 of 60" in contact.read_trace(alone, pitch=1e-6, fill="drop").history[1]
+
+
+def test_a_mark_that_is_not_named_is_warned_of(tmp_path: Path) -> None:
+    path = write(tmp_path, rows(with_holes(20, 21, mark="-32768")), "x [m];z [m]")
+    with pytest.warns(contact.ModelWarning, match="stands 2 times"):
+        contact.read_trace(path)
+
+
 def test_many_missing_heights_are_warned_of(tmp_path: Path) -> None:
     path = write(tmp_path, rows(with_holes(*range(20, 30))))
     with pytest.warns(contact.ModelWarning, match="more than a tenth"):

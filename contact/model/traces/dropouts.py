@@ -22,6 +22,8 @@ WORDS = (
     "", "nan", "-nan", "nan(ind)", "inf", "-inf", "n/a", "na", "null", "none", "bad", "invalid", "missing", "-", "--", "---",
     "*", "**", "***",
 )  # fmt: skip
+# A height whose distance from the others is so many times what they span is hardly one.
+_FAR = 100
 # A larger part of heights that were not measured is warned about.
 _MANY = 0.1
 
@@ -71,6 +73,16 @@ def filled(
 def too_many(height: Array) -> bool:
     """Whether so many heights are missing that much of the shape is made up."""
     return float(np.mean(~np.isfinite(height))) > _MANY
+
+
+def marks(height: Array) -> tuple[float, int] | None:
+    """The lowest or highest height and how often it occurs, where it is so far off that it may stand for none, as -32768 does."""
+    for value in (float(height.min()), float(height.max())):
+        others = height[height != value]
+        span = float(np.ptp(others)) if others.size else 0.0
+        if span > 0 and min(abs(value - float(others.min())), abs(value - float(others.max()))) > _FAR * span:
+            return value, height.size - others.size
+    return None
 
 
 def in_order(

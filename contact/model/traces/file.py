@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import nan
 from pathlib import Path
 from typing import Any
@@ -68,7 +68,8 @@ def read_table(
     rows = rows_of(path)
     quoted = any(_QUOTED.search(line) for _, line in rows)
     layouts = [Layout(delimiter, mark, quoted) for delimiter in between for mark in marks]
-    data = _data(path, rows, _find(path, rows, given or tuple(range(wanted)), layouts), layouts)
+    found = _with_dropouts(rows, _find(path, rows, given or tuple(range(wanted)), layouts), missing)
+    data = _data(path, rows, found, layouts)
     if decimal is None:
         refuse_unclear_commas(data)
     if not given:
@@ -169,6 +170,18 @@ def _first_of_two(rows: list[Row], start: int, layout: Layout, places: tuple[int
             return i - 1
         before = now
     return None
+
+
+def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
+    """The same, begun with the rows before that lack nothing but a height: they are data, and no header."""
+    *others, last = found.places
+    first = found.first
+    while first > 0:
+        cells = found.layout.cells(rows[first - 1][1])
+        if (others and found.layout.numbers(cells, others) is None) or not no_height(cells[last] if last < len(cells) else "", missing):
+            break
+        first -= 1
+    return replace(found, first=first)
 
 
 def _why_none(rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]) -> str:

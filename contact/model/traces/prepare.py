@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError
 from contact.model.checks import finite, integer, one_of, positive
-from contact.model.traces.dropouts import checked_fill, checked_sort, filled, in_order, too_many
+from contact.model.traces.dropouts import checked_fill, checked_sort, filled, in_order, marks, too_many
 from contact.model.traces.file import FEWEST, in_metres, read_table
 from contact.model.traces.filters import cut_offs, low_pass
 from contact.model.traces.instruments import is_instrument_file, read_instrument
@@ -99,7 +99,7 @@ def load_trace(
     done(note)
     many = too_many(height)
     x, height, lines, note = filled(path, x, height, lines, fill)
-    made_up = (f"{Path(path).name}: {note}, more than a tenth of them",) if many else ()
+    holes = _doubtful_heights(Path(path).name, height, note if many else "")
     done(note)
     if count is None:
         _refuse_repeated(path, x, lines)
@@ -126,7 +126,7 @@ def load_trace(
         length = _measured_length(x, height)
         history.append(f"period {length:.9g} m, the measured length")
     doubts = _doubts(Path(path).name, x, height, length, said)
-    return Trace(x, height, length, tuple(history), (*made_up, *doubts), tuple(stages))
+    return Trace(x, height, length, tuple(history), (*holes, *doubts), tuple(stages))
 
 
 def _table(path: str | Path, layout: dict[str, Any], place: dict[str, Any]) -> tuple[Array, Array, NDArray[np.int64], str]:
@@ -177,6 +177,16 @@ def read_columns(
     x, height, lines, _ = in_order(path, values[:, 0], values[:, 1], table.lines)
     filled(path, x, height, lines, None)
     return x, height, lines
+
+
+def _doubtful_heights(name: str, height: Array, many: str) -> tuple[str, ...]:
+    """What is doubtful about heights that are missing, or may be. many: how many are, if that is a large part."""
+    told = [f"{name}: {many}, more than a tenth of them"] if many else []
+    far = marks(height)
+    if far is not None:
+        what = f"{quantity(far[0], 'm')} stands {far[1]} times, far from all other heights: missing names what stands for no height"
+        told.append(f"{name}: a height of {what}")
+    return tuple(told)
 
 
 def _doubts(name: str, x: Array, height: Array, period: float | None, said: str) -> tuple[str, ...]:
