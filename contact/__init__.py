@@ -15,6 +15,8 @@ from contact.model.profiles import (
     Sampled,
     Sinusoid,
     Wedge,
+    read_trace,
+    self_affine,
 )
 from contact.model.registry import (
     interaction,
@@ -44,5 +46,6 @@ __all__ = [
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",
     "Sinusoid", "Solution", "Substrate", "Wedge", "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",
-    "profiles", "register_interaction", "register_law", "register_profile", "register_substrate", "solve", "substrate", "substrates",
+    "profiles", "read_trace", "register_interaction", "register_law", "register_profile", "register_substrate", "self_affine",
+    "solve", "substrate", "substrates",
 ]

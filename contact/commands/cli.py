@@ -1,4 +1,4 @@
-"""The command line: `contact solve | plan | compare | figures | bench | stability | profiles | interactions | substrates | laws`.
+"""The command line: `contact solve | plan | compare | trace | figures | bench | stability | profiles | interactions | substrates | laws`.
 
 Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but 0 stderr has one line, after a
 line for each warning.
@@ -11,7 +11,7 @@ import os
 import sys
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NoReturn
@@ -20,7 +20,9 @@ import click
 import numpy as np
 
 from contact import interrupts
-from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
+from contact.commands.outputs import checked, checked_figure
+from contact.commands.trace import show_profile, trace_command
+from contact.errors import ContactError, ModelWarning, NotConverged
 from contact.extras import require
 from contact.model.interactions.base import TURNING
 from contact.model.registry import interactions, laws, profiles, substrates
@@ -122,6 +124,7 @@ def solve_command(
     if as_json:
         click.echo(to_json(solution))
         return
+    show_profile(problem.profile)
     _show_solution(solution, seconds)
     for path in outputs:
         click.echo(f"written: {path}")
@@ -163,9 +166,10 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
     """Solve a SCENE as isolated, localized (with and without explicit neighbours) and exact contact, side by side."""
     problem = load_scene(scene)
     if figure is not None:
-        _checked_figure(figure)
+        checked_figure(figure)
     with Progress() as progress:
         attempts = compare(problem, tol, progress)
+    show_profile(problem.profile)
     show_table("models", ("", *(a.name for a in attempts)), table(attempts), numeric=range(1, len(attempts) + 1))
     for line in refusals(attempts):
         click.echo(line)
@@ -175,6 +179,9 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
     if figure is not None:
         plot_comparison(attempts).savefig(figure, dpi=200)
         click.echo(f"written: {figure}")
+
+
+main.add_command(trace_command)
 
 
 @main.command("figures")
@@ -266,28 +273,13 @@ def _outputs(save: Path | None, table: Path | None, figure: Path | None) -> dict
     """The files asked for and how each is written; what cannot be written is refused before anything is solved."""
     outputs: dict[Path, Write] = {}
     if save is not None:
-        outputs[_checked("--save", save, (".nc",))] = write_netcdf
+        outputs[checked("--save", save, (".nc",))] = write_netcdf
         require("xarray"), require("h5netcdf"), require("h5py")
     if table is not None:
-        outputs[_checked("--csv", table, (".csv",))] = write_csv
+        outputs[checked("--csv", table, (".csv",))] = write_csv
     if figure is not None:
-        outputs[_checked_figure(figure)] = _write_figure
+        outputs[checked_figure(figure)] = _write_figure
     return outputs
-
-
-def _checked_figure(path: Path) -> Path:
-    known = require("matplotlib.backends.backend_agg").FigureCanvasAgg.get_supported_filetypes()
-    return _checked("--plot", path, [f".{kind}" for kind in known])
-
-
-def _checked(option: str, path: Path, endings: Iterable[str]) -> Path:
-    if path.suffix.lower() not in endings:
-        raise SceneError.of(option, str(path), f"a file name that ends in {', '.join(sorted(endings))}")
-    if not path.parent.is_dir():
-        raise SceneError.of(option, str(path), "in a folder that exists")
-    if path.is_dir() or not os.access(path if path.exists() else path.parent, os.W_OK):
-        raise SceneError.of(option, str(path), "a file that may be written")
-    return path
 
 
 def _write_figure(solution: Answer, path: Path) -> None:

@@ -36,14 +36,8 @@ _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM
 
 
 def profile(kmax: int, seed: int = 0) -> contact.Fourier:
-    """Amplitudes k^-(H + 1/2), scaled to the rms slope; the period is 1 m."""
-    k = np.arange(FIRST, kmax + 1)
-    phase = np.random.default_rng(seed).uniform(0, 2 * np.pi, len(k))
-    amplitude = k ** -(HURST + 0.5)
-    amplitude *= SLOPE / np.sqrt(0.5 * np.sum((2 * np.pi * k * amplitude) ** 2))
-    cosine, sine = np.zeros(kmax), np.zeros(kmax)
-    cosine[FIRST - 1 :], sine[FIRST - 1 :] = amplitude * np.cos(phase), amplitude * np.sin(phase)
-    return contact.Fourier(1.0, cosine, sine)
+    """The period is 1 m."""
+    return contact.self_affine(hurst=HURST, period=1.0, shortest=1 / kmax, longest=1 / FIRST, rms_slope=SLOPE, seed=seed)
 
 
 def scene(kmax: int) -> contact.Scene:

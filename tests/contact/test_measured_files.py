@@ -158,8 +158,9 @@ def test_units_that_contradict_the_header_are_refused(tmp_path: Path, header: st
     [
         (table(",").replace("-0.500", "nan"), "line 3"),
         (table(",").replace("-0.500", "***"), "line 3"),
+        (table(",").replace("-0.500", "0.5 ?"), "no two numbers"),
         (table(",").replace("-0.500", ""), "line 3"),
-        ("\n".join(reversed(table(",").split())), "positions must increase"),
+        ("\n".join(table(",").split()[5:] + table(",").split()[:5]), "positions must increase or decrease throughout"),
         ("".join(f"{z},{x}\n" for x, z in zip(X, Z, strict=True)), "other way round"),
         ("".join(f"3.0,{z}\n" for z in Z), "all positions are"),
         (b"PK\x03\x04" + bytes(100), "spreadsheet"),

@@ -6,7 +6,8 @@ from contact.model.profiles.flat import Flat
 from contact.model.profiles.fourier import Fourier
 from contact.model.profiles.parabola import Parabola
 from contact.model.profiles.polynomial import Polynomial
-from contact.model.profiles.sampled import Sampled
+from contact.model.profiles.sampled import Sampled, read_trace
+from contact.model.profiles.self_affine import self_affine
 from contact.model.profiles.sinusoid import Sinusoid
 from contact.model.profiles.wedge import Wedge
 
@@ -20,4 +21,6 @@ __all__ = [
     "Sampled",
     "Sinusoid",
     "Wedge",
+    "read_trace",
+    "self_affine",
 ]

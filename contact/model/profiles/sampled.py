@@ -31,6 +31,111 @@ _SAME = 1e-9  # relative: positions and heights of a repeated end point that agr
 _ROUNDING = 4 * float(np.finfo(np.float64).eps)  # relative: heights this near one another are one height
 
 
+def read_trace(
+    path: str | Path,
+    columns: Sequence[int | str] = (),
+    units: str | Sequence[str] | None = None,
+    detrend: str | int = "none",
+    regrid: bool | int | None = None,
+    taper: float | None = None,
+    period: bool | float | None = None,
+    *,
+    pitch: float | None = None,
+    decimal: str | None = None,
+    delimiter: str | None = None,
+    fill: str | None = None,
+    missing: str | float | None = None,
+    sort: bool = False,
+    lambda_s: float | None = None,
+    lambda_c: float | None = None,
+    channel: str | int | None = None,
+    line: int | Sequence[Sequence[float]] | None = None,
+    along: str | None = None,
+) -> Sampled:
+    """A measured trace from a file, a table of text or an instrument's own format, prepared as asked.
+
+    The arguments are the keys of a scene's [profile] with a `file`. They act in this order: read, sort, fill, regrid, lambda_s, detrend,
+    lambda_c, taper, period; the profile's `history` says what was done. What a file can be read as in two ways is refused, with both.
+
+    Parameters
+    ----------
+    path : str or path
+        Name of the file. Endings such as x3p, sur, opd, plu, OPDx or gwy are read by the extra `instruments`; all others are text, in
+        UTF-8, UTF-16 or Latin-1, also under gzip.
+    columns : sequence of int or str
+        Columns of positions and heights, from 0 or by name; may be left out where no others hold numbers.
+    units : str or two of them, or None
+        m, cm, mm, um, nm, A, pm or in, of both or of positions and heights; None: the header's, else m.
+    detrend : str or int
+        "none", "line", "quadratic", or the degree of the least-squares polynomial that is subtracted (the form).
+    regrid : bool, int or None
+        Number of even positions; True: as many as there are points.
+    taper : float or None
+        Part of the length, at each end, over which heights are brought to one height.
+    period : bool, float or None
+        Length of the period [m]; True: the measured length; None: the trace just ends.
+    pitch : float or None
+        Distance of the points [m], of a file of heights alone.
+    decimal, delimiter : str or None
+        "." or ","; ";", ",", "tab" or "blank". None: found.
+    fill : str or None
+        What is done where a height is missing: "linear", straight lines; "drop", the points are left out; None: it is refused.
+    missing : str, float or None
+        What stands in the file for a missing height, besides empty cells, nan and the like.
+    sort : bool
+        Whether points out of order are sorted by position; positions that descend throughout are turned round without it.
+    lambda_s, lambda_c : float or None
+        Cut-offs of Gaussian filters [m] (ISO 16610-21): shorter waves than lambda_s, and longer ones than lambda_c, are filtered out.
+    channel : str, int or None
+        Name of the channel, or its number from 0 among those of heights, where an instrument's file has several.
+    line : int, or two points, or None
+        The line of a map: its number from 0, or [[x, y], [x, y]] [m] from where to where.
+    along : str or None
+        "x" (as if left out) or "y": the direction of a numbered line.
+
+    Returns
+    -------
+    Sampled
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read, in one way only, or an argument is wrong.
+    MissingExtra
+        If an instrument's own format needs the extra `instruments`.
+
+    Warns
+    -----
+    ModelWarning
+        If length, pitch or heights are not those of a surface, or more than a tenth of the heights is missing.
+
+    Examples
+    --------
+    >>> import contact, pathlib, tempfile
+    >>> text = "x [um];z [nm]\\n0,0;3,1\\n0,5;nan\\n1,0;5,3\\n1,5;4,2\\n2,0;2,0\\n"
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = pathlib.Path(folder) / "trace.csv"
+    ...     _ = file.write_text(text)
+    ...     trace = contact.read_trace(file, fill="linear")
+    >>> trace.heights.round(12).tolist()
+    [3.1e-09, 4.2e-09, 5.3e-09, 4.2e-09, 2e-09]
+    >>> trace.history[1]
+    '1 of 5 heights are missing; 1 in 1 gaps, the widest 1 µm, filled by straight lines'
+    """
+    trace = load_trace(
+        path, columns, units, detrend, regrid, taper, period, pitch=pitch, decimal=decimal, delimiter=delimiter, fill=fill, missing=missing,
+        sort=sort, lambda_s=lambda_s, lambda_c=lambda_c, channel=channel, line=line, along=along,
+    )  # fmt: skip
+    try:
+        made = Sampled(trace.x, trace.height, trace.period)
+    except SceneError as error:
+        raise SceneError(f"file {str(path)!r}: {error}", error.field, error.value, error.allowed) from error
+    object.__setattr__(made, "history", trace.history)
+    object.__setattr__(made, "warnings", trace.warnings)
+    warn(trace.warnings)
+    return made
+
+
 @register_profile("sampled")
 @dataclass(frozen=True, init=False, repr=False, eq=False)
 class Sampled(Profile):
@@ -39,7 +144,8 @@ class Sampled(Profile):
     A last point one period after the first is accepted if it repeats the first height, and dropped. Without a
     period the profile is known between its first and last point only (`extent`): outside it is nan. The
     parameter `height` is kept as `heights` because `height(x)` is f for every profile; `history` says what
-    was done to a file's points on the way, `warnings` what is doubtful about them. `Sampled.from_file` reads a text file.
+    was done to a file's points on the way, `warnings` what is doubtful about them.
+    `contact.read_trace` (and `Sampled.from_file`) reads a file.
 
     Parameters
     ----------
@@ -87,33 +193,7 @@ class Sampled(Profile):
         for name, value in (("x", points), ("heights", heights), ("period", length), ("history", ()), ("warnings", ())):
             object.__setattr__(self, name, value)
 
-    @classmethod
-    def from_file(
-        cls,
-        path: str | Path,
-        columns: Sequence[int | str] = (),
-        units: str | Sequence[str] | None = None,
-        detrend: str = "none",
-        regrid: bool | int | None = None,
-        taper: float | None = None,
-        period: bool | float | None = None,
-        *,
-        pitch: float | None = None,
-        decimal: str | None = None,
-        delimiter: str | None = None,
-    ) -> Sampled:
-        """The trace of a text file; contact.model.traces.prepare says what each argument does, and in which order."""
-        trace = load_trace(
-            path, columns, units, detrend, regrid, taper, period, pitch=pitch, decimal=decimal, delimiter=delimiter
-        )
-        try:
-            made = cls(trace.x, trace.height, trace.period)
-        except SceneError as error:
-            raise SceneError(f"file {str(path)!r}: {error}", error.field, error.value, error.allowed) from error
-        object.__setattr__(made, "history", trace.history)
-        object.__setattr__(made, "warnings", trace.warnings)
-        warn(trace.warnings)
-        return made
+    from_file = staticmethod(read_trace)
 
     @classmethod
     def from_table(cls, table: Mapping[str, Any], directory: str | Path = ".") -> Any:
@@ -123,11 +203,11 @@ class Sampled(Profile):
         if "file" not in table:
             return super().from_table(table, directory)
         rest = {key: value for key, value in table.items() if key != "file"}
-        known = ["file", *(k for k in inspect.signature(cls.from_file).parameters if k != "path")]
+        known = ["file", *(k for k in inspect.signature(read_trace).parameters if k != "path")]
         for key in rest:
             if key not in known:
                 raise SceneError.unknown("parameter of profile 'sampled' with a file", key, known)
-        return cls.from_file(Path(directory) / text("file", table["file"]), **rest)
+        return read_trace(Path(directory) / text("file", table["file"]), **rest)
 
     def __repr__(self) -> str:
         return (

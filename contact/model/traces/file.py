@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import isfinite
+from dataclasses import dataclass, replace
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError, shown
 from contact.model.checks import integer
+from contact.model.traces.dropouts import no_height
 from contact.model.traces.header import bare_name, header_fields, unit_of
 from contact.model.traces.readings import Data, refuse_unclear_columns, refuse_unclear_commas
 from contact.model.traces.text import Layout, Row, at, rows_of
@@ -54,25 +55,31 @@ class _Found:
 
 
 def read_table(
-    path: str | Path, columns: Any = (), decimal: Any = None, delimiter: Any = None, wanted: int = 2
+    path: str | Path, columns: Any = (), decimal: Any = None, delimiter: Any = None, wanted: int = 2, missing: Any = None
 ) -> Table:
     """The numbers of a file's `wanted` columns: 2, positions and heights, or 1, heights alone.
 
     The data begin with the first two rows in a run whose columns are numbers, and go on to the end of the file; empty lines and
     comments (#) are passed over. columns: indices from 0, or names of the header; left out, the file must have no more than these.
+    missing: what stands, besides the usual words, where there is no height; heights there are nan.
     """
     given = _columns(columns, wanted)
     between, marks = _asked(decimal, delimiter)
     rows = rows_of(path)
     quoted = any(_QUOTED.search(line) for _, line in rows)
     layouts = [Layout(delimiter, mark, quoted) for delimiter in between for mark in marks]
-    data = _data(path, rows, _find(path, rows, given or tuple(range(wanted)), layouts), layouts)
+    found = _with_dropouts(rows, _find(path, rows, given or tuple(range(wanted)), layouts), missing)
+    data = _data(path, rows, found, layouts)
     if decimal is None:
         refuse_unclear_commas(data)
     if not given:
         refuse_unclear_columns(data)
-    values = np.array([_numbers(data, i) for i in range(len(data.rows))])
+    values = np.array([_numbers(data, i, missing) for i in range(len(data.rows))])
+    if missing is not None and not isinstance(missing, str):
+        values[values[:, -1] == missing, -1] = nan
     lines = np.array([line for line, _ in data.rows])
+    if wanted == 1:
+        _refuse_empty_lines(path, lines[0], rows)
     if len(values) < FEWEST:
         raise at(path, lines[-1], f"only {len(values)} rows of numbers, at least {FEWEST} are needed")
     header_line, header = _header_units(data)
@@ -165,6 +172,18 @@ def _first_of_two(rows: list[Row], start: int, layout: Layout, places: tuple[int
     return None
 
 
+def _with_dropouts(rows: list[Row], found: _Found, missing: Any) -> _Found:
+    """The same, begun with the rows before that lack nothing but a height: they are data, and no header."""
+    *others, last = found.places
+    first = found.first
+    while first > 0:
+        cells = found.layout.cells(rows[first - 1][1])
+        if (others and found.layout.numbers(cells, others) is None) or not no_height(cells[last] if last < len(cells) else "", missing):
+            break
+        first -= 1
+    return replace(found, first=first)
+
+
 def _why_none(rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layout]) -> str:
     if any(_GROUPED.search(line) for _, line in rows):
         return ": numbers with separators of thousands are not read, write them without"
@@ -192,16 +211,29 @@ def _data(path: str | Path, rows: list[Row], found: _Found, layouts: list[Layout
     return data
 
 
-def _numbers(data: Data, i: int) -> list[float]:
+def _numbers(data: Data, i: int, missing: Any) -> list[float]:
+    """The numbers of a row, nan for a height that is missing."""
     line, text = data.rows[i]
-    values = data.layout.numbers(data.cells[i], data.places)
-    if values is None:
-        hint = " (separators of thousands are not read)" if _GROUPED.search(text) else ""
-        what = "two numbers in columns" if len(data.places) == 2 else "number in column"
-        raise at(data.path, line, f"no {what} {list(data.places)}: {shown(text.strip())}{hint}")
-    if not all(isfinite(value) for value in values):
-        raise at(data.path, line, f"{values} is not finite: cut such rows, or fill them from those beside")
-    return values
+    cells = data.cells[i]
+    values = data.layout.numbers(cells, data.places)
+    if values is not None:
+        return values
+    *others, last = data.places
+    rest = data.layout.numbers(cells, others) if others else []
+    if rest is not None and no_height(cells[last] if last < len(cells) else "", missing):
+        return [*rest, nan]
+    hint = " (separators of thousands are not read)" if _GROUPED.search(text) else ""
+    what = "two numbers in columns" if len(data.places) == 2 else "number in column"
+    raise at(data.path, line, f"no {what} {list(data.places)}: {shown(text.strip())}{hint}")
+
+
+def _refuse_empty_lines(path: str | Path, first: int, rows: list[Row]) -> None:
+    """Of heights alone an empty line may be one that is missing; unless all lines stand as far apart."""
+    lines = np.array([line for line, _ in rows if line >= first])
+    wide = np.flatnonzero(np.diff(lines) != np.min(np.diff(lines), initial=1 << 60))
+    if wide.size:
+        what = "an empty line among heights that follow one another at a pitch: take it out, or write nan if a height is missing there"
+        raise at(path, lines[wide[0]] + 1, what)
 
 
 def _header_units(data: Data) -> tuple[int, tuple[str | None, ...]]:

@@ -1,8 +1,9 @@
-"""Measured traces: from a text file of an instrument to points a spline may go through.
+"""Measured traces: from a file of an instrument to points a spline may go through.
 
-In this order: read two columns, to metres; regrid (uniform positions); detrend (subtract the least-squares
-line or parabola); taper (bring both ends to one height, so that one length is a period). What was done is
-said in `Trace.history`, what is doubtful in `Trace.warnings`.
+In this order: read positions and heights, to metres; put them in order; fill dropouts; regrid (uniform positions); lambda_s (Gaussian
+low-pass, against noise); detrend (subtract the least-squares polynomial, the form); lambda_c (Gaussian high-pass, against waviness);
+taper (bring both ends to one height, so that one length is a period). What was done is said in `Trace.history`, what is doubtful in
+`Trace.warnings`; `Trace.stages` has the points after each step.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, log10
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +20,17 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError
 from contact.model.checks import finite, integer, one_of, positive
+from contact.model.traces.dropouts import checked_fill, checked_sort, filled, in_order, marks, too_many
 from contact.model.traces.file import FEWEST, in_metres, read_table
+from contact.model.traces.filters import cut_offs, low_pass
+from contact.model.traces.instruments import is_instrument_file, read_instrument
 from contact.model.traces.text import at
 from contact.model.units import quantity
 
 Array = NDArray[np.float64]
 
 _TRENDS = {"none": -1, "line": 1, "quadratic": 2}
+_HIGHEST_TREND = 12  # degree of a form; more is a filter
 _ROUNDING_SEEN_FROM = 32  # points: with fewer, coarse positions may well be meant as they stand
 # Heights that agree this far, relative to the highest before anything was subtracted, are one height.
 _ROUNDING = 1e-12
@@ -46,13 +52,14 @@ class Trace:
     period: float | None = None
     history: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    stages: tuple[tuple[str, Array, Array], ...] = ()
 
 
 def load_trace(
     path: str | Path,
     columns: Sequence[int | str] = (),
     units: str | Sequence[str] | None = None,
-    detrend: str = "none",
+    detrend: str | int = "none",
     regrid: bool | int | None = None,
     taper: float | None = None,
     period: bool | float | None = None,
@@ -60,58 +67,105 @@ def load_trace(
     pitch: float | None = None,
     decimal: str | None = None,
     delimiter: str | None = None,
+    fill: str | None = None,
+    missing: str | float | None = None,
+    sort: bool = False,
+    lambda_s: float | None = None,
+    lambda_c: float | None = None,
+    channel: str | int | None = None,
+    line: int | Sequence[Sequence[float]] | None = None,
+    along: str | None = None,
 ) -> Trace:
-    """Read a file and prepare it.
-
-    columns: two indices from 0, or names of the header; may be left out where the file has two columns of numbers only. units: one
-    for both or two; left out, those of the header, else m. detrend: none, line or quadratic. regrid: a number of uniform points, or
-    True for as many as there are. taper: fraction of the length at each end. period: a length [m], or True for the measured length,
-    whose end heights must then agree (a taper makes them). pitch: distance of the points [m], of a file with heights alone.
-    decimal: "." or ","; delimiter: ";", ",", "tab" or "blank"; both are found where there is one reading only.
-    """
-    one_of("detrend", detrend, _TRENDS)
+    """Read a file and prepare it; `contact.read_trace` says what each argument does."""
+    _degree(detrend)
     count = _count(regrid)
     fraction = None if taper is None else _fraction(taper)
     length = _period(period)
-    step = None if pitch is None else positive("pitch", pitch)
-    table = read_table(path, columns, decimal, delimiter, 2 if step is None else 1)
-    values, said = in_metres(path, table, units)
-    height, lines = values[:, -1], table.lines
-    x: Array = values[:, 0] if step is None else step * np.arange(height.size, dtype=float)
-    _refuse_backwards(path, x, height, lines)
+    short, long = cut_offs(lambda_s, lambda_c)
+    checked_fill(fill)
+    read = _instrument if is_instrument_file(path) else _table
+    layout = {"columns": columns, "units": units, "pitch": pitch, "decimal": decimal, "delimiter": delimiter, "missing": missing}
+    x, height, lines, said = read(path, layout, {"channel": channel, "line": line, "along": along})
     history = [f"{x.size} points of {Path(path).name}, read in {said}"]
+    stages: list[tuple[str, Array, Array]] = []
+
+    def done(note: str) -> None:
+        if note:
+            history.append(note)
+            stages.append((note, x, height))
+
+    x, height, lines, note = in_order(path, x, height, lines, checked_sort(sort))
+    stages.append(("as read", x, height))
+    done(note)
+    many = too_many(height)
+    x, height, lines, note = filled(path, x, height, lines, fill)
+    holes = _doubtful_heights(Path(path).name, height, note if many else "")
+    done(note)
     if count is None:
-        again = np.flatnonzero(np.diff(x) <= 0)
-        if again.size:
-            raise at(
-                path,
-                lines[again[0] + 1],
-                "a position is repeated: give regrid if the file's positions are rounded",
-            )
+        _refuse_repeated(path, x, lines)
     else:
         x, height, note = to_uniform(x, height, x.size if count is True else _bounded(count, x.size))
-        history.append(note)
+        done(note)
+    if short is not None:
+        height = low_pass(x, height, short, "lambda_s")
+        done(f"waves shorter than {quantity(short, 'm')} filtered out (Gaussian, lambda_s)")
     size = float(np.max(np.abs(height)))
     if detrend != "none":
         height = subtract_trend(x, height, detrend)
-        history.append(f"least-squares {detrend} subtracted")
+        done(f"least-squares {detrend if isinstance(detrend, str) else f'polynomial of degree {detrend}'} subtracted")
     if float(np.ptp(height)) <= _ROUNDING * size:
         after = "" if detrend == "none" else f", once its {detrend} is subtracted"
         raise SceneError(f"file {str(path)!r}: the heights are the same everywhere{after}", "file", str(path))
+    if long is not None:
+        height = height - low_pass(x, height, long, "lambda_c")
+        done(f"waves longer than {quantity(long, 'm')} filtered out (Gaussian, lambda_c)")
     if fraction is not None:
         height = taper_ends(x, height, fraction)
-        history.append(f"ends tapered to one height over {fraction:g} of the length each")
+        done(f"ends tapered to one height over {fraction:g} of the length each")
     if length is True:
-        length = float(x[-1] - x[0])
-        difference = float(height[-1] - height[0])
-        if abs(difference) > 1e-9 * float(np.ptp(height)):
-            raise SceneError.of(
-                "period",
-                True,
-                f"a number, or true with end heights that agree (they differ by {difference:.3g} m: give taper)",
-            )
+        length = _measured_length(x, height)
         history.append(f"period {length:.9g} m, the measured length")
-    return Trace(x, height, length, tuple(history), _doubts(Path(path).name, x, height, length, said))
+    doubts = _doubts(Path(path).name, x, height, length, said)
+    return Trace(x, height, length, tuple(history), (*holes, *doubts), tuple(stages))
+
+
+def _table(path: str | Path, layout: dict[str, Any], place: dict[str, Any]) -> tuple[Array, Array, NDArray[np.int64], str]:
+    """Positions, heights, the line of each and the units, of a text file."""
+    for name, value in place.items():
+        if value is not None:
+            raise SceneError.of(name, value, "left out: a table of text has columns, and channels and lines are an instrument file's")
+    step = None if layout["pitch"] is None else positive("pitch", layout["pitch"])
+    missing = layout["missing"]
+    if missing is not None and not (isinstance(missing, str) and missing):
+        missing = finite("missing", missing, "a word or a number of the file")
+    table = read_table(path, layout["columns"], layout["decimal"], layout["delimiter"], 2 if step is None else 1, missing)
+    values, said = in_metres(path, table, layout["units"])
+    height = values[:, -1]
+    x: Array = values[:, 0] if step is None else step * np.arange(height.size, dtype=float)
+    return x, height, table.lines, said
+
+
+def _instrument(path: str | Path, layout: dict[str, Any], place: dict[str, Any]) -> tuple[Array, Array, NDArray[np.int64], str]:
+    """The same of an instrument's own format, which says all about its layout."""
+    for name, value in layout.items():
+        if value is not None and not (name == "columns" and len(value) == 0):
+            raise SceneError.of(name, value, "left out: an instrument's own format says it")
+    x, height, said = read_instrument(path, **place)
+    return x, height, np.zeros(x.size, dtype=np.int64), said
+
+
+def _refuse_repeated(path: str | Path, x: Array, lines: NDArray[np.int64]) -> None:
+    again = np.flatnonzero(np.diff(x) <= 0)
+    if again.size:
+        raise at(path, lines[again[0] + 1], "a position is repeated: give regrid if the file's positions are rounded")
+
+
+def _measured_length(x: Array, height: Array) -> float:
+    difference = float(height[-1] - height[0])
+    if abs(difference) > 1e-9 * float(np.ptp(height)):
+        allowed = f"a number, or true with end heights that agree (they differ by {difference:.3g} m: give taper)"
+        raise SceneError.of("period", True, allowed)
+    return float(x[-1] - x[0])
 
 
 def read_columns(
@@ -120,8 +174,19 @@ def read_columns(
     """Position and height [m] of a text file, and the line of each."""
     table = read_table(path, columns)
     values, _ = in_metres(path, table, units)
-    _refuse_backwards(path, values[:, 0], values[:, 1], table.lines)
-    return values[:, 0], values[:, 1], table.lines
+    x, height, lines, _ = in_order(path, values[:, 0], values[:, 1], table.lines)
+    filled(path, x, height, lines, None)
+    return x, height, lines
+
+
+def _doubtful_heights(name: str, height: Array, many: str) -> tuple[str, ...]:
+    """What is doubtful about heights that are missing, or may be. many: how many are, if that is a large part."""
+    told = [f"{name}: {many}, more than a tenth of them"] if many else []
+    far = marks(height)
+    if far is not None:
+        what = f"{quantity(far[0], 'm')} stands {far[1]} times, far from all other heights: missing names what stands for no height"
+        told.append(f"{name}: a height of {what}")
+    return tuple(told)
 
 
 def _doubts(name: str, x: Array, height: Array, period: float | None, said: str) -> tuple[str, ...]:
@@ -136,16 +201,6 @@ def _doubts(name: str, x: Array, height: Array, period: float | None, said: str)
     if period is not None and period > _MOST_BEYOND * length:
         return (f"{told}, a small part of the period of {quantity(period, 'm')}: period is in metres, as all lengths but the file's",)
     return ()
-
-
-def _refuse_backwards(path: str | Path, x: Array, height: Array, lines: NDArray[np.int64]) -> None:
-    if x[0] == x[-1] and not np.ptp(x) > 0:
-        raise at(path, lines[0], f"all positions are {x[0]:g} m: columns says which column holds them")
-    back = np.flatnonzero(np.diff(x) < 0)
-    if back.size:
-        i = back[0]
-        other = "; the heights increase throughout: are the columns the other way round?" if np.all(np.diff(height) > 0) else ""
-        raise at(path, lines[i + 1], f"positions must increase, {x[i + 1]:g} m follows {x[i]:g} m{other}")
 
 
 def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
@@ -175,9 +230,9 @@ def to_uniform(x: Array, height: Array, count: int) -> tuple[Array, Array, str]:
     return even, np.interp(even, x, height), f"{note}; interpolated linearly at {count} even positions"
 
 
-def subtract_trend(x: Array, height: Array, kind: str) -> Array:
-    """Heights less their least-squares line or parabola ("none": as they are)."""
-    degree = _TRENDS[one_of("detrend", kind, _TRENDS)]
+def subtract_trend(x: Array, height: Array, kind: str | int) -> Array:
+    """Heights less their least-squares line, parabola or polynomial of a degree ("none": as they are)."""
+    degree = _degree(kind)
     t = (2 * x - x[0] - x[-1]) / (x[-1] - x[0])
     basis = t[:, None] ** np.arange(degree + 1)
     coefficients = np.linalg.lstsq(basis, height, rcond=None)[0]
@@ -209,6 +264,15 @@ def _pitch_behind_rounding(x: Array) -> float | None:
             allowed = place * (0.5 + 1 / np.sqrt(n))
             return slope if float(np.max(np.abs(x - fitted))) <= allowed else None
     return None
+
+
+def _degree(detrend: Any) -> int:
+    if isinstance(detrend, str):
+        return _TRENDS[one_of("detrend", detrend, _TRENDS)]
+    allowed = f"none, line, quadratic, or the degree of a polynomial, 0 to {_HIGHEST_TREND}"
+    if isinstance(detrend, bool) or not isinstance(detrend, Integral) or not 0 <= int(detrend) <= _HIGHEST_TREND:
+        raise SceneError.of("detrend", detrend, allowed)
+    return int(detrend)
 
 
 def _count(regrid: Any) -> int | bool | None:

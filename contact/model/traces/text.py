@@ -84,7 +84,8 @@ def _text(path: str | Path, raw: bytes) -> str:
         if raw.startswith(b"PK\x03\x04"):
             raise SceneError.of("file", str(path), "a text file, not a spreadsheet or an archive: save its table as CSV")
         if b"\0" in raw:
-            raise SceneError.of("file", str(path), "a text file, with a table of numbers (this one is binary)")
+            allowed = "a text file with a table of numbers, or an instrument's with its own ending (this one is binary)"
+            raise SceneError.of("file", str(path), allowed)
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         return raw.decode("latin-1")
@@ -105,5 +106,6 @@ def _is_decimals(line: str) -> bool:
 
 
 def at(path: str | Path, line: int, what: str) -> SceneError:
-    """The error of one line of a file."""
-    return SceneError(f"file {str(path)!r}, line {int(line)}: {what}", "file", str(path))
+    """The error of one line of a file; 0 where it has no lines."""
+    place = f", line {int(line)}" if line else ""
+    return SceneError(f"file {str(path)!r}{place}: {what}", "file", str(path))

@@ -1,0 +1,160 @@
+"""`contact trace FILE`: what is read in a file, its roughness and its preparation, and a scene file to start from."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import click
+
+from contact.commands.outputs import checked, checked_figure
+from contact.commands.trace_plot import plot_trace
+from contact.errors import SceneError, warn
+from contact.extras import require
+from contact.model.profiles.base import Profile
+from contact.model.profiles.sampled import Sampled
+from contact.model.traces.prepare import load_trace
+from contact.model.traces.roughness import Roughness, height_distribution, power_spectrum, roughness
+from contact.model.units import quantity
+from contact.solution.terminal import show_table
+
+# Of the scene that is written: steel on a rigid flat, at a light load.
+_MODULUS, _POISSON = 210e9, 0.3
+_LIGHT = 0.01  # mean pressure over E* times the rms slope
+
+
+def _number(text: str) -> Any:
+    """What a TOML value of that text is: true, a number, else the text."""
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def _list(text: str) -> list[Any]:
+    return [_number(part.strip()) for part in text.split(",")]
+
+
+def _one_or_two(text: str) -> Any:
+    parts = [part.strip() for part in text.split(",")]
+    return parts[0] if len(parts) == 1 else parts
+
+
+def _line(text: str) -> Any:
+    parts = _list(text)
+    return parts[0] if len(parts) == 1 else [parts[:2], parts[2:]]
+
+
+# Keys of [profile] as options: how their text is read, and what they are.
+KEYS: dict[str, tuple[Callable[[str], Any], str, str]] = {
+    "columns": (_list, "X,Z", "Columns of positions and heights: numbers from 0, or names."),
+    "units": (_one_or_two, "U[,U]", "Unit of the file, or two: of positions, of heights."),
+    "pitch": (_number, "M", "Distance of the points [m], of a file of heights alone."),
+    "decimal": (str, "MARK", "Decimal mark: . or ,"),
+    "delimiter": (str, "MARK", "Between columns: ; , tab or blank."),
+    "channel": (_number, "NAME|N", "Channel of an instrument's file."),
+    "line": (_line, "N|X,Y,X,Y", "Line of a map: its number, or from a point to a point [m]."),
+    "along": (str, "x|y", "Direction of a numbered line."),
+    "missing": (_number, "MARK", "What stands in the file for a missing height."),
+    "fill": (str, "linear|drop", "What is done where a height is missing."),
+    "sort": (_number, "true", "Sort points that are out of order."),
+    "regrid": (_number, "true|N", "Even positions: as many as points, or N."),
+    "lambda_s": (_number, "M", "Gaussian filter [m]: shorter waves go."),
+    "detrend": (_number, "KIND", "Form that is subtracted: none, line, quadratic, or a degree."),
+    "lambda_c": (_number, "M", "Gaussian filter [m]: longer waves go."),
+    "taper": (_number, "PART", "Part of the length, at each end, over which heights become equal."),
+    "period": (_number, "true|M", "Length of the period [m], or true: the measured one."),
+}
+
+
+def _with_keys(command: Callable[..., None]) -> Callable[..., None]:
+    for name, (_, metavar, told) in reversed(KEYS.items()):
+        command = click.option(f"--{name.replace('_', '-')}", name, metavar=metavar, help=told)(command)
+    return command
+
+
+@click.command("trace")
+@click.argument("file", type=click.Path(path_type=Path))
+@_with_keys
+@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw the preparation, heights and spectrum.")
+@click.option("--scene", type=click.Path(path_type=Path), metavar="OUT.toml", help="Write a scene file to start from.")
+@click.option("--force", is_flag=True, help="Write over a scene file that is there.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+def trace_command(file: Path, figure: Path | None, scene: Path | None, force: bool, as_json: bool, **options: str | None) -> None:
+    """Read a trace from a FILE and print its length, pitch, heights and roughness, and what was done to it."""
+    keys = {name: KEYS[name][0](text) for name, text in options.items() if text is not None}
+    if figure is not None:
+        checked_figure(figure)
+    if scene is not None:
+        checked("--scene", scene, (".toml",))
+        if scene.exists() and not force:
+            raise SceneError.of("--scene", str(scene), "a file that is not there yet, or --force given")
+    trace = load_trace(file, **keys)
+    warn(trace.warnings)
+    profile = Sampled(trace.x, trace.height, trace.period)
+    measured = roughness(profile)
+    if as_json:
+        click.echo(json.dumps({"file": str(file), "history": trace.history, **vars(measured)}, allow_nan=False))
+    else:
+        show_trace(f"trace {file.name}", measured, trace.history)
+    if figure is not None:
+        plot_trace(trace, measured, power_spectrum(profile), height_distribution(profile)).savefig(figure, dpi=200)
+        click.echo(f"written: {figure}", err=as_json)
+    if scene is not None:
+        scene.write_text(starting_scene(file, scene.parent, keys, measured, trace.period), encoding="utf-8")
+        # What was written must be a scene.
+        require("contact.model.scene_file").load_scene(scene)
+        click.echo(f"written: {scene}", err=as_json)
+
+
+def show_trace(title: str, measured: Roughness, history: tuple[str, ...]) -> None:
+    """Numbers of a trace, and its preparation."""
+    pitch = quantity(measured.pitch, "m")
+    rows = [
+        ("points", str(measured.points)),
+        ("length", quantity(measured.length, "m", 6)),
+        ("pitch", pitch if measured.even else f"{pitch} in the mean, uneven"),
+        ("highest to lowest point", quantity(measured.depth, "m")),
+        ("Ra", quantity(measured.Ra, "m")),
+        ("Rq", quantity(measured.Rq, "m")),
+        ("Rsk", f"{measured.Rsk:.4g}"),
+        ("Rku", f"{measured.Rku:.4g}"),
+        ("rms slope", f"{measured.rms_slope:.4g}"),
+        *((f"step {place}" if place else "read", done) for place, done in enumerate(history)),
+    ]
+    show_table(title, ("quantity", "value"), rows)
+
+
+def show_profile(profile: Profile) -> None:
+    """The same of a scene's profile, where it is one that was read from a file."""
+    if isinstance(profile, Sampled) and profile.history:
+        show_trace("trace, as it is solved", roughness(profile), profile.history)
+
+
+def starting_scene(file: Path, folder: Path, keys: Mapping[str, Any], measured: Roughness, period: float | None) -> str:
+    """A scene file: the trace on a rigid flat, light load."""
+    modulus = _MODULUS / (1 - _POISSON**2)
+    pressure = _LIGHT * modulus * measured.rms_slope
+    name = Path(os.path.relpath(file, folder)).as_posix()
+    lines = ["[profile]", 'shape = "sampled"', f"file = {_toml(name)}", *(f"{key} = {_toml(value)}" for key, value in keys.items())]
+    lines += ["", "[material]              # steel; the counter-face is rigid: E2 and nu2 are left out", f"E1 = {_MODULUS / 1e9:g}e9"]
+    lines += [f"nu1 = {_POISSON}", "", "[interaction]"]
+    told = f"# {_LIGHT:g} E* times the rms slope, {measured.rms_slope:.4g}"
+    if period is not None:
+        lines += ['model = "periodic"', "", "[control]", told, f"mean_pressure = {pressure:.4g}"]
+    else:
+        lines += ['model = "isolated"         # no period is given: the trace just ends', "", "[control]"]
+        lines += [f"{told}, over a thousandth of its length [N/m]", f"load = {1e-3 * pressure * measured.length:.4g}"]
+    return "\n".join(lines) + "\n"
+
+
+def _toml(value: Any) -> str:
+    """A value as TOML writes it: strings, numbers, true and lists are those of JSON."""
+    return json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,96 @@
+"""Random rough profiles: a self-affine spectrum with random phases, the same for the same seed."""
+
+from __future__ import annotations
+
+from math import floor, pi, sqrt
+from typing import Any
+
+import numpy as np
+
+from contact.errors import SceneError
+from contact.model.checks import finite, integer, positive
+from contact.model.profiles.fourier import Fourier
+
+# Relative: a wave so near a cut-off counts as within it, as 1/(1/49) is 49.
+_ROUNDING = 1e-12
+_MOST = 1 << 22  # harmonics
+
+
+def self_affine(
+    *,
+    hurst: float,
+    period: float,
+    shortest: float,
+    rms_slope: float,
+    seed: int,
+    rolloff: float | None = None,
+    longest: float | None = None,
+) -> Fourier:
+    """A random rough profile: amplitudes k^-(H + 1/2), level beyond the roll-off, phases drawn evenly, scaled to an rms slope.
+
+    The power spectrum of the line falls as q^-(1 + 2H). Only phases are random: every seed has the same spectrum, rms height and rms
+    slope. A shorter `shortest` with the same seed adds waves and leaves the phases of the others as they are.
+
+    Parameters
+    ----------
+    hurst : float
+        Hurst exponent H, above 0 and up to 1.
+    period : float
+        Length of the period [m].
+    shortest : float
+        Shortest wavelength [m], at most the period.
+    rms_slope : float
+        Root mean square of the slope.
+    seed : int
+        Number of the realization, from 0.
+    rolloff : float or None
+        Wavelength [m] beyond which the spectrum is level; None: it falls from the longest wave on.
+    longest : float or None
+        Longest wavelength [m]; None: the period.
+
+    Returns
+    -------
+    Fourier
+
+    Raises
+    ------
+    SceneError
+        If a value is out of range, or no wave fits between shortest and longest.
+
+    Examples
+    --------
+    >>> import contact
+    >>> import numpy as np
+    >>> rough = contact.self_affine(hurst=0.8, period=1e-3, shortest=1e-5, rolloff=2e-4, rms_slope=0.1, seed=3)
+    >>> slope = rough.slope(np.arange(1000) * 1e-6)
+    >>> float(np.sqrt(np.mean(slope**2)).round(12)), rough.period
+    (0.1, 0.001)
+    """
+    exponent = finite("hurst", hurst, "a number above 0 and at most 1")
+    if not 0 < exponent <= 1:
+        raise SceneError.of("hurst", hurst, "a number above 0 and at most 1")
+    length, steepness = positive("period", period), positive("rms_slope", rms_slope)
+    least = _wavelength("shortest", shortest, 0.0, length)
+    most = length if longest is None else _wavelength("longest", longest, least, length)
+    knee = length if rolloff is None else _wavelength("rolloff", rolloff, least, length)
+    number = integer("seed", seed)
+    last, first = floor(length / least * (1 + _ROUNDING)), max(1, floor(length / most * (1 - _ROUNDING)) + (most < length))
+    if last > _MOST:
+        raise SceneError.of("shortest", shortest, f"at least {length / _MOST:.6g}: {_MOST} waves to a period are the most")
+    if last < first:
+        raise SceneError.of("shortest", shortest, f"such that a whole part of the period is between it and longest = {most!r}")
+    k = np.arange(first, last + 1)
+    phase = np.random.default_rng(number).uniform(0, 2 * pi, k.size)
+    amplitude = np.maximum(k, length / knee) ** -(exponent + 0.5)
+    amplitude *= steepness / sqrt(0.5 * float(np.sum((2 * pi / length * k * amplitude) ** 2)))
+    cosine, sine = np.zeros(last), np.zeros(last)
+    cosine[first - 1 :], sine[first - 1 :] = amplitude * np.cos(phase), amplitude * np.sin(phase)
+    return Fourier(length, cosine, sine)
+
+
+def _wavelength(field: str, value: Any, least: float, period: float) -> float:
+    """A wavelength between the shortest there is and the period."""
+    wave = positive(field, value)
+    if not least <= wave <= period * (1 + _ROUNDING):
+        raise SceneError.of(field, value, f"a length from {f'shortest = {least!r}' if least else 'above 0'} to the period, {period!r}")
+    return wave

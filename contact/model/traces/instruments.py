@@ -1,0 +1,136 @@
+"""Files of profilometers and microscopes, by the package SurfaceTopography (extra `instruments`): a line scan, or a line of a map.
+
+A map z(x, y) has lines along x, numbered by their place in y, and along y, numbered by their place in x; between two points heights are
+interpolated bilinearly.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import SceneError
+from contact.extras import require
+from contact.model.checks import finite_array, integer, one_of
+
+Array = NDArray[np.float64]
+
+# Endings of formats that the package reads, but those of tables of text.
+FORMATS = (
+    "x3p", "sur", "pro", "sdf", "di", "spm", "mdt", "opd", "opdx", "ibw", "mi", "datx", "tif", "tiff", "tmd", "vk3", "vk4", "vk6",
+    "vk7", "zmg", "zon", "os3d", "al3d", "ezd", "nid", "bcr", "bcrf", "dat", "gwy", "plu", "apx", "frt", "lext", "oir", "poir",
+    "cur", "stp", "tom", "top", "plux", "jpk", "mnt", "qep", "nms", "mat",
+)  # fmt: skip
+# Those that may be text throughout and are no table.
+_OF_TEXT = ("sdf", "bcr", "bcrf")
+_NUMBERED = re.compile(r"\d{3}")  # of one maker's files
+ALONG = ("x", "y")
+
+
+def is_instrument_file(path: str | Path) -> bool:
+    """By its ending, and where tables have the same ending by what is in it."""
+    ending = Path(path).suffix[1:].lower()
+    if ending not in FORMATS and not _NUMBERED.fullmatch(ending):
+        return False
+    if ending in _OF_TEXT:
+        return True
+    try:
+        with Path(path).open("rb") as stream:
+            head = stream.read(1 << 16)
+    except OSError:
+        return False  # said where the file is read
+    return head.startswith(b"PK") or (b"\0" in head and not head.startswith((b"\xff\xfe", b"\xfe\xff")))
+
+
+def read_instrument(path: str | Path, channel: Any = None, line: Any = None, along: Any = None) -> tuple[Array, Array, str]:
+    """Positions and heights [m], nan where nothing was measured, and what was read."""
+    package = require("SurfaceTopography")
+    try:
+        reader = package.open_topography(str(path))
+        names = [found.name for found in reader.channels if found.is_height_channel]
+    except Exception as error:  # of any reader, and of formats that are none
+        raise SceneError(f"file {str(path)!r}: no reader of an instrument's format takes it ({error})", "file", str(path)) from error
+    chosen = _channel(path, reader, names, channel)
+    try:
+        surface = chosen.topography()
+        # A map or scan without lengths has no unit.
+        if surface.unit is None:
+            raise SceneError(f"file {str(path)!r}: the file says no unit of its lengths: export it as text", "file", str(path))
+        surface = surface.to_unit("m")
+        positions, heights = _arrays(surface)
+    except SceneError:
+        raise
+    except Exception as error:
+        raise SceneError(f"file {str(path)!r}: its channel {chosen.name!r} cannot be read ({error})", "file", str(path)) from error
+    told = f"channel {chosen.name!r}, lengths in the file's units"
+    if heights.ndim == 1:
+        if line is not None or along is not None:
+            raise SceneError.of("line", line, "left out, with along: the file holds one line scan, no map")
+        return positions, heights, told
+    x, height, where = _of_map(heights, surface.physical_sizes, line, along)
+    return x, height, f"{told}, {where}"
+
+
+def _channel(path: str | Path, reader: Any, names: list[str], channel: Any) -> Any:
+    """The channel of a name or number; without one the only one of heights."""
+    told = ", ".join(f"{place} {name!r}" for place, name in enumerate(names)) or "none"
+    if channel is None and len(names) == 1:
+        channel = 0
+    if channel is None:
+        raise SceneError(f"file {str(path)!r}: its channels of heights are {told}: channel says which is meant", "channel")
+    if not isinstance(channel, str):
+        if integer("channel", channel) >= len(names):
+            raise SceneError.of("channel", channel, f"the number or name of one of heights: {told}")
+        return [c for c in reader.channels if c.is_height_channel][channel]
+    one_of("channel", channel, names)
+    found = [c for c in reader.channels if c.name == channel and c.is_height_channel]
+    if len(found) > 1:
+        raise SceneError.of("channel", channel, f"a number, as {len(found)} channels are called that: {told}")
+    return found[0]
+
+
+def _arrays(surface: Any) -> tuple[Array, Array]:
+    """Positions (of a line scan) and heights, nan where nothing was measured."""
+    positions = np.empty(0) if surface.dim == 2 else np.asarray(surface.positions(), dtype=float)
+    return positions, np.ma.filled(np.ma.asarray(surface.heights(), dtype=float), np.nan)
+
+
+def _of_map(heights: Array, sizes: tuple[float, float], line: Any, along: Any) -> tuple[Array, Array, str]:
+    nx, ny = heights.shape
+    dx, dy = sizes[0] / nx, sizes[1] / ny
+    if isinstance(line, (list, tuple, np.ndarray)):
+        if along is not None:
+            raise SceneError.of("along", along, "left out with a line between two points")
+        return _between(heights, dx, dy, line)
+    direction = one_of("along", "x" if along is None else along, ALONG)
+    most = ny if direction == "x" else nx
+    allowed = f"the number of a line along {direction}, 0 to {most - 1}, or two points [[x, y], [x, y]] [m]; the map is {nx} x {ny}"
+    if line is None or isinstance(line, (str, bool, float)) or integer("line", line) >= most:
+        raise SceneError.of("line", line, allowed)
+    if direction == "x":
+        return np.arange(nx) * dx, np.array(heights[:, line]), f"line {line} of {ny} along x of a map of {nx} x {ny}"
+    return np.arange(ny) * dy, np.array(heights[line, :]), f"line {line} of {nx} along y of a map of {nx} x {ny}"
+
+
+def _between(heights: Array, dx: float, dy: float, line: Any) -> tuple[Array, Array, str]:
+    """Heights on the straight line between two points, about a pitch of the map apart."""
+    ends = finite_array("line", line, 2)
+    nx, ny = heights.shape
+    far = np.array([(nx - 1) * dx, (ny - 1) * dy])
+    if ends.shape != (2, 2) or np.any(ends < 0) or np.any(ends > far * (1 + 1e-12)) or np.array_equal(*ends):
+        raise SceneError.of("line", line, f"two different points [[x, y], [x, y]] within 0 to {far[0]:.6g} and 0 to {far[1]:.6g} m")
+    length = float(np.hypot(*(ends[1] - ends[0])))
+    count = max(4, int(round(length / min(dx, dy))) + 1)
+    points = ends[0] + np.linspace(0, 1, count)[:, None] * (ends[1] - ends[0])
+    u, v = np.minimum(points / (dx, dy), (nx - 1, ny - 1)).T
+    i, j = np.minimum(u.astype(int), nx - 2), np.minimum(v.astype(int), ny - 2)
+    s, t = u - i, v - j
+    corners = ((0, 0, (1 - s) * (1 - t)), (1, 0, s * (1 - t)), (0, 1, (1 - s) * t), (1, 1, s * t))
+    # A corner that was not measured counts only where it has a weight.
+    height = sum(np.where(weight > 0, weight * heights[i + a, j + b], 0.0) for a, b, weight in corners)
+    where = ", ".join(f"({x:.6g}, {y:.6g})" for x, y in ends)
+    return np.linspace(0, length, count), np.asarray(height), f"from {where} m of a map of {nx} x {ny}, interpolated bilinearly"
