@@ -36,6 +36,7 @@ from contact.model.substrates import HalfPlane, Layer, Substrate
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.solver import solve
+from contact.sweeps.curve import solve_many
 from contact.sweeps.paths import Event, Path, path
 
 __all__ = [
@@ -44,5 +45,6 @@ __all__ = [
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",
     "Sinusoid", "Solution", "Substrate", "Wedge", "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",
-    "profiles", "register_interaction", "register_law", "register_profile", "register_substrate", "solve", "substrate", "substrates",
+    "profiles", "register_interaction", "register_law", "register_profile", "register_substrate", "solve", "solve_many",
+    "substrate", "substrates",
 ]

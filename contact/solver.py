@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from numbers import Real
 
 from contact.errors import SceneError, warn
@@ -19,6 +20,7 @@ from contact.search.find import found
 from contact.search.full_contact import Full
 from contact.search.guesses import Outcome
 from contact.search.refine import refined
+from contact.search.shared import Shared
 from contact.search.task import Task
 from contact.search.topology import Progress
 from contact.solution import made, validity
@@ -76,17 +78,23 @@ def solve(
     """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
-    if isinstance(tol, bool) or not isinstance(tol, Real) or not 1e-13 <= float(tol) < 1.0:
-        raise SceneError.of("tol", tol, "a number from 1e-13 to below 1")
+    tol = tolerance(tol)
     if near is not None and not isinstance(near, Solution):
         raise SceneError.of("near", near, "None, or a contact.Solution")
     if near is not None and _of(near.scene) != _of(scene):
         raise SceneError("near must be a solution of the same profile, interaction model, substrate and law", "near", near.scene)
     of_scene = validity.of_scene(scene)
     warn(of_scene)
-    solution = _solved(scene, float(tol), progress, near)
+    solution = _solved(scene, tol, progress, near)
     warn(validity.of_solution(solution)[len(of_scene) :])
     return solution
+
+
+def tolerance(tol: object) -> float:
+    """A tolerance as it was given, checked."""
+    if isinstance(tol, bool) or not isinstance(tol, Real) or not 1e-13 <= float(tol) < 1.0:
+        raise SceneError.of("tol", tol, "a number from 1e-13 to below 1")
+    return float(tol)
 
 
 def _of(scene: Scene) -> tuple[object, ...]:
@@ -94,9 +102,20 @@ def _of(scene: Scene) -> tuple[object, ...]:
     return scene.profile, scene.interaction, scene.substrate, scene.law
 
 
+def solved_along(
+    scene: Scene, tol: float, progress: Progress | None, shared: Shared, along: tuple[Solution, ...]
+) -> Solution:
+    """One scene on a curve of its control's values. shared: what it has in common with the others; along: the last of them."""
+    task = replace(Task.of(scene, tol, progress, along[-1] if along else None, under=_solved), shared=shared, along=along)
+    return _run(task)
+
+
 def _solved(scene: Scene, tol: float, progress: Progress | None, near: Solution | None) -> Solution:
+    return _run(Task.of(scene, tol, progress, near, under=_solved))
+
+
+def _run(task: Task) -> Solution:
     start = time.perf_counter()
-    task = Task.of(scene, tol, progress, near, under=_solved)
     try:
         return _solution(task, refined(task, found(task), found))
     finally:

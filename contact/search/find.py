@@ -1,6 +1,7 @@
 """The contact of a scene: ways to it in order, each with the scenes it is for.
 
     a given part of the period in full contact    no search
+    the last ones on a curve of its values        Newton from their zones, carried on to here
     a solution near by that knows the tilt        Newton from its zones
     the scene's own control                       first guesses (contact.search.guesses), in a strip or not
     an approach by loads                          where both load and tilt are unknown, or the grid did not find it
@@ -9,6 +10,7 @@
 from __future__ import annotations
 
 from contact.errors import NotConverged, OutOfRange
+from contact.search.along import NOT_ALONG, from_last
 from contact.search.bounded import refuse_unbounded
 from contact.search.full_contact import smallest_full
 from contact.search.guesses import Outcome, search
@@ -32,6 +34,12 @@ def found(task: Task) -> Outcome:
     refuse_unbounded(scene)
     if scene.turned and scene.moment is not None and scene.approach is not None:
         return _by_loads(task)
+    carried = from_last(task)
+    if not isinstance(carried, Missed):
+        return carried
+    if carried is not NOT_ALONG:
+        task.left("the last zones, carried on", carried)
+        task = task.beside(None)
     beside = _at_known_tilt(task)
     if isinstance(beside, Found):
         return beside

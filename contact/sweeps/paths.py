@@ -32,7 +32,8 @@ from contact.search.missed import WrongTopology
 from contact.search.topology import Progress
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
-from contact.solver import solve
+from contact.solver import solve, tolerance
+from contact.sweeps.curve import Curve
 
 Array = NDArray[np.float64]
 
@@ -147,14 +148,14 @@ def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress |
     values = finite_array("loads", loads)
     if np.any(values <= 0):
         raise SceneError.of("loads", loads, "positive")
-    run = _Path(scene, tol, progress)
+    run = _Path(scene, tolerance(tol))
     solutions: list[Solution] = []
     events: list[Event] = []
     with unwarned():
         for k, load in enumerate(values):
             if progress is not None:
                 progress("load", k, len(values))
-            here = run.at(float(load), solutions[-1] if solutions else None)
+            here = run.curve.at(float(load))
             if solutions:
                 events += run.between(solutions[-1], here)
             solutions.append(here)
@@ -177,19 +178,13 @@ class _Change:
 
 
 class _Path:
-    def __init__(self, scene: Scene, tol: float, progress: Progress | None) -> None:
-        self.scene, self.tol, self.progress = scene, tol, progress
-
-    def at(self, load: float, near: Solution | None) -> Solution:
-        scene = replace(
-            self.scene, load=load, mean_pressure=None, approach=None, half_width=None, contact_fraction=None
-        )
-        return solve(scene, self.tol, near=near)
+    def __init__(self, scene: Scene, tol: float) -> None:
+        self.scene, self.curve = scene, Curve(scene, "load", tol)
 
     def on_the_way(self, load: float, near: Solution) -> Solution:
         """A state between two loads: close to an event a zone or gap may be too narrow for the tolerance, and still serve."""
         try:
-            return self.at(load, near)
+            return self.curve.beside(load, (near,))
         except NotConverged as failure:
             if isinstance(failure.best, Solution) and failure.best.certificate.holds and failure.best.error < _USEFUL:
                 return failure.best
