@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 _FARTHEST = 16.0
 # Corrections of the number of zones, after which a search from scratch is no longer.
 _ROUNDS = 6
+# Zones that come or go between two values, up to which corrections find them; and zones of a first value among which there are no more.
+_OFTEN, _MANY = 8, 64
 NOT_ALONG = Missed("no solutions of the scene on a curve of its control's values")
 
 
@@ -36,6 +38,8 @@ def from_last(task: Task) -> Outcome | Missed:
     """From the last solution of a curve and those before it."""
     if not task.along or not _is_followed(task):
         return NOT_ALONG
+    if _changes_often(task.along):
+        return Missed("so many zones come and go that a grid tells them sooner")
     fields, value = task.along[-1].fields, task.scene.control[1]
     if not isinstance(fields, ZoneFields | GapFields) or not 1 / _FARTHEST <= value / task.along[-1].scene.control[1] <= _FARTHEST:
         return NOT_ALONG
@@ -50,6 +54,13 @@ def from_last(task: Task) -> Outcome | Missed:
         return _from_zones(task, problem, control, table)
     except OutOfRange as failure:
         return Missed(str(failure))
+
+
+def _changes_often(along: tuple[Solution, ...]) -> bool:
+    """Whether so many zones come and go from one value to the next that a grid tells them sooner than corrections do."""
+    if len(along) == 1:
+        return len(along[-1].zones) > _MANY
+    return abs(len(along[-1].zones) - len(along[-2].zones)) > _OFTEN
 
 
 def _is_followed(task: Task) -> bool:

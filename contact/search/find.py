@@ -39,6 +39,7 @@ def found(task: Task) -> Outcome:
         return carried
     if carried is not NOT_ALONG:
         task.left("the last zones, carried on", carried)
+        # From the same zones once more it would be no shorter.
         task = task.beside(None)
     beside = _at_known_tilt(task)
     if isinstance(beside, Found):
