@@ -14,6 +14,7 @@ from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
+from contact.formulation.units import Units
 from contact.search.by_gaps import ByGaps
 from contact.search.full_contact import full_under
 from contact.search.gaps import OF_GAPS, by_gaps, tightened_gaps, worth_gaps
@@ -27,6 +28,8 @@ Array = NDArray[np.float64]
 
 # Values over one another between which a contact counted in the units of one is in good hands.
 _FARTHEST = 16.0
+# Of a zone, or of a gap, that must be left where it is carried on.
+_KEPT = 0.1
 # Corrections of the number of zones, after which a search from scratch is no longer.
 _ROUNDS = 6
 # Zones that come or go between two values, up to which corrections find them; and zones of a first value among which there are no more.
@@ -89,9 +92,16 @@ def _carried_on(along: tuple[Solution, ...], value: float) -> Array:
     weights = [np.prod([-other / (own - other) for other in at if other != own]) for own in at]
     table = np.asarray(sum(weight * known for weight, known in zip(weights, tables, strict=True)))
     # Nothing is carried over what narrows to nothing on the way.
-    width, gap = np.diff(first, axis=1), first[1:, 0] - first[:-1, 1]
-    kept = np.all(np.diff(table, axis=1) > 0.1 * width) and np.all(table[1:, 0] - table[:-1, 1] > 0.1 * gap)
+    assert isinstance(last.fields, ZoneFields | GapFields)
+    period = last.fields.problem.period
+    kept = np.all(np.diff(table, axis=1) > _KEPT * np.diff(first, axis=1)) and np.all(_gaps(table, period) > _KEPT * _gaps(first, period))
     return table if kept else first
+
+
+def _gaps(table: Array, period: float | None) -> Array:
+    """Widths of what lies between intervals."""
+    after = table[1:, 0] if period is None else np.append(table[1:, 0], table[0, 0] + period)
+    return np.asarray(after - table[: len(after), 1])
 
 
 def _table(solution: Solution) -> Array | None:
@@ -99,11 +109,13 @@ def _table(solution: Solution) -> Array | None:
     return np.asarray(fields.density.zones.table) if isinstance(fields, ZoneFields | GapFields) else None
 
 
+def _units(solution: Solution) -> Units | None:
+    return solution.fields.problem.units if isinstance(solution.fields, ZoneFields | GapFields) else None
+
+
 def _alike(one: Solution, other: Solution) -> bool:
     mine, others = _table(one), _table(other)
-    if mine is None or others is None or mine.shape != others.shape:
-        return False
-    if one.fields.problem.units != other.fields.problem.units:
+    if mine is None or others is None or mine.shape != others.shape or _units(one) != _units(other):
         return False
     # The same ones, and not as many others.
     return bool(np.all((mine[:, 0] < others[:, 1]) & (others[:, 0] < mine[:, 1])))
