@@ -38,6 +38,7 @@ from contact.model.substrates import HalfPlane, Layer, Substrate
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.solver import solve
+from contact.sweeps.curve import solve_many
 from contact.sweeps.paths import Event, Path, path
 
 __all__ = [
@@ -47,5 +48,5 @@ __all__ = [
     "SceneError",
     "Sinusoid", "Solution", "Substrate", "Wedge", "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",
     "profiles", "read_trace", "register_interaction", "register_law", "register_profile", "register_substrate", "self_affine",
-    "solve", "substrate", "substrates",
+    "solve", "solve_many", "substrate", "substrates",
 ]

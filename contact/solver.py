@@ -3,7 +3,7 @@
     scene          what is given, checked when it is made                                   contact.model
     formulation    a scaled equation, by the pressure, by the gaps, or none in full contact   contact.formulation
     first guess    ways to the zones, in order; what was left and why is in the plan        contact.search.find, .guesses
-    zones          Newton on their ends, signs, corrections, and again                      contact.search.topology, .gap_topology
+    zones          Newton on their ends, signs, corrections, and again                      contact.search.topology, .by_pressure, .by_gaps
     certificate    what was looked at on the whole line, and the stated error               contact.verify
     solution       in SI units, with its plan                                               contact.solution
 """
@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from numbers import Real
 
 from contact.errors import SceneError, warn
@@ -20,6 +21,7 @@ from contact.search.find import found
 from contact.search.full_contact import Full
 from contact.search.guesses import Outcome
 from contact.search.refine import refined
+from contact.search.shared import Shared
 from contact.search.task import Task
 from contact.search.topology import Progress
 from contact.solution import made, validity
@@ -81,8 +83,7 @@ def solve(
     """
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
-    if isinstance(tol, bool) or not isinstance(tol, Real) or not 1e-13 <= float(tol) < 1.0:
-        raise SceneError.of("tol", tol, "a number from 1e-13 to below 1")
+    tol = tolerance(tol)
     one_of("branch", branch, ("advancing", "receding"))
     if near is not None and not isinstance(near, Solution):
         raise SceneError.of("near", near, "None, or a contact.Solution")
@@ -90,9 +91,16 @@ def solve(
         raise SceneError("near must be a solution of the same profile, interaction model, substrate and law", "near", near.scene)
     of_scene = validity.of_scene(scene)
     warn(of_scene)
-    solution = _solved(scene, float(tol), progress, near, branch)
+    solution = _solved(scene, tol, progress, near, branch)
     warn(validity.of_solution(solution)[len(of_scene) :])
     return solution
+
+
+def tolerance(tol: object) -> float:
+    """A tolerance as it was given, checked."""
+    if isinstance(tol, bool) or not isinstance(tol, Real) or not 1e-13 <= float(tol) < 1.0:
+        raise SceneError.of("tol", tol, "a number from 1e-13 to below 1")
+    return float(tol)
 
 
 def _of(scene: Scene) -> tuple[object, ...]:
@@ -100,11 +108,22 @@ def _of(scene: Scene) -> tuple[object, ...]:
     return scene.profile, scene.interaction, scene.substrate, scene.law
 
 
+def solved_along(
+    scene: Scene, tol: float, progress: Progress | None, shared: Shared, along: tuple[Solution, ...]
+) -> Solution:
+    """One scene on a curve of its control's values. shared: what it has in common with the others; along: the last of them."""
+    task = replace(Task.of(scene, tol, progress, along[-1] if along else None, under=_solved), shared=shared, along=along)
+    return _run(task)
+
+
 def _solved(
     scene: Scene, tol: float, progress: Progress | None, near: Solution | None, branch: str = "advancing"
 ) -> Solution:
+    return _run(Task.of(scene, tol, progress, near, under=_solved, branch=branch))
+
+
+def _run(task: Task) -> Solution:
     start = time.perf_counter()
-    task = Task.of(scene, tol, progress, near, under=_solved, branch=branch)
     try:
         return _solution(task, refined(task, found(task), found))
     finally:

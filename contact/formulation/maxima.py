@@ -39,13 +39,15 @@ def maximum(
     if not np.isfinite(value[top[-1]]):
         return float(x[top[-1]]), float(value[top[-1]])
     lo, hi = x[np.maximum(top - 1, 0)], x[np.minimum(top + 1, len(x) - 1)]
-    rows = np.arange(len(top))
     fine, here = x[top][:, None], value[top][:, None]
     for _ in range(levels):
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
         here = np.asarray(function(fine.ravel())).reshape(fine.shape)
         here = np.where(np.isnan(here), -np.inf, here)
-        best = np.argmax(here, axis=1)
+        # Only those that may still be the highest.
+        may = reaches(here).max(axis=1) >= here.max()
+        lo, hi, fine, here = lo[may], hi[may], fine[may], here[may]
+        best, rows = np.argmax(here, axis=1), np.arange(len(here))
         lo, hi = fine[rows, np.maximum(best - 1, 0)], fine[rows, np.minimum(best + 1, 8)]
     k = int(np.argmax(here))
     found, highest = float(fine.ravel()[k]), float(here.ravel()[k])

@@ -2,6 +2,7 @@
 
     a given part of the period in full contact    no search
     several equilibria                            the branch asked for is followed (contact.search.branches)
+    the last ones on a curve of its values        Newton from their zones, carried on to here
     a solution near by that knows the tilt        Newton from its zones
     the scene's own control                       first guesses (contact.search.guesses), in a strip or not
     an approach by loads                          where both load and tilt are unknown, or the grid did not find it
@@ -10,6 +11,7 @@
 from __future__ import annotations
 
 from contact.errors import NotConverged, OutOfRange
+from contact.search.along import NOT_ALONG, from_last
 from contact.search.bounded import refuse_unbounded
 from contact.search.branches import followed
 from contact.search.full_contact import smallest_full
@@ -36,6 +38,13 @@ def found(task: Task) -> Outcome:
         return followed(task)
     if scene.turned and scene.moment is not None and scene.approach is not None:
         return _by_loads(task)
+    carried = from_last(task)
+    if not isinstance(carried, Missed):
+        return carried
+    if carried is not NOT_ALONG:
+        task.left("the last zones, carried on", carried)
+        # From the same zones once more it would be no shorter.
+        task = task.beside(None)
     beside = _at_known_tilt(task)
     if isinstance(beside, Found):
         return beside

@@ -12,7 +12,6 @@ from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
 from contact.search.by_gaps import ByGaps
-from contact.search.first_gaps import FirstGaps
 from contact.search.intervals import united
 from contact.search.missed import Missed, WrongTopology
 from contact.search.task import Task
@@ -59,15 +58,15 @@ def _found(task: Task, form: ByGaps, control: Control, width: float, zones: Arra
     given up as soon as they turn out to be far."""
     tolerance, period = OF_GAPS * task.tolerance, form.period
     try:
-        first = FirstGaps.of(form.problem, form.relief)
         width = width if control.width is None else control.width
-        mean = first.mean_of(width) if control.load is None else control.load / period
+        mean = control.load / period if control.load is not None else task.shared.first_gaps(form.problem, form.relief).mean_of(width)
         if zones is not None and len(zones) > 0:
             # Where zones are known about, so are the gaps; but not those that a grid does not see.
             between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + period)))
             found = settle(form, control, united(between, period, True, form.what), Newton(tolerance, mean, near=near))
             if near or isinstance(found, Gapped):
                 return found
+        first = task.shared.first_gaps(form.problem, form.relief)
         return settle(form, control, first.gaps(mean), Newton(tolerance, mean))
     except WrongTopology as wrong:
         return wrong.missed

@@ -19,9 +19,10 @@ from contact.model.operator import Operator
 from contact.model.scene import Scene
 from contact.search.by_pressure import ByPressure
 from contact.search.missed import Missed
+from contact.search.shared import Shared
 from contact.search.topology import ROUNDS, Newton, Progress, settle
 from contact.solution.made import in_cell
-from contact.solution.plan import Plan, plan, starts_from_one_zone
+from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.testing import check_profile
 from contact.verify.accuracy import Found
@@ -36,30 +37,40 @@ LEAST = 2e-15
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """One solve. branch: which of several equilibria; tolerance: of the ends and of the density; full: where full contact begins;
-    single: the contact begins as one zone about x = 0; near: a solution of the same profile and model;
-    under: the solver itself, for a control that is found by loads."""
+    """One solve. branch: which of several equilibria; tolerance: of the ends and of the density; shared: what it has in common with others
+    of the scene; near: a solution of the same profile and model; under: the solver itself, for a control that is found by loads; along: the
+    last solutions of the scene on a curve of its control's values, the nearest last."""
 
     scene: Scene
     tol: float
     plan: Plan
-    operator: Operator
-    full: FullLimit
-    single: bool
+    shared: Shared
     tolerance: float
     under: Solver
     progress: Progress | None = None
     near: Solution | None = None
     branch: str = "advancing"
+    along: tuple[Solution, ...] = ()
 
     @classmethod
     def of(
         cls, scene: Scene, tol: float, progress: Progress | None, near: Solution | None, under: Solver, branch: str = "advancing"
     ) -> Task:
-        operator = scene.operator
-        full = FullLimit(scene.profile, scene.E_star, operator, scene.law)
-        single, tolerance = starts_from_one_zone(scene), max(0.1 * tol, LEAST)
-        return cls(scene, tol, plan(scene), operator, full, single, tolerance, under, progress, near, branch)
+        return cls(scene, tol, plan(scene), Shared(scene), max(0.1 * tol, LEAST), under, progress, near, branch)
+
+    @property
+    def operator(self) -> Operator:
+        return self.shared.operator
+
+    @property
+    def full(self) -> FullLimit:
+        """Where full contact begins."""
+        return self.shared.full
+
+    @property
+    def single(self) -> bool:
+        """Whether the contact begins as one zone about x = 0."""
+        return self.shared.single
 
     def to(self, tolerance: float) -> Task:
         """The same, more or less tightly."""

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -32,12 +33,20 @@ from contact.search.missed import WrongTopology
 from contact.search.topology import Progress
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
-from contact.solver import solve
+from contact.solver import solved_along, tolerance
+from contact.sweeps.curve import Curve
+from contact.sweeps.hidden import may_hide
 
 Array = NDArray[np.float64]
 
 # Loads closer than this part of themselves are one: events within it are reported at their own loads but not separated.
 _CLOSE = 1e-7
+# Between loads closer than this part of themselves nothing is looked for that both leave unseen.
+_SEEN = 1e-5
+# Loads over one another from which on the rates of the ends at both tell nothing.
+_FAR = 1.3
+# Parts of its loads by which an event may lie beyond two that are as good as one.
+_BEYOND = (1e-6, 1e-5, 1e-4)
 # Of ends and of coefficients on the way to an event: pressure and gap away from an end that is off change by the square of that.
 _ENDS, _DECAY = 1e-7, 1e-14
 # Zooms to a least gap or pressure, the place of which is about known.
@@ -147,14 +156,14 @@ def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress |
     values = finite_array("loads", loads)
     if np.any(values <= 0):
         raise SceneError.of("loads", loads, "positive")
-    run = _Path(scene, tol, progress)
+    run = _Path(scene, tolerance(tol))
     solutions: list[Solution] = []
     events: list[Event] = []
     with unwarned():
         for k, load in enumerate(values):
             if progress is not None:
                 progress("load", k, len(values))
-            here = run.at(float(load), solutions[-1] if solutions else None)
+            here = run.curve.at(float(load))
             if solutions:
                 events += run.between(solutions[-1], here)
             solutions.append(here)
@@ -177,19 +186,19 @@ class _Change:
 
 
 class _Path:
-    def __init__(self, scene: Scene, tol: float, progress: Progress | None) -> None:
-        self.scene, self.tol, self.progress = scene, tol, progress
+    def __init__(self, scene: Scene, tol: float) -> None:
+        self.scene, self.curve = scene, Curve(scene, "load", tol)
 
-    def at(self, load: float, near: Solution | None) -> Solution:
-        scene = replace(
-            self.scene, load=load, mean_pressure=None, approach=None, half_width=None, contact_fraction=None
-        )
-        return solve(scene, self.tol, near=near)
+    @cached_property
+    def full(self) -> Solution:
+        """Full contact at its smallest load."""
+        fraction = replace(self.scene, load=None, mean_pressure=None, approach=None, half_width=None, contact_fraction=1.0)
+        return solved_along(fraction, self.curve.tol, None, self.curve.shared, ())
 
     def on_the_way(self, load: float, near: Solution) -> Solution:
         """A state between two loads: close to an event a zone or gap may be too narrow for the tolerance, and still serve."""
         try:
-            return self.at(load, near)
+            return self.curve.beside(load, (near,))
         except NotConverged as failure:
             if isinstance(failure.best, Solution) and failure.best.certificate.holds and failure.best.error < _USEFUL:
                 return failure.best
@@ -208,21 +217,21 @@ class _Path:
 
     def _events(self, low: Solution, high: Solution) -> list[Event]:
         changes = _changes(low, high)
-        if not changes:
-            return []
-        if changes[0].kind == "full" and len(low.zones) > 1:
+        if changes and changes[0].kind == "full":
             # Other gaps close before the last one does.
-            full = _full(self.scene).load
-            before = max(low.load, full * (1 - _BEFORE_FULL))
+            before = max(low.load, self.full.load * (1 - _BEFORE_FULL))
             last = self.on_the_way(before, low)
-            return [*self._events(low, last), _full_event(self.scene, last)]
+            return [*self._events(low, last), _full_event(self.full, last)]
         apart = high.load - low.load > _CLOSE * high.load
-        if apart and (len(changes) > 1 or high.load > 1.3 * low.load):
+        hides = high.load > _FAR * low.load or (high.load - low.load > _SEEN * high.load and may_hide(low, high))
+        if not changes and not hides:
+            return []
+        if apart and (hides or len(changes) > 1):
             middle = self.on_the_way(float(np.sqrt(low.load * high.load)), low)
             return self._events(low, middle) + self._events(middle, high)
         events = []
         for change in changes:
-            event = self._event(change, low, high)
+            event = self._event(change, low, high, beyond=() if apart else _BEYOND)
             if event is None and apart:
                 middle = self.on_the_way(0.5 * (low.load + high.load), low)
                 return self._events(low, middle) + self._events(middle, high)
@@ -231,10 +240,9 @@ class _Path:
             events.append(event)
         return events
 
-    def _event(self, change: _Change, low: Solution, high: Solution) -> Event | None:
-        """The event of one change; None if its condition does not change sign between the two loads."""
-        if change.kind == "full":
-            return _full_event(self.scene, low)
+    def _event(self, change: _Change, low: Solution, high: Solution, beyond: tuple[float, ...] = ()) -> Event | None:
+        """The event of one change; None if its condition does not change sign between the two loads, nor where it is looked for beyond
+        them, by these parts of the loads: signs within their rounding pass a certificate on either side of the event."""
         first, second = (high, low) if change.back else (low, high)
         side = first if change.kind == "birth" else second
         condition = _CONDITIONS[change.kind](side.fields, first, second, change)
@@ -242,9 +250,13 @@ class _Path:
         try:
             # Each state starts from the zones of the last: close to a zero its sign may depend on the way there.
             known = {end: condition(end) for end in (low.load / load, high.load / load)}
-            if not np.prod(np.sign(list(known.values()))) < 0:
+            for part in beyond:
+                if not _one_sign(known):
+                    break
+                known |= {end: condition(end) for end in (low.load / load * (1 - part), high.load / load * (1 + part))}
+            if _one_sign(known):
                 return None
-            root = bracketed(condition, known, xtol=1e-300, strict=True)
+            root = bracketed(condition, _bracket(known), xtol=1e-300, strict=True)
         except WrongTopology:
             return None
         condition(root)
@@ -285,6 +297,18 @@ def _between(low: Solution, high: Solution, period: float | None) -> list[_Chang
             changes.append(_Change("birth", (), k))
         changes += [_Change("merge", (int(i), int(j)), k) for i, j in zip(held[:-1], held[1:], strict=True)]
     return changes
+
+
+def _one_sign(known: dict[float, float]) -> bool:
+    signs = np.sign(list(known.values()))
+    return not (signs.min() < 0 < signs.max())
+
+
+def _bracket(known: dict[float, float]) -> dict[float, float]:
+    """The first two neighbours of opposite signs."""
+    at = sorted(known)
+    first = next(k for k in range(len(at) - 1) if known[at[k]] * known[at[k + 1]] <= 0 and known[at[k]] != known[at[k + 1]])
+    return {end: known[end] for end in at[first : first + 2]}
 
 
 class _Condition:
@@ -362,15 +386,7 @@ def _scaled(fields: Any, zone: Array) -> tuple[float, float]:
     return a, b
 
 
-def _full(scene: Scene) -> Solution:
-    """Full contact at its smallest load."""
-    return solve(
-        replace(scene, load=None, mean_pressure=None, approach=None, half_width=None, contact_fraction=1.0)
-    )
-
-
-def _full_event(scene: Scene, low: Solution) -> Event:
-    full = _full(scene)
+def _full_event(full: Solution, low: Solution) -> Event:
     first, last = _gap_before(low)
     place, _ = maximum(lambda points: -full.pressure(points), np.linspace(first, last, 65))
     return Event("full", full.load, place, low.zones, np.zeros((0, 2)))

@@ -34,6 +34,9 @@ _ON_ZONES = np.cos(np.pi * np.array([0.125, 0.375, 0.625, 0.875]))
 _MOST_KNOWN, _MOST = 2**17, 4000
 # A miss of the intensity beyond rounding, over what is wanted, or over what bends the surfaces, where that is more.
 _INTENSITY = 1e-7
+# Points in one of a few gaps at the least: beside an end about to move far the body may touch once more, between the end and the
+# second point, where they are half as many.
+_FEWEST = 48
 # What sums of some hundred terms are rounded to, relative to the largest of them: no error is stated below it.
 ROUNDING = 4e-14
 
@@ -249,7 +252,7 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
     smallest: float | None = None
     points = 0
     for lo, hi, left_zone, right_zone in fields.open_intervals():
-        x = _between(lo, hi, fields, left_zone, right_zone)
+        x = _between(lo, hi, fields, left_zone, right_zone, _FEWEST)
         scaled_gap = fields.gap_between(lo, hi)
         gap = scaled_gap(x)
         points += len(x)
@@ -345,11 +348,11 @@ def _overlaps(x: Array, fails: NDArray[np.bool_], lo: float, hi: float) -> list[
     ]
 
 
-def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool) -> Array:
+def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool, least: int = 24) -> Array:
     """Points in (lo, hi), evenly at least as close as the fields' spacing asks for, quadratically closer next to zones; tips among
-    them, and the limit of what is looked at: the body may touch right there."""
+    them, and the limit of what is looked at: the body may touch right there. least: so many at least."""
     known = fields.problem.profile.resolution is not None and (fields.is_bounded or (left_zone and right_zone))
-    n = int(np.clip(4 * (hi - lo) / fields.spacing, 24, _MOST_KNOWN if known else _MOST))
+    n = int(np.clip(4 * (hi - lo) / fields.spacing, least, _MOST_KNOWN if known else _MOST))
     s = (np.arange(n) + 0.5) / n
     if left_zone and right_zone:
         s = np.sin(0.5 * np.pi * s) ** 2

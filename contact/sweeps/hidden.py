@@ -1,0 +1,57 @@
+"""Whether zones may have been born and have merged again between two loads, of which their numbers at both tell nothing.
+
+On a branch with fixed zones their ends move smoothly, at rates that are known at both loads. Where two zones merge the end of one jumps
+to that of the other: the way it went is more than its rates make of it. So where way and rates do not go together, one looks between.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.formulation.fields import ZoneFields, moved_ends
+from contact.formulation.gaps import GapFields
+from contact.solution.solution import Solution
+
+Array = NDArray[np.float64]
+
+# Of a way that the rates at both loads leave open: smooth ends leave several times less between loads that are near one another.
+_OPEN = 0.1
+# Of a zone's width: ways that hold no zone that could be told from rounding.
+_NOTHING = 1e-6
+
+
+def may_hide(low: Solution, high: Solution) -> bool:
+    """Whether the ends of some zone, that both loads have, went a way that their rates do not tell."""
+    before, after = _ends(low), _ends(high)
+    if before is None or after is None or low.load >= high.load:
+        return False
+    (old, old_rates), (new, new_rates) = before, after
+    period = low.scene.period
+    step = np.log(high.load / low.load)
+    for (a, b), (rate_a, rate_b) in zip(new, new_rates, strict=True):
+        middles = old.mean(axis=1)
+        turn = np.zeros(len(old)) if period is None else np.ceil((a - middles) / period) * period
+        held = np.flatnonzero(middles + turn <= b) if period is not None else np.flatnonzero((middles >= a) & (middles <= b))
+        if len(held) != 1:
+            continue
+        (i,) = held
+        way = np.array([old[i, 0] + turn[i] - a, b - old[i, 1] - turn[i]])
+        smooth = 0.5 * step * (old_rates[i] + (rate_a, rate_b))
+        if np.any(np.abs(way - smooth) > _OPEN * np.abs(way) + _NOTHING * (b - a)):
+            return True
+    return False
+
+
+def _ends(solution: Solution) -> tuple[Array, Array] | None:
+    """(zones [m], how far their ends move outward as the load grows by a factor of e, both (n, 2)); None in full contact."""
+    fields = solution.fields
+    if not isinstance(fields, ZoneFields | GapFields):
+        return None
+    units = fields.problem.units
+    rates = moved_ends(fields.state).T
+    if isinstance(fields, ZoneFields):
+        return np.asarray(units.x(fields.density.zones.table)), rates * units.length * solution.load / units.load
+    # A gap loses on its left what the zone before it gains on its right.
+    rates = -np.column_stack((rates[:, 1], np.roll(rates[:, 0], -1)))
+    return np.asarray(units.x(fields.zones)), rates * units.length * fields.mean
