@@ -4,7 +4,7 @@
 from contact import interrupts  # noqa: F401  isort: skip
 from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
-from contact.model.laws import Frictionless, Law
+from contact.model.laws import JKR, Frictionless, Law
 from contact.model.profiles import (
     Biquadratic,
     Flat,
@@ -41,7 +41,7 @@ from contact.solver import solve
 from contact.sweeps.paths import Event, Path, path
 
 __all__ = [
-    "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated",
+    "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated", "JKR",
     "Law", "Layer", "Localized", "MissingExtra",
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",

@@ -14,6 +14,7 @@ import time
 from numbers import Real
 
 from contact.errors import SceneError, warn
+from contact.model.checks import one_of
 from contact.model.scene import Scene
 from contact.search.find import found
 from contact.search.full_contact import Full
@@ -27,7 +28,7 @@ from contact.verify.gap_accuracy import Gapped
 
 
 def solve(
-    scene: Scene, tol: float = 1e-8, progress: Progress | None = None, near: Solution | None = None
+    scene: Scene, tol: float = 1e-8, progress: Progress | None = None, near: Solution | None = None, branch: str = "advancing"
 ) -> Solution:
     """Solve a scene: zones, pressure, gap, and numbers, with error at most `tol` (see `Solution.error`).
 
@@ -41,6 +42,10 @@ def solve(
         Called with (stage, done, total or None).
     near : Solution or None
         A solution of the same profile and model whose zones are a good start; it saves the search, and never changes the answer.
+    branch : str
+        Which of several equilibria is meant, under laws that have more than one: "advancing", reached from first touch by raising the
+        control to its value (under tension: raised to no load, then lowered), or "receding", reached by lowering it from the greatest
+        contact.
 
     Returns
     -------
@@ -78,13 +83,14 @@ def solve(
         raise SceneError.of("scene", scene, "a contact.Scene")
     if isinstance(tol, bool) or not isinstance(tol, Real) or not 1e-13 <= float(tol) < 1.0:
         raise SceneError.of("tol", tol, "a number from 1e-13 to below 1")
+    one_of("branch", branch, ("advancing", "receding"))
     if near is not None and not isinstance(near, Solution):
         raise SceneError.of("near", near, "None, or a contact.Solution")
     if near is not None and _of(near.scene) != _of(scene):
         raise SceneError("near must be a solution of the same profile, interaction model, substrate and law", "near", near.scene)
     of_scene = validity.of_scene(scene)
     warn(of_scene)
-    solution = _solved(scene, float(tol), progress, near)
+    solution = _solved(scene, float(tol), progress, near, branch)
     warn(validity.of_solution(solution)[len(of_scene) :])
     return solution
 
@@ -94,9 +100,11 @@ def _of(scene: Scene) -> tuple[object, ...]:
     return scene.profile, scene.interaction, scene.substrate, scene.law
 
 
-def _solved(scene: Scene, tol: float, progress: Progress | None, near: Solution | None) -> Solution:
+def _solved(
+    scene: Scene, tol: float, progress: Progress | None, near: Solution | None, branch: str = "advancing"
+) -> Solution:
     start = time.perf_counter()
-    task = Task.of(scene, tol, progress, near, under=_solved)
+    task = Task.of(scene, tol, progress, near, under=_solved, branch=branch)
     try:
         return _solution(task, refined(task, found(task), found))
     finally:

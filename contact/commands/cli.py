@@ -106,16 +106,18 @@ def main(context: click.Context) -> None:
 @click.option("--save", type=click.Path(path_type=Path), metavar="OUT.nc", help="Write zones and fields as netCDF.")
 @click.option("--csv", "table", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write the zones as CSV.")
 @click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw the surfaces, p.")
+@click.option("--branch", type=click.Choice(("advancing", "receding")), default="advancing", show_default=True,
+              help="Of several equilibria under adhesion: by raising, or by lowering the control.")
 @_TOL
 def solve_command(
-    scene: Path, as_json: bool, save: Path | None, table: Path | None, figure: Path | None, tol: float
+    scene: Path, as_json: bool, save: Path | None, table: Path | None, figure: Path | None, branch: str, tol: float
 ) -> None:
     """Solve a SCENE and print its zones, loads and what was checked."""
     problem = load_scene(scene)
     outputs = _outputs(save, table, figure)
     start = time.perf_counter()
     with Progress() as progress:
-        solution = solve(problem, tol=tol, progress=progress)
+        solution = solve(problem, tol=tol, progress=progress, branch=branch)
     seconds = time.perf_counter() - start
     for path, write in outputs.items():
         write(solution, path)

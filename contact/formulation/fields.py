@@ -56,15 +56,30 @@ class Fields(Protocol):
 
 
 def moved_ends(state: sie.AnyState) -> Array:
-    """How far each end (2, Z) moves outward by a unit of the first condition's value: 2 K / A, as in a step of Newton's; 0 for ends
-    that are held."""
+    """How far each end (2, Z) moves outward by a unit of the first condition's value: 2 K / A, as in a step of Newton's, or as the rates
+    of prescribed intensities have it; 0 for ends that are held."""
     values = np.zeros(len(state.condition_scale))
     values[state.condition_index[0]] = 1.0
     zones = state.density.zones
     moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
     k, a = np.array(state.response(values).intensities), np.array(state.density.edge_slopes)
+    if follows(state):
+        assert isinstance(state, sie.State)
+        rates = sie.end_rates(state)
+        out = np.zeros_like(k)
+        for (side, i), motion in zip(rates.ends, -np.linalg.solve(rates.intensities, [k[end] for end in rates.ends]), strict=True):
+            out[side, i] = motion
+            if zones.symmetric:
+                out[1 - side, len(zones) - 1 - i] = motion
+        return out
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(moves, 2 * k / a, 0.0)
+
+
+def follows(state: sie.AnyState) -> bool:
+    """Whether moved ends change the density at first order: intensities are prescribed there."""
+    zones = state.density.zones
+    return any(end.moves and end.intensity != 0.0 for end in (*zones.left, *zones.right))
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +124,7 @@ class ZoneFields(sie.Kept):
 
     @cached_property
     def stiffness(self) -> float | None:
-        """d load / d approach [N/m^2]: the ends may be held, since their motion does not change the density at first order.
+        """d load / d approach [N/m^2]: the ends may be held where their motion does not change the density at first order.
 
         Under the first-order closure the nominal pressure follows the load at `amplitude_rate`. At the tilt that is given, or at the
         moment that is. None without an approach.
@@ -122,8 +137,44 @@ class ZoneFields(sie.Kept):
         if self.amplitude_rate:
             values[index[2]] = self.amplitude_rate
         rate = -float(self.state.level_rates(values).mean())
+        if follows(self.state):
+            assert isinstance(self.state, sie.State)
+            rates, motions = sie.end_rates(self.state), moved_ends(self.state)
+            rate -= float((rates.levels @ [motions[end] for end in rates.ends]).mean())
         units = self.problem.units
         return units.load / (units.height * rate)
+
+    @property
+    def load_size(self) -> float:
+        """What a miss of the load is counted in: the load, or what the prescribed intensities bear, whichever is larger."""
+        zones = self.density.zones
+        wanted = abs(self.problem.end.intensity or 0.0)
+        return max(abs(self.density.total), np.pi * wanted * float(np.sqrt(2 * zones.half).sum()))
+
+    @property
+    def bending(self) -> float:
+        """How many times the intensities that are asked for the density makes of its largest coefficients at the ends."""
+        zones, wanted = self.density.zones, self.problem.end.intensity
+        assert wanted
+        return float((np.abs(self.density.coefficients).max(axis=1) * np.sqrt(zones.half / 2)).max()) / abs(wanted)
+
+    def second_variation(self, held: str) -> Array:
+        """d^2 energy / ds_i ds_j by outward motions of the left and the right ends, times the roots of their zones' widths and over
+        2 w (2 Z, 2 Z): of dG_i/ds_j, G = w (K/K*)^2, at the held "load" or "approach"."""
+        zones, wanted = self.density.zones, self.problem.end.intensity
+        assert wanted
+        whole = sie.Zones.of(zones.table, self.problem.end, self.problem.end)
+        state = sie.solve_zones(self.problem.equation(Load(self.density.total)), whole, 1e-13)
+        assert isinstance(state, sie.State)
+        rates = sie.end_rates(state)
+        matrix = rates.intensities
+        if held == "approach":
+            values = np.zeros(len(state.condition_scale))
+            values[state.condition_index[0]] = 1.0
+            by_load = np.concatenate(state.response(values).intensities)
+            matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / float(state.level_rates(values).mean())
+        root = np.sqrt(np.tile(zones.b - zones.a, 2))
+        return np.asarray(root[:, None] * matrix * root / wanted)
 
     @cached_property
     def mean_gap(self) -> float:

@@ -53,8 +53,11 @@ class FullLimit(sie.Kept):
 
     @cached_property
     def pressure(self) -> float:
-        if not self.possible:
-            return np.inf
+        return self.relieved if self.possible else np.inf
+
+    @cached_property
+    def relieved(self) -> float:
+        """The mean pressure under which the least pressure of full contact is zero [Pa], whether contact begins there or not."""
         return 0.5 * self.E_star * maximum(self.relief, period_samples(self.profile))[1]
 
 

@@ -149,7 +149,7 @@ class Problem(sie.Kept):
 
     @cached_property
     def columns(self) -> tuple[sie.Forcing, ...]:
-        return self.operator.columns(self.centre, self.units.length)
+        return self.operator.columns(self.centre, self.units.length, self.units.scaled)
 
     @cached_property
     def compression(self) -> float:
@@ -182,7 +182,7 @@ class Problem(sie.Kept):
         if self.interaction.follows_isolated:
             closure: tuple[sie.Condition, ...] = (sie.Amplitude(0, self.amplitude or 0.0),)
         else:
-            closure = self.interaction.side_conditions(self.period)
+            closure = self.interaction.placed_conditions(self.period, self.units.scaled)
         conditions, ends = control.conditions()
         if self.moment is not None:
             closure = (*closure, sie.moment(self.moment, about=-self.units.lever))

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 import sie
 from contact.errors import SceneError
-from contact.model.interactions.base import Interaction
+from contact.model.interactions.base import Interaction, Scaled
 from contact.model.line_kernel import SmoothPart
 from contact.model.spectrum import checked, excess, kernel_of
 from contact.model.strip import BeyondStrip
@@ -179,12 +179,18 @@ class Operator(sie.Kept):
         assert period is not None
         return replace(kernel, regular_potential=_Lowered(kernel.regular_potential, _mean_beyond(kernel, period)))
 
-    def columns(self, centre: float, unit: float) -> tuple[sie.Forcing, ...]:
+    @property
+    def own_columns(self) -> bool:
+        """Whether the interaction gives columns of its own, of which nothing is known."""
+        kind = type(self.interaction)
+        return kind.columns is not Interaction.columns or kind.placed_columns is not Interaction.placed_columns
+
+    def columns(self, centre: float, unit: float, scaled: Scaled) -> tuple[sie.Forcing, ...]:
         """Terms of the right side with an unknown amplitude, scaled, about the centre of the strip."""
         interaction = self.interaction
         period = None if self.period is None else self.period / unit
-        if self.is_own or type(interaction).columns is not Interaction.columns or not interaction.strip:
-            return interaction.columns(period, centre)
+        if self.is_own or self.own_columns or not interaction.strip:
+            return interaction.placed_columns(period, centre, scaled)
         assert period is not None
         beyond = BeyondStrip(
             0.5 * (2 * interaction.neighbours + 1) * period, period, centre, self.smooth_part, unit, self.compression

@@ -149,8 +149,9 @@ class Scene(sie.Kept):
         for turning in TURNING:
             object.__setattr__(self, turning, finite_or_none(turning, getattr(self, turning)))
         name, value = self._the_one_control()
-        # A turned body touches at some other place than its lowest: there the approach counts from there.
-        value = finite(name, value) if name == "approach" and self.turned else positive(name, value)
+        # A turned body touches at some other place than its lowest: there the approach counts from there. Adhesion bears tension.
+        signed = (name == "approach" and self.turned) or (self.law.pulls and name in ("load", "mean_pressure", "approach"))
+        value = finite(name, value) if signed else positive(name, value)
         object.__setattr__(self, name, value)
         if name == "contact_fraction" and value > 1.0:
             raise SceneError.of(name, value, "above 0 and at most 1")

@@ -80,7 +80,7 @@ class ByPressure:
         return ZoneFields(problem, state.settled())
 
     def certificate(self, fields: ZoneFields, control: Control) -> Certificate:
-        return certify(fields, control.load)
+        return certify(fields, control.load, control.name)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
         """Those with pulling parts cut out, and a new one in every overlap."""
@@ -125,7 +125,7 @@ def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
 
 def is_symmetric(problem: Problem, table: Array) -> bool:
     """Whether half of the zones need solving: profile and zones mirror each other about the origin."""
-    if not problem.profile.symmetric or problem.units.origin != 0.0 or problem.centre != 0.0:
+    if not problem.profile.symmetric or problem.units.origin != 0.0 or problem.centre != 0.0 or problem.operator.own_columns:
         return False
     if problem.cell is not None and max(-table[0, 0], table[-1, 1]) >= 0.5 * problem.cell:
         return False

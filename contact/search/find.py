@@ -1,6 +1,7 @@
 """The contact of a scene: ways to it in order, each with the scenes it is for.
 
     a given part of the period in full contact    no search
+    several equilibria                            the branch asked for is followed (contact.search.branches)
     a solution near by that knows the tilt        Newton from its zones
     the scene's own control                       first guesses (contact.search.guesses), in a strip or not
     an approach by loads                          where both load and tilt are unknown, or the grid did not find it
@@ -10,6 +11,7 @@ from __future__ import annotations
 
 from contact.errors import NotConverged, OutOfRange
 from contact.search.bounded import refuse_unbounded
+from contact.search.branches import followed
 from contact.search.full_contact import smallest_full
 from contact.search.guesses import Outcome, search
 from contact.search.loads import NEAR_LOAD, at_approach, at_level
@@ -30,6 +32,8 @@ def found(task: Task) -> Outcome:
     if task.operator.is_plain and scene.law.convex:
         refuse_below_plateau(scene)
     refuse_unbounded(scene)
+    if scene.law.bare is not None and scene.half_width is None:
+        return followed(task)
     if scene.turned and scene.moment is not None and scene.approach is not None:
         return _by_loads(task)
     beside = _at_known_tilt(task)

@@ -36,8 +36,9 @@ LEAST = 2e-15
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """One solve. tolerance: of the ends and of the density; full: where full contact begins; single: the contact begins as one zone about
-    x = 0; near: a solution of the same profile and model; under: the solver itself, for a control that is found by loads."""
+    """One solve. branch: which of several equilibria; tolerance: of the ends and of the density; full: where full contact begins;
+    single: the contact begins as one zone about x = 0; near: a solution of the same profile and model;
+    under: the solver itself, for a control that is found by loads."""
 
     scene: Scene
     tol: float
@@ -49,12 +50,16 @@ class Task:
     under: Solver
     progress: Progress | None = None
     near: Solution | None = None
+    branch: str = "advancing"
 
     @classmethod
-    def of(cls, scene: Scene, tol: float, progress: Progress | None, near: Solution | None, under: Solver) -> Task:
+    def of(
+        cls, scene: Scene, tol: float, progress: Progress | None, near: Solution | None, under: Solver, branch: str = "advancing"
+    ) -> Task:
         operator = scene.operator
         full = FullLimit(scene.profile, scene.E_star, operator, scene.law)
-        return cls(scene, tol, plan(scene), operator, full, starts_from_one_zone(scene), max(0.1 * tol, LEAST), under, progress, near)
+        single, tolerance = starts_from_one_zone(scene), max(0.1 * tol, LEAST)
+        return cls(scene, tol, plan(scene), operator, full, single, tolerance, under, progress, near, branch)
 
     def to(self, tolerance: float) -> Task:
         """The same, more or less tightly."""

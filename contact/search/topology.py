@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
+from contact.errors import ContactError, SceneError
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.search.intervals import merged
@@ -152,6 +153,10 @@ def _ended(form: Formulation[Kind], control: Control, table: Array, newton: Newt
         free = form.moved(control, form.intervals(control, table), newton)
     except sie.SingularSystem as failure:
         raise WrongTopology(f"the equation has no solution on such {form.what}s ({failure})", before) from failure
+    except ValueError as fault:
+        if isinstance(fault, ContactError):
+            raise
+        raise SceneError(f"what the scene gives the equation does not go together: {fault}") from fault
     form.refuse(table, free)
     if newton.near and not free.converged:
         raise WrongTopology(f"the {form.what}s are not near those of the solution", free)
@@ -168,7 +173,7 @@ def _again(
     if newton.tolerance > TIGHT and _is_error(free, certificate):
         return ended, tighter
     if newton.near:
-        raise WrongTopology(f"there are other {form.what}s than these", free)
+        raise WrongTopology(certificate.note or f"there are other {form.what}s than these", free)
     table = form.corrected(free.density.zones, certificate)
     if any(same(ended, before) for at, before in tried if at == newton.tolerance):
         # To and fro between two numbers of intervals: the error of one of them, or rounding, makes its signs fail.

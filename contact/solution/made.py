@@ -62,21 +62,27 @@ def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol
     """Full contact; NotConverged with it where rounding of the heights leaves an error above the tolerance."""
     profile = scene.profile
     fields = FullFields(of_period(scene), mean_pressure, full.relief, mean_height(scene))
-    least = mean_pressure - full.pressure
+    least = mean_pressure - full.relieved
     certificate = Certificate(
         smallest_pressure=least, smallest_gap=None, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
-        points=len(period_samples(profile)), holds=True, note="full contact: the pressure is nowhere negative",
+        points=len(period_samples(profile)), holds=True, note=_told_of_full(scene, least),
     )
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "full contact"
     # Rounding of the closed form, in terms of the peak pressure, or of the mean where the peak is infinite.
-    peak = fields.max_pressure if math.isfinite(fields.max_pressure) else mean_pressure
+    peak = max(abs(fields.max_pressure), abs(least)) if math.isfinite(fields.max_pressure) else abs(mean_pressure)
     error = 1e-13 + full.rounding / peak
     solution = Solution(scene, np.zeros((0, 2)), fields, error, certificate, plan)
     if error > tol:
         why = f"rounding of the heights leaves an error of {error:.1e} in full contact, above the tolerance {tol:.1e}"
         raise NotConverged(why, (), solution)
     return solution
+
+
+def _told_of_full(scene: Scene, least: float) -> str:
+    if least >= 0.0 or not scene.law.pulls:
+        return "full contact: the pressure is nowhere negative"
+    return "full contact, under tension in places: what is closed stays closed, as an opening without width has no intensity"
 
 
 def of_period(scene: Scene) -> Problem:

@@ -17,6 +17,7 @@ from contact.model.checks import real
 from contact.model.scene import Scene
 from contact.solution import export
 from contact.solution.plan import Plan
+from contact.solution.pull_off import PullOff, pull_off
 from contact.solution.validity import everything
 from contact.verify.certificate import Certificate
 
@@ -144,6 +145,15 @@ class Solution(sie.Kept):
         """d load / d approach [N/m^2], at the given moment where one is given, else at the tilt; inf in full contact, None where
         there is no approach. Its inverse is off by about 4 error / E*, times the width of zones over that of narrower gaps beside them."""
         return self.fields.stiffness
+
+    @cached_property
+    def pull_off(self) -> PullOff | None:
+        """Where the contact comes apart as its load (or its approach, where that is given) falls, under a law that bears tension; None
+        for full contact, which does not open. Parts of it may come apart before: it is where the last do."""
+        if not isinstance(self.fields, ZoneFields):
+            return None
+        fields = self.fields
+        return pull_off(self.scene, fields.problem, fields.density.zones.table, fields.density.total, fields.level)
 
     @property
     def tilt(self) -> float | None:

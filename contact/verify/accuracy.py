@@ -24,6 +24,8 @@ Array = NDArray[np.float64]
 # Beside a singular end the pressure is several times the mean, to which its error is referred.
 _SINGULAR = 8
 _EPS = 2.2e-16
+# Angles of a zone at which the pressure is looked at for its size.
+_LOOKS = 64
 # Half widths of a zone over the length of the kernel's smooth part, up to which the modes of a zone show it to rounding, and from which on
 # not at all.
 RESOLVED, HOPELESS = 40.0, 150.0
@@ -57,8 +59,8 @@ def _stated(found: Found) -> float:
     # A stiff contact turns the rounding of its level into load.
     fields, units = found.fields, found.fields.problem.units
     assert fields.stiffness is not None
-    rounding = fields.gap_rounding / 16 + 4e-16 * density.total
-    return error + abs(rounding * fields.stiffness * units.height / (units.load * density.total))
+    rounding = fields.gap_rounding / 16 + 4e-16 * abs(density.total)
+    return error + abs(rounding * fields.stiffness * units.height / (units.load * fields.load_size))
 
 
 def _of_body(found: Found) -> float:
@@ -100,11 +102,20 @@ def _of_jumps(density: sie.AnyDensity) -> float:
 
 
 def _is_singular(density: sie.AnyDensity) -> bool:
-    return any(end.intensity is None for end in (*density.zones.left, *density.zones.right))
+    return any(end.intensity != 0.0 for end in (*density.zones.left, *density.zones.right))
+
+
+def _pulls(density: sie.AnyDensity) -> bool:
+    return any(end.intensity is not None and end.intensity < 0.0 for end in (*density.zones.left, *density.zones.right))
 
 
 def _reference(density: sie.AnyDensity) -> float:
-    """What errors of the pressure are referred to: its peak, or the mean contact pressure where the peak is infinite."""
+    """What errors of the pressure are referred to: its peak, or the mean contact pressure where the peak is infinite; where ends pull,
+    the largest p sqrt(1 - t^2), which is finite."""
+    if _pulls(density):
+        angle = (np.arange(_LOOKS) + 0.5) * np.pi / _LOOKS
+        left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
+        return float(np.abs(density.at(np.arange(len(density.zones))[:, None], left, right) * np.sin(angle)).max())
     if _is_singular(density) or np.any((density.steps.height > 0) & (density.steps.order == 0)):
         return abs(density.total) / float((density.zones.b - density.zones.a).sum())
     return float(density.sensitivity[0].max())

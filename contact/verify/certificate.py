@@ -32,6 +32,8 @@ _MANY = 32
 _ON_ZONES = np.cos(np.pi * np.array([0.125, 0.375, 0.625, 0.875]))
 # Points in one gap at the most: where the profile's resolution asks for them, and where it is a guess.
 _MOST_KNOWN, _MOST = 2**17, 4000
+# A miss of the intensity beyond rounding, over what is wanted, or over what bends the surfaces, where that is more.
+_INTENSITY = 1e-7
 # What sums of some hundred terms are rounded to, relative to the largest of them: no error is stated below it.
 ROUNDING = 4e-14
 
@@ -43,7 +45,9 @@ class Certificate:
     points: how many were looked at. dip: least minimum of p / sqrt(1 - t^2) inside a zone over its largest value there, inf if
     there is none. undecided: a gap within `gap_rounding` of zero, or a dip within rounding of it: whether there is contact in
     that place is below what double precision tells. moment_balance: relative to the load times the farthest end
-    of a zone; None where no moment is given.
+    of a zone; None where no moment is given. intensity: largest miss at an end, over what the law asks for; stability: least eigenvalue
+    of the second variation of the energy by the motions of the ends, over twice the work of adhesion and at equal motions over
+    roots of the widths, at the control held: positive where the contact is locally stable; both None under laws without.
     """
 
     smallest_pressure: float
@@ -57,6 +61,8 @@ class Certificate:
     note: str = ""
     dip: float = np.inf
     moment_balance: float | None = None
+    intensity: float | None = None
+    stability: float | None = None
     negative: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
     overlaps: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
 
@@ -66,14 +72,16 @@ class Certificate:
             "points", "note",
         )
         found = {name: getattr(self, name) for name in names}
-        return found if self.moment_balance is None else {**found, "moment_balance": self.moment_balance}
+        further = {name: getattr(self, name) for name in ("moment_balance", "intensity", "stability")}
+        return {**found, **{name: value for name, value in further.items() if value is not None}}
 
 
 NOT_CHECKED = Certificate(np.nan, None, 0.0, np.nan, np.nan, 0, False, note="a formal solution: its signs were not checked")
 
 
-def certify(fields: ZoneFields, load: float | None) -> Certificate:
-    """Check the solution everywhere; `negative` and `overlaps` are the scaled intervals where it fails."""
+def certify(fields: ZoneFields, load: float | None, held: str = "load") -> Certificate:
+    """Check the solution everywhere; `negative` and `overlaps` are the scaled intervals where it fails. held: the control under which
+    the contact has to be stable, where there are several equilibria; "half_width": it need not be."""
     law = fields.problem.law
     pressures, least, dip, inside = _pressures(fields)
     valleys, left_out = _valleys(fields)
@@ -85,7 +93,7 @@ def certify(fields: ZoneFields, load: float | None) -> Certificate:
     gaps, overlaps, rounding, outside = _gaps(fields, fields.gap_rounding + 2 * on_zones)
     units = fields.problem.units
     density = fields.density
-    balance = 0.0 if load is None else abs(density.total - load) / abs(load)
+    balance = 0.0 if load is None else abs(density.total - load) / max(abs(load), fields.load_size if law.pulls else 0.0)
     turned = _moment_balance(fields)
     spread = float(np.ptp(fields.levels)) * units.height
     undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (dip <= DIP_ROUNDING and len(pressures) == 0)
@@ -94,6 +102,18 @@ def certify(fields: ZoneFields, load: float | None) -> Certificate:
     if not on_zones <= fields.gap_error:
         holds = False
         note = f"on the zones, where it is zero, the gap comes to {on_zones * units.height:.1e} m: height and slope do not go together"
+    missed = stability = None
+    if law.bare is not None:
+        missed = _missed(fields)
+        if held != "half_width":
+            stability = float(np.linalg.eigvalsh(_symmetric(fields.second_variation(held))).min())
+        if missed > _INTENSITY * max(1.0, fields.bending):
+            holds, note = False, f"an end misses its intensity by {missed:.1e}"
+        elif stability is not None and not stability > 0.0:
+            holds, note = False, f"not stable under a held {held}: the second variation of the energy is not positive"
+        else:
+            told = "its ends are given" if stability is None else f"locally stable under a held {held}"
+            note = f"one of several equilibria: intensities at the ends, no overlap, balance, {told}{'; ' + note if note else ''}"
     broken = law.fault(fields, load)
     if broken:
         holds, note = False, f"{law.name}: {broken}"
@@ -109,9 +129,22 @@ def certify(fields: ZoneFields, load: float | None) -> Certificate:
         note=note,
         dip=dip,
         moment_balance=turned,
+        intensity=missed,
+        stability=stability,
         negative=pressures,
         overlaps=overlaps,
     )
+
+
+def _missed(fields: ZoneFields) -> float:
+    """Largest miss of the intensity that the law asks for at the ends, over it."""
+    wanted = fields.problem.end.intensity
+    assert wanted
+    return float(np.abs(np.concatenate(fields.density.intensities) / wanted - 1.0).max())
+
+
+def _symmetric(matrix: Array) -> Array:
+    return 0.5 * (matrix + matrix.T)
 
 
 def _moment_balance(fields: ZoneFields) -> float | None:

@@ -123,11 +123,12 @@ class Solver(Protocol):
 @dataclass(frozen=True, eq=False)
 class Factored:
     """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
-    made of."""
+    made of; rows: themselves, where intensities are prescribed and will be asked for their rates."""
 
     lu: Array
     pivots: Index
     size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
+    rows: Array | None = field(default=None, repr=False)
 
     @property
     def size(self) -> int:
@@ -530,7 +531,8 @@ def _solve_once(
     if lapack.dgecon(lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0] < _DEPENDENT:
         raise SingularSystem("the system is singular: the side conditions depend on each other")
     folded = np.asarray(lu_solve((lu, pivots), right, check_finite=False))
-    solver = Factored(lu, pivots, _size_of_rows(system, np.sqrt(matrix**2 @ folded**2 + right**2)))
+    prescribed = any(end.moves and end.intensity != 0.0 for end in (*zones.left, *zones.right))
+    solver = Factored(lu, pivots, _size_of_rows(system, np.sqrt(matrix**2 @ folded**2 + right**2)), matrix if prescribed else None)
     sizes.kernel_evaluations += matrix.size
     return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
 
@@ -585,14 +587,10 @@ def _state(
     return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, left_over, sizes)
 
 
-def assembled(
-    equation: Equation, zones: Zones, m: Index, sizes: Sizes, tolerance: float, scale: Array | None = None
-) -> tuple[System, Array, Array, Array]:
-    """(system, matrix, right side, condition scale) at given zones and coupled modes, without solving."""
-    steps = equation.forcing.jumps_within(zones, equation.kernel)
-    samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, int(sizes.own.max()))
-    system = System(equation, zones, m, samples.coefficients, steps)
-    return system, *_rows(equation, system, scale)
+def rows_of(state: State) -> Array:
+    """The rows that a state was solved with, over the kept unknowns."""
+    direct = state.direct
+    return direct.rows if direct is not None and direct.rows is not None else _rows(state.equation, state.system, state.condition_scale)[0]
 
 
 def _rows(equation: Equation, system: System, scale: Array | None = None) -> tuple[Array, Array, Array]:

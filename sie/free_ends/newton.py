@@ -5,7 +5,7 @@ K is the prescribed one. Moving ends outward by delta changes K_i by -(A_i / 2) 
 intensities are zero: the first-order change of a bounded density with the ends has no singular homogeneous part. So
 delta = 2 K / A is a Newton step with one linear solve. A condition on the ends alone (their total width) borders this
 diagonal by the response of K to the unknown value it fixes. Where an intensity is prescribed, the density's own change
-with the end is d^(-3/2)-singular and couples all ends: there the assembled rows are differenced in every end.
+with the end is d^(-3/2)-singular and couples all ends (`end_rates`).
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from sie.basis.ends import FREE, SINGULAR, End
 from sie.basis.zones import Zones
 from sie.collocation import modes
-from sie.collocation.fixed import SingularSystem, Sizes, State, assembled, density_of, first_sizes
+from sie.collocation.fixed import SingularSystem, Sizes, State, first_sizes
 from sie.equation.equation import Equation
+from sie.free_ends.end_rates import end_rates
 from sie.free_ends.gap_steps import gap_steps
 from sie.free_ends.near_jumps import bent_steps, corner_distances, tips_between
 from sie.free_ends.progress import Motion, Progress, Rest, Step, Turn
@@ -33,12 +34,12 @@ Index = NDArray[np.intp]
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
 # Over what the mean slope of the right side's smooth part makes of A.
 _SMOOTH = 4.0
-# Ends are moved by this part of their zone's width to difference the rows: truncation and rounding are alike.
-_NUDGE = 1e-5
 # After a move no larger than this the response to the open condition's value is about as it was: what that leaves of a step is of the
 # size of its square.
 _SAME_RESPONSE = 0.05
 
+# Condition of the rates of K from which on they are rounding.
+_NEUTRAL_FROM = 1e14
 _FOUND = "the ends are at rest"
 _UNSTABLE = "the ends are at rest, but unstably: pushed off they go on, and another root may be near"
 _NEUTRAL = "some motion of the ends, as of all of them together, leaves the intensities as they are, so that these do not tell the ends"
@@ -179,7 +180,7 @@ def find_ends(
         zones, released = _release(zones, walls, state.density)
         if opened is not None and (unit is None or progress.last > _SAME_RESPONSE):
             unit = Unit.of(state, sizes)
-        motion = _newton(state, zones, sizes, decay, signs, unit)
+        motion = _newton(state, zones, signs, unit)
         progress.turns += [motion.turn] if motion.turn is not None else []
         if not np.isfinite(motion.delta).all():
             if motion.turn is None:
@@ -327,7 +328,7 @@ def _intensity(end: End) -> float:
 
 
 def _newton(
-    state: AnyState, zones: Zones, sizes: Sizes, tolerance: float, signs: tuple[float, float], unit: Unit | None
+    state: AnyState, zones: Zones, signs: tuple[float, float], unit: Unit | None
 ) -> Motion:
     """The next step of ends of these kinds."""
     moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
@@ -344,7 +345,7 @@ def _newton(
     residual = np.where(moves, k - target, 0.0)
     if prescribed:
         whole = state.wide_of(np.arange(len(w)))[0]  # no slits where intensities are prescribed
-        delta, noise, change, growth = _full_newton(equation, whole, moves, residual, noise_k, unit, sizes, tolerance, side)
+        delta, noise, change, growth = _full_newton(equation, whole, residual, noise_k, unit, side)
         return Motion(moves, delta, noise, change, True, Turn(float(np.abs(residual).max()), growth))
     safe, weak = _safe_slopes(density, natural, signs)
     delta = np.where(moves, 2 * residual / safe, 0.0)
@@ -411,32 +412,21 @@ def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
 
 
 def _full_newton(
-    equation: Equation, state: State, moves: NDArray[np.bool_], residual: Array, noise_k: Array, unit: Unit | None,
-    sizes: Sizes, tolerance: float, signs: Array,
+    equation: Equation, state: State, residual: Array, noise_k: Array, unit: Unit | None, signs: Array
 ) -> tuple[Array, Array, float, float]:
     """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth of a push (`Free.stable`) by Newton
     with the full Jacobian dK_i/d(end_j), for prescribed intensities.
 
-    The rows A(e) y = b(e) are differenced in each end at fixed coefficients, and A dy = -d(A y - b) is solved with the
-    LU factors at hand. Of a mirrored pair of ends, the right one stands for both.
+    The rates are those of `end_rates`; of a mirrored pair of ends, the right one stands for both.
     """
     zones = state.density.zones
-    mirrored = int(zones.solved[0]) if zones.central else -1
-    ends = [(side, i) for side, i in np.argwhere(moves) if i in zones.solved and (side, i) != (0, mirrored)]
-    frozen = replace(sizes, own=sizes.own.copy())
-    jacobian = np.zeros((len(ends), len(ends)))
-    for j, (side, i) in enumerate(ends):
-        h = _NUDGE * float(zones.b[i] - zones.a[i])
-        ahead = _residual_rows(equation, _nudged(zones, side, i, h), state, frozen, tolerance)
-        behind = _residual_rows(equation, _nudged(zones, side, i, -h), state, frozen, tolerance)
-        response = state.homogeneous(-(ahead[0] - behind[0]) / (2 * h))
-        column = (ahead[1] - behind[1]) / (2 * h) + np.array(response.intensities)
-        jacobian[:, j] = [column[end] for end in ends]
+    rates = end_rates(state)
+    ends, jacobian = rates.ends, rates.intensities
     driven = np.array([float(signs[side, 0]) for side, _ in ends])[:, None] * jacobian
-    try:
-        inverse = np.linalg.inv(jacobian)
-    except np.linalg.LinAlgError:
+    # Rounding alone keeps the rates of a motion that changes nothing from being zero.
+    if len(ends) and not np.linalg.cond(jacobian) < _NEUTRAL_FROM:
         return np.full_like(residual, np.inf), noise_k, 0.0, 0.0
+    inverse = np.linalg.inv(jacobian)
 
     def spread(of_ends: Array) -> Array:
         """Values of `ends` as (2, Z), mirrored ones filled in."""
@@ -468,23 +458,3 @@ def _growth(driven: Array, normal: Array | None = None, by_value: Array | None =
         along = np.linalg.svd(normal[None])[2][1:]
         driven = along @ driven @ along.T
     return float(np.linalg.eigvals(driven).real.max(initial=-np.inf))
-
-
-def _nudged(zones: Zones, side: int, i: int, outward: float) -> Zones:
-    a, b = zones.a.copy(), zones.b.copy()
-    for which, k in {(side, i), (1 - side, len(zones) - 1 - i)} if zones.symmetric else {(side, i)}:
-        if which == 0:
-            a[k] -= outward
-        else:
-            b[k] += outward
-    return replace(zones, a=a, b=b)
-
-
-def _residual_rows(
-    equation: Equation, zones: Zones, state: State, sizes: Sizes, tolerance: float
-) -> tuple[Array, Array]:
-    """(rows at moved zones applied to the old coefficients, less the right side; their intensities)."""
-    scale = state.condition_scale
-    system, matrix, right, _ = assembled(equation, zones, state.system.layout.m, sizes, tolerance, scale)
-    moved = density_of(system, state.unknowns)
-    return matrix @ state.folded_unknowns - right, np.array(moved.intensities)

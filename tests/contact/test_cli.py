@@ -109,7 +109,7 @@ class TestSolve:
     def test_a_progress_callable_reaches_the_solver(self, scene, monkeypatch):
         given = {}
 
-        def solve(problem, tol, progress):
+        def solve(problem, tol, progress, branch):
             given.update(tol=tol, progress=progress)
             return contact.solve(problem, tol=tol)
 

@@ -7,6 +7,7 @@ scaled length) are given to it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,14 +18,16 @@ from contact.model.laws.base import CONTROLS
 
 Array = NDArray[np.float64]
 
+Scaled = Callable[[Array], Array]
+
 TURNING = ("tilt", "moment")
 
 
 class Interaction:
     """Base of the interaction models. A model is a frozen dataclass in a file of its own.
 
-    All is in scaled lengths that count from an origin of the solver's own: columns and conditions may speak of loads, widths and slopes,
-    not of a place of the profile.
+    All is in scaled lengths that count from an origin of the solver's own. `columns` and `side_conditions` may speak of loads, widths and
+    slopes; what speaks of a place of the profile goes into `placed_columns` and `placed_conditions`, which are told where it stands.
 
     Attributes
     ----------
@@ -94,3 +97,11 @@ class Interaction:
     def side_conditions(self, period: float | None) -> tuple[sie.Condition, ...]:
         """One condition for each column."""
         return ()
+
+    def placed_columns(self, period: float | None, centre: float, scaled: Scaled) -> tuple[sie.Forcing, ...]:
+        """Columns that speak of places: `scaled` says where places [m] of the profile come to stand. Else `columns`."""
+        return self.columns(period, centre)
+
+    def placed_conditions(self, period: float | None, scaled: Scaled) -> tuple[sie.Condition, ...]:
+        """Conditions that speak of places, likewise. Else `side_conditions`."""
+        return self.side_conditions(period)

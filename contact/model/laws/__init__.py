@@ -2,5 +2,6 @@
 
 from contact.model.laws.base import Law
 from contact.model.laws.frictionless import Frictionless
+from contact.model.laws.jkr import JKR
 
-__all__ = ["Frictionless", "Law"]
+__all__ = ["JKR", "Frictionless", "Law"]

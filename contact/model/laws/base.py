@@ -31,6 +31,9 @@ class Law(sie.Kept):
         Whether there is nothing between the bodies where they do not touch, so that contact nearly full may be solved by its gaps.
     full_contact : bool
         Whether full contact is that of the least pressure zero.
+    bare : Law or None
+        A convex law of which every contact lies within one that is reached by growing under this one, where there are several: their
+        branch is followed from there (contact.search.branches).
 
     Examples
     --------
@@ -60,6 +63,7 @@ class Law(sie.Kept):
     convex: ClassVar[bool] = False
     by_gaps: ClassVar[bool] = False
     full_contact: ClassVar[bool] = False
+    bare: ClassVar[Law | None] = None
 
     def intensity(self, E_star: float) -> float:
         """K [Pa m^(1/2)] at the ends of zones that are free to move, or held where a half width is given; negative where it pulls."""

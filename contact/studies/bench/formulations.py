@@ -24,7 +24,7 @@ from contact.formulation.relief import Relief, ScaledRelief
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.search import by_gaps, by_pressure
-from contact.search.missed import WrongTopology
+from contact.search.missed import Missed
 from contact.search.topology import Newton, settle
 from contact.solver import solve
 from contact.verify.accuracy import Found
@@ -70,6 +70,7 @@ class ByGaps:
     fields: GapFields
     zones: Array
     order: NDArray[np.intp]
+    error: float
 
     @classmethod
     def of(cls, scene: Scene) -> ByGaps:
@@ -82,12 +83,13 @@ class ByGaps:
 
         relief = ScaledRelief.of(Relief(scene.profile, scene.operator), problem)
         mean = _mean_pressure(scene) / units.pressure
-        try:
-            fields = by_gaps.ByGaps(problem, relief).formal(mean * problem.period, gaps, _TOLERANCE, settled=True)
-        except WrongTopology as failure:
-            raise NotConverged("the gaps' formulation does not converge from these zones") from failure
+        form = by_gaps.ByGaps(problem, relief)
+        found = settle(form, Load(mean * problem.period), gaps, Newton(_TOLERANCE), formal=True)
+        if isinstance(found, Missed):
+            raise NotConverged("the gaps' formulation does not converge from these zones")
+        fields = found.fields
         zones, order = _in_cell(np.asarray(units.x(fields.zones)), scene)
-        return cls(fields, zones, order)
+        return cls(fields, zones, order, found.error)
 
     @property
     def load(self) -> float:
@@ -111,6 +113,7 @@ class ByZones:
     fields: ZoneFields
     zones: Array
     order: NDArray[np.intp]
+    error: float
 
     @classmethod
     def of(cls, scene: Scene) -> ByZones:
@@ -128,7 +131,7 @@ class ByZones:
         found = settle(by_pressure.ByPressure(problem), Load(load), start, Newton(_TOLERANCE))
         assert isinstance(found, Found)
         zones, order = _in_cell(np.asarray(units.x(found.free.density.zones.table)), scene)
-        return cls(found.fields, zones, order)
+        return cls(found.fields, zones, order, found.error)
 
     @property
     def load(self) -> float:

@@ -1,0 +1,64 @@
+"""JKR adhesion: contact is held together by a work of adhesion w, and zones end where p ~ -sqrt(E* w/pi) / sqrt(d).
+
+K. L. Johnson, K. Kendall & A. D. Roberts, Proc. R. Soc. Lond. A 324 (1971) 301-313; in the plane M. Barquins, J. Adhesion 26 (1988)
+1-12, doi 10.1080/00218468808075464; of a wavy surface K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430,
+doi 10.1016/0020-7683(94)00111-9. Attraction has no range: where the surfaces do not touch, nothing acts between them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi, sqrt
+from typing import Any
+
+from contact.model.checks import positive
+from contact.model.laws.base import Law
+from contact.model.laws.frictionless import Frictionless
+from contact.model.registry import register_law
+
+
+@register_law("jkr")
+@dataclass(frozen=True)
+class JKR(Law):
+    """Adhesion without range by a work of adhesion; see docs/adhesion.md.
+
+    The contact has several equilibria; `contact.solve(scene, branch="advancing" | "receding")` says which is meant.
+
+    Parameters
+    ----------
+    work : float
+        Work of adhesion, > 0 [J/m^2].
+
+    Examples
+    --------
+    A cylinder under no load, and where it comes off: at -3 (pi E* w^2 R/16)^(1/3).
+
+    >>> import contact
+    >>> import numpy as np
+    >>> scene = contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(), law=contact.JKR(0.05), load=0.0)
+    >>> solution = contact.solve(scene)
+    >>> bool(np.isclose(solution.pull_off.load, -3 * (np.pi * 1e9 * 0.05**2 * 1e-3 / 16) ** (1 / 3), rtol=1e-9))
+    True
+    >>> solution.certificate.stability > 0
+    True
+    """
+
+    work: float
+
+    allows = ("load", "mean_pressure", "approach", "half_width")
+    pulls = True
+    bare = Frictionless()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "work", positive("work", self.work))
+
+    def intensity(self, E_star: float) -> float:
+        """-sqrt(E* w/pi) [Pa m^(1/2)]: the energy released per width that opens, (pi/E*) K^2, is w."""
+        return -sqrt(E_star * self.work / pi)
+
+    def refuses(self, scene: Any) -> str | None:
+        if scene.interaction.strip:
+            return f"goes with isolated and periodic bodies, not with {scene.interaction.name}"
+        if scene.profile.support is not None:
+            return f"is not solved at sharp corners, where {scene.profile.name} ends"
+        return None

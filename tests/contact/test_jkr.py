@@ -1,0 +1,235 @@
+"""JKR adhesion, solved: against closed forms and designed contacts, on the branch that is asked for, with its pull-off."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contact
+from contact import exact, inverse
+from contact.formulation import equilibria
+from contact.reference.inverse.stability import second_variation
+from tests.tiers import quick
+
+E, DELTA, WORK = 1.0, 0.01, 1e-5
+WAVE = exact.JKRWave(DELTA, 1.0, E, WORK)
+CYLINDER = exact.JKRCylinder(1.0, E, 1e-6, datum=1.0)
+INSIDE = np.array([-0.95, -0.5, 0.0, 0.3, 0.9])
+
+
+def wave(work=WORK, branch="advancing", **control):
+    scene = contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(work), **control)
+    return contact.solve(scene, branch=branch)
+
+
+def cylinder(branch="advancing", **control):
+    scene = contact.Scene(contact.Parabola(1.0), E, contact.Isolated(datum=1.0), law=contact.JKR(1e-6), **control)
+    return contact.solve(scene, branch=branch)
+
+
+def designed(problem, branch="advancing"):
+    model = contact.Isolated() if problem.period is None else contact.Periodic()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", contact.ModelWarning)
+        scene = contact.Scene(problem.profile, problem.E_star, model, law=contact.JKR(problem.work), load=problem.load)
+        try:
+            return contact.solve(scene, branch=branch)
+        except contact.NotConverged as failure:  # heights of high degree may be rounded to more than 1e-8 of a narrow zone
+            assert failure.best.error < 1e-6
+            return failure.best
+
+
+def agrees(solution, reference, tol=1e-10):
+    a = reference.half_width
+    error = max(abs(solution.zones[0, 1] - a), abs(solution.zones[0, 0] + a)) / a
+    x = INSIDE * a
+    pressure = np.abs(solution.pressure(x) - reference.pressure(x)).max() / np.abs(reference.pressure(x)).max()
+    assert max(error, pressure) < tol
+    assert max(error, pressure) < 2 * solution.error < 1e-8
+    assert solution.certificate.holds and solution.certificate.stability > 0.0
+    assert "convex" not in solution.certificate.note
+
+
+@pytest.mark.parametrize("load", [0.01, 1e-3, 0.0, -5e-4, -1.1e-3])
+def test_the_wave_is_johnsons_on_its_stable_branch(load):
+    reference = WAVE.advancing(load)
+    solution = wave(load=load)
+    agrees(solution, reference)
+    assert solution.approach == pytest.approx(reference.approach, abs=1e-12)
+    x = np.array([0.4, 0.45, 0.5])
+    assert solution.gap(x) == pytest.approx(reference.gap(x), rel=1e-9)
+
+
+@pytest.mark.parametrize("approach", [8e-3, 1e-3, 0.0, -1e-3])
+def test_a_held_approach_is_another_control_with_another_pull_off(approach):
+    reference, solution = WAVE.at_approach(approach), wave(approach=approach)
+    agrees(solution, reference)
+    assert solution.load == pytest.approx(reference.load, rel=1e-9)
+    assert solution.pull_off.approach == pytest.approx(WAVE.pull_off(0.0).approach, rel=1e-10)
+
+
+@pytest.mark.parametrize("branch", ["advancing", "receding"])
+@pytest.mark.parametrize("load", [1e-3, 0.0, -1e-4])
+def test_the_cylinder_is_barquins(load, branch):
+    solution = cylinder(branch, load=load)
+    agrees(solution, CYLINDER.at_load(load))
+    assert solution.approach == pytest.approx(CYLINDER.at_load(load).approach, rel=1e-10)
+    assert solution.pull_off.load == pytest.approx(CYLINDER.pull_off_load, rel=1e-11)
+    assert solution.pull_off.approach == pytest.approx(CYLINDER.pull_off().approach, rel=1e-9)
+
+
+@pytest.mark.parametrize("short", [1e-2, 1e-4, 1e-6])
+def test_a_load_as_near_to_pull_off_is_still_on_the_stable_branch(short):
+    load = (1 - short) * CYLINDER.pull_off_load
+    solution, reference = cylinder(load=load), CYLINDER.at_load(load)
+    # The width goes with the root of what is left of the load.
+    assert solution.zones[0, 1] == pytest.approx(reference.half_width, rel=1e-13 / short)
+    assert 0.0 < solution.certificate.stability < 10 * np.sqrt(short)
+
+
+def test_past_pull_off_there_is_none_and_the_message_says_where_it_was():
+    with pytest.raises(contact.OutOfRange, match=r"past pull-off.*-0\.0001743671.*approach -0\.000586351"):
+        cylinder(load=1.0001 * CYLINDER.pull_off_load)
+    with pytest.raises(contact.OutOfRange, match=f"{WAVE.pull_off().load:.6g}"[:9]):
+        wave(load=1.001 * WAVE.pull_off().load)
+    with pytest.raises(contact.OutOfRange, match="past pull-off"):
+        wave(approach=1.001 * WAVE.pull_off(0.0).approach)
+
+
+def test_the_wave_jumps_into_full_contact_where_johnson_says_and_stays_closed():
+    jump = exact.JKRWave(DELTA, 1.0, E, 3e-5).jump_into_full_contact.load
+    assert len(wave(3e-5, load=0.999 * jump).zones) == 1
+    closed = wave(3e-5, load=1.001 * jump)
+    assert len(closed.zones) == 0 and closed.certificate.holds and closed.pull_off is None
+    assert len(wave(branch="receding", load=-0.01).zones) == 0
+
+
+def test_above_the_critical_work_the_wave_closes_by_itself():
+    critical = WAVE.self_closing_work
+    assert len(wave(0.99 * critical, load=0.0).zones) == 1
+    full = wave(1.01 * critical, load=0.0)
+    assert len(full.zones) == 0
+    x = np.array([0.0, 0.2, 0.5])
+    assert full.pressure(x) == pytest.approx(np.pi * E * DELTA * np.cos(2 * np.pi * x), rel=1e-10, abs=1e-12)
+    assert full.certificate.smallest_pressure == pytest.approx(-np.pi * E * DELTA, rel=1e-9)
+
+
+@pytest.mark.parametrize("period", [None, 1.0])
+@pytest.mark.parametrize("seed", quick(range(40), always=range(8)))
+def test_a_designed_contact_lies_between_the_branches_and_is_one_where_as_many_zones_come_about(seed, period):
+    count = seed % 6 + 1
+    problem = inverse.random_adhesive_problem(np.random.default_rng(seed), count, period, pull=10.0 ** (0.5 - seed % 4))
+    solution = designed(problem)
+    assert solution.certificate.holds and solution.certificate.stability > 0
+    width = problem.zone_widths.sum()
+    if len(solution.zones) == count and abs(solution.zone_widths.sum() / width - 1) < 1e-3:
+        error = np.abs(np.sort(solution.zone_widths) / np.sort(problem.zone_widths) - 1).max()
+        assert error < 1e-9 + 3 * solution.error
+        assert np.sort(solution.zone_loads) == pytest.approx(np.sort(problem.zone_loads), abs=1e-7 * np.abs(problem.zone_loads).max())
+    else:  # a zone of it is come by only from a larger load
+        assert solution.zone_widths.sum() < width
+        assert period is not None or designed(problem, "receding").zone_widths.sum() > width
+
+
+@pytest.mark.parametrize(("seed", "period"), [(0, None), (5, None), (1, 1.0), (7, 1.0)])
+def test_the_certificate_tells_the_second_variation_of_the_design(seed, period):
+    problem = inverse.random_adhesive_problem(np.random.default_rng(seed), None, period)
+    solution = designed(problem)
+    root = np.sqrt(np.repeat(problem.zone_widths, 2))
+    expected = np.linalg.eigvalsh(root[:, None] * second_variation(problem) * root / (2 * problem.work))
+    matrix = solution.fields.second_variation("load")
+    assert np.linalg.eigvalsh(matrix) == pytest.approx(expected, abs=1e-9 * expected.max())
+    # What one end gains as another one advances: contact grows together (contact.formulation.equilibria).
+    assert np.all(matrix - np.diag(np.diag(matrix)) <= 0.0)
+
+
+def test_an_unstable_equilibrium_is_not_certified():
+    narrow = exact.JKRWave(DELTA, 1.0, E, WORK).at_load(-5e-4, "narrow")
+    given = wave(half_width=narrow.half_width)
+    assert given.load == pytest.approx(-5e-4, rel=1e-9)
+    eigenvalues = np.linalg.eigvalsh(given.fields.second_variation("load"))
+    assert eigenvalues.min() < 0 < np.linalg.eigvalsh(wave(load=-5e-4).fields.second_variation("load")).min()
+
+
+def test_without_adhesion_left_it_is_the_frictionless_contact():
+    profile = contact.Fourier(1.0, [0.01, 0.004, 0.002], [0.0, 0.003, -0.002])
+    scene = contact.Scene(profile, E, contact.Periodic(), mean_pressure=5e-3)
+    bare = contact.solve(scene)
+    off = [np.abs(contact.solve(replace(scene, law=contact.JKR(w))).zones - bare.zones).max() for w in (1e-12, 1e-16)]
+    # The zones follow the intensity, a root of the work.
+    assert off[0] < 1e-3 and off[0] / off[1] == pytest.approx(100.0, rel=0.05)
+
+
+@pytest.mark.parametrize("load", [2e-3, 0.0, -8e-4])
+def test_the_work_of_the_load_is_elastic_and_surface_energy(load):
+    states = [wave(load=load + step) for step in (-1e-6, 1e-6)]
+    t, weights = np.polynomial.legendre.leggauss(60)
+    angle = 0.5 * np.pi * (1 + t)
+
+    def energy(solution):
+        a = solution.zones[0, 1]
+        x = a * np.cos(angle)
+        inner = 0.5 * np.pi * a * float(np.sum(weights * np.sin(angle) * solution.pressure(x) * solution.displacement(x)))
+        return 0.5 * inner - 2 * a * WORK
+
+    low, high = states
+    done = 0.5 * (high.load + low.load) * (high.approach - low.approach)
+    assert energy(high) - energy(low) == pytest.approx(done, rel=1e-5, abs=1e-15)
+    assert (high.load - low.load) / (high.approach - low.approach) == pytest.approx(wave(load=load).stiffness, rel=1e-5)
+
+
+def test_a_rough_profile_is_solved_on_its_branch_and_pulled_off():
+    rng = np.random.default_rng(1)
+    k, phase = np.arange(1, 31), rng.uniform(0, 2 * np.pi, 30)
+    size = 1e-7 * k**-1.3
+    profile = contact.Fourier(1e-4, size * np.cos(phase), size * np.sin(phase))
+    scene = contact.Scene(profile, 1e9, contact.Periodic(), law=contact.JKR(1e-4), mean_pressure=2e6)
+    solution = contact.solve(scene)
+    assert solution.certificate.holds and solution.certificate.stability > 0 and len(solution.zones) > 3
+    last = solution.pull_off
+    assert last.load < 0
+    inside = contact.solve(replace(scene, mean_pressure=0.0)).pull_off
+    # More was in contact under a larger load, and what has come together holds better.
+    assert last.load <= inside.load * (1 - 1e-9) < 0
+
+
+def test_what_does_not_go_with_it_is_refused_by_name():
+    for work in (0.0, -1.0, float("nan"), "1"):
+        with pytest.raises(contact.SceneError, match="work"):
+            contact.JKR(work)
+    with pytest.raises(contact.SceneError, match="jkr goes with isolated and periodic"):
+        contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Localized(), law=contact.JKR(1e-5), load=0.01)
+    with pytest.raises(contact.SceneError, match="sharp corners"):
+        contact.Scene(contact.Flat(1.0), E, contact.Isolated(), law=contact.JKR(1e-5), load=0.01)
+    with pytest.raises(contact.SceneError, match="the controls of jkr are"):
+        contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(1e-5), contact_fraction=0.5)
+    with pytest.raises(contact.SceneError, match="load"):
+        contact.Scene(contact.Parabola(1.0), E, contact.Isolated(), load=-1.0)
+    with pytest.raises(contact.SceneError, match="branch"):
+        wave(load=0.01, branch="upper")
+    with pytest.raises(contact.SceneError, match="no pull-off under the law frictionless"):
+        contact.solve(contact.Scene(contact.Parabola(1.0), E, contact.Isolated(), load=1.0)).pull_off  # noqa: B018
+
+
+def test_a_scene_file_names_it(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        '[profile]\nshape = "sinusoid"\namplitude = 0.01\nperiod = 1.0\n[material]\nE_star = 1.0\n[interaction]\nmodel = "periodic"\n'
+        '[law]\nmodel = "jkr"\nwork = 1e-5\n[control]\nmean_pressure = -5e-4\n'
+    )
+    scene = contact.load_scene(path)
+    assert scene.law == contact.JKR(1e-5)
+    assert contact.solve(scene).load == pytest.approx(-5e-4, rel=1e-12)
+
+
+@pytest.mark.parametrize(("slopes", "after", "passed"), [((-1.0, 1.0), 0.1, True), ((0.0, 0.0), 0.1, False), ((-0.2, -0.2), -0.1, True)])
+def test_a_step_over_a_place_of_rest_is_noticed_by_its_ends_and_by_the_cubic_between_them(slopes, after, passed):
+    table, step = np.array([[-1.0, 1.0]]), np.full(2, 0.5)
+    here, ahead = (
+        equilibria.Point(table, 0.0, np.full(2, residual), slope * np.eye(2), np.ones(2), 0.0, 0.0)
+        for residual, slope in zip((0.1, after), slopes, strict=True)
+    )
+    assert equilibria._passed(here, ahead, step, 1.0).all() == passed
