@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 
 # Of a way that the rates at both loads leave open: smooth ends leave several times less between loads that are near one another.
 _OPEN = 0.1
+# Rates over one another whose mean tells little of the way.
+_UNLIKE = 1.5
 # Of a zone's width: ways that hold no zone that could be told from rounding.
 _NOTHING = 1e-6
 
@@ -37,8 +39,10 @@ def may_hide(low: Solution, high: Solution) -> bool:
             continue
         (i,) = held
         way = np.array([old[i, 0] + turn[i] - a, b - old[i, 1] - turn[i]])
-        smooth = 0.5 * step * (old_rates[i] + (rate_a, rate_b))
-        if np.any(np.abs(way - smooth) > _OPEN * np.abs(way) + _NOTHING * (b - a)):
+        first, last = old_rates[i], np.array([rate_a, rate_b])
+        slow, fast = np.minimum(np.abs(first), np.abs(last)), np.maximum(np.abs(first), np.abs(last))
+        open_ = (np.abs(way - 0.5 * step * (first + last)) > _OPEN * np.abs(way)) | (fast > _UNLIKE * slow)
+        if np.any(open_ & (np.abs(way) > _NOTHING * (b - a))):
             return True
     return False
 

@@ -42,7 +42,7 @@ Array = NDArray[np.float64]
 # Loads closer than this part of themselves are one: events within it are reported at their own loads but not separated.
 _CLOSE = 1e-7
 # Between loads closer than this part of themselves nothing is looked for that both leave unseen.
-_SEEN = 1e-5
+_SEEN = 1e-3
 # Loads over one another from which on the rates of the ends at both tell nothing.
 _FAR = 1.3
 # Parts of its loads by which an event may lie beyond two that are as good as one.

@@ -54,6 +54,14 @@ def _openings(fields: GapFields) -> tuple[float, list[tuple[float, float]], int]
             x = gaps.middle[i] + gaps.half[i] * np.cos(theta)
             for s, e in runs_of(opening[row] < 0):
                 overlaps.append((float(gaps.a[i] if e == n - 1 else x[e + 1]), float(gaps.b[i] if s == 0 else x[s - 1])))
+        # The body may touch between two samples.
+        rows, places = np.nonzero(may_be_negative(opening[:, :-2], opening[:, 1:-1], opening[:, 2:]))
+        scale = opening.max(axis=1)[rows]
+        dips = follow(density.integral_at, group[rows], theta[places], theta[places + 2], scale, rough[rows, 0])
+        smallest = min(smallest, dips.least, dips.lowest)
+        for i, lo, hi in dips.negative:
+            ends = gaps.middle[i] + gaps.half[i] * np.cos([hi, lo])
+            overlaps.append((float(ends[0]), float(ends[1])))
     return smallest, overlaps, points
 
 
