@@ -3,6 +3,7 @@
 # First: a command may be interrupted while the rest is imported.
 from contact import interrupts  # noqa: F401  isort: skip
 from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
+from contact.extras import require
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
 from contact.model.laws import JKR, Frictionless, Law
 from contact.model.profiles import (
@@ -40,6 +41,19 @@ from contact.solution.solution import Solution
 from contact.solver import solve
 from contact.sweeps.curve import solve_many
 from contact.sweeps.paths import Event, Path, path
+
+
+def __getattr__(name: str) -> str:
+    # Looked up when it is asked for: what is installed says it, and saying it takes time.
+    if name == "__version__":
+        version: str = require("importlib.metadata").version("sie-contact")
+        return version
+    raise AttributeError(f"module 'contact' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])
+
 
 __all__ = [
     "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated", "JKR",

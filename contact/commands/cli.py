@@ -92,7 +92,8 @@ def _stop(status: int, message: str) -> NoReturn:
     sys.exit(status)
 
 
-@click.group(cls=Commands, invoke_without_command=True)
+@click.group(cls=Commands, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="sie-contact", prog_name="contact", message="%(prog)s %(version)s")
 @click.pass_context
 def main(context: click.Context) -> None:
     """Exact elastic contact of rough and wavy bodies, from scene files in TOML."""

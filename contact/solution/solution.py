@@ -15,7 +15,7 @@ from contact.errors import SceneError
 from contact.formulation.fields import Fields, ZoneFields
 from contact.model.checks import real
 from contact.model.scene import Scene
-from contact.solution import export
+from contact.solution import export, html, plotting
 from contact.solution.plan import Plan
 from contact.solution.pull_off import PullOff, pull_off
 from contact.solution.validity import everything
@@ -184,6 +184,17 @@ class Solution(sie.Kept):
     def warnings(self) -> list[str]:
         """What the model hardly covers: slopes, pressures, a modulus, a trace; given out as ModelWarnings too."""
         return everything(self)
+
+    def plot(self) -> Any:
+        """The surfaces and the pressure, as a matplotlib figure of its own; MissingExtra without matplotlib."""
+        return plotting.plot(self)
+
+    def to_dataset(self) -> Any:
+        """Zones, fields and numbers as an xarray.Dataset with units; MissingExtra without xarray."""
+        return export.to_xarray(self)
+
+    def _repr_html_(self) -> str:
+        return html.to_html(self)
 
     def to_dict(self) -> dict[str, Any]:
         """All of it in plain types; None for what is infinite or undefined."""
