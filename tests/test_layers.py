@@ -188,3 +188,10 @@ def test_a_wave_is_solved_without_anything_heavy() -> None:
 
 def test_what_is_heavy_is_noticed_where_it_is_used() -> None:
     assert "scipy.optimize" in loaded_after("import contact, scipy.optimize")
+
+
+def test_contact_asks_no_type_of_the_engine_s_states_and_densities() -> None:
+    for name, file in modules("contact").items():
+        if not name.startswith("studies."):
+            text = file.read_text(encoding="utf-8")
+            assert not any(f"sie.{kind})" in text for kind in ("State", "Density", "Pierced")), name

@@ -99,8 +99,7 @@ class Equilibria:
         if table[0, 0] <= lo or table[-1, 1] >= hi:
             raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
         zones = sie.Zones.of(table, problem.end, problem.end)
-        state = sie.solve_zones(problem.equation(control), zones, tolerance)
-        assert isinstance(state, sie.State)
+        state = sie.solve_zones(problem.equation(control), zones, tolerance).whole
         rates, wanted = sie.end_rates(state), problem.end.intensity
         assert wanted is not None
         size = abs(wanted)

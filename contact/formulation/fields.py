@@ -64,8 +64,7 @@ def moved_ends(state: sie.AnyState) -> Array:
     moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
     k, a = np.array(state.response(values).intensities), np.array(state.density.edge_slopes)
     if follows(state):
-        assert isinstance(state, sie.State)
-        rates = sie.end_rates(state)
+        rates = sie.end_rates(state.whole)
         out = np.zeros_like(k)
         for (side, i), motion in zip(rates.ends, -np.linalg.solve(rates.intensities, [k[end] for end in rates.ends]), strict=True):
             out[side, i] = motion
@@ -138,8 +137,7 @@ class ZoneFields(sie.Kept):
             values[index[2]] = self.amplitude_rate
         rate = -float(self.state.level_rates(values).mean())
         if follows(self.state):
-            assert isinstance(self.state, sie.State)
-            rates, motions = sie.end_rates(self.state), moved_ends(self.state)
+            rates, motions = sie.end_rates(self.state.whole), moved_ends(self.state)
             rate -= float((rates.levels @ [motions[end] for end in rates.ends]).mean())
         units = self.problem.units
         return units.load / (units.height * rate)
@@ -164,8 +162,7 @@ class ZoneFields(sie.Kept):
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
         whole = sie.Zones.of(zones.table, self.problem.end, self.problem.end)
-        state = sie.solve_zones(self.problem.equation(Load(self.density.total)), whole, 1e-13)
-        assert isinstance(state, sie.State)
+        state = sie.solve_zones(self.problem.equation(Load(self.density.total)), whole, 1e-13).whole
         rates = sie.end_rates(state)
         matrix = rates.intensities
         if held == "approach":

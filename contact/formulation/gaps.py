@@ -53,8 +53,7 @@ class GapFields(sie.Kept):
     @cached_property
     def density(self) -> sie.Density:
         """Slope of the gap on the gaps."""
-        assert isinstance(self.state.density, sie.Density)
-        return self.state.density
+        return self.state.whole.density
 
     @property
     def period(self) -> float:

@@ -66,9 +66,10 @@ def _stated(found: Found) -> float:
 def _of_body(found: Found) -> float:
     """What a body that is no half-plane adds: its smooth part, where it nearly cancels the line load of the half-plane, as that of a thin
     layer does, leaves rounding and neglected modes that are large beside the little that remains."""
-    operator, state, units = found.fields.problem.operator, found.fields.state, found.fields.problem.units
-    if operator.is_plain or operator.is_own or not isinstance(state, sie.State):
+    operator, units = found.fields.problem.operator, found.fields.problem.units
+    if operator.is_plain or operator.is_own or found.fields.state.density.slits:
         return 0.0
+    state = found.fields.state.whole
     zones = state.density.zones
     wave = np.array([np.pi / (2 * float(zones.half.max()) * units.length)])
     left = state.field_tail if np.isfinite(state.system.equation.kernel.length) else 0.0

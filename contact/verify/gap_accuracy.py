@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-import sie
 from contact.formulation.fields import moved_ends
 from contact.formulation.gaps import GapFields
 from contact.verify.certificate import ROUNDING
@@ -41,8 +40,8 @@ class Gapped(Settled):
         pressure there by delta times its slope, beside a tip J / pi over the distance; and the pressure beside the gap, which is of the
         size of its slope on the length of its width, by delta over that width.
         """
-        fields, state, gaps = self.fields, self.fields.state, self.fields.density.zones
-        assert isinstance(state, sie.State)  # the total of every gap is given: no holes
+        # The total of every gap is given: there are no slits.
+        fields, state, gaps = self.fields, self.fields.state.whole, self.fields.density.zones
         units, profile = fields.problem.units, fields.problem.profile
         width = (gaps.b - gaps.a)[:, None]
         moved = self.free.end_error + state.end_truncation + self.off * self.widening / width

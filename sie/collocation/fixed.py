@@ -250,6 +250,11 @@ class State(Kept):
         """The solver, where it iterates."""
         return self.solver if isinstance(self.solver, Iterative) else None
 
+    @property
+    def whole(self) -> State:
+        """The state without slits: this one."""
+        return self
+
     def wide_of(self, zones: Index) -> tuple[State, Index]:
         """The state without slits, and the places of zones among its own."""
         return self, zones

@@ -284,8 +284,7 @@ def _of_places(state: AnyState, corners: Array) -> Array:
         return rounding
     # An end at a corner, as far as positions tell, is known by its distance from there.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
-    whole = state.wide_of(np.arange(len(zones)))[0]
-    cornered, g = whole.density.steps.kinked, whole.system.g
+    cornered, g = state.whole.density.steps.kinked, state.whole.system.g
     smooth = _SMOOTH * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
     known = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
     rounding[:, cornered] *= known[:, cornered]
@@ -344,7 +343,7 @@ def _newton(
     noise_k = state.intensity_noise
     residual = np.where(moves, k - target, 0.0)
     if prescribed:
-        whole = state.wide_of(np.arange(len(w)))[0]  # no slits where intensities are prescribed
+        whole = state.whole  # no slits where intensities are prescribed
         delta, noise, change, growth = _full_newton(equation, whole, residual, noise_k, unit, side)
         return Motion(moves, delta, noise, change, True, Turn(float(np.abs(residual).max()), growth))
     safe, weak = _safe_slopes(density, natural, signs)

@@ -316,6 +316,11 @@ class PiercedState(Kept):
     def coupled(self) -> int:
         return self.wide.coupled
 
+    @property
+    def whole(self) -> State:
+        """The state of the wide zones, without slits."""
+        return self.wide
+
     def wide_of(self, zones: Index) -> tuple[State, Index]:
         """The state of the wide zones, and the places of zones among these."""
         return self.wide, self.cut.piece_zone[zones]
