@@ -12,6 +12,17 @@ from mkdocs.exceptions import PluginError
 # What pymdownx.arithmatex makes of $...$ and $$...$$.
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
 
+# What the converter leaves as letters and signs between two sides: names of functions, fractions in a line, bars, primes, accents.
+NAMES = "arccos|arcsin|arctan|arctanh|artanh|cos|cosh|cot|coth|csc|det|exp|ln|log|sec|sgn|sin|sinh|tan|tanh|Re|Im"
+TIGHT = '<mo lspace="0" rspace="0" stretchy="false">'
+SPACED = (
+    (rf"<mi>({NAMES})</mi>(?=<mo[^>]*>(?:\(|&#x00028;))", r'<mo lspace="0.17em" rspace="0">\1</mo>'),
+    (rf"<mi>({NAMES})</mi>", r'<mo lspace="0.17em" rspace="0.17em">\1</mo>'),
+    (r'<mo(?: stretchy="false")?>(/|&#x0002F;|\||&#x0007C;)</mo>', rf"{TIGHT}\1</mo>"),
+    (r"<mi>(&#x0203[2-4];|[\u2032-\u2034])</mi>", rf"{TIGHT}\1</mo>"),
+    (r'<mover>(<mi>[^<]*</mi>)<mo stretchy="true">(?:&#x000AF;|\u00af)</mo>', rf'<mover accent="true">\1{TIGHT}&#x203E;</mo>'),
+)
+
 
 def mathml(tex: str, display: bool) -> str:
     """MathML of a formula; a command that is not known is refused, not shown as it stands."""
@@ -19,6 +30,8 @@ def mathml(tex: str, display: bool) -> str:
     unknown = re.search(r"\\\w+", html.unescape(made))
     if unknown:
         raise ValueError(f"{unknown[0]} in {tex!r} is no known command")
+    for found, spaced in SPACED:
+        made = re.sub(found, spaced, made)
     return made
 
 
