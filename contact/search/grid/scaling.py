@@ -79,7 +79,7 @@ def _turned(scene: Scene, guess: float) -> ScaledScene:
 
 
 def _frame_of(scene: Scene, profile: Profile, window: Window) -> ScaledScene:
-    """ScaledScene by a window that holds the contact. The approach counts, at x = 0, from where the body is not turned."""
+    """Scaled by a window that holds the contact. The approach counts, at x = 0, from where the body is not turned."""
     length = 2.0 ** round(math.log2(0.5 * (window[1] - window[0])))
     units = Units(_middle_or_tip(profile, window), length, _typical_slope(scene, profile, length, window), scene.E_star)
     moment = None if scene.moment is None else scene.moment / units.moment
