@@ -34,7 +34,7 @@ from contact.solution.plan import plan
 from contact.solution.plotting import plot
 from contact.solution.terminal import Progress, show_table
 from contact.solver import solve
-from contact.sweeps.compare import compare, refusals, table, total_width
+from contact.sweeps.compare import compare, refusals, tables, total_width
 from contact.sweeps.compare_plot import plot_comparison
 
 BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, interrupts.STATUS
@@ -171,7 +171,8 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
     with Progress() as progress:
         attempts = compare(problem, tol, progress)
     show_profile(problem.profile)
-    show_table("models", ("", *(a.name for a in attempts)), table(attempts), numeric=range(1, len(attempts) + 1))
+    for table in tables(attempts):
+        show_table(table.title, table.columns, table.rows, numeric=range(1, len(table.columns)))
     for line in refusals(attempts):
         click.echo(line)
     if all(attempt.solution is None for attempt in attempts):

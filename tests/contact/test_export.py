@@ -152,3 +152,5 @@ class TestSampling:
         load = np.pi / 4 * 1.1e11 * (0.8 * L) ** 2 / 1e-2
         wide = contact.Scene(trace, E_star=1.1e11, interaction=contact.Isolated(), load=load)
         assert window(contact.solve(wide)) == (-L, L)
+        lightly = contact.Scene(trace, E_star=1.1e11, interaction=contact.Isolated(), load=1e-3 * load)
+        assert window(contact.solve(lightly)) == (-L, L)
