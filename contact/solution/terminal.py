@@ -33,10 +33,10 @@ def show_table(
 class Progress:
     """What `contact.solve(progress=...)` calls: a bar on stderr, on a terminal, once the work has lasted a second."""
 
-    def __init__(self, patience: float = 1.0, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, patience: float = 1.0, clock: Callable[[], float] = time.monotonic, wanted: bool = True) -> None:
         self._due = clock() + patience
         self._clock = clock
-        self._wanted = sys.stderr.isatty()
+        self._wanted = wanted and sys.stderr.isatty()
         self._bar: Any = None
         self._task: Any = None
         self._stage = ""
