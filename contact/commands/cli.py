@@ -20,14 +20,13 @@ import click
 import numpy as np
 
 from contact import interrupts
+from contact.commands.options import QUIET, SCENE, TOL, scene_of
 from contact.commands.outputs import OVERWRITE, checked, checked_figure
 from contact.commands.trace import show_profile, trace_command
 from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
 from contact.extras import other_package, require
 from contact.model.interactions.base import TURNING
 from contact.model.registry import interactions, laws, profiles, substrates
-from contact.model.scene import Scene
-from contact.model.scene_file import load_scene, read_scene
 from contact.model.units import column, quantity
 from contact.solution.answer import Answer
 from contact.solution.export import (
@@ -51,10 +50,6 @@ BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, interrupts.STATUS
 
 # A table of more zones than this is for a file.
 _ZONES_SHOWN = 20
-
-_SCENE = click.argument("scene", type=click.Path(path_type=Path))
-_QUIET = click.option("-q", "--quiet", is_flag=True, help="Print no tables and no progress, only what goes wrong.")
-_TOL = click.option("--tol", type=float, default=1e-8, show_default=True, help="Largest relative error.")
 
 
 class Commands(click.Group):
@@ -118,7 +113,7 @@ def main(context: click.Context) -> None:
 
 
 @main.command("solve")
-@_SCENE
+@SCENE
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="OUT.nc", help="Write zones and fields as netCDF, or OUT.json.")
 @click.option("--csv", "table", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write the zones as CSV.")
@@ -127,14 +122,14 @@ def main(context: click.Context) -> None:
 @click.option("--branch", type=click.Choice(("advancing", "receding")), default="advancing", show_default=True,
               help="Of several equilibria under adhesion: by raising, or by lowering the control.")
 @OVERWRITE
-@_QUIET
-@_TOL
+@QUIET
+@TOL
 def solve_command(
     scene: Path, as_json: bool, save: Path | None, table: Path | None, fields: Path | None, figure: Path | None, branch: str,
     overwrite: bool, quiet: bool, tol: float,
 ) -> None:
     """Solve a SCENE and print its zones, loads and what was checked."""
-    problem = _read(scene)
+    problem = scene_of(scene)
     outputs = _outputs(save, table, fields, figure, overwrite)
     start = time.perf_counter()
     with Progress(wanted=not quiet) as progress:
@@ -153,21 +148,22 @@ def solve_command(
 
 
 @main.command("plan")
-@_SCENE
+@SCENE
 @click.option("--solve", "run", is_flag=True, help="Solve it, and say what each part took.")
-@_TOL
+@TOL
 def plan_command(scene: Path, run: bool, tol: float) -> None:
     """Say what a SCENE needs and what it leaves out, without solving it.
 
     With --solve also the sizes, and where the time went.
     """
-    problem = _read(scene)
+    problem = scene_of(scene)
     if not run:
         rows = [(row.name, "yes" if row.used else "no", row.reason, row.detail) for row in plan(problem).rows]
         show_table("plan", ("part", "used", "reason", "detail"), rows)
         return
     with Progress() as progress:
         done = solve(problem, tol=tol, progress=progress).plan
+    show_profile(problem.profile)
     timed = [
         (row.name, "yes" if row.used else "no", row.reason, row.detail, *_took(row.seconds, done.share(row))) for row in done.rows
     ]
@@ -181,15 +177,14 @@ def _took(seconds: float | None, share: float | None) -> tuple[str, str]:
 
 
 @main.command("compare")
-@_SCENE
+@SCENE
 @click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw the differences.")
-@OVERWRITE
-@_TOL
-def compare_command(scene: Path, figure: Path | None, overwrite: bool, tol: float) -> None:
+@TOL
+def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
     """Solve a SCENE as isolated, localized (with and without explicit neighbours) and exact contact, side by side."""
-    problem = _read(scene)
+    problem = scene_of(scene)
     if figure is not None:
-        checked_figure(figure, overwrite)
+        checked_figure(figure)
     with Progress() as progress:
         attempts = compare(problem, tol, progress)
     show_profile(problem.profile)
@@ -293,11 +288,6 @@ def laws_command() -> None:
 Write = Callable[[Answer, Path, bool], None]
 
 
-def _read(scene: Path) -> Scene:
-    """The scene of a file, or of what comes in on standard input; files it names are looked for from the working folder then."""
-    return read_scene(click.get_binary_stream("stdin").read(), "standard input") if str(scene) == "-" else load_scene(scene)
-
-
 def _outputs(
     save: Path | None, table: Path | None, fields: Path | None, figure: Path | None, overwrite: bool
 ) -> dict[Path, Write]:
@@ -306,14 +296,15 @@ def _outputs(
     if save is not None:
         outputs[checked("--save", save, (".nc", ".json"), overwrite)] = write_json if save.suffix.lower() == ".json" else write_netcdf
         if save.suffix.lower() == ".nc":
-            require("xarray"), require("h5netcdf"), require("h5py")
+            for needed in ("xarray", "h5netcdf", "h5py"):
+                require(needed)
     if table is not None:
         outputs[checked("--csv", table, (".csv",), overwrite)] = write_csv
     if fields is not None:
         _distinct("--fields", fields, outputs)
         outputs[checked("--fields", fields, (".csv",), overwrite)] = write_fields
     if figure is not None:
-        outputs[checked_figure(figure, overwrite)] = _write_figure
+        outputs[checked_figure(figure)] = _write_figure
     return outputs
 
 

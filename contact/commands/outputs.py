@@ -11,13 +11,13 @@ import click
 from contact.errors import SceneError
 from contact.extras import require
 
-OVERWRITE = click.option("--overwrite", is_flag=True, help="Write over files that are there.")
+OVERWRITE = click.option("--overwrite", is_flag=True, help="Write over files of numbers that are there; pictures are drawn anew.")
 
 
-def checked_figure(path: Path, overwrite: bool = False) -> Path:
-    """The name of a picture that can be written."""
+def checked_figure(path: Path) -> Path:
+    """The name of a picture that can be written; one that is there is drawn anew, as it holds nothing that is not drawn again."""
     known = require("matplotlib.backends.backend_agg").FigureCanvasAgg.get_supported_filetypes()
-    return checked("--plot", path, [f".{kind}" for kind in known], overwrite)
+    return checked("--plot", path, [f".{kind}" for kind in known], overwrite=True)
 
 
 def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = False) -> Path:

@@ -91,7 +91,7 @@ def trace_command(file: Path, figure: Path | None, scene: Path | None, overwrite
     """Read a trace from a FILE and print its length, pitch, heights and roughness, and what was done to it."""
     keys = {name: KEYS[name][0](text) for name, text in options.items() if text is not None}
     if figure is not None:
-        checked_figure(figure, overwrite)
+        checked_figure(figure)
     if scene is not None:
         checked("--scene", scene, (".toml",), overwrite)
     trace = load_trace(file, **keys)

@@ -69,6 +69,7 @@ def to_dict(solution: Answer) -> dict[str, Any]:
         "plan": solution.plan.to_dict(),
         "warnings": solution.warnings,
         "scene": describe(solution.scene),
+        "trace": solution.scene.profile.trace_summary(),
         "units": UNITS,
         "version": version(),
     }
@@ -254,8 +255,10 @@ def _attributes(solution: Answer) -> dict[str, Any]:
     }
     numbers = {name: float(value) for name, value in values.items() if value is not None}
     certificate = json.dumps(plain(solution.certificate.to_dict()))
+    trace = solution.scene.profile.trace_summary()
+    read = {} if trace is None else {"trace": json.dumps(plain(trace))}
     return {
         "title": "elastic contact", "source": f"sie-contact {version()}", "version": version(),
         "units": json.dumps({name: UNITS[name] for name in numbers}), "scene": json.dumps(describe(solution.scene)),
-        **numbers, "certificate": certificate,
+        **read, **numbers, "certificate": certificate,
     }

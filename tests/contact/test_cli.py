@@ -67,7 +67,7 @@ class TestSolve:
         assert set(read) == {
             "zones", "load", "mean_pressure", "max_pressure", "approach", "contact_fraction", "zone_loads", "zone_widths",
             "stiffness", "mean_gap", "tilt", "moment", "rotational_stiffness", "error", "certificate", "plan", "warnings",
-            "zone_peaks", "scene", "units", "version",
+            "zone_peaks", "scene", "trace", "units", "version",
         }  # fmt: skip
         assert read["zones"] == expected.zones.tolist()
         assert read["mean_pressure"] == pytest.approx(2e7, rel=1e-12)
@@ -96,6 +96,39 @@ class TestSolve:
 
     def test_json_stays_one_object_when_files_are_written(self, scene, tmp_path):
         json.loads(run("solve", scene(), "--json", "--csv", tmp_path / "out.csv").stdout)
+
+    def test_numbers_are_written_over_only_when_asked_and_a_picture_is_drawn_anew(self, scene, tmp_path, monkeypatch):
+        pytest.importorskip("matplotlib")
+        table, figure = tmp_path / "out.csv", tmp_path / "out.png"
+        for path in (table, figure):
+            path.write_text("mine")
+        solve = cli.solve
+        monkeypatch.setattr(cli, "solve", lambda *a, **k: pytest.fail("solved"))
+        refused = stopped(2, "solve", scene(), "--csv", table, "--plot", figure)
+        assert "--csv" in refused and "--overwrite" in refused
+        monkeypatch.setattr(cli, "solve", solve)
+        assert run("solve", scene(), "--csv", table, "--overwrite").exit_code == 0
+        assert run("solve", scene(), "--plot", figure).exit_code == 0
+        assert table.read_text().startswith("left") and figure.read_bytes().startswith(b"\x89PNG")
+
+    def test_two_options_cannot_name_one_file(self, scene, tmp_path):
+        assert "--fields" in stopped(2, "solve", scene(), "--csv", tmp_path / "out.csv", "--fields", tmp_path / "out.csv")
+
+    def test_a_scene_comes_in_on_standard_input(self, scene):
+        text = open(scene(), encoding="utf-8").read()
+        result = CliRunner().invoke(cli.main, ["solve", "-", "--json"], input=text)
+        assert json.loads(result.stdout)["zones"] == json.loads(run("solve", scene(), "--json").stdout)["zones"]
+        for broken in ("", "[profile", text.replace("amplitude", "amplitud"), "\xff"):
+            refused = CliRunner().invoke(cli.main, ["solve", "-"], input=broken.encode("latin-1"))
+            assert refused.exit_code == 2 and refused.stderr.startswith("contact: standard input: ")
+
+    def test_quietly_it_writes_its_files_and_prints_nothing(self, scene, tmp_path):
+        result = run("solve", scene(), "-q", "--csv", tmp_path / "out.csv")
+        assert (result.exit_code, result.output) == (0, "") and (tmp_path / "out.csv").exists()
+
+    def test_another_package_of_the_same_name_is_warned_of(self, monkeypatch):
+        monkeypatch.setattr(cli, "other_package", lambda: "contact 9, another project")
+        assert run("profiles").stderr == "contact: warning: contact 9, another project\n"
 
     def test_full_contact_is_told_in_words(self, scene):
         result = run("solve", scene("mean_pressure = 4e9"))

@@ -18,7 +18,7 @@ L = 1e-4
 KEYS = {
     "zones", "load", "mean_pressure", "max_pressure", "approach", "contact_fraction", "zone_loads", "zone_widths",
     "stiffness", "mean_gap", "tilt", "moment", "rotational_stiffness", "error", "certificate", "plan", "warnings",
-    "zone_peaks", "scene", "units", "version",
+    "zone_peaks", "scene", "trace", "units", "version",
 }  # fmt: skip
 
 
