@@ -1,28 +1,27 @@
 """The contact of a scene: ways to it in order, each with the scenes it is for.
 
     a given part of the period in full contact    no search
-    several equilibria                            the branch asked for is followed (contact.search.branches)
+    several equilibria                            the branch asked for is followed (contact.search.ways.branches)
     the last ones on a curve of its values        Newton from their zones, carried on to here
     a solution near by that knows the tilt        Newton from its zones
-    the scene's own control                       first guesses (contact.search.guesses), in a strip or not
+    the scene's own control                       first guesses (contact.search.ways.guesses), in a strip or not
     an approach by loads                          where both load and tilt are unknown, or the grid did not find it
 """
 
 from __future__ import annotations
 
 from contact.errors import NotConverged, OutOfRange
-from contact.search.along import NOT_ALONG, from_last
-from contact.search.bounded import refuse_unbounded
-from contact.search.branches import followed
-from contact.search.full_contact import smallest_full
-from contact.search.guesses import Outcome, search
-from contact.search.loads import NEAR_LOAD, at_approach, at_level
-from contact.search.missed import Missed
-from contact.search.plateau import refuse_below_plateau
-from contact.search.proposals import placed
-from contact.search.scaling import Framed, framed, framed_about
-from contact.search.strips import centred, first_order
+from contact.search.feasibility import refuse_below_plateau, refuse_unbounded
+from contact.search.grid.proposals import placed
+from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
 from contact.search.task import Task
+from contact.search.topology.missed import Missed
+from contact.search.ways.along import NOT_ALONG, from_last
+from contact.search.ways.branches import followed
+from contact.search.ways.full_contact import smallest_full
+from contact.search.ways.guesses import Outcome, search
+from contact.search.ways.loads import NEAR_LOAD, at_approach, at_level
+from contact.search.ways.strips import centred, first_order
 from contact.verify.accuracy import Found
 
 
@@ -65,24 +64,24 @@ def _at_known_tilt(task: Task) -> Found | Missed:
     near, scene = task.near, task.scene
     if near is None or len(near.zones) == 0 or scene.moment is None or not scene.turned:
         return Missed("no solution that knows the tilt")
-    frame = framed_about(scene, near.tilt or 0.0, near.zones)
-    return task.settle(frame.problem, frame.control, placed(frame.problem, near.zones))
+    scaled = scaled_scene_about(scene, near.tilt or 0.0, near.zones)
+    return task.refine_topology(scaled.problem, scaled.control, placed(scaled.problem, near.zones))
 
 
 def _as_given(task: Task) -> Outcome:
     """Under the scene's own control."""
     tilt = None if task.near is None else task.near.tilt
-    return _framed(task, framed(task.scene, task.single, tilt or 0.0))
+    return _of_scaled(task, scaled_scene(task.scene, task.single, tilt or 0.0))
 
 
-def _framed(task: Task, frame: Framed) -> Outcome:
+def _of_scaled(task: Task, scaled: ScaledScene) -> Outcome:
     model, near, start = task.scene.interaction, task.near, None
     if model.follows_isolated:
-        return first_order(task, frame)
+        return first_order(task, scaled)
     # Where one zone is to be found, that is known better in closed form.
     if near is not None and len(near.zones) and not task.single:
-        start = placed(frame.problem, near.zones)
-    return centred(task, frame, start) if model.strip else search(task, frame, start)
+        start = placed(scaled.problem, near.zones)
+    return centred(task, scaled, start) if model.strip else search(task, scaled, start)
 
 
 def _loads_may_tell(task: Task, failure: OutOfRange | NotConverged) -> bool:
@@ -99,4 +98,4 @@ def _by_loads(task: Task) -> Outcome:
     if not task.scene.interaction.needs_period:
         return at_level(task)
     # Grids are searched by load: the zones are about those of the load that has the approach.
-    return _framed(task.beside(at_approach(task, NEAR_LOAD)), framed(task.scene, task.single))
+    return _of_scaled(task.beside(at_approach(task, NEAR_LOAD)), scaled_scene(task.scene, task.single))

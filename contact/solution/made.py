@@ -18,7 +18,7 @@ from contact.solution.plan import Plan
 from contact.solution.solution import Solution, limit_of_approach
 from contact.verify.accuracy import Found, limit, of_positions, too_thin
 from contact.verify.certificate import Certificate
-from contact.verify.gap_accuracy import Gapped
+from contact.verify.gap_accuracy import FoundByGaps
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,7 @@ def of_zones(scene: Scene, found: Found, plan: Plan, tol: float) -> Solution:
     return _within(tol, solution, found.free, "zone", of_positions(found))
 
 
-def of_gaps(scene: Scene, found: Gapped, plan: Plan, tol: float) -> Solution:
+def of_gaps(scene: Scene, found: FoundByGaps, plan: Plan, tol: float) -> Solution:
     """The solution of a nearly full contact from its gaps; NotConverged with it where its error is above the tolerance."""
     fields = found.fields
     plan["zone ends"].reason = "nearly full contact: the gaps are solved for"

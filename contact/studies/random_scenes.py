@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import contact
-from contact.search.coarse import grid_height, propose
+from contact.search.grid.coarse import grid_height, propose
 from contact.studies import own_models
 from contact.studies.scene_families import FAMILIES
 

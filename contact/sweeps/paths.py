@@ -28,9 +28,9 @@ from contact.formulation.maxima import maximum
 from contact.formulation.roots import bracketed
 from contact.model.checks import finite_array
 from contact.model.scene import Scene
-from contact.search.formulations import formulation_of
-from contact.search.missed import WrongTopology
-from contact.search.topology import Progress
+from contact.search.topology.formulations import formulation_of
+from contact.search.topology.loop import Progress
+from contact.search.topology.missed import WrongTopology
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solved_along, tolerance

@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
-from contact.search.coarse import find_window, propose, zones_of
-from contact.search.grid import GridState, Influence, solve_grid
+from contact.search.grid.coarse import find_window, propose, zones_of
+from contact.search.grid.conjugate_gradient import GridState, Influence, solve_grid
 
 Array = NDArray[np.float64]
 Shape = Callable[[Array], Array]

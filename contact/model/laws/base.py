@@ -33,7 +33,7 @@ class Law(sie.Kept):
         Whether full contact is that of the least pressure zero.
     bare : Law or None
         A convex law of which every contact lies within one that is reached by growing under this one, where there are several: their
-        branch is followed from there (contact.search.branches).
+        branch is followed from there (contact.search.ways.branches).
 
     Examples
     --------

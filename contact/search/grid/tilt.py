@@ -1,4 +1,4 @@
-"""A rough tilt for a given moment: contacts on windows of the line, tilt by tilt (contact.search.tilt_rate).
+"""A rough tilt for a given moment: contacts on windows of the line, tilt by tilt (contact.search.grid.tilt_rate).
 
 A rigid body on a rigid plane rests on the two places between which its load has its centre: the edge of the lower convex hull of
 f there has the tilt of the smallest loads. It is tried after the guess that is at hand.
@@ -17,8 +17,8 @@ from contact.errors import OutOfRange
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
-from contact.search.coarse import find_window, grid_height, propose
-from contact.search.tilt_rate import Lean, balanced
+from contact.search.grid.coarse import find_window, grid_height, propose
+from contact.search.grid.tilt_rate import AtTilt, balanced
 
 Array = NDArray[np.float64]
 Window = tuple[float, float]
@@ -54,7 +54,7 @@ def window_at_load(
     )
 
 
-def leaning(scene: Scene, guess: float) -> Lean[Window]:
+def tilt_search(scene: Scene, guess: float) -> AtTilt[Window]:
     """A rough tilt at which the load has the moment, and the window of its contact."""
     load = scene.given_load
     assert scene.moment is not None and load is not None
@@ -76,7 +76,7 @@ def leaning(scene: Scene, guess: float) -> Lean[Window]:
     if first is not None and edge is not None:
         first = _hull([first, edge])
     for reach in (_FAR * size, _FAR**2 * size, _FAR**3 * size):
-        search = _Leaning(scene, load, known or (-reach, reach), known is not None, first)
+        search = _Tilting(scene, load, known or (-reach, reach), known is not None, first)
         best = balanced(search, centre, tilts, _FEW_TILTS)
         missed = abs(best.centre - centre) > best.fineness
         if missed and known is None and best.found != search.limits and not _holds(_hull(search.windows.values()), centre):
@@ -94,7 +94,7 @@ def leaning(scene: Scene, guess: float) -> Lean[Window]:
 
 
 @dataclass
-class _Leaning:
+class _Tilting:
     """Contacts at tilts tried one after the other. Between two tilts the contact lies between theirs: there it is looked for, so
     that asperities far apart are seen together."""
 
@@ -106,7 +106,7 @@ class _Leaning:
     whole: Window | None = None
     windows: dict[float, Window] = field(default_factory=dict)
 
-    def __call__(self, tilt: float) -> Lean[Window]:
+    def __call__(self, tilt: float) -> AtTilt[Window]:
         scene, profile = self.scene, Tilted(self.scene.profile, tilt)
         window = self.whole or window_at_load(scene, profile, self.load, self.limits, self._about(tilt))
         if window != self.limits:
@@ -117,7 +117,7 @@ class _Leaning:
             points=None if wide else _POINTS, resolution=profile.resolution, rest=scene.operator.rest,
         )
         extent = float(np.ptp(found.zones)) / found.state.influence.h if len(found.zones) else 1.0
-        return Lean.of(tilt, window, found, max(1.0, _ROUGH * extent), window)
+        return AtTilt.of(tilt, window, found, max(1.0, _ROUGH * extent), window)
 
     def _about(self, tilt: float) -> Window | None:
         below = [t for t in self.windows if t <= tilt]

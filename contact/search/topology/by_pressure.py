@@ -11,12 +11,12 @@ import sie
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.search.intervals import united, without
-from contact.search.missed import WrongTopology
-from contact.search.topology import Newton, off
+from contact.search.topology.intervals import united, without
+from contact.search.topology.loop import Newton, off
+from contact.search.topology.missed import WrongTopology
 from contact.verify.accuracy import HOPELESS, Found, too_thin
 from contact.verify.certificate import Certificate, certify
-from contact.verify.settled import Settled
+from contact.verify.solved import Solved
 
 Array = NDArray[np.float64]
 
@@ -94,12 +94,12 @@ class ByPressure:
             raise WrongTopology("the signs of pressure and gap change ever more often", None)
         return table
 
-    def settled(
+    def solved(
         self, free: sie.Free, fields: ZoneFields, certificate: Certificate, rounds: int, control: Control, tolerance: float
     ) -> Found:
         return Found(free, fields, certificate, rounds, control, tolerance)
 
-    def is_slight(self, found: Settled) -> bool:
+    def is_slight(self, found: Solved) -> bool:
         """A dip of the pressure, or a gap between zones."""
         zones, reach = found.free.density.zones, off(found.free)
         narrow = zones.a[1:] - zones.b[:-1] <= reach[1:, 0] + reach[:-1, 1]

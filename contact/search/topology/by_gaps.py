@@ -14,13 +14,13 @@ from contact.formulation.fields import mean_shape
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem, minus_one
 from contact.formulation.relief import ScaledRelief
-from contact.search.intervals import united, without
-from contact.search.missed import WrongTopology
-from contact.search.topology import Newton
+from contact.search.topology.intervals import united, without
+from contact.search.topology.loop import Newton
+from contact.search.topology.missed import WrongTopology
 from contact.verify.certificate import Certificate
-from contact.verify.gap_accuracy import Gapped
+from contact.verify.gap_accuracy import FoundByGaps
 from contact.verify.gap_certificate import certify_gaps
-from contact.verify.settled import Settled
+from contact.verify.solved import Solved
 
 Array = NDArray[np.float64]
 
@@ -90,13 +90,13 @@ class ByGaps:
         parts = np.concatenate((without(zones.table, certificate.overlaps), certificate.negative))
         return united(parts, self.period, True, self.what)
 
-    def settled(
+    def solved(
         self, free: sie.Free, fields: GapFields, certificate: Certificate, rounds: int, control: Control, tolerance: float
-    ) -> Gapped:
+    ) -> FoundByGaps:
         off = free.value_error + _rounding_of_mean(control, fields)
-        return Gapped(free, fields, certificate, rounds, control, tolerance, off)
+        return FoundByGaps(free, fields, certificate, rounds, control, tolerance, off)
 
-    def is_slight(self, found: Settled) -> bool:
+    def is_slight(self, found: Solved) -> bool:
         """A dip of the pressure."""
         return found.certificate.dip <= 10 * found.tolerance
 

@@ -1,4 +1,4 @@
-r"""Propose contact zones: a grid contact (contact.search.grid) refined until zones and gaps are a few cells wide.
+r"""Propose contact zones: a grid contact (contact.search.grid.conjugate_gradient) refined until zones and gaps are a few cells wide.
 
 The grid decides how many zones there are and gives their ends to a fraction of a cell; making them exact is
 Newton's work. Near an end p ~ A sqrt(d), so p^2 is linear there and its zero is found below the grid. A zone
@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange
 from contact.model.profiles.base import Profile
-from contact.search.grid import GridState, Influence, Mask, Rest, Symbol, solve_grid
+from contact.search.grid.conjugate_gradient import GridState, Influence, Mask, Rest, Symbol, solve_grid
 
 Array = NDArray[np.float64]
 Height = Callable[[Array], ArrayLike]
@@ -180,7 +180,7 @@ def propose(
     while something is narrower than three cells; `points` fixes the final grid instead. `periodic=False` is isolated, with
     `images` copies of the cell each side; then `level` is counted with the length `datum` in the
     logarithm. `rest` is what the kernel has beyond the half-plane's; `symbol` and `compression` are the body's under a period
-    (contact.search.grid)."""
+    (contact.search.grid.conjugate_gradient)."""
     width = cell[1] - cell[0]
     if points is not None:
         target = limit = int(points)

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
-from contact.search.missed import Missed
 from contact.search.task import LEAST, Task
-from contact.verify.settled import Settled
+from contact.search.topology.missed import Missed
+from contact.verify.solved import Solved
 
-Kind = TypeVar("Kind", bound=Settled)
+Kind = TypeVar("Kind", bound=Solved)
 
 # How often, and how much of the error a smaller tolerance must leave to be of use: what is left is rounding.
 _TIMES, _USELESS = 3, 0.5

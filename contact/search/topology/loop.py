@@ -20,15 +20,15 @@ import sie
 from contact.errors import ContactError, SceneError
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
-from contact.search.intervals import merged
-from contact.search.missed import Missed, WrongTopology, same
+from contact.search.topology.intervals import merged
+from contact.search.topology.missed import Missed, WrongTopology, same
 from contact.verify.certificate import NOT_CHECKED, Certificate
-from contact.verify.settled import Settled
+from contact.verify.solved import Solved
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, int, int | None], None]
 Timed = Callable[[str], AbstractContextManager[object]]
-Kind = TypeVar("Kind", bound=Settled, covariant=True)
+Kind = TypeVar("Kind", bound=Solved, covariant=True)
 
 ROUNDS = 12
 # Where a dip of the pressure may be a gap, intervals are found to this.
@@ -40,8 +40,8 @@ MARGIN = 10.0
 
 
 class Formulation(Protocol[Kind]):
-    """What is unknown, and on which intervals: the pressure on zones (contact.search.by_pressure), or the slope of the gap on gaps
-    (contact.search.by_gaps). what: "zone" or "gap"; most_steps: of Newton's in a round."""
+    """What is unknown, and on which intervals: the pressure on zones (contact.search.topology.by_pressure), or the slope of the gap on gaps
+    (contact.search.topology.by_gaps). what: "zone" or "gap"; most_steps: of Newton's in a round."""
 
     @property
     def problem(self) -> Problem: ...
@@ -70,10 +70,10 @@ class Formulation(Protocol[Kind]):
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
         """New intervals, by where the signs fail."""
 
-    def settled(self, free: sie.Free, fields: Any, certificate: Certificate, rounds: int, control: Control, tolerance: float) -> Kind:
+    def solved(self, free: sie.Free, fields: Any, certificate: Certificate, rounds: int, control: Control, tolerance: float) -> Kind:
         """What passed."""
 
-    def is_slight(self, found: Settled) -> bool:
+    def is_slight(self, found: Solved) -> bool:
         """Whether what tells the number of intervals is so slight that the error of the solution may have made it."""
 
 
@@ -88,7 +88,7 @@ class Newton:
     near: bool = False
 
 
-def settle(
+def refine_topology(
     form: Formulation[Kind], control: Control, table: Array, newton: Newton, progress: Progress | None = None, formal: bool = False,
     timed: Timed = nullcontext, rounds: int = ROUNDS,
 ) -> Kind | Missed:
@@ -133,12 +133,12 @@ def _rounds(
             raise WrongTopology(f"the {form.what} ends did not settle", free)
         fields = form.fields(control, free, newton.tolerance)
         if formal:
-            yield form.settled(free, fields, NOT_CHECKED, done, control, newton.tolerance)
+            yield form.solved(free, fields, NOT_CHECKED, done, control, newton.tolerance)
             return
         with timed("certificate"):
             certificate = form.certificate(fields, control)
         if certificate.holds:
-            yield form.settled(free, fields, certificate, done, control, newton.tolerance)
+            yield form.solved(free, fields, certificate, done, control, newton.tolerance)
             table, newton = ended, replace(newton, tolerance=TIGHT, near=False)
         else:
             table, newton = _again(form, control, free, certificate, newton, tried)

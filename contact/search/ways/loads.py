@@ -1,6 +1,6 @@
 """Controls that are found by loads: an approach that a grid does not find, and a contact fraction.
 
-Solutions under a load are the sure ones: a bracket on the load (contact.search.by_load) comes so near that the zones under the load
+Solutions under a load are the sure ones: a bracket on the load (contact.search.ways.by_load) comes so near that the zones under the load
 lead to those of the control itself.
 """
 
@@ -17,16 +17,16 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.model.scene import Scene
-from contact.search.by_load import approach, contact_fraction, nearer
-from contact.search.gaps import OF_GAPS, by_gaps, gaps_beside, tightened_gaps
-from contact.search.missed import Missed
-from contact.search.proposals import Proposed, of_width, placed
-from contact.search.scaling import Framed, framed_about
+from contact.search.grid.proposals import Proposed, of_width, placed
+from contact.search.grid.scaling import ScaledScene, scaled_scene_about
+from contact.search.grid.tilt import known_part
 from contact.search.task import Task
-from contact.search.tilt import known_part
+from contact.search.topology.missed import Missed
+from contact.search.ways.by_load import approach, contact_fraction, nearer
+from contact.search.ways.gaps import OF_GAPS, by_gaps, gaps_beside, tightened_gaps
 from contact.solution.solution import Solution
 from contact.verify.accuracy import Found
-from contact.verify.gap_accuracy import Gapped
+from contact.verify.gap_accuracy import FoundByGaps
 
 # Of a load: near enough for the zones to lead to those of the approach, and to be about them.
 NEAR_LOAD, NEARER_LOAD = 1e-2, 1e-5
@@ -68,9 +68,9 @@ def at_level(task: Task) -> Found:
     for nearness in (NEAR_LOAD, NEARER_LOAD):
         task = task.beside(at_approach(task, nearness))
         assert task.near is not None
-        frame = framed_about(loaded(task.scene, task.near.load), task.near.tilt or 0.0, task.near.zones)
-        problem = frame.problem
-        found = task.settle(problem, task.control(problem), placed(problem, task.near.zones))
+        scaled = scaled_scene_about(loaded(task.scene, task.near.load), task.near.tilt or 0.0, task.near.zones)
+        problem = scaled.problem
+        found = task.refine_topology(problem, task.control(problem), placed(problem, task.near.zones))
         if isinstance(found, Found):
             return found
         missed = found
@@ -79,18 +79,18 @@ def at_level(task: Task) -> Found:
     raise task.error(missed, problem)
 
 
-def by_fraction(task: Task, frame: Framed) -> Found | Gapped:
+def by_fraction(task: Task, scaled: ScaledScene) -> Found | FoundByGaps:
     """A width from a solution under about the load that has it, ever nearer ones until its zones lead on."""
-    problem, control, goal = frame.problem, frame.control, task.scene.control[1]
+    problem, control, goal = scaled.problem, scaled.control, task.scene.control[1]
     if task.near is None:
         # What is open of a contact as full as this are tops of R, of which no grid tells the load.
         if 1 - goal < _LAST_OPEN:
-            gapped = by_gaps(task, problem, control, control.value)
-            if isinstance(gapped, Gapped):
-                return gapped
-            task.left("gaps", gapped)
+            found_by_gaps = by_gaps(task, problem, control, control.value)
+            if isinstance(found_by_gaps, FoundByGaps):
+                return found_by_gaps
+            task.left("gaps", found_by_gaps)
         with task.plan.timed("coarse search"):
-            proposal = of_width(frame, problem, control.value)
+            proposal = of_width(scaled, problem, control.value)
         task.plan["coarse search"].detail = f"{proposal.points} points, {len(proposal.zones)} zones proposed"
         first, found = proposal.load, _from_grid(task, problem, control, proposal)
         if not isinstance(found, Missed):
@@ -120,18 +120,18 @@ def by_fraction(task: Task, frame: Framed) -> Found | Gapped:
     return _under_load_of(task, problem, control, last)
 
 
-def _from_grid(task: Task, problem: Problem, control: Control, proposal: Proposed) -> Found | Gapped | Missed:
+def _from_grid(task: Task, problem: Problem, control: Control, proposal: Proposed) -> Found | FoundByGaps | Missed:
     """From zones of about the width that a grid has found."""
     if proposal.full or len(proposal.zones) == 0:
         return Missed("the grid has no zones of about this width")
     table = placed(problem, proposal.zones)
-    gapped = by_gaps(task, problem, control, control.value, table)
-    if isinstance(gapped, Gapped):
-        return gapped
-    return task.settle(problem, control, table, value=proposal.load / problem.units.load, steps=_FEW, rounds=_FEW_ROUNDS)
+    found_by_gaps = by_gaps(task, problem, control, control.value, table)
+    if isinstance(found_by_gaps, FoundByGaps):
+        return found_by_gaps
+    return task.refine_topology(problem, control, table, value=proposal.load / problem.units.load, steps=_FEW, rounds=_FEW_ROUNDS)
 
 
-def _under_load_of(task: Task, problem: Problem, control: Control, near: Solution) -> Found | Gapped:
+def _under_load_of(task: Task, problem: Problem, control: Control, near: Solution) -> Found | FoundByGaps:
     """The contact under the load that has the width, where the zones of the width itself do not settle: right at a birth or a
     merger."""
     assert near.contact_fraction is not None and problem.period is not None
@@ -145,18 +145,18 @@ def _under_load_of(task: Task, problem: Problem, control: Control, near: Solutio
     found = _from(task, problem, load, near)
     if isinstance(found, Missed):
         raise task.error(found, problem)
-    if isinstance(found, Gapped):
+    if isinstance(found, FoundByGaps):
         return replace(found, off=found.off + _CLOSED * load.value / problem.period)
     narrowest = float(np.diff(found.free.density.zones.table, axis=1).min())
     return replace(found, off=missed * problem.period / narrowest)
 
 
-def _from(task: Task, problem: Problem, control: Control, near: Solution) -> Found | Gapped | Missed:
+def _from(task: Task, problem: Problem, control: Control, near: Solution) -> Found | FoundByGaps | Missed:
     """From the zones, or the gaps, of a solution near by."""
     fields = near.fields
     if not isinstance(fields, GapFields):
         value = near.load / problem.units.load
-        return task.settle(problem, control, placed(problem, near.zones), value=value, steps=_FEW, rounds=_FEW_ROUNDS)
+        return task.refine_topology(problem, control, placed(problem, near.zones), value=value, steps=_FEW, rounds=_FEW_ROUNDS)
     with task.plan.timed("zone ends"):
         found = gaps_beside(problem, fields, control, OF_GAPS * task.tolerance, closely=False)
         return found if isinstance(found, Missed) else tightened_gaps(task, found)

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
-from contact.search.intervals import united
-from contact.search.missed import WrongTopology
+from contact.search.topology.intervals import united
+from contact.search.topology.missed import WrongTopology
 from contact.verify.gap_certificate import NARROWEST
 
 Array = NDArray[np.float64]

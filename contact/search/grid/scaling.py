@@ -24,8 +24,8 @@ from contact.formulation.units import Units
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
-from contact.search.coarse import NoWindow, find_window, grid_height
-from contact.search.tilt import Window, held_by, known_part, leaning, window_at_load
+from contact.search.grid.coarse import NoWindow, find_window, grid_height
+from contact.search.grid.tilt import Window, held_by, known_part, tilt_search, window_at_load
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ _FARTHEST, _LOOKS, _DESCENTS = 1e8, 1024, 12
 
 
 @dataclass(frozen=True)
-class Framed:
+class ScaledScene:
     """The scaled problem, the scaled control, and the cell or window [m] that holds all contact."""
 
     problem: Problem
@@ -43,7 +43,7 @@ class Framed:
     cell: Window
 
 
-def framed(scene: Scene, single: bool, tilt: float = 0.0) -> Framed:
+def scaled_scene(scene: Scene, single: bool, tilt: float = 0.0) -> ScaledScene:
     """Scale a scene; single: its contact is known to begin as one zone about x = 0. tilt: a first guess, where it is unknown."""
     if scene.turned:
         return _turned(scene, tilt)
@@ -52,15 +52,15 @@ def framed(scene: Scene, single: bool, tilt: float = 0.0) -> Framed:
         origin = 0.0 if profile.symmetric else profile.x0 + 0.5 * period
         length, cell = period, (profile.x0, profile.x0 + period)
     else:
-        origin, length, cell = _isolated_frame(scene, single)
+        origin, length, cell = _isolated_origin(scene, single)
     length = 2.0 ** round(math.log2(length))
     units = Units(origin, length, _typical_slope(scene, profile, length, cell), scene.E_star)
     problem = Problem(profile, scene.interaction, scene.substrate, scene.law, units, lowest(profile, cell))
-    return Framed(problem, scaled_control(scene, units), cell)
+    return ScaledScene(problem, scaled_control(scene, units), cell)
 
 
-def framed_about(scene: Scene, tilt: float, zones: Array) -> Framed:
-    """The frame of a lone body with about these zones [m]; of one that turns, about at this tilt."""
+def scaled_scene_about(scene: Scene, tilt: float, zones: Array) -> ScaledScene:
+    """The scaled of a lone body with about these zones [m]; of one that turns, about at this tilt."""
     lo, hi = float(zones[0, 0]), float(zones[-1, 1])
     known = known_part(scene.profile) or (-np.inf, np.inf)
     window = (max(known[0], 2 * lo - hi), min(known[1], 2 * hi - lo))
@@ -68,24 +68,24 @@ def framed_about(scene: Scene, tilt: float, zones: Array) -> Framed:
     return _frame_of(scene, profile, scene.profile.support or window)
 
 
-def _turned(scene: Scene, guess: float) -> Framed:
-    """The frame of a body turned by a given or an unknown tilt."""
+def _turned(scene: Scene, guess: float) -> ScaledScene:
+    """The scaled of a body turned by a given or an unknown tilt."""
     if scene.moment is None:
         assert scene.tilt is not None
         profile = Tilted(scene.profile, scene.tilt)
         return _frame_of(scene, profile, _window(scene, profile))
-    lean = leaning(scene, guess)
+    lean = tilt_search(scene, guess)
     return _frame_of(scene, Tilted(scene.profile, lean.tilt), lean.found)
 
 
-def _frame_of(scene: Scene, profile: Profile, window: Window) -> Framed:
-    """Scaled by a window that holds the contact. The approach counts, at x = 0, from where the body is not turned."""
+def _frame_of(scene: Scene, profile: Profile, window: Window) -> ScaledScene:
+    """ScaledScene by a window that holds the contact. The approach counts, at x = 0, from where the body is not turned."""
     length = 2.0 ** round(math.log2(0.5 * (window[1] - window[0])))
     units = Units(_middle_or_tip(profile, window), length, _typical_slope(scene, profile, length, window), scene.E_star)
     moment = None if scene.moment is None else scene.moment / units.moment
     level = lowest(profile, window) if _datum(scene) is None else _lowest_unturned(scene)
     problem = Problem(profile, scene.interaction, scene.substrate, scene.law, units, level, moment=moment)
-    return Framed(problem, scaled_control(scene, units), window)
+    return ScaledScene(problem, scaled_control(scene, units), window)
 
 
 def _window(scene: Scene, profile: Tilted) -> Window:
@@ -124,7 +124,7 @@ def _datum(scene: Scene) -> float | None:
     return scene.operator.datum
 
 
-def _isolated_frame(scene: Scene, single: bool) -> tuple[float, float, Window]:
+def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
     """Origin, length and search window of a profile without a period."""
     profile = scene.profile
     kind, value = scene.control
@@ -176,7 +176,7 @@ def _deeper(profile: Profile, window: Window) -> float | None:
 
 def _middle_or_tip(profile: Profile, window: Window) -> float:
     """Where x is counted from: the lowest sharp tip within a window, since an end that comes close to one is known by its distance
-    from it (a wedge leaning on its flank); the middle, where there is none."""
+    from it (a wedge tilt_search on its flank); the middle, where there is none."""
     tips = profile.kinks[profile.kinks[:, 1] > 0, 0]
     tips = tips[(window[0] < tips) & (tips < window[1])]
     return float(tips[np.argmin(profile.height(tips))]) if len(tips) else 0.5 * (window[0] + window[1])

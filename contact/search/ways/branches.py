@@ -23,12 +23,12 @@ from contact.formulation.equilibria import Closed, Equilibria, Point, kind_of
 from contact.formulation.fields import ZoneFields
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
-from contact.search.full_contact import Full, no_inverse
-from contact.search.guesses import Outcome
-from contact.search.missed import Missed
-from contact.search.proposals import placed
-from contact.search.scaling import Framed, framed, framed_about
+from contact.search.grid.proposals import placed
+from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
 from contact.search.task import Task
+from contact.search.topology.missed import Missed
+from contact.search.ways.full_contact import Full, no_inverse
+from contact.search.ways.guesses import Outcome
 from contact.solution.solution import Solution
 from contact.verify.certificate import certify
 
@@ -50,24 +50,24 @@ def followed(task: Task) -> Outcome:
     scene = task.scene
     if task.branch == "receding" and scene.period is not None:
         return _full(task)
-    frame = _frame(task)
-    problem, control = frame.problem, frame.control
+    scaled = _frame(task)
+    problem, control = scaled.problem, scaled.control
     curve = Equilibria(problem, kind_of(control))
     try:
         with task.plan.timed("zone ends"):
             if task.branch == "receding":
-                last = _greatest(curve, frame, control.value)
+                last = _greatest(curve, scaled, control.value)
                 rest = curve.receded(last, control.value)
                 start: Point | None = None if rest is not None else _held_higher(curve, last, control.value)
             else:
-                start = _advanced(task, frame, curve, max(control.value, 0.0))
+                start = _advanced(task, scaled, curve, max(control.value, 0.0))
                 rest = start if control.value >= 0.0 else curve.receded(start.table, control.value)
     except Closed:
         return _full(task)
     if rest is None:
         assert start is not None
         raise OutOfRange(_past(curve, curve.pull_off(start), task))
-    found = task.settle(problem, control, rest.table, near=True)
+    found = task.refine_topology(problem, control, rest.table, near=True)
     if isinstance(found, Missed):
         raise task.error(found, problem)
     return found
@@ -96,13 +96,13 @@ def _full(task: Task) -> Full:
 
 
 # frames ---------------------------------------------------------------------------------------------------------------
-def _frame(task: Task) -> Framed:
+def _frame(task: Task) -> ScaledScene:
     """The scaled problem: of a lone body about the contact that it has under no load, or more."""
     scene = task.scene
     if scene.profile.period is not None:
-        return framed(scene, task.single)
+        return scaled_scene(scene, task.single)
     zones = _typical(task).zones
-    return framed_about(scene, 0.0, zones)
+    return scaled_scene_about(scene, 0.0, zones)
 
 
 def _typical(task: Task) -> Solution:
@@ -145,10 +145,10 @@ def _bare(task: Task, load: float | None = None) -> Solution:
 
 
 # starts ---------------------------------------------------------------------------------------------------------------
-def _advanced(task: Task, frame: Framed, curve: Equilibria, value: float) -> Point:
+def _advanced(task: Task, scaled: ScaledScene, curve: Equilibria, value: float) -> Point:
     """The least equilibrium about first touch under a value of the control, not negative."""
-    problem = frame.problem
-    table = _touched(frame, curve) if value == 0.0 else _pressed(task, frame)
+    problem = scaled.problem
+    table = _touched(scaled, curve) if value == 0.0 else _pressed(task, scaled)
     for _ in range(_ROUNDS):
         here = curve.advanced(table, value)
         new = _overlaps(problem, here)
@@ -158,17 +158,17 @@ def _advanced(task: Task, frame: Framed, curve: Equilibria, value: float) -> Poi
     raise NotConverged("ever more zones begin under adhesion")
 
 
-def _pressed(task: Task, frame: Framed) -> Array:
+def _pressed(task: Task, scaled: ScaledScene) -> Array:
     """The zones under the bare law, in which all ends are driven outward."""
     bare = _bare(task)
     if len(bare.zones) == 0:
         raise Closed
-    return placed(frame.problem, bare.zones)
+    return placed(scaled.problem, bare.zones)
 
 
-def _touched(frame: Framed, curve: Equilibria) -> Array:
+def _touched(scaled: ScaledScene, curve: Equilibria) -> Array:
     """Narrow zones about the lowest places."""
-    problem, (lo, hi) = frame.problem, frame.cell
+    problem, (lo, hi) = scaled.problem, scaled.cell
     period, profile = problem.period, problem.profile
     per_feature = 0.0 if profile.resolution is None else 8 * (hi - lo) / profile.resolution
     x = problem.units.scaled(np.linspace(lo, hi, int(np.clip(per_feature, 2049, 2**18))))
@@ -213,10 +213,10 @@ def _with(table: Array, overlaps: Array) -> Array:
     return np.asarray(new[np.argsort(new[:, 0])])
 
 
-def _greatest(curve: Equilibria, frame: Framed, value: float) -> Array:
+def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
     """A zone so wide that its ends are driven inward, and in wider ones still, as far as these feel the control as a body does: under an
     approach from a datum, zones much wider than that are lowered by a load."""
-    lo, hi = frame.problem.units.scaled(np.array(frame.cell))
+    lo, hi = scaled.problem.units.scaled(np.array(scaled.cell))
     middle, half = 0.5 * (lo + hi), 0.25 * (hi - lo)
     def driven_inward(half: float) -> bool:
         here = curve.at(np.array([[middle - half, middle + half]]), value)

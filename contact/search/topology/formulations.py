@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
-from contact.search.by_gaps import ByGaps
-from contact.search.by_pressure import ByPressure
+from contact.search.topology.by_gaps import ByGaps
+from contact.search.topology.by_pressure import ByPressure
 
 
 def formulation_of(fields: ZoneFields | GapFields) -> ByPressure | ByGaps:

@@ -15,8 +15,8 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from contact.errors import OutOfRange
-from contact.search.coarse import Proposal
-from contact.search.grid import turning_rate
+from contact.search.grid.coarse import Proposal
+from contact.search.grid.conjugate_gradient import turning_rate
 
 T = TypeVar("T")
 
@@ -25,7 +25,7 @@ _CLOSED = 1e-9
 
 
 @dataclass(frozen=True)
-class Lean(Generic[T]):
+class AtTilt(Generic[T]):
     """A contact at one tilt: centre of the load [m], its rate d centre / d tilt [m], and what was found with it.
 
     fineness: the distance to the wanted centre that is near enough [m].
@@ -38,7 +38,7 @@ class Lean(Generic[T]):
     found: T
 
     @classmethod
-    def of(cls, tilt: float, cell: tuple[float, float], proposal: Proposal, fineness: float, found: T) -> Lean[T]:
+    def of(cls, tilt: float, cell: tuple[float, float], proposal: Proposal, fineness: float, found: T) -> AtTilt[T]:
         """Read from a grid's contact; fineness: in cells."""
         state = proposal.state
         h = state.influence.h
@@ -49,13 +49,13 @@ class Lean(Generic[T]):
         return cls(tilt, centre, max(turning_rate(state, x), least) / state.load, fineness * h, found)
 
 
-def balanced(measure: Callable[[float], Lean[T]], centre: float, tilts: Sequence[float], most: int) -> Lean[T]:
+def balanced(measure: Callable[[float], AtTilt[T]], centre: float, tilts: Sequence[float], most: int) -> AtTilt[T]:
     """The contact whose load has its centre there, from a few tilts to try first; the nearest of `most` at the most.
 
     Raises what `measure` raises where it does so at all of the first tilts.
     """
     low, high = -math.inf, math.inf
-    best: Lean[T] | None = None
+    best: AtTilt[T] | None = None
     newton = False
     waiting = list(tilts)
     for _ in range(most):

@@ -14,10 +14,10 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
 from contact.model.interactions.periodic import Periodic
-from contact.search.coarse import Proposal, grid_height, propose
-from contact.search.scaling import Framed
-from contact.search.tilt import known_part
-from contact.search.tilt_rate import Lean, balanced
+from contact.search.grid.coarse import Proposal, grid_height, propose
+from contact.search.grid.scaling import ScaledScene
+from contact.search.grid.tilt import known_part
+from contact.search.grid.tilt_rate import AtTilt, balanced
 
 Array = NDArray[np.float64]
 
@@ -57,18 +57,18 @@ class Proposed:
 
 
 def proposed(
-    frame: Framed, problem: Problem, control: Control, points: int | None, tol: float = 1e-8, held: bool = False
+    scaled: ScaledScene, problem: Problem, control: Control, points: int | None, tol: float = 1e-8, held: bool = False
 ) -> Proposed:
     """Zones from a grid of so many points, or of as many as the profile's resolution asks for, to a tolerance; held: of a strip that
     stays where it is."""
     if problem.moment is not None:
-        return _by_moment(frame, problem, control, points)
+        return _by_moment(scaled, problem, control, points)
     units, profile, interaction = problem.units, problem.profile, problem.interaction
     operator, by_load = problem.operator, control.load is not None
     # Of a strip the grid of the whole period tells where to cut.
     whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
     found = propose(
-        partial(grid_height, profile) if by_load else profile.height, frame.cell, E=units.E_star,
+        partial(grid_height, profile) if by_load else profile.height, scaled.cell, E=units.E_star,
         periodic=interaction.needs_period, datum=operator.datum or 1.0, rest=None if interaction.needs_period else operator.rest,
         symbol=None if operator.is_plain else whole.multiplier, compression=operator.compression or 0.0,
         resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
@@ -121,17 +121,17 @@ class _TooNarrow(Exception):
     """The contact reaches the border of the window."""
 
 
-def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | None) -> Proposed:
+def _by_moment(scaled: ScaledScene, problem: Problem, control: Control, points: int | None) -> Proposed:
     """At the tilt under which the grid's load has the given centre, in a window that is widened where the contact reaches its
     border."""
     units, load = problem.units, control.value * problem.units.load
     assert problem.moment is not None
     centre, limits = problem.moment * units.moment / load, known_part(problem.profile) or (-math.inf, math.inf)
-    lo, hi = frame.cell
+    lo, hi = scaled.cell
     for widened in range(_WIDENINGS + 1):
         cell, last = (lo, hi), widened == _WIDENINGS or (lo, hi) == limits
 
-        def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> Lean[Proposal]:
+        def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> AtTilt[Proposal]:
             profile = problem.turned_to(tilt).profile
             found = propose(
                 partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.feature,
@@ -139,7 +139,7 @@ def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | 
             )
             if found.touches_border and not last:
                 raise _TooNarrow
-            return Lean.of(tilt, cell, found, _CELLS, found)
+            return AtTilt.of(tilt, cell, found, _CELLS, found)
 
         try:
             best = balanced(lean, centre, (problem.tilt,), _MOST_TILTS)
@@ -150,15 +150,15 @@ def _by_moment(frame: Framed, problem: Problem, control: Control, points: int | 
     return Proposed(best.found.zones, best.found.points, False, best.found.touches_border, best.tilt)
 
 
-def of_width(frame: Framed, problem: Problem, width: float) -> Proposed:
+def of_width(scaled: ScaledScene, problem: Problem, width: float) -> Proposed:
     """Zones from a grid under a load at which they have about the given scaled total width: from one no finer than the width asks for
     first, then from one as fine as the profile's resolution does."""
     period, length = problem.period, problem.units.length
     assert period is not None
-    load, rate = _load_of_width(frame, problem, width)
+    load, rate = _load_of_width(scaled, problem, width)
     before: tuple[float, float] | None = None
     for _ in range(_FINE_GRIDS):
-        found = proposed(frame, problem, Load(load), None)
+        found = proposed(scaled, problem, Load(load), None)
         miss = _miss(found.width / length, width, period)
         if before is not None and math.isfinite(miss - before[1]) and load != before[0]:
             rate = max((miss - before[1]) / math.log(load / before[0]), _FLATTEST)
@@ -176,7 +176,7 @@ def _miss(found: float, width: float, period: float) -> float:
     return math.log(found / width * (period - width) / (period - found))
 
 
-def _load_of_width(frame: Framed, problem: Problem, width: float) -> tuple[float, float]:
+def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple[float, float]:
     """(a scaled load at which a grid's zones have about the given scaled total width, by false position, d miss / d log(load)). It is that
     of a first guess: the grid is no finer than the width asks for."""
     assert problem.period is not None
@@ -187,7 +187,7 @@ def _load_of_width(frame: Framed, problem: Problem, width: float) -> tuple[float
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
     tried: list[tuple[float, float]] = []
     for _ in range(60):
-        found = proposed(frame, problem, Load(load), points, _ROUGHLY).width / units.length
+        found = proposed(scaled, problem, Load(load), points, _ROUGHLY).width / units.length
         miss = _miss(found, width, period)
         tried.append((math.log(load), miss))
         if abs(found - width) < near_enough or high < _CLOSE_BY * low:

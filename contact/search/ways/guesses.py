@@ -19,20 +19,20 @@ from contact.errors import ContactError, OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width, largest_single_load, single_half_width
-from contact.search.coarse import MOST_POINTS
-from contact.search.full_contact import Full, full_under, no_inverse, refuse_full_approach
-from contact.search.gaps import by_gaps, worth_gaps
-from contact.search.loads import by_fraction
-from contact.search.missed import Missed
-from contact.search.proposals import Proposed, about, placed, proposed
-from contact.search.scaling import Framed
+from contact.search.grid.coarse import MOST_POINTS
+from contact.search.grid.proposals import Proposed, about, placed, proposed
+from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Task
+from contact.search.topology.missed import Missed
+from contact.search.ways.full_contact import Full, full_under, no_inverse, refuse_full_approach
+from contact.search.ways.gaps import by_gaps, worth_gaps
+from contact.search.ways.loads import by_fraction
 from contact.verify.accuracy import Found
-from contact.verify.gap_accuracy import Gapped
+from contact.verify.gap_accuracy import FoundByGaps
 
 Array = NDArray[np.float64]
-Outcome: TypeAlias = Found | Gapped | Full
-Guess = Callable[[Task, Framed, Array | None], Outcome | Missed]
+Outcome: TypeAlias = Found | FoundByGaps | Full
+Guess = Callable[[Task, ScaledScene, Array | None], Outcome | Missed]
 
 # Finest coarse grid; a scene whose zones are narrower needs more than a grid to find them.
 _MOST_POINTS = 2**17
@@ -44,60 +44,60 @@ _AT_BORDER = "a contact zone reaches the border of the part of the profile that 
 _AT_STRIP = f"a contact zone reaches the border of the strip that the localized model solves; {EXACT}"
 
 
-def search(task: Task, frame: Framed, start: Array | None = None) -> Outcome:
+def search(task: Task, scaled: ScaledScene, start: Array | None = None) -> Outcome:
     """The contact from the first guess that leads on. start: scaled zones of a solution near by."""
-    if frame.control.approach is not None and (full := full_under(task, frame.control)):
+    if scaled.control.approach is not None and (full := full_under(task, scaled.control)):
         return full
-    refuse_full_approach(task, frame.problem, frame.control)
+    refuse_full_approach(task, scaled.problem, scaled.control)
     # A width that a closure looks at on its way is none of the scene's.
     if task.scene.contact_fraction is not None and not task.single:
-        return by_fraction(task, frame)
+        return by_fraction(task, scaled)
     for name, guess in GUESSES:
-        outcome = guess(task, frame, start)
+        outcome = guess(task, scaled, start)
         if not isinstance(outcome, Missed):
             return outcome
         if outcome is not NOT_MINE:
             task.left(name, outcome)
-    if frame.control.width is None:
-        return from_grid(task, frame)
+    if scaled.control.width is None:
+        return from_grid(task, scaled)
     if task.scene.contact_fraction is None:
-        raise task.error(Missed("zones of the total width that the closure asks for were not found"), frame.problem)
-    return by_fraction(task, frame)
+        raise task.error(Missed("zones of the total width that the closure asks for were not found"), scaled.problem)
+    return by_fraction(task, scaled)
 
 
 NOT_MINE = Missed("not a scene for this guess")
 
 
-def _near_by(task: Task, frame: Framed, start: Array | None) -> Outcome | Missed:
+def _near_by(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Missed:
     """Zones of a solution, given up as soon as they turn out to be far off: from there the way may be longer than from scratch."""
     if start is None:
         return NOT_MINE
-    problem, control = frame.problem, frame.control
+    problem, control = scaled.problem, scaled.control
     width = float((start[:, 1] - start[:, 0]).sum())
     if worth_gaps(task, problem, width):
         return by_gaps(task, problem, control, width, start, near=True)
-    found = task.settle(problem, control, start, near=True)
+    found = task.refine_topology(problem, control, start, near=True)
     if isinstance(found, Missed) and found.beyond:
         raise task.error(found, problem)
     return found
 
 
-def _given(task: Task, frame: Framed, start: Array | None) -> Outcome | Missed:
+def _given(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Missed:
     """The one zone of a given half width."""
-    a = frame.control.half_width
+    a = scaled.control.half_width
     if a is None:
         return NOT_MINE
-    found = task.settle(frame.problem, frame.control, np.array([[-a, a]]))
+    found = task.refine_topology(scaled.problem, scaled.control, np.array([[-a, a]]))
     if isinstance(found, Missed):
         if found.beyond:
-            raise task.error(found, frame.problem)
+            raise task.error(found, scaled.problem)
         raise OutOfRange(f"one zone of this half width carries no pressure that is positive everywhere: {found.reason}")
     return found
 
 
-def _one_zone(task: Task, frame: Framed, start: Array | None) -> Outcome | Missed:
+def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Missed:
     """One zone about the tip of a symmetric asperity; full contact, or its gaps, where that would be wide."""
-    problem, control = frame.problem, frame.control
+    problem, control = scaled.problem, scaled.control
     if not task.single or problem.amplitude is not None:
         return NOT_MINE
     with task.plan.timed("zone ends"):
@@ -106,11 +106,11 @@ def _one_zone(task: Task, frame: Framed, start: Array | None) -> Outcome | Misse
     if problem.period is not None and guess > 0.25 * problem.period and (full := full_under(task, control)):
         return full
     if worth_gaps(task, problem, 2 * guess):
-        gapped = by_gaps(task, problem, control, 2 * guess)
-        if isinstance(gapped, Gapped):
-            return gapped
-        task.left("gaps of one zone", gapped)
-    found = task.settle(problem, control, np.array([[-guess, guess]]))
+        found_by_gaps = by_gaps(task, problem, control, 2 * guess)
+        if isinstance(found_by_gaps, FoundByGaps):
+            return found_by_gaps
+        task.left("gaps of one zone", found_by_gaps)
+    found = task.refine_topology(problem, control, np.array([[-guess, guess]]))
     if isinstance(found, Found) or control.load is None and control.approach is None:
         return found
     if found.beyond:
@@ -127,15 +127,15 @@ def _one_zone(task: Task, frame: Framed, start: Array | None) -> Outcome | Misse
                 f"{control.told(units)} is beyond the largest that {task.scene.interaction.name} carries on the branch from zero load, "
                 f"{highest * control.unit(units):.6g} at half width {half_width * units.length:.6g} m"
             )
-    found = task.settle(problem, control, np.array([[-exact, exact]]))
+    found = task.refine_topology(problem, control, np.array([[-exact, exact]]))
     if isinstance(found, Missed) and found.beyond:
         raise task.error(found, problem)
     return found
 
 
-def from_grid(task: Task, frame: Framed, held: bool = False) -> Outcome:
+def from_grid(task: Task, scaled: ScaledScene, held: bool = False) -> Outcome:
     """Zones from a coarse grid, refined until Newton and the certificate agree with it. held: a strip stays where it is."""
-    problem, control, plan = frame.problem, frame.control, task.plan
+    problem, control, plan = scaled.problem, scaled.control, task.plan
     part = plan["coarse search"]
     part.used, part.reason = True, part.reason if part.used else "one zone did not pass the certificate"
     points: int | None = None
@@ -145,7 +145,7 @@ def from_grid(task: Task, frame: Framed, held: bool = False) -> Outcome:
         if task.progress is not None:
             task.progress("coarse grid", 0, None)
         with plan.timed("coarse search"):
-            proposal = proposed(frame, problem, control, points, held=held)
+            proposal = proposed(scaled, problem, control, points, held=held)
         if points is None:
             most = max(most, min(4 * proposal.points, MOST_POINTS))
         points, full = proposal.points, proposal.full
@@ -189,12 +189,12 @@ def _from_proposal(task: Task, problem: Problem, control: Control, proposal: Pro
     if problem.period is not None and width > 0.4 * problem.period and (known := full_under(task, control)):
         return known
     table = placed(problem, proposal.zones)
-    gapped = by_gaps(task, problem, control, width, table)
-    if isinstance(gapped, Gapped):
-        return gapped
+    found_by_gaps = by_gaps(task, problem, control, width, table)
+    if isinstance(found_by_gaps, FoundByGaps):
+        return found_by_gaps
     if proposal.full or not len(proposal.zones):
         return NOT_MINE
-    found = task.settle(problem if held else about(problem, table), control, table)
+    found = task.refine_topology(problem if held else about(problem, table), control, table)
     if isinstance(found, Missed) and found.beyond:
         raise task.error(found, problem)
     return found

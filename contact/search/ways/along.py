@@ -15,13 +15,13 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
-from contact.search.by_gaps import ByGaps
-from contact.search.full_contact import full_under
-from contact.search.gaps import OF_GAPS, by_gaps, tightened_gaps, worth_gaps
-from contact.search.guesses import Outcome
-from contact.search.missed import Missed
 from contact.search.task import Task
-from contact.search.topology import Newton, settle
+from contact.search.topology.by_gaps import ByGaps
+from contact.search.topology.loop import Newton, refine_topology
+from contact.search.topology.missed import Missed
+from contact.search.ways.full_contact import full_under
+from contact.search.ways.gaps import OF_GAPS, by_gaps, tightened_gaps, worth_gaps
+from contact.search.ways.guesses import Outcome
 from contact.solution.solution import Solution
 
 Array = NDArray[np.float64]
@@ -75,7 +75,7 @@ def _is_followed(task: Task) -> bool:
 
 
 def _carried_on(along: tuple[Solution, ...], value: float) -> Array:
-    """Scaled zones or gaps at a value, by the polynomial through those of the last values, of as many as are alike."""
+    """ScaledScene zones or gaps at a value, by the polynomial through those of the last values, of as many as are alike."""
     last = along[-1]
     tables: list[Array] = []
     at: list[float] = []
@@ -126,17 +126,17 @@ def _from_zones(task: Task, problem: Problem, control: Control, table: Array) ->
     if worth_gaps(task, problem, width):
         return by_gaps(task, problem, control, width, table)
     guess = 0.0 if control.load is not None else task.along[-1].load / problem.units.load
-    return task.settle(problem, control, table, value=guess, rounds=_ROUNDS)
+    return task.refine_topology(problem, control, table, value=guess, rounds=_ROUNDS)
 
 
 def _from_gaps(task: Task, problem: Problem, fields: GapFields, control: Control, table: Array) -> Outcome | Missed:
     contact = fields.period - float(np.sum(table[:, 1] - table[:, 0]))
     if not worth_gaps(task, problem, contact):
         between = np.column_stack((table[:, 1], np.append(table[1:, 0], table[0, 0] + fields.period)))
-        return task.settle(problem, control, between, value=fields.mean * fields.period, rounds=_ROUNDS)
+        return task.refine_topology(problem, control, between, value=fields.mean * fields.period, rounds=_ROUNDS)
     form, newton = ByGaps(problem, fields.relief), Newton(OF_GAPS * task.tolerance, fields.mean)
     with task.plan.timed("zone ends"):
-        found = settle(form, control, table, newton, task.progress, rounds=_ROUNDS)
+        found = refine_topology(form, control, table, newton, task.progress, rounds=_ROUNDS)
         if isinstance(found, Missed):
             return found
         found = tightened_gaps(task, found)

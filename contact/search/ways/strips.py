@@ -14,14 +14,14 @@ from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
 from contact.model.interactions.periodic import Periodic
-from contact.search.by_pressure import ByPressure
-from contact.search.first_order import FirstOrder
-from contact.search.guesses import EXACT, from_grid, search
-from contact.search.missed import Missed
-from contact.search.proposals import about, proposed
-from contact.search.scaling import Framed
+from contact.search.grid.proposals import about, proposed
+from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Task
-from contact.search.topology import Newton, settle
+from contact.search.topology.by_pressure import ByPressure
+from contact.search.topology.loop import Newton, refine_topology
+from contact.search.topology.missed import Missed
+from contact.search.ways.first_order import FirstOrder
+from contact.search.ways.guesses import EXACT, from_grid, search
 from contact.verify.accuracy import Found
 
 Array = NDArray[np.float64]
@@ -41,12 +41,12 @@ class _Centring:
     table: Array
 
 
-def centred(task: Task, frame: Framed, start: Array | None) -> Found:
+def centred(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
     """Zones of a strip that is centred on them: secants on the centre, under which zones are taken as they are, and a look at the signs
     where it stays."""
     if start is not None:
-        frame = replace(frame, problem=about(frame.problem, start))
-    found = _in_strip(task, frame, start)
+        scaled = replace(scaled, problem=about(scaled.problem, start))
+    found = _in_strip(task, scaled, start)
     certified, before, moved = True, None, math.inf
     # How far ends move with what their middle is off the centre.
     follows = 1.0
@@ -59,7 +59,7 @@ def centred(task: Task, frame: Framed, start: Array | None) -> Found:
         if abs(miss) <= 0.1 * task.tolerance * width + np.spacing(abs(centre)) or moved / 4 < abs(miss) < 1e-7 * width:
             if certified:
                 return replace(found, off=found.off + abs(miss) * follows / width)
-            found, certified, before, moved = _in_strip(task, replace(frame, problem=problem), zones.table), True, None, math.inf
+            found, certified, before, moved = _in_strip(task, replace(scaled, problem=problem), zones.table), True, None, math.inf
             continue
         passed.append(abs(miss))
         if len(passed) > _STALLED and min(passed[-_STALLED:]) > 0.5 * min(passed[:-_STALLED]):
@@ -70,21 +70,21 @@ def centred(task: Task, frame: Framed, start: Array | None) -> Found:
             rate = (zones.table - before.table) / (centre - before.centre)
             follows = float(np.abs(rate).max()) * abs((centre - before.centre) / (before.miss - miss))
         before, moved = _Centring(centre, miss, zones.table), abs(miss)
-        found, certified = _moved(task, frame, found, step, rate)
+        found, certified = _moved(task, scaled, found, step, rate)
     raise task.error(Missed(f"the centre of the strip did not settle; {EXACT}", found.free), found.fields.problem)
 
 
-def _moved(task: Task, frame: Framed, found: Found, step: float, rate: Array | None) -> tuple[Found, bool]:
+def _moved(task: Task, scaled: ScaledScene, found: Found, step: float, rate: Array | None) -> tuple[Found, bool]:
     """(zones after a step of the centre, or after a shorter one that they follow, whether their signs were looked at). rate: of the
     zones with the centre, where it is known."""
     problem, table = found.fields.problem, found.free.density.zones.table
     for _ in range(_SHORTENED):
         there, expected = problem.about(problem.centre + step), table if rate is None else table + step * rate
-        moved = settle(ByPressure(there), frame.control, expected, Newton(task.tolerance, near=True), formal=True)
+        moved = refine_topology(ByPressure(there), scaled.control, expected, Newton(task.tolerance, near=True), formal=True)
         if isinstance(moved, Found):
             return moved, False
         try:
-            again = from_grid(task, replace(frame, problem=there), held=True)
+            again = from_grid(task, replace(scaled, problem=there), held=True)
         except (NotConverged, OutOfRange):
             step *= 0.25
         else:
@@ -93,31 +93,31 @@ def _moved(task: Task, frame: Framed, found: Found, step: float, rate: Array | N
     raise task.error(Missed(f"the zones do not follow the centre of the strip; {EXACT}", found.free), problem)
 
 
-def _in_strip(task: Task, frame: Framed, start: Array | None) -> Found:
+def _in_strip(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
     """Zones of a strip where it is."""
-    found = search(task, frame, start)
+    found = search(task, scaled, start)
     assert isinstance(found, Found)  # a strip has no full contact to be near to
     return found
 
 
-def first_order(task: Task, frame: Framed) -> Found:
+def first_order(task: Task, scaled: ScaledScene) -> Found:
     """Closure by the isolated load of the same total width."""
 
     def strip(problem: Problem, control: Control, start: Array | None) -> Found:
-        return centred(task, replace(frame, problem=problem, control=control), start)
+        return centred(task, replace(scaled, problem=problem, control=control), start)
 
     def alone(problem: Problem, control: Control, start: Array | None) -> Found:
         return _reference(task, problem, control, start)
 
-    closure = FirstOrder(frame.problem, strip, alone, task.tolerance, task.single)
+    closure = FirstOrder(scaled.problem, strip, alone, task.tolerance, task.single)
     with task.plan.timed("isolated reference"):
-        found, _ = closure.found(frame.control, _first_guess(task, frame))
+        found, _ = closure.found(scaled.control, _first_guess(task, scaled))
     return found
 
 
-def _first_guess(task: Task, frame: Framed) -> float:
+def _first_guess(task: Task, scaled: ScaledScene) -> float:
     """Total width of one zone about the origin; else the nominal pressure of the exact contact of the period, scaled."""
-    problem, control = frame.problem, frame.control
+    problem, control = scaled.problem, scaled.control
     assert problem.period is not None
     if task.single:
         return 2 * guess_half_width(problem, control)
@@ -125,7 +125,7 @@ def _first_guess(task: Task, frame: Framed) -> float:
         return control.load / problem.period
     if control.half_width is not None:
         return 0.0
-    exact = proposed(frame, replace(problem, interaction=Periodic()), control, None)
+    exact = proposed(scaled, replace(problem, interaction=Periodic()), control, None)
     return exact.load / problem.units.load / problem.period
 
 
@@ -137,7 +137,7 @@ def _reference(task: Task, problem: Problem, control: Control, start: Array | No
     middle = 0.5 * float(start[0, 0] + start[-1, 1])
     if len(start) > 1 or abs(middle) > 0.25 * float(start[0, 1] - start[0, 0]):
         problem = problem.about(middle)
-    found = settle(ByPressure(problem), control, start, Newton(task.tolerance), formal=True)
+    found = refine_topology(ByPressure(problem), control, start, Newton(task.tolerance), formal=True)
     if isinstance(found, Missed):
         raise OutOfRange(f"the isolated reference of the first-order closure has no solution: {found.reason}; {EXACT}")
     return found

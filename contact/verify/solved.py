@@ -11,7 +11,7 @@ from contact.verify.certificate import Certificate
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class Solved:
     """free: the Newton result. fields: under the load that the intervals have. rounds: corrections it took. tolerance: of the ends.
     off: how far the control may have been missed, in what the formulation says."""
 

@@ -11,13 +11,13 @@ from contact.formulation.controls import Control
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
-from contact.search.by_gaps import ByGaps
-from contact.search.intervals import united
-from contact.search.missed import Missed, WrongTopology
 from contact.search.task import Task
-from contact.search.tightened import tightened
-from contact.search.topology import Newton, settle
-from contact.verify.gap_accuracy import Gapped
+from contact.search.topology.by_gaps import ByGaps
+from contact.search.topology.intervals import united
+from contact.search.topology.loop import Newton, refine_topology
+from contact.search.topology.missed import Missed, WrongTopology
+from contact.search.ways.tightened import tightened
+from contact.verify.gap_accuracy import FoundByGaps
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ def worth_gaps(task: Task, problem: Problem, width: float) -> bool:
 
 def by_gaps(
     task: Task, problem: Problem, control: Control, width: float, zones: Array | None = None, near: bool = False
-) -> Gapped | Missed:
+) -> FoundByGaps | Missed:
     """The contact solved by its gaps, where it is about as wide as that."""
     if control.half_width is not None or not worth_gaps(task, problem, width):
         return NOT_WIDE
@@ -53,7 +53,7 @@ def by_gaps(
     return found if math.isfinite(found.error) else Missed("the gaps leave no pressure that could be told", found.free)
 
 
-def _found(task: Task, form: ByGaps, control: Control, width: float, zones: Array | None, near: bool) -> Gapped | Missed:
+def _found(task: Task, form: ByGaps, control: Control, width: float, zones: Array | None, near: bool) -> FoundByGaps | Missed:
     """First guesses, Newton, signs. width: about that of all contact, zones: about where it is; near: these are those of a solution, and
     given up as soon as they turn out to be far."""
     tolerance, period = OF_GAPS * task.tolerance, form.period
@@ -63,29 +63,29 @@ def _found(task: Task, form: ByGaps, control: Control, width: float, zones: Arra
         if zones is not None and len(zones) > 0:
             # Where zones are known about, so are the gaps; but not those that a grid does not see.
             between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + period)))
-            found = settle(form, control, united(between, period, True, form.what), Newton(tolerance, mean, near=near))
-            if near or isinstance(found, Gapped):
+            found = refine_topology(form, control, united(between, period, True, form.what), Newton(tolerance, mean, near=near))
+            if near or isinstance(found, FoundByGaps):
                 return found
         first = task.shared.first_gaps(form.problem, form.relief)
-        return settle(form, control, first.gaps(mean), Newton(tolerance, mean))
+        return refine_topology(form, control, first.gaps(mean), Newton(tolerance, mean))
     except WrongTopology as wrong:
         return wrong.missed
 
 
-def gaps_beside(problem: Problem, near: GapFields, control: Control, tolerance: float, closely: bool) -> Gapped | Missed:
+def gaps_beside(problem: Problem, near: GapFields, control: Control, tolerance: float, closely: bool) -> FoundByGaps | Missed:
     """From the gaps of fields near by. closely: given up as soon as these turn out to be far off."""
     form = ByGaps(problem, near.relief)
-    return settle(form, control, near.density.zones.table, Newton(tolerance, near.mean, near=closely))
+    return refine_topology(form, control, near.density.zones.table, Newton(tolerance, near.mean, near=closely))
 
 
-def tightened_gaps(task: Task, found: Gapped, stuck: bool = False) -> Gapped:
+def tightened_gaps(task: Task, found: FoundByGaps, stuck: bool = False) -> FoundByGaps:
     """Solved again from the same gaps, where the error came out above the wanted one. stuck: even where rounding has kept the ends from
     the tolerance before."""
 
-    def again(here: Gapped, tolerance: float) -> Gapped | Missed:
+    def again(here: FoundByGaps, tolerance: float) -> FoundByGaps | Missed:
         return gaps_beside(here.fields.problem, here.fields, here.control, tolerance, closely=True)
 
-    def at_rest(here: Gapped, tolerance: float) -> bool:
+    def at_rest(here: FoundByGaps, tolerance: float) -> bool:
         return here.free.trace[-1].move > tolerance and not stuck
 
     return tightened(task, found, OF_GAPS * task.tolerance, again, at_rest)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.search.missed import WrongTopology
+from contact.search.topology.missed import WrongTopology
 
 Array = NDArray[np.float64]
 
