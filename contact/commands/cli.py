@@ -1,4 +1,5 @@
-"""The command line: `contact solve | plan | compare | trace | figures | bench | stability | profiles | interactions | substrates | laws`.
+"""The command line: `contact solve | plan | compare | path | sweep | trace | figures | bench | stability`, and lists of what a scene may
+name, `contact profiles | interactions | substrates | laws`.
 
 Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but 0 stderr has one line, after a
 line for each warning.
@@ -22,6 +23,7 @@ import numpy as np
 from contact import interrupts
 from contact.commands.options import QUIET, SCENE, TOL, scene_of
 from contact.commands.outputs import OVERWRITE, checked, checked_figure
+from contact.commands.path import path_command
 from contact.commands.trace import show_profile, trace_command
 from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
 from contact.extras import other_package, require
@@ -43,8 +45,9 @@ from contact.solution.plan import plan
 from contact.solution.plotting import plot
 from contact.solution.terminal import Progress, show_table
 from contact.solver import solve
-from contact.sweeps.compare import compare, refusals, tables, total_width
+from contact.sweeps.compare import compare, refusals, tables
 from contact.sweeps.compare_plot import plot_comparison
+from contact.sweeps.points import total_width
 
 BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, interrupts.STATUS
 
@@ -200,6 +203,7 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
         click.echo(f"written: {figure}")
 
 
+main.add_command(path_command)
 main.add_command(trace_command)
 
 

@@ -146,20 +146,20 @@ def _csv(columns: Sequence[str], rows: Iterable[Sequence[float]]) -> str:
 
 def write_csv(solution: Answer, path: str | PathLike[str], overwrite: bool = False) -> None:
     """Write the zone table."""
-    _new(path, overwrite).write_text(to_csv(solution), encoding="utf-8")
+    new_file(path, overwrite).write_text(to_csv(solution), encoding="utf-8")
 
 
 def write_fields(solution: Answer, path: str | PathLike[str], overwrite: bool = False) -> None:
     """Write the table of the fields."""
-    _new(path, overwrite).write_text(fields_to_csv(solution), encoding="utf-8")
+    new_file(path, overwrite).write_text(fields_to_csv(solution), encoding="utf-8")
 
 
 def write_json(solution: Answer, path: str | PathLike[str], overwrite: bool = False) -> None:
     """Write the object of `to_json`."""
-    _new(path, overwrite).write_text(to_json(solution) + "\n", encoding="utf-8")
+    new_file(path, overwrite).write_text(to_json(solution) + "\n", encoding="utf-8")
 
 
-def _new(path: str | PathLike[str], overwrite: bool) -> Path:
+def new_file(path: str | PathLike[str], overwrite: bool) -> Path:
     """The path of a file that may be written: one that is not there, or may be written over."""
     if not isinstance(path, (str, PathLike)):
         raise SceneError.of("path", path, "the name of a file")
@@ -199,7 +199,7 @@ def to_xarray(solution: Answer) -> Any:
 
 def write_netcdf(solution: Answer, path: str | PathLike[str], overwrite: bool = False) -> None:
     """Write the data set of `to_xarray` as netCDF-4."""
-    path = _new(path, overwrite)
+    path = new_file(path, overwrite)
     require("h5netcdf")
     require("h5py")
     to_xarray(solution).to_netcdf(path, engine="h5netcdf")

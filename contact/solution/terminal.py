@@ -16,11 +16,12 @@ _WIDTH_OF_A_FILE = 200
 
 
 def show_table(
-    title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], numeric: Iterable[int] = ()
+    title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], numeric: Iterable[int] = (), close: bool = False
 ) -> None:
-    """One table on stdout; `numeric` are the columns that align to the right."""
+    """One table on stdout; `numeric` are the columns that align to the right; `close`: one blank between two, of three otherwise."""
     right = set(numeric)
-    table = require("rich.table").Table(title=title, title_justify="left", box=require("rich.box").SIMPLE_HEAD)
+    padding = (0, 0) if close else (0, 1)
+    table = require("rich.table").Table(title=title, title_justify="left", box=require("rich.box").SIMPLE_HEAD, padding=padding)
     for place, name in enumerate(columns):
         table.add_column(name, justify="right" if place in right else "left", overflow="fold")
     for row in rows:

@@ -21,6 +21,7 @@ from contact.model.units import column
 from contact.solution.answer import Answer
 from contact.solution.validity import of_solution
 from contact.solver import solve
+from contact.sweeps.points import total_width
 
 Report = Callable[[str, int, int | None], None]
 
@@ -97,13 +98,6 @@ def pressure_apart(attempt: Attempt, exact: Attempt) -> float | None:
         scale = reference.load / total_width(reference)
     ours, theirs = (s.pressure(_within(s.zones)) for s in (attempt.solution, reference))
     return float(np.max(np.abs(ours - theirs)) / scale)
-
-
-def total_width(solution: Answer) -> float:
-    """Length in contact: of all zones, or the period at full contact."""
-    if len(solution.zones) == 0 and solution.scene.period is not None:
-        return solution.scene.period
-    return float(np.sum(solution.zone_widths))
 
 
 @dataclass(frozen=True)
