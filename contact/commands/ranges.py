@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import isfinite
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,7 +29,7 @@ def _between(parts: list[str]) -> NDArray[np.float64]:
     """Of the parts between colons; none where they make no sense."""
     logarithmic = len(parts) == 4 and parts[3] == "log"
     first, last, count = float(parts[0]), float(parts[1]), int(parts[2]) if len(parts) > 2 else 0
-    if (len(parts) != 3 and not logarithmic) or not 2 <= count <= _MOST or first == last:
+    if (len(parts) != 3 and not logarithmic) or not 2 <= count <= _MOST or first == last or not isfinite(last - first):
         return np.zeros(0)
     if logarithmic and (first <= 0 or last <= 0):
         return np.zeros(0)
