@@ -3,7 +3,7 @@
 # First: a command may be interrupted while the rest is imported.
 from contact import interrupts  # noqa: F401  isort: skip
 from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
-from contact.extras import require
+from contact.extras import version
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
 from contact.model.laws import JKR, Frictionless, Law
 from contact.model.profiles import (
@@ -46,8 +46,7 @@ from contact.sweeps.paths import Event, Path, path
 def __getattr__(name: str) -> str:
     # Looked up when it is asked for: what is installed says it, and saying it takes time.
     if name == "__version__":
-        version: str = require("importlib.metadata").version("sie-contact")
-        return version
+        return version()
     raise AttributeError(f"module 'contact' has no attribute {name!r}")
 
 
