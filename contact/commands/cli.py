@@ -1,4 +1,5 @@
-"""The command line: `contact solve | plan | compare | trace | figures | bench | stability | profiles | interactions | substrates | laws`.
+"""The command line: `contact solve | plan | compare | explore | trace | figures | bench | stability`, and the lists
+`contact profiles | interactions | substrates | laws`.
 
 Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but 0 stderr has one line, after a
 line for each warning.
@@ -20,6 +21,7 @@ import click
 import numpy as np
 
 from contact import interrupts
+from contact.commands.explore import explore_command
 from contact.commands.outputs import checked, checked_figure
 from contact.commands.trace import show_profile, trace_command
 from contact.errors import ContactError, ModelWarning, NotConverged
@@ -183,6 +185,7 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
 
 
 main.add_command(trace_command)
+main.add_command(explore_command)
 
 
 @main.command("figures")
