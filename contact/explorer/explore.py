@@ -74,7 +74,9 @@ def serve(scene: Scene | str | PathLike[str] | None, tol: float, port: int | Non
     # No page from elsewhere may speak to it.
     origins = [f"{ADDRESS}:{port}", f"localhost:{port}"]
     try:
-        server = panel.serve(make, address=ADDRESS, port=port, websocket_origin=origins, title="contact", show=False, start=False)
+        server = panel.serve(
+            make, address=ADDRESS, port=port, websocket_origin=origins, title="contact", show=False, start=False, verbose=False
+        )
     except OSError as error:
         raise SceneError.of("port", port, f"one that is free ({error.strerror or error})") from error
     server.start()

@@ -30,6 +30,7 @@ _BODY, _SURFACE, _PRESSURE, _ZONE = "#7a7a7a", "#1f5a92", "#b3261e", "#f2c14e"
 _DECADE = 0.01  # step of a slider by equal factors, in powers of ten
 _STEPS = 400
 _NEXT = 5  # ms from one thing to do to the next, so that what the page sends comes between
+_REST = 300  # ms without a change before the load curve is drawn
 _DEAR = 0.3  # s: the curve of a scene that takes longer is not drawn unasked
 _LONGEST = 20_000  # letters of a text that is shown
 
@@ -41,6 +42,9 @@ table.numbers tr:first-child { font-weight: bold; }
 p.warning { color: #8a5a00; margin: 4px 0; font: 13px sans-serif; max-width: 26em; }
 p.refused { color: #b3261e; border-left: 4px solid #b3261e; padding: 6px 10px; margin: 4px 0; font: 14px sans-serif; }
 """
+
+# The numbers, the stated error first, stay where they are when the page is scrolled.
+_SEEN = {"position": "sticky", "top": "0", "background": "white", "z-index": "5", "width": "100%"}
 
 # Text of a slider: the number with a prefix before its unit.
 _READOUT = """
@@ -71,7 +75,7 @@ class Explorer:
         pn = self.pn
         style = {"stylesheets": [_STYLE], "sizing_mode": "stretch_width"}
         self.sliders = pn.Column(sizing_mode="stretch_width")
-        self.numbers, self.message = pn.pane.HTML("", **style), pn.pane.HTML("", **style)
+        self.numbers, self.message = pn.pane.HTML("", **style, styles=_SEEN), pn.pane.HTML("", **style)
         self.branch = pn.widgets.RadioButtonGroup(label="branch", options=["advancing", "receding"], visible=False)
         self.branch.param.watch(lambda _: self._change(), "value")
         self.text = pn.widgets.TextAreaInput(
@@ -97,7 +101,7 @@ class Explorer:
         self.surfaces = data({"x": nothing, "body": nothing, "surface": nothing, "touching": nothing})
         self.pressure, self.zones = data({"x": nothing, "p": nothing}), data({"left": nothing, "right": nothing})
         self.line, self.point = data({"across": nothing, "up": nothing}), data({"across": nothing, "up": nothing})
-        common = {"height": 250, "sizing_mode": "stretch_width", "tools": "pan,box_zoom,wheel_zoom,reset,save"}
+        common = {"height": 250, "sizing_mode": "stretch_width", "tools": "pan,box_zoom,wheel_zoom,reset,save", "min_border_left": 75}
         top = figure(**common, y_axis_label="height")
         bottom = figure(**common, x_range=top.x_range, y_axis_label="pressure")
         curve = figure(**common)
@@ -137,7 +141,8 @@ class Explorer:
         args = {"log": handle.log, "whole": handle.whole, "unit": handle.unit, "least": handle.low + 0.5}
         readout = self.models.CustomJSTickFormatter(args=args, code=_READOUT)
         slider = self.pn.widgets.FloatSlider(
-            label=handle.name.replace("_", " "), start=low, end=high, step=step, value=start, format=readout, sizing_mode="stretch_width"
+            label=handle.name.replace("_", " "), start=low, end=high, step=step, value=start, format=readout, tooltips=False,
+            sizing_mode="stretch_width",
         )
 
         def move(event: Any) -> None:
@@ -173,16 +178,21 @@ class Explorer:
             self._due = True
             self._soon(self._show)
 
-    def _soon(self, do: Callable[[], None]) -> None:
+    def _soon(self, do: Callable[[], None], after: int = _NEXT) -> None:
         """After what the browser has sent meanwhile; at once where there is no server, as in tests and notebooks."""
         document = self.pn.state.curdoc
         if document is not None and document.session_context is not None:
-            document.add_timeout_callback(do, _NEXT)
+            document.add_timeout_callback(do, after)
         else:
             do()
 
     def _show(self) -> None:
+        """The frame of the scene as it stands; all of it reaches the browser in one message."""
         self._due = False
+        with self.pn.io.hold():
+            self._show_all()
+
+    def _show_all(self) -> None:
         last = self.frame
         try:
             scene = turned(self.base, self.moved, self.known)
@@ -191,8 +201,8 @@ class Explorer:
         except Exception as error:  # a page shows no traceback; what is no fault of the scene is told as such
             self._refuse(told(error))
             return
-        self.message.object, self.numbers.styles = "", {}
-        self._write(scene)
+        self.message.object, self.numbers.styles = "", _SEEN
+        self._soon(lambda: self._write(scene), _REST)
         same = last is not None and same_curve(last.solution.scene, scene) and self._of_curve == self.branch.value
         if not same or (self.draw.visible and self.frame.seconds <= _DEAR):
             self._forget_curve(self.frame.seconds)
@@ -200,7 +210,7 @@ class Explorer:
     def _refuse(self, message: str) -> None:
         old = "" if self.frame is None else " What is drawn, and the numbers, are of the last scene that was solved."
         self.message.object = f"<p class='refused' role='alert'>{escape(message.rstrip('.'))}.{old}</p>"
-        self.numbers.styles = {"opacity": "0.45"}
+        self.numbers.styles = {**_SEEN, "color": "#999999"}
 
     def _paint(self, frame: Frame) -> None:
         self.surfaces.data, self.pressure.data, self.zones.data = frame.surfaces, frame.pressure, frame.zones
@@ -215,7 +225,9 @@ class Explorer:
         self.point.data = {"across": [across * self._across[0]], "up": [up * self._up[0]]}
 
     def _write(self, scene: Scene) -> None:
-        """The text of the scene; of a trace that is as its file has it, the file's name."""
+        """The text of the scene, once it is at rest; of a trace that is as its file has it, the file's name."""
+        if self.frame is None or scene is not self.frame.solution.scene:
+            return
         try:
             text = to_toml(scene, self.table if self.table is not None and scene.profile == self.base.profile else None)
         except SceneError as error:
@@ -242,7 +254,7 @@ class Explorer:
         if self.frame is not None:
             self.draw.visible = False
             self._walk = walk = along(self.frame.solution.scene, self.known[0], self.tol, self.branch.value)
-            self._soon(lambda: self._step(walk))
+            self._soon(lambda: self._step(walk), _REST)
 
     def _step(self, walk: Iterator[Solution]) -> None:
         """One more point, unless the scene has changed; where frames are due, these first."""
