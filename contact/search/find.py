@@ -33,7 +33,7 @@ def found(task: Task) -> Outcome:
     if task.operator.is_plain and scene.law.convex:
         refuse_below_plateau(scene)
     refuse_unbounded(scene)
-    if scene.law.bare is not None and scene.half_width is None:
+    if task.follows_branch:
         return followed(task)
     if scene.turned and scene.moment is not None and scene.approach is not None:
         return _by_loads(task)
