@@ -125,7 +125,8 @@ def browser(width: int = 1300, height: int = 1000) -> Iterator[Page]:
                    "--disable-background-networking", "--disable-component-update", "--remote-debugging-port=0",
                    f"--window-size={width},{height}", f"--user-data-dir={home}", "about:blank"]  # fmt: skip
         process = subprocess.Popen(
-            [CHROMIUM, *options], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env={**os.environ, "HOME": home}
+            [CHROMIUM, *options],
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env={**os.environ, "HOME": home},
         )
         try:
             port = _port(Path(home) / "DevToolsActivePort")
