@@ -6,7 +6,7 @@ from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverge
 from contact.explorer.explore import explore
 from contact.extras import version
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
-from contact.model.laws import JKR, Frictionless, Law
+from contact.model.laws import JKR, Dugdale, Frictionless, Law
 from contact.model.profiles import (
     Biquadratic,
     Flat,
@@ -56,7 +56,7 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
-    "Biquadratic", "ContactError", "E_star", "Event", "Flat", "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated", "JKR",
+    "Biquadratic", "ContactError", "Dugdale", "E_star", "Event", "Flat", "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated", "JKR",
     "Law", "Layer", "Localized", "MissingExtra",
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",
