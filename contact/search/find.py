@@ -57,7 +57,7 @@ def _full(task: Task, refused: Missed | None) -> Outcome | Missed:
 
 def _branch(task: Task, refused: Missed | None) -> Outcome | Missed:
     """One of several equilibria."""
-    return followed(task) if task.scene.law.bare is not None and task.scene.half_width is None else NOT_MINE
+    return followed(task) if task.follows_branch else NOT_MINE
 
 
 def _along(task: Task, refused: Missed | None) -> Outcome | Missed:

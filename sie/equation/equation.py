@@ -58,11 +58,14 @@ class Forcing(Kept):
         The same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!; for q = 0 this is (J/pi) Lambda(x, s), Lambda
         the kernel's potential, and is left out of `value`. Either jumps or density_jumps.
     spline : callable or None
-        A quadratic spline with the density_jumps of order 2, where it is known: of very many it keeps the digits.
+        A quadratic spline with the jumps or density_jumps of order 2, where it is known and is not all of g: of very many it keeps the
+        digits.
     modes : int or None
         Of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
     between : bool
         Of a column, whether it is as smooth between the intervals as on them: then narrow gaps are taken as slits beside it too.
+    singular_between : bool
+        Whether g is singular between the intervals: then narrow gaps are not taken as slits.
     resolution : float or None
         Smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones are many: they keep
         digits that the primitive has lost.
@@ -95,6 +98,7 @@ class Forcing(Kept):
     spline: Function | None = None
     modes: int | None = None
     between: bool = False
+    singular_between: bool = False
     resolution: float | None = None
     placed: Function | None = None
 
@@ -131,7 +135,7 @@ class Forcing(Kept):
             orders = np.zeros(len(self.density_jumps_at), dtype=np.intp) if self.density_orders is None else self.density_orders
             return DensityJumps.inside(zones, self.density_jumps_at, self.density_jumps, orders, kernel, self.spline)
         orders = np.zeros(len(self.jumps_at), dtype=np.intp) if self.orders is None else self.orders
-        return ForcingJumps.within(zones, self.jumps_at, self.jumps, orders, kernel.period, self.value)
+        return ForcingJumps.within(zones, self.jumps_at, self.jumps, orders, kernel.period, self.spline or self.value)
 
 
 def _of_order_zero(at: Array, heights: Array, orders: NDArray[np.intp] | None) -> tuple[Array, Array]:
