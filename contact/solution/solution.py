@@ -13,10 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 import sie
 from contact.errors import SceneError
+from contact.formulation.energy import elastic_energy
 from contact.formulation.fields import Fields, ZoneFields
 from contact.model.checks import real
 from contact.model.scene import Scene
 from contact.solution import export, html, plotting
+from contact.solution.energy import Energy
 from contact.solution.plan import Plan
 from contact.solution.pull_off import PullOff
 from contact.solution.validity import everything
@@ -147,6 +149,16 @@ class Solution(sie.Kept):
         if self.scene.period is None:
             return None
         return self.fields.contact_fraction
+
+    @cached_property
+    def energy(self) -> Energy | None:
+        """Elastic energy and that of the interface [J/m], per period where there is one; None where there is no approach, and for localized
+        contact, whose strip is not all of the body."""
+        elastic, period = elastic_energy(self.fields), self.scene.period
+        if elastic is None:
+            return None
+        width = float(np.sum(self.zone_widths)) if period is None else self.fields.contact_fraction * period
+        return Energy(elastic, self.scene.law.surface_energy(self.fields, width) + 0.0)
 
     @property
     def stiffness(self) -> float | None:
