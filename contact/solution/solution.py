@@ -86,7 +86,7 @@ class Solution(sie.Kept):
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """Contact pressure [Pa] at normalised positions t in [-1, 1] of one zone, without loss of digits at its ends."""
         if len(self.zones) == 0:
-            raise SceneError.of("zone", zone, "left alone: full contact has no zones, use pressure(x)")
+            raise SceneError.of("zone", zone, "left alone: full contact, or surfaces apart, have no zones, use pressure(x)")
         count = len(self.zones)
         if not isinstance(zone, Integral) or not -count <= zone < count:
             raise SceneError.of("zone", zone, f"a whole number from 0 to {count - 1}, there being {count} zone{'s' * (count > 1)}")
@@ -169,7 +169,7 @@ class Solution(sie.Kept):
     @cached_property
     def pull_off(self) -> PullOff | None:
         """Where the contact comes apart as its load (or its approach, where that is given) falls, under a law that bears tension; None
-        for full contact, which does not open. Parts of it may come apart before: it is where the last do."""
+        for full contact, which does not open, and for surfaces apart. Parts of it may come apart before: it is where the last do."""
         law = self.scene.law
         if law.bare is None or self.scene.half_width is not None:
             what = f"the law {law.name}" if law.bare is None else "a given half width"
