@@ -27,9 +27,10 @@ from contact.verify.certificate import openings
 
 Array = NDArray[np.float64]
 
-# A new zone over the overlap that was seen beyond its first touch; how narrow at the least; and how close to the value asked a curve that
-# turns has come to it.
+# A new zone over the overlap that was seen beyond its first touch; how narrow at the least; and what drives its ends that is nothing.
 _NEW, _LEAST, _SLIGHT = 1e-2, 1e-12, 1e-6
+# Of a step, from how near a value Newton's steps go there.
+_ROUGHLY = 1e-6
 _MOST_JUMPS = 10000
 
 
@@ -106,7 +107,7 @@ class History:
                 length = step.turning()
                 last = step.at(length)
             if arrives := sense * (last.value - value) >= 0.0:
-                length = step.where(lambda at: at.value - value, step.start.at.value - value, last.value - value, length)
+                length = step.where(lambda at: at.value - value, step.start.at.value - value, last.value - value, length, _ROUGHLY)
                 last = self.curve.settled(replace(step.at(length), value=value))
             overlaps = openings(self.curve.fields(last)).overlaps if sense > 0.0 else np.zeros((0, 2))
             if len(overlaps):
