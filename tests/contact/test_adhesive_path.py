@@ -132,18 +132,18 @@ def test_above_the_critical_work_the_wave_closes_as_it_touches():
 
 
 def rough():
-    rng = np.random.default_rng(7)
-    k, phase = np.arange(1, 9), rng.uniform(0, 2 * np.pi, 8)
-    size = 1e-7 * k**-1.3
+    rng = np.random.default_rng(0)
+    k, phase = np.arange(1, 7), rng.uniform(0, 2 * np.pi, 6)
+    size = 1e-7 / k
     profile = contact.Fourier(1e-4, size * np.cos(phase), size * np.sin(phase))
-    return contact.Scene(profile, 1e9, contact.Periodic(), law=contact.JKR(2e-5), load=0.0)
+    return contact.Scene(profile, 1e9, contact.Periodic(), law=contact.JKR(1e-3), load=0.0)
 
 
 @lru_cache
 def rough_loop():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", contact.ModelWarning)
-        return contact.path(rough(), [-100.0, 10.0, 40.0, 10.0, -100.0])
+        return contact.path(rough(), [-100.0, 13.0, 40.0, 13.0, -100.0])
 
 
 def test_a_rough_body_hangs_on_more_than_it_was_pressed_on_and_every_jump_loses_energy():
@@ -157,11 +157,11 @@ def test_a_rough_body_hangs_on_more_than_it_was_pressed_on_and_every_jump_loses_
     assert found.work == found.dissipated
     for event in found.events:
         before, after = np.diff(event.before).sum(), np.diff(event.after).sum()
-        assert (after > before) == (event.kind in ("jump-in", "birth", "merge")) or event.kind == "jump"
+        assert (after > before) == (event.kind in ("jump-in", "birth", "merge"))
 
 
 def test_on_the_way_up_a_path_has_the_advancing_contacts():
-    alone = contact.solve(contact.Scene(rough().profile, 1e9, contact.Periodic(), law=contact.JKR(2e-5), load=40.0))
+    alone = contact.solve(contact.Scene(rough().profile, 1e9, contact.Periodic(), law=contact.JKR(1e-3), load=40.0))
     assert rough_loop().solutions[2].zones == pytest.approx(alone.zones, abs=1e-8 * alone.zone_widths.min())
 
 
@@ -172,7 +172,7 @@ def test_between_jumps_the_work_of_the_load_is_the_change_of_energy(start):
     last = 0.98 * first.load if start == 3 else 1.02 * first.load
     t, weights = np.polynomial.legendre.leggauss(6)
     loads = 0.5 * (first.load + last) + 0.5 * (last - first.load) * t
-    values = np.concatenate(([10.0], [40.0, 10.0] if start == 3 else [], loads, [last]))
+    values = np.concatenate(([13.0], [40.0, 13.0] if start == 3 else [], loads, [last]))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", contact.ModelWarning)
         piece = contact.path(rough(), values)
@@ -193,7 +193,8 @@ def test_without_a_datum_jumps_are_where_they_are_and_nothing_is_said_of_their_e
 def test_what_a_path_cannot_follow_is_refused_by_name():
     wave = SCENES["wave"]
     bare = contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), load=1.0)
-    for kwargs, name in (({"control": "half_width"}, "control"), ({"stiffness": -1.0}, "stiffness"), ({"stiffness": 1.0, "control": "load"}, "stiffness")):
+    wrong = ({"control": "half_width"}, "control"), ({"stiffness": -1.0}, "stiffness"), ({"stiffness": 1.0, "control": "load"}, "stiffness")
+    for kwargs, name in wrong:
         with pytest.raises(contact.SceneError, match=name):
             contact.path(wave, [0.0], **kwargs)
     with pytest.raises(contact.SceneError, match="loads"):

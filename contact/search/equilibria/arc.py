@@ -188,5 +188,5 @@ def _along(curve: Equilibria, here: Place, length: float) -> Point | None:
             return None
         moved, value = moved + step[:-1] * widths, value + step[-1] * unit
         if size < _TIGHT:
-            return curve.at(here.at.moved(moved), value)
+            return curve.at(here.at.moved(moved), float(value))
     return None
