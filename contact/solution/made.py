@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged
+from contact.formulation.apart import ApartFields
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
 from contact.formulation.problem import Problem
@@ -83,6 +84,17 @@ def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol
         why = f"rounding of the heights leaves an error of {error:.1e} in full contact, above the tolerance {tol:.1e}"
         raise NotConverged(why, (), solution)
     return solution
+
+
+def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan) -> Solution:
+    """Surfaces that do not touch, at an approach [m] or where none is held."""
+    for name in ("zone ends", "coarse search"):
+        plan[name].used, plan[name].reason = False, "the surfaces are apart"
+    certificate = Certificate(
+        smallest_pressure=0.0, smallest_gap=None if approach is None else -approach, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
+        points=0, holds=approach is None or approach <= 0.0, note="the surfaces are apart",
+    )
+    return Solution(scene, np.zeros((0, 2)), ApartFields(problem, approach), 0.0, certificate, plan, branch="receding")
 
 
 def _told_of_full(scene: Scene, least: float) -> str:
