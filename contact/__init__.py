@@ -41,6 +41,7 @@ from contact.solution.solution import Solution
 from contact.solver import solve
 from contact.sweeps.curve import solve_many
 from contact.sweeps.paths import Event, Path, path
+from contact.sweeps.sweep.run import sweep
 
 
 def __getattr__(name: str) -> str:
@@ -61,5 +62,5 @@ __all__ = [
     "SceneError",
     "Sinusoid", "Solution", "Substrate", "Wedge", "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",
     "profiles", "read_trace", "register_interaction", "register_law", "register_profile", "register_substrate", "self_affine",
-    "solve", "solve_many", "substrate", "substrates",
+    "solve", "solve_many", "substrate", "substrates", "sweep",
 ]

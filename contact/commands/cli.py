@@ -24,6 +24,7 @@ from contact import interrupts
 from contact.commands.options import QUIET, SCENE, TOL, scene_of
 from contact.commands.outputs import OVERWRITE, checked, checked_figure
 from contact.commands.path import path_command
+from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command
 from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
 from contact.extras import other_package, require
@@ -204,6 +205,7 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
 
 
 main.add_command(path_command)
+main.add_command(sweep_command)
 main.add_command(trace_command)
 
 

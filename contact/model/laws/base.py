@@ -6,6 +6,7 @@ which controls and ways of solving hold under it. Nothing else of the package kn
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import sie
@@ -57,6 +58,7 @@ class Law(sie.Kept):
     """
 
     name: ClassVar[str]
+    units: ClassVar[Mapping[str, str]] = {}
     allows: ClassVar[tuple[str, ...]] = CONTROLS
     turns: ClassVar[bool] = False
     pulls: ClassVar[bool] = False
