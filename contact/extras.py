@@ -11,7 +11,8 @@ from contact.errors import MissingExtra
 # Which extra installs a package that a plain install does not bring.
 EXTRAS = {
     "matplotlib": "plot", "xarray": "io", "h5netcdf": "io", "h5py": "io",
-    "tamaas": "peers", "ContactMechanics": "peers", "SurfaceTopography": "instruments", "distributed": "cluster",
+    "tamaas": "peers", "ContactMechanics": "peers", "SurfaceTopography": "instruments",
+    "panel": "explore", "bokeh": "explore", "distributed": "cluster",
 }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
@@ -20,7 +21,7 @@ from contact.model.scene import Scene
 from contact.solution import export, html, plotting
 from contact.solution.peaks import peaks
 from contact.solution.plan import Plan
-from contact.solution.pull_off import PullOff, pull_off
+from contact.solution.pull_off import PullOff
 from contact.solution.validity import everything
 from contact.verify.certificate import Certificate
 
@@ -51,6 +52,11 @@ class Solution(sie.Kept):
         What ran, what was left out and why, and the times.
     trace : tuple
         The Newton steps.
+    branch : str or None
+        Where a law has several equilibria, how this one was come by: "advancing", the control raised to its value, or "receding", it was
+        lowered to it; the plan says from where. None under other laws, and where the zones are given.
+    parting : callable or None
+        What tells where such a contact comes apart.
 
     Examples
     --------
@@ -70,6 +76,8 @@ class Solution(sie.Kept):
     certificate: Certificate = field(repr=False)
     plan: Plan = field(repr=False)
     trace: tuple[Any, ...] = field(default=(), repr=False)
+    branch: str | None = None
+    parting: Callable[[ZoneFields], PullOff] | None = field(default=None, repr=False)
 
     # fields -----------------------------------------------------------------------------------------------------------
     def pressure(self, x: ArrayLike) -> Array:
@@ -158,10 +166,15 @@ class Solution(sie.Kept):
     def pull_off(self) -> PullOff | None:
         """Where the contact comes apart as its load (or its approach, where that is given) falls, under a law that bears tension; None
         for full contact, which does not open. Parts of it may come apart before: it is where the last do."""
+        law = self.scene.law
+        if law.bare is None or self.scene.half_width is not None:
+            what = f"the law {law.name}" if law.bare is None else "a given half width"
+            raise SceneError(f"there is no pull-off under {what}: it is that of adhesion under a load or an approach", "pull_off")
         if not isinstance(self.fields, ZoneFields):
             return None
-        fields = self.fields
-        return pull_off(self.scene, fields.problem, fields.density.zones.table, fields.density.total, fields.level)
+        if self.parting is None:
+            raise SceneError("there is no pull-off of a state that did not converge", "pull_off")
+        return self.parting(self.fields)
 
     @property
     def tilt(self) -> float | None:
