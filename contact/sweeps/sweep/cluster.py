@@ -43,7 +43,7 @@ class Cluster:
         given = client.submit(_same, scene, pure=False)
         running = {client.submit(solve_chunk, given, chunk, tol, pure=False): chunk for chunk in chunks}
         try:
-            for future in self._distributed.as_completed(list(running)):
+            for future in self._distributed.as_completed(list(running), loop=client.loop):
                 chunk = running.pop(future)
                 yield self._rows(future, chunk)
         finally:
