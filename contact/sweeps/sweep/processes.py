@@ -50,7 +50,7 @@ def solved_in_processes(scene: Scene, chunks: Sequence[Chunk], tol: float, worke
         with _pool(workers) as pool:
             given, why = _sent(pool, scene)
             if why:
-                warnings.warn(f"solved in this process alone, as other processes {why}", RuntimeWarning, stacklevel=2)
+                warnings.warn(f"solved in this process alone, as other processes {why}", RuntimeWarning, stacklevel=4)
                 break
             running: dict[Future[Rows], Chunk] = {}
             broken = False
@@ -96,6 +96,9 @@ def _received(given: bytes) -> Scene:
 
 def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
     """The scene for other processes, and why there it is of no use."""
+    script = getattr(sys.modules["__main__"], "__file__", None)
+    if script is not None and not os.path.exists(script):
+        return b"", f"import the script first, and {script} is no file"
     try:
         given = pickle.dumps(scene)
     except Exception as error:
