@@ -6,6 +6,7 @@ which controls and ways of solving hold under it. Nothing else of the package kn
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import pi
 from typing import Any, ClassVar
 
@@ -58,6 +59,7 @@ class Law(sie.Kept):
     """
 
     name: ClassVar[str]
+    units: ClassVar[Mapping[str, str]] = {}
     allows: ClassVar[tuple[str, ...]] = CONTROLS
     turns: ClassVar[bool] = False
     pulls: ClassVar[bool] = False
