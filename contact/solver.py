@@ -2,8 +2,8 @@
 
     scene          what is given, checked when it is made                                   contact.model
     formulation    a scaled equation, by the pressure, by the gaps, or none in full contact   contact.formulation
-    first guess    ways to the zones, in order; what was left and why is in the plan        contact.search.find, .guesses
-    zones          Newton on their ends, signs, corrections, and again                      contact.search.topology, .by_pressure, .by_gaps
+    first guess    ways to the zones, in order; what was left and why is in the plan        contact.search.find
+    zones          Newton on their ends, signs, corrections, and again                      contact.search.topology
     certificate    what was looked at on the whole line, and the stated error               contact.verify
     solution       in SI units, with its plan                                               contact.solution
 """
@@ -17,16 +17,17 @@ from numbers import Real
 from contact.errors import SceneError, warn
 from contact.model.checks import one_of
 from contact.model.scene import Scene
+from contact.search.equilibria.parting import Parting
 from contact.search.find import found
-from contact.search.full_contact import Full
-from contact.search.guesses import Outcome
 from contact.search.refine import refined
 from contact.search.shared import Shared
 from contact.search.task import Task
-from contact.search.topology import Progress
+from contact.search.topology.loop import Progress
+from contact.search.ways.full_contact import Full
+from contact.search.ways.guesses import Outcome
 from contact.solution import made, validity
 from contact.solution.solution import Solution
-from contact.verify.gap_accuracy import Gapped
+from contact.verify.gap_accuracy import FoundByGaps
 
 
 def solve(
@@ -132,8 +133,10 @@ def _run(task: Task) -> Solution:
 
 def _solution(task: Task, outcome: Outcome) -> Solution:
     scene, plan, tol = task.scene, task.plan, task.tol
+    followed = task.follows_branch
+    branch = task.branch if followed else None
     if isinstance(outcome, Full):
-        return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol)
-    if isinstance(outcome, Gapped):
+        return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol, branch)
+    if isinstance(outcome, FoundByGaps):
         return made.of_gaps(scene, outcome, plan, tol)
-    return made.of_zones(scene, outcome, plan, tol)
+    return made.of_zones(scene, outcome, plan, tol, branch, Parting(outcome.control) if followed else None)

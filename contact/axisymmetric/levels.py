@@ -24,7 +24,7 @@ from contact.axisymmetric.neighbours import Surroundings, surroundings
 from contact.axisymmetric.profiles import AxisymmetricProfile, as_profile
 from contact.axisymmetric.refine import NODES, first_radius, refined, settled
 from contact.axisymmetric.spot import one_control, ring_count
-from contact.axisymmetric.system import Kind, State, room, settle, total_load, touching_tip
+from contact.axisymmetric.system import Kind, State, refine_topology, room, total_load, touching_tip
 from contact.axisymmetric.system import approach as given_approach
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite, non_negative, positive
@@ -204,7 +204,7 @@ def _first_touch(
     last = inf
     try:
         for n in NODES:
-            state = settle(kinds, around, start, touching_tip(j), n)
+            state = refine_topology(kinds, around, start, touching_tip(j), n)
             pressure = sum(kind.density * float(force) for kind, force in zip(kinds, state.forces, strict=True))
             if not pressure > 0:
                 break

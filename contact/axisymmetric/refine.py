@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contact.axisymmetric.answer import Spot
 from contact.axisymmetric.neighbours import Surroundings
-from contact.axisymmetric.system import Condition, Kind, State, settle
+from contact.axisymmetric.system import Condition, Kind, State, refine_topology
 from contact.errors import NotConverged, OutOfRange
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ def settled(
 ) -> Iterator[State]:
     """Newton's states on ever more nodes, each from the one before."""
     for n in NODES:
-        state = settle(kinds, around, start, condition, n)
+        state = refine_topology(kinds, around, start, condition, n)
         start = state.radii
         yield state
 

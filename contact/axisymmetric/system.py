@@ -271,7 +271,7 @@ def touching_tip(kind: int) -> Condition:
     return row
 
 
-def settle(
+def refine_topology(
     kinds: Sequence[Kind], around: Sequence[Sequence[Surroundings]], start: Array, condition: Condition, n: int
 ) -> State:
     """Newton's radii from a start; 0 marks a kind that does not touch."""

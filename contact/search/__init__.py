@@ -1,1 +1,1 @@
-"""Which zones: a scaled problem in, zones whose signs are right out."""
+"""Which zones: a scene in, zones whose signs are right out. `topology`, `grid` and `ways`, in that order, serve `find` and `refine`."""

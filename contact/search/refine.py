@@ -7,18 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact.errors import NotConverged, OutOfRange
-from contact.search.full_contact import Full
-from contact.search.gaps import tightened_gaps
-from contact.search.guesses import Outcome
-from contact.search.missed import Missed
-from contact.search.proposals import about, placed
-from contact.search.scaling import Framed, framed_about
-from contact.search.strips import centred, first_order
+from contact.search.grid.proposals import about, placed
+from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.task import Task
-from contact.search.tightened import tightened
+from contact.search.topology.missed import Missed, attempted
+from contact.search.ways.full_contact import Full
+from contact.search.ways.gaps import tightened_gaps
+from contact.search.ways.guesses import Outcome
+from contact.search.ways.strips import centred, first_order
+from contact.search.ways.tightened import tightened
 from contact.verify.accuracy import Found, limit, of_positions, too_thin
-from contact.verify.gap_accuracy import Gapped
+from contact.verify.gap_accuracy import FoundByGaps
 
 # Zones of a lone body farther than so many times their span from the origin of places.
 _FAR_OFF = 64.0
@@ -28,9 +27,9 @@ def refined(task: Task, found: Outcome, again: Callable[[Task], Outcome]) -> Out
     """again: the whole search, for a task that asks for more."""
     if isinstance(found, Full):
         return found
-    if isinstance(found, Gapped) and found.error > task.tol:
+    if isinstance(found, FoundByGaps) and found.error > task.tol:
         found = _by_zones(task, found)
-    if isinstance(found, Gapped):
+    if isinstance(found, FoundByGaps):
         if found.error > task.tol:
             with task.plan.timed("zone ends"):
                 found = tightened_gaps(task, found, stuck=True)
@@ -46,12 +45,12 @@ def _counted_from_there(task: Task, found: Found) -> Found:
     if scene.interaction.needs_period or scene.turned or scene.profile.support is not None or away < _FAR_OFF * span:
         return found
     table = np.asarray(found.fields.problem.units.x(zones.table))
-    frame = framed_about(scene, 0.0, table)
-    there = task.settle(frame.problem, frame.control, placed(frame.problem, table))
+    scaled = scaled_scene_about(scene, 0.0, table)
+    there = task.refine_topology(scaled.problem, scaled.control, placed(scaled.problem, table))
     return found if isinstance(there, Missed) else there
 
 
-def _by_zones(task: Task, found: Gapped) -> Found | Gapped:
+def _by_zones(task: Task, found: FoundByGaps) -> Found | FoundByGaps:
     """The same contact with the pressure as the unknown, if that comes out better. Not under an approach: near full contact the level of
     the zones, a difference of large numbers, tells little of them."""
     problem = found.fields.problem
@@ -59,26 +58,27 @@ def _by_zones(task: Task, found: Gapped) -> Found | Gapped:
     if control.approach is not None:
         return found
     table = found.fields.zones
-    other = task.settle(about(problem, table), control, table)
+    other = task.refine_topology(about(problem, table), control, table)
     return other if isinstance(other, Found) and other.error < found.error else found
 
 
-def _tightened(task: Task, found: Found, whole: Callable[[Task], Outcome]) -> Found | Gapped:
+def _tightened(task: Task, found: Found, whole: Callable[[Task], Outcome]) -> Found | FoundByGaps:
     """Solved again from the same zones; from the start, if they do not stand up to it."""
 
-    def again(here: Found | Gapped, tolerance: float) -> Found | Gapped | Missed:
+    def again(here: Found | FoundByGaps, tolerance: float) -> Found | FoundByGaps | Missed:
         sharper = task.to(tolerance)
-        try:
+
+        def better_found() -> Outcome:
             same = _from_the_same(sharper, here) if isinstance(here, Found) else None
-            better = same or whole(sharper)
-        except (NotConverged, OutOfRange) as failure:
-            return Missed(str(failure))
+            return same or whole(sharper)
+
+        better: Outcome | Missed = attempted(better_found)
         return Missed("full contact, as the whole search says") if isinstance(better, Full) else better
 
-    def at_rest(here: Found | Gapped, tolerance: float) -> bool:
+    def at_rest(here: Found | FoundByGaps, tolerance: float) -> bool:
         return not isinstance(here, Found) or _is_rounding(task, here)
 
-    first: Found | Gapped = found
+    first: Found | FoundByGaps = found
     return tightened(task, first, task.tolerance, again, at_rest)
 
 
@@ -87,13 +87,13 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
     problem, model, profile = found.fields.problem, task.scene.interaction, task.scene.profile
     control, table = task.control(problem), found.free.density.zones.table
     if not model.strip:
-        better = task.settle(problem, control, table)
+        better = task.refine_topology(problem, control, table)
         return better if isinstance(better, Found) else None
     assert profile.period is not None
-    frame = Framed(problem, control, (profile.x0, profile.x0 + profile.period))
+    scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
     if not model.follows_isolated:
-        return centred(task, frame, table)
-    return first_order(task, replace(frame, problem=replace(problem, amplitude=None, centre=0.0)))
+        return centred(task, scaled, table)
+    return first_order(task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)))
 
 
 def _is_rounding(task: Task, found: Found) -> bool:

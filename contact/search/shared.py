@@ -11,7 +11,7 @@ from contact.formulation.relief import ScaledRelief
 from contact.formulation.units import Units
 from contact.model.operator import Operator
 from contact.model.scene import Scene
-from contact.search.first_gaps import FirstGaps
+from contact.search.topology.first_gaps import FirstGaps
 from contact.solution.plan import starts_from_one_zone
 
 

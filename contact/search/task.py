@@ -17,10 +17,10 @@ from contact.formulation.full import FullLimit
 from contact.formulation.problem import Problem
 from contact.model.operator import Operator
 from contact.model.scene import Scene
-from contact.search.by_pressure import ByPressure
-from contact.search.missed import Missed
 from contact.search.shared import Shared
-from contact.search.topology import ROUNDS, Newton, Progress, settle
+from contact.search.topology.by_pressure import ByPressure
+from contact.search.topology.loop import ROUNDS, Newton, Progress, refine_topology
+from contact.search.topology.missed import Missed
 from contact.solution.made import in_cell
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
@@ -72,6 +72,11 @@ class Task:
         """Whether the contact begins as one zone about x = 0."""
         return self.shared.single
 
+    @property
+    def follows_branch(self) -> bool:
+        """Whether there are several equilibria, of which a branch is followed."""
+        return self.scene.law.bare is not None and self.scene.half_width is None
+
     def to(self, tolerance: float) -> Task:
         """The same, more or less tightly."""
         return replace(self, tolerance=tolerance)
@@ -83,7 +88,7 @@ class Task:
         """The scene's own control, scaled."""
         return scaled_control(self.scene, problem.units)
 
-    def settle(
+    def refine_topology(
         self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 0,
         rounds: int = ROUNDS,
     ) -> Found | Missed:
@@ -91,7 +96,7 @@ class Task:
         newton = Newton(self.tolerance, value, steps, near)
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
-            return settle(ByPressure(problem), control, table, newton, self.progress, timed=self.plan.timed, rounds=rounds)
+            return refine_topology(ByPressure(problem), control, table, newton, self.progress, timed=self.plan.timed, rounds=rounds)
 
     def left(self, way: str, missed: Missed) -> None:
         """Say in the plan what was tried and why it led to nothing."""

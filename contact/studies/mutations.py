@@ -155,7 +155,7 @@ MUTATIONS = (
         ("tests/contact/test_plan.py",),
     ),
     Mutation(
-        "symmetric zones solved as if they were not", "contact/search/by_pressure.py",
+        "symmetric zones solved as if they were not", "contact/search/topology/by_pressure.py",
         "return sie.Zones.of(table, left, right, symmetric=symmetric)", "return sie.Zones.of(table, left, right)",
         ("tests/contact/test_plan.py",),
     ),

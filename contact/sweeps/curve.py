@@ -11,7 +11,7 @@ from contact.errors import SceneError, unwarned, warn
 from contact.model.checks import finite_array
 from contact.model.scene import Scene
 from contact.search.shared import Shared
-from contact.search.topology import Progress
+from contact.search.topology.loop import Progress
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solved_along, tolerance

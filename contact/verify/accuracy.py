@@ -17,7 +17,7 @@ import sie
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.verify.certificate import ROUNDING
-from contact.verify.settled import Settled
+from contact.verify.solved import Solved
 
 Array = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ _MODES, _CANCELLED = 5.0, 4e-15
 
 
 @dataclass(frozen=True, eq=False)
-class Found(Settled):
+class Found(Solved):
     """Zones that passed. off: how far the control may have been missed, in ends over the width of their zones."""
 
     fields: ZoneFields

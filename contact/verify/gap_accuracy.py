@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from contact.formulation.fields import moved_ends
 from contact.formulation.gaps import GapFields
 from contact.verify.certificate import ROUNDING
-from contact.verify.settled import Settled
+from contact.verify.solved import Solved
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ _BESIDE_TIPS = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Gapped(Settled):
+class FoundByGaps(Solved):
     """Gaps that passed. off: how far the mean pressure may be off where it was found from another control."""
 
     fields: GapFields

@@ -8,8 +8,8 @@ import pytest
 import contact
 from contact.formulation.controls import Load
 from contact.reference.inverse import design
-from contact.search.by_pressure import ByPressure
-from contact.search.topology import Newton, settle
+from contact.search.topology.by_pressure import ByPressure
+from contact.search.topology.loop import Newton, refine_topology
 from contact.studies.bench.formulations import scaled
 from contact.verify.certificate import certify
 
@@ -21,7 +21,7 @@ def certificate_of(zones):
     """Of the state on these zones, whose ends are moved to where the pressure is bounded, whatever the signs."""
     problem = scaled(contact.Scene(EXACT.profile, 1.0, contact.Periodic(), load=1e-3))
     load = 1e-3 / problem.units.load
-    found = settle(ByPressure(problem), Load(load), problem.units.scaled(np.array(zones)), Newton(1e-12), formal=True)
+    found = refine_topology(ByPressure(problem), Load(load), problem.units.scaled(np.array(zones)), Newton(1e-12), formal=True)
     return certify(found.fields, load), problem.units
 
 

@@ -26,7 +26,7 @@ PAIR = rows([(-0.4, 0.3), (0.1, 0.5)])
 
 SCENES = {
     "rounded punch": CorneredZone((-1.5, 1.5), bends=PUNCH),
-    "rounded punch, leaning on one shoulder": CorneredZone((-0.4, 1.6), bends=PUNCH),
+    "rounded punch, tilt_search on one shoulder": CorneredZone((-0.4, 1.6), bends=PUNCH),
     "wedge with a rounded tip": CorneredZone((-1.5, 1.5), bends=TIP, bend=0.5),
     "wedge with a rounded tip, unsymmetric": CorneredZone((-1.1, 1.5), bends=TIP, bend=0.5),
     "truncated wedge": CorneredZone((-1.5, 1.5), rows([(-1, 0.1), (1, 0.1)])),
@@ -268,7 +268,7 @@ class TestMeasuredProfiles:
         profile = contact.Sampled(x, heights, period=1.0)
         full = solve(profile, contact.Periodic(), contact_fraction=1.0)
         by_gaps = solve(profile, contact.Periodic(), tol=1e-8, load=0.75 * full.load)
-        monkeypatch.setattr("contact.search.gaps._NEARLY_FULL", 2.0)
+        monkeypatch.setattr("contact.search.ways.gaps._NEARLY_FULL", 2.0)
         by_zones = solve(profile, contact.Periodic(), tol=1e-7, load=0.75 * full.load)
         assert by_gaps.certificate.note == "solved by its gaps" and by_zones.certificate.note == ""
         assert by_zones.zones == pytest.approx(by_gaps.zones, abs=1e-7)

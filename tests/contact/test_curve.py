@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import contact
-import contact.search.guesses
 import contact.search.shared
-from contact.search.by_pressure import ByPressure
+import contact.search.ways.guesses
+from contact.search.topology.by_pressure import ByPressure
 from contact.verify.certificate import certify
 
 ROUGH = contact.Fourier(1.0, [-0.01, 0.004, 0.002], [0.003, -0.002, 0.004])
@@ -36,7 +36,7 @@ def counted(monkeypatch):
 
         monkeypatch.setattr(module, name, call)
 
-    counting(contact.search.guesses, "from_grid", "grids")
+    counting(contact.search.ways.guesses, "from_grid", "grids")
     counting(contact.search.shared, "FullLimit", "limits")
     return count
 

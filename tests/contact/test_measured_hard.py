@@ -38,7 +38,7 @@ def test_zones_and_gaps_of_a_trace_are_the_same_contact(monkeypatch):
     scene = contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=load)
     found = []
     for nearly_full in (0.999, 0.01):
-        monkeypatch.setattr("contact.search.gaps._NEARLY_FULL", nearly_full)
+        monkeypatch.setattr("contact.search.ways.gaps._NEARLY_FULL", nearly_full)
         found.append(contact.solve(scene))
     zones, gaps = found
     assert "gaps are solved for" in gaps.plan["zone ends"].reason and "gaps" not in zones.plan["zone ends"].reason

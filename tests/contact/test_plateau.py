@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contact
-from contact.search.plateau import lowest_stretches
+from contact.search.feasibility import lowest_stretches
 from contact.studies.bench.truncated import IsolatedTruncatedWedge, TruncatedWedge
 
 E = 1e9

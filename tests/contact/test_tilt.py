@@ -13,9 +13,9 @@ import sie
 from contact import path
 from contact.model.profiles.tilted import Tilted
 from contact.reference import exact
-from contact.search.scaling import framed
-from contact.search.tilt import hull_edge
-from contact.search.tilt_rate import Lean, balanced
+from contact.search.grid.scaling import scaled_scene
+from contact.search.grid.tilt import hull_edge
+from contact.search.grid.tilt_rate import AtTilt, balanced
 from tests.contact.judge import relative, solve, true_error
 from tests.contact.strategies import designed_contacts
 from tests.tiers import quick
@@ -120,7 +120,7 @@ class TestOnTheFlank:
     @pytest.mark.parametrize("start", [0.0, 1e-9, 1e-4, 1e-2])
     def test_newton_finds_the_end_beyond_a_tip_from_either_side_of_it(self, start):
         answer = exact.TiltedWedge(0.1, E, 0.3, 0.09999)
-        frame = framed(contact.Scene(contact.Wedge(0.1), E, contact.Isolated(), load=answer.load, tilt=answer.tilt), False)
+        frame = scaled_scene(contact.Scene(contact.Wedge(0.1), E, contact.Isolated(), load=answer.load, tilt=answer.tilt), False)
         units, right = frame.problem.units, answer.zones[0, 1]
         for left in (-start * right, start * right):
             table = units.scaled(np.array([[left, right]]))
@@ -287,7 +287,7 @@ class TestFindingTheTilt:
                 raise contact.OutOfRange("runs off")
             if calls is not None:
                 calls.append(tilt)
-            return Lean(tilt, function(tilt), slope(tilt), 1e-9, None)
+            return AtTilt(tilt, function(tilt), slope(tilt), 1e-9, None)
 
         return lean
 

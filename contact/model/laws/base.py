@@ -33,7 +33,7 @@ class Law(sie.Kept):
         Whether full contact is that of the least pressure zero.
     bare : Law or None
         A convex law of which every contact lies within one that is reached by growing under this one, where there are several: their
-        branch is followed from there (contact.search.branches).
+        branch is followed from there (contact.search.ways.branches).
 
     Examples
     --------
@@ -67,6 +67,16 @@ class Law(sie.Kept):
 
     def intensity(self, E_star: float) -> float:
         """K [Pa m^(1/2)] at the ends of zones that are free to move, or held where a half width is given; negative where it pulls."""
+        return 0.0
+
+    @property
+    def tension(self) -> float:
+        """Stress [Pa] with which the surfaces pull where the gap is above zero and below `reach`; 0 where nothing acts there."""
+        return 0.0
+
+    @property
+    def reach(self) -> float:
+        """Gap [m] from which on nothing acts; 0 where nothing acts beside the contact."""
         return 0.0
 
     def refuses(self, scene: Any) -> str | None:

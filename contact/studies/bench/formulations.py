@@ -23,9 +23,9 @@ from contact.formulation.problem import Problem
 from contact.formulation.relief import Relief, ScaledRelief
 from contact.formulation.units import Units
 from contact.model.scene import Scene
-from contact.search import by_gaps, by_pressure
-from contact.search.missed import Missed
-from contact.search.topology import Newton, settle
+from contact.search.topology import by_gaps, by_pressure
+from contact.search.topology.loop import Newton, refine_topology
+from contact.search.topology.missed import Missed
 from contact.solver import solve
 from contact.verify.accuracy import Found
 
@@ -84,7 +84,7 @@ class ByGaps:
         relief = ScaledRelief.of(Relief(scene.profile, scene.operator), problem)
         mean = _mean_pressure(scene) / units.pressure
         form = by_gaps.ByGaps(problem, relief)
-        found = settle(form, Load(mean * problem.period), gaps, Newton(_TOLERANCE), formal=True)
+        found = refine_topology(form, Load(mean * problem.period), gaps, Newton(_TOLERANCE), formal=True)
         if isinstance(found, Missed):
             raise NotConverged("the gaps' formulation does not converge from these zones")
         fields = found.fields
@@ -128,7 +128,7 @@ class ByZones:
         start = np.roll(start, -turn, axis=0)
         start = start + np.where(start[:, :1] < start[0, 0], problem.period, 0.0)
         load = _mean_pressure(scene) * problem.period * units.length / units.load
-        found = settle(by_pressure.ByPressure(problem), Load(load), start, Newton(_TOLERANCE))
+        found = refine_topology(by_pressure.ByPressure(problem), Load(load), start, Newton(_TOLERANCE))
         assert isinstance(found, Found)
         zones, order = _in_cell(np.asarray(units.x(found.free.density.zones.table)), scene)
         return cls(found.fields, zones, order, found.error)

@@ -1,0 +1,240 @@
+"""Zones proposed by the coarse grid, placed where the scaled problem wants them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.formulation.controls import Control, Load
+from contact.formulation.problem import Problem
+from contact.model.interactions.periodic import Periodic
+from contact.search.grid.coarse import Proposal, grid_height, propose
+from contact.search.grid.conjugate_gradient import Response
+from contact.search.grid.scaling import ScaledScene
+from contact.search.grid.tilt import known_part
+from contact.search.grid.tilt_rate import AtTilt, balanced
+
+Array = NDArray[np.float64]
+
+# Cells by which the centre of the load may miss its place, tilts tried on one grid, and how often a window is doubled.
+_CELLS = 0.1
+_MOST_TILTS = 12
+_WIDENINGS = 4
+# How often a strip is moved to the middle of its zones.
+_CENTRINGS = 6
+# Of a width, or of what it leaves of the period: near enough for a load to begin with; cells in it at least; of a grid that tells as
+# much, cells to a shortest length of the shape, and its tolerance.
+_ABOUT, _SEEN, _PER_FEATURE, _ROUGHLY = 0.03, 64, 2, 1e-3
+# The same from the finest grid, of many zones and of few, how many such grids, and the least rate that a width grows with.
+_CLOSE, _FINE_GRIDS, _FLATTEST = (2e-3, 0.05), 3, 0.2
+# Zones missing, or too many, that a grid may leave to Newton, as far as the width tells.
+_MISSED = 0.3
+# Loads over each other that are near enough to begin with, whatever lies between.
+_CLOSE_BY = 1.1
+
+
+@dataclass(frozen=True, eq=False)
+class Proposed:
+    """Zones (n, 2) [m], the grid's points, whether it is in full contact or touches the border of what is known, the tilt
+    under which the moment is right, where that is unknown, and the load [N/m]."""
+
+    zones: Array
+    points: int
+    full: bool
+    touches_border: bool
+    tilt: float | None = None
+    load: float = math.nan
+
+    @property
+    def width(self) -> float:
+        """Total width [m], inf in full contact."""
+        return math.inf if self.full else float(np.sum(self.zones[:, 1] - self.zones[:, 0]))
+
+
+def proposed(
+    scaled: ScaledScene, problem: Problem, control: Control, points: int | None, tol: float = 1e-8, held: bool = False
+) -> Proposed:
+    """Zones from a grid of so many points, or of as many as the profile's resolution asks for, to a tolerance; held: of a strip that
+    stays where it is."""
+    if problem.moment is not None:
+        return _by_moment(scaled, problem, control, points)
+    units, profile, interaction = problem.units, problem.profile, problem.interaction
+    operator, by_load = problem.operator, control.load is not None
+    # Of a strip the grid of the whole period tells where to cut.
+    whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
+    response = Response(
+        units.E_star, interaction.needs_period, datum=operator.datum or 1.0, rest=None if interaction.needs_period else operator.rest,
+        symbol=None if operator.is_plain else whole.multiplier, compression=operator.compression or 0.0,
+    )
+    found = propose(
+        partial(grid_height, profile) if by_load else profile.height, scaled.cell, response,
+        resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
+        level=None if by_load else problem.lowest + control.value * units.height, tol=tol,
+    )
+    if interaction.strip and found.state.load > 0.0:
+        return _in_strip(problem, control, points, found, held)
+    return Proposed(found.zones, found.points, found.full, found.touches_border, load=found.state.load)
+
+
+def _in_strip(problem: Problem, control: Control, points: int | None, whole: Proposal, held: bool) -> Proposed:
+    """From a grid of the strip, under the nominal pressure beyond it, from the contact of the whole period, where that leaves a gap: the
+    strip is cut there, or where it would leave the last one, and then follows its zones."""
+    units, profile, interaction = problem.units, problem.profile, problem.interaction
+    assert profile.period is not None and problem.period is not None
+    load = whole.state.load if control.load is None else control.load * units.load
+    nominal = load / units.load / problem.period if problem.amplitude is None else problem.amplitude
+    middle = _cut(whole, profile.x0, profile.period) + 0.5 * profile.period
+    if held:
+        middle = float(units.x(np.array(problem.centre)))
+    response = Response(units.E_star, False, interaction.neighbours, rest=problem.operator.strip_rest)
+    for _ in range(_CENTRINGS):
+        column = problem.about(float(units.scaled(np.array(middle)))).columns[0].primitive
+        assert column is not None
+        found = propose(
+            partial(_pressed, problem, nominal, column), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), response,
+            resolution=profile.feature, points=points, load=load,
+        )
+        before, middle = middle, 0.5 * float(found.zones[0, 0] + found.zones[-1, 1])
+        if held or abs(middle - before) <= _CELLS * profile.period / found.points:
+            break
+    return Proposed(found.zones, found.points, False, found.touches_border)
+
+
+def _pressed(problem: Problem, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:
+    """The shape [m] with what the nominal pressure beyond the strip adds to it."""
+    units = problem.units
+    return grid_height(problem.profile, x) + nominal * units.height * np.asarray(column(units.scaled(x)))
+
+
+def _cut(whole: Proposal, x0: float, period: float) -> float:
+    """The middle of the widest gap of a period; in full contact the place of least pressure."""
+    if whole.full or len(whole.zones) == 0:
+        return x0 + period * (int(np.argmin(whole.state.pressure)) + 0.5) / whole.points
+    left, right = whole.zones[:, 1], np.append(whole.zones[1:, 0], whole.zones[0, 0] + period)
+    widest = int(np.argmax(right - left))
+    return 0.5 * float(left[widest] + right[widest])
+
+
+class _TooNarrow(Exception):
+    """The contact reaches the border of the window."""
+
+
+def _by_moment(scaled: ScaledScene, problem: Problem, control: Control, points: int | None) -> Proposed:
+    """At the tilt under which the grid's load has the given centre, in a window that is widened where the contact reaches its
+    border."""
+    units, load = problem.units, control.value * problem.units.load
+    assert problem.moment is not None
+    centre, limits = problem.moment * units.moment / load, known_part(problem.profile) or (-math.inf, math.inf)
+    lo, hi = scaled.cell
+    response = Response(units.E_star, False, rest=problem.operator.rest)
+    for widened in range(_WIDENINGS + 1):
+        cell, last = (lo, hi), widened == _WIDENINGS or (lo, hi) == limits
+
+        def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> AtTilt[Proposal]:
+            profile = problem.turned_to(tilt).profile
+            found = propose(
+                partial(grid_height, profile), cell, response, resolution=profile.feature, points=points, load=load,
+            )
+            if found.touches_border and not last:
+                raise _TooNarrow
+            return AtTilt.of(tilt, cell, found, _CELLS, found)
+
+        try:
+            best = balanced(lean, centre, (problem.tilt,), _MOST_TILTS)
+            break
+        except _TooNarrow:
+            half = 0.5 * (hi - lo)
+            lo, hi = max(limits[0], lo - half), min(limits[1], hi + half)
+    return Proposed(best.found.zones, best.found.points, False, best.found.touches_border, best.tilt)
+
+
+def of_width(scaled: ScaledScene, problem: Problem, width: float) -> Proposed:
+    """Zones from a grid under a load at which they have about the given scaled total width: from one no finer than the width asks for
+    first, then from one as fine as the profile's resolution does."""
+    period, length = problem.period, problem.units.length
+    assert period is not None
+    load, rate = _load_of_width(scaled, problem, width)
+    before: tuple[float, float] | None = None
+    for _ in range(_FINE_GRIDS):
+        found = proposed(scaled, problem, Load(load), None)
+        miss = _miss(found.width / length, width, period)
+        if before is not None and math.isfinite(miss - before[1]) and load != before[0]:
+            rate = max((miss - before[1]) / math.log(load / before[0]), _FLATTEST)
+        # So near that hardly a zone is missing, or one too many.
+        if not math.isfinite(miss) or abs(miss) < min(max(_MISSED / max(len(found.zones), 1), _CLOSE[0]), _CLOSE[1]):
+            break
+        before, load = (load, miss), load * math.exp(min(max(-miss / rate, -0.5), 0.5))
+    return found
+
+
+def _miss(found: float, width: float, period: float) -> float:
+    """By how much a width is off: of what is in contact to what is not, the logarithm goes about straight with that of the load."""
+    if not 0.0 < found < period:
+        return math.copysign(math.inf, found - width)
+    return math.log(found / width * (period - width) / (period - found))
+
+
+def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple[float, float]:
+    """(a scaled load at which a grid's zones have about the given scaled total width, by false position, d miss / d log(load)). It is that
+    of a first guess: the grid is no finer than the width asks for."""
+    assert problem.period is not None
+    units, profile, period = problem.units, problem.profile, problem.period
+    near_enough, least = _ABOUT * min(width, period - width), _SEEN * period / min(width, period - width)
+    features = 16.0 if profile.feature is None else units.length * period / profile.feature
+    points = 2 ** int(np.clip(np.ceil(np.log2(max(_PER_FEATURE * features, least))), 8, 17))
+    low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
+    tried: list[tuple[float, float]] = []
+    for _ in range(60):
+        found = proposed(scaled, problem, Load(load), points, _ROUGHLY).width / units.length
+        miss = _miss(found, width, period)
+        tried.append((math.log(load), miss))
+        if abs(found - width) < near_enough or high < _CLOSE_BY * low:
+            break
+        # The end that stays a second time loses half of its weight, for the other to come nearer.
+        weight = 0.5 if miss * last > 0 else 1.0
+        if miss < 0:
+            low, at_low, at_high = load, miss, weight * at_high
+        else:
+            high, at_high, at_low = load, miss, weight * at_low
+        last = miss
+        if low == 0.0:
+            load = high * min(max((width / found) ** 2, 1e-3), 0.3) if found < period else 0.3 * high
+        elif high == math.inf:
+            load = 10 * low
+        else:
+            share = at_high / (at_high - at_low) if math.isfinite(at_high - at_low) else 0.5
+            load = high * (low / high) ** min(max(share, 0.02), 0.98)
+    rises = [(miss - tried[-1][1]) / (at - tried[-1][0]) for at, miss in tried[-2:-1] if math.isfinite(miss - tried[-1][1])]
+    return load, max(rises[0], _FLATTEST) if rises else 1.0
+
+
+def placed(problem: Problem, zones: Array) -> Array:
+    """Zones [m] in scaled variables, cut at the widest gap of the period where the model wants them in one strip."""
+    scaled = problem.units.scaled(zones)
+    period = problem.period
+    if period is None:
+        return scaled
+    if problem.profile.symmetric:
+        # About the origin, so that mirror images stand together.
+        scaled = scaled - np.round(scaled.mean(axis=1) / period)[:, None] * period
+        scaled = scaled[np.argsort(scaled[:, 0])]
+    if problem.interaction.strip and len(scaled):
+        gaps = np.append(scaled[1:, 0] - scaled[:-1, 1], scaled[0, 0] + period - scaled[-1, 1])
+        if gaps[-1] < (1 - 1e-6) * gaps.max():
+            first = int(np.argmax(gaps)) + 1
+            scaled = np.concatenate((scaled[first:], scaled[:first] + period))
+    return np.asarray(scaled)
+
+
+def about(problem: Problem, table: Array) -> Problem:
+    """The problem with its strip centred on the scaled zones from which Newton starts."""
+    if not problem.interaction.strip:
+        return problem
+    middle = 0.5 * float(table[0, 0] + table[-1, 1])
+    near_origin = abs(middle) < 0.25 * float((table[:, 1] - table[:, 0]).min())
+    return problem.about(0.0 if problem.profile.symmetric and near_origin else middle)

@@ -1,0 +1,1 @@
+"""Intervals and a formulation in, intervals whose signs are right out: for zones and gaps alike."""

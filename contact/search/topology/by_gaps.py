@@ -1,0 +1,111 @@
+"""The formulation by the gaps of a nearly full contact: gaps, open inside, pressure positive outside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.formulation.controls import Control, Load
+from contact.formulation.fields import mean_shape
+from contact.formulation.gaps import GapFields
+from contact.formulation.problem import Problem, minus_one
+from contact.formulation.relief import ScaledRelief
+from contact.search.topology.intervals import united, without
+from contact.search.topology.loop import Newton
+from contact.search.topology.missed import WrongTopology
+from contact.verify.certificate import Certificate
+from contact.verify.gap_accuracy import FoundByGaps
+from contact.verify.gap_certificate import certify_gaps
+from contact.verify.solved import Solved
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ByGaps:
+    """A scaled problem by its gaps. relief: the pressure of full contact but for its mean. most_steps: from the first guess of gaps a few
+    are enough, or it is no problem for gaps."""
+
+    problem: Problem
+    relief: ScaledRelief
+    what: str = "gap"
+    most_steps: int = 25
+
+    @property
+    def period(self) -> float:
+        assert self.problem.period is not None
+        return self.problem.period
+
+    def equation(self, control: Control) -> sie.Equation:
+        """The equation of the slope of the gap. The mean pressure is a column: taken off the right side it would leave little but the
+        rounding of both."""
+        problem, jumps = self.problem, self.problem.forcing
+        right = sie.Forcing(
+            self.relief.forcing, breaks_at=np.asarray(jumps.steps_at), breaks=np.asarray(jumps.steps), break_orders=jumps.orders,
+            spline=jumps.value,
+        )
+        conditions, ends = control.gap_conditions(self.period, partial(mean_shape, problem), problem.compression)
+        return sie.Equation(problem.inverse_kernel, right, conditions, (sie.Forcing(minus_one, modes=1),), ends)
+
+    def intervals(self, control: Control, table: Array) -> sie.Zones:
+        if len(table) == 0:
+            raise WrongTopology("no gap is left: they are narrower than rounding can tell from full contact", None)
+        return sie.Zones.of(table)
+
+    def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
+        steps = how.steps or self.most_steps
+        return sie.find_ends(
+            self.equation(control), zones, how.tolerance, steps, value=how.value, signs=(1.0, -1.0), near=how.near
+        )
+
+    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None, settled: bool = False) -> GapFields:
+        """Fields with this number of gaps at a load, whatever the signs. decay, settled: see `sie.find_ends`."""
+        equation = self.equation(Load(load))
+        free = sie.find_ends(
+            equation, sie.Zones.of(table), tolerance, self.most_steps, signs=(1.0, -1.0), decay=decay, settled=settled
+        )
+        if not free.converged:
+            raise WrongTopology("the ends of the gaps did not settle", free)
+        return GapFields(self.problem, free.state, load / self.period, self.relief)
+
+    def refuse(self, table: Array, free: sie.Free) -> None:
+        """Gaps that shrink away or meet are what they seem."""
+
+    def fields(self, control: Control, free: sie.Free, tolerance: float) -> GapFields:
+        state, mean = free.state, float(free.density.amplitudes[0])
+        if control.load is None:
+            equation = self.equation(Load(mean * self.period))
+            state = sie.solve_fixed(equation, free.density.zones, max(0.1 * tolerance, 3e-16)).settled()
+        return GapFields(self.problem, state, mean, self.relief)
+
+    def certificate(self, fields: GapFields, control: Control) -> Certificate:
+        return certify_gaps(fields)
+
+    def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
+        """Those without the parts in which they overlap, and new ones where the pressure pulls."""
+        parts = np.concatenate((without(zones.table, certificate.overlaps), certificate.negative))
+        return united(parts, self.period, True, self.what)
+
+    def solved(
+        self, free: sie.Free, fields: GapFields, certificate: Certificate, rounds: int, control: Control, tolerance: float
+    ) -> FoundByGaps:
+        off = free.value_error + _rounding_of_mean(control, fields)
+        return FoundByGaps(free, fields, certificate, rounds, control, tolerance, off)
+
+    def is_slight(self, found: Solved) -> bool:
+        """A dip of the pressure."""
+        return found.certificate.dip <= 10 * found.tolerance
+
+
+def _rounding_of_mean(control: Control, fields: GapFields) -> float:
+    """How far rounding may take the mean pressure that comes with an approach: a difference of numbers of the size of the
+    profile, which hardly changes near full contact."""
+    if control.approach is None:
+        return 0.0
+    units = fields.problem.units
+    rate = fields.stiffness / fields.period * units.height / units.load
+    return 6e-16 * (abs(fields.mean) + abs(rate) * max(control.approach, mean_shape(fields.problem)))

@@ -1,0 +1,168 @@
+"""The formulation by the pressure: zones, pressure positive inside, the gap positive outside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.formulation.controls import Control, Load
+from contact.formulation.fields import ZoneFields
+from contact.formulation.problem import Problem
+from contact.search.topology.intervals import united, without
+from contact.search.topology.loop import Newton, off
+from contact.search.topology.missed import WrongTopology
+from contact.verify.accuracy import HOPELESS, Found, too_thin
+from contact.verify.certificate import Certificate, certify
+from contact.verify.solved import Solved
+
+Array = NDArray[np.float64]
+
+# Gaps over kinks below this part of the zones beside them are not taken to close.
+_NARROW = 1e-3
+# Of an overlap: as wide as that a new zone begins.
+_NEW = 0.7
+
+
+@dataclass(frozen=True)
+class ByPressure:
+    """A scaled problem by its zones."""
+
+    problem: Problem
+    what: str = "zone"
+    most_steps: int = 40
+
+    def intervals(self, control: Control, table: Array) -> sie.Zones:
+        if len(table) == 0:
+            raise WrongTopology("all zones vanished", None)
+        _within_strip(self.problem, table)
+        if thin := too_thin(self.problem, table, HOPELESS):
+            raise WrongTopology(thin, None, beyond=True)
+        return kinds(self.problem, control, table)
+
+    def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
+        equation, problem = self.problem.equation(control), self.problem
+        steps = how.steps or self.most_steps
+        return sie.find_ends(equation, zones, how.tolerance, steps, value=how.value, walls=problem.walls, near=how.near)
+
+    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None, settled: bool = False) -> ZoneFields:
+        """Fields with this number of zones at a load, whatever the signs. decay, settled: see `sie.find_ends`."""
+        control = Load(load)
+        zones, equation = kinds(self.problem, control, table), self.problem.equation(control)
+        try:
+            free = sie.find_ends(equation, zones, tolerance, walls=self.problem.walls, decay=decay, settled=settled)
+        except sie.SingularSystem as failure:
+            raise WrongTopology(f"the equation has no solution on such zones ({failure})", None) from failure
+        if not free.converged:
+            raise WrongTopology("the zones do not go on to this load", free)
+        return ZoneFields(self.problem, free.state)
+
+    def refuse(self, table: Array, free: sie.Free) -> None:
+        valley = _narrow_valley(self.problem, table, free)
+        if valley is not None:
+            length = valley * self.problem.units.length
+            raise WrongTopology(f"a gap of about {length:.1e} m over the kink of a valley is too narrow to be found", free)
+
+    def fields(self, control: Control, free: sie.Free, tolerance: float) -> ZoneFields:
+        problem, zones = self.problem, free.density.zones
+        _within_borders(problem, zones)
+        if control.load is not None:
+            return ZoneFields(problem, free.state)
+        total = free.density.total if free.value is None else free.value
+        left = [problem.end if end == problem.held_end else end for end in zones.left]
+        right = [problem.end if end == problem.held_end else end for end in zones.right]
+        ends = replace(zones, left=left, right=right)
+        # On about the same zones: with their modes, and by iteration from their solution.
+        sizes = replace(free.state.sizes, value=0.0)
+        state = sie.solve_zones(problem.equation(Load(total)), ends, max(0.1 * tolerance, 3e-16), sizes)
+        return ZoneFields(problem, state.settled())
+
+    def certificate(self, fields: ZoneFields, control: Control) -> Certificate:
+        return certify(fields, control.load, control)
+
+    def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
+        """Those with pulling parts cut out, and a new one in every overlap."""
+        if len(certificate.negative) == 0 and len(certificate.overlaps) == 0:
+            raise WrongTopology(certificate.note or "the balance of load fails", None)
+        middle = certificate.overlaps.mean(axis=1)
+        half = 0.5 * _NEW * (certificate.overlaps[:, 1] - certificate.overlaps[:, 0])
+        new = np.column_stack((middle - half, middle + half))
+        table = united(np.concatenate((without(zones.table, certificate.negative), new)), self.problem.period, False, self.what)
+        if len(table) > 4 * len(zones) + 64:
+            raise WrongTopology("the signs of pressure and gap change ever more often", None)
+        return table
+
+    def solved(
+        self, free: sie.Free, fields: ZoneFields, certificate: Certificate, rounds: int, control: Control, tolerance: float
+    ) -> Found:
+        return Found(free, fields, certificate, rounds, control, tolerance)
+
+    def is_slight(self, found: Solved) -> bool:
+        """A dip of the pressure, or a gap between zones."""
+        zones, reach = found.free.density.zones, off(found.free)
+        narrow = zones.a[1:] - zones.b[:-1] <= reach[1:, 0] + reach[:-1, 1]
+        return found.certificate.dip <= 10 * found.tolerance or bool(np.any(narrow))
+
+
+def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
+    """Zones with the kinds of their ends: held at sharp corners and where the half width is given, else as the law says."""
+    count = len(table)
+    end = problem.end if control.half_width is None else problem.held_end
+    left, right = [end] * count, [end] * count
+    lo, hi = problem.walls
+    table = np.clip(table, lo, hi)
+    symmetric = is_symmetric(problem, table)
+    if symmetric:
+        table = 0.5 * (table - table[::-1, ::-1])
+    if table[0, 0] == lo:
+        left[0] = sie.SINGULAR
+    if table[-1, 1] == hi:
+        right[-1] = sie.SINGULAR
+    return sie.Zones.of(table, left, right, symmetric=symmetric)
+
+
+def is_symmetric(problem: Problem, table: Array) -> bool:
+    """Whether half of the zones need solving: profile and zones mirror each other about the origin."""
+    if not problem.profile.symmetric or problem.units.origin != 0.0 or problem.centre != 0.0 or problem.operator.own_columns:
+        return False
+    if problem.cell is not None and max(-table[0, 0], table[-1, 1]) >= 0.5 * problem.cell:
+        return False
+    width = table[:, 1] - table[:, 0]
+    return bool(np.all(np.abs(table + table[::-1, ::-1]) <= 0.25 * np.minimum(width, width[::-1])[:, None]))
+
+
+def _within_strip(problem: Problem, table: Array) -> None:
+    """What the nominal pressure does beyond a strip has no meaning there."""
+    if problem.interaction.strip and problem.period is not None and not problem.reference:
+        if float(np.abs(table - problem.centre).max()) >= 0.5 * problem.period:
+            raise WrongTopology("a contact zone reaches the border of the strip", None, beyond=True)
+
+
+def _within_borders(problem: Problem, zones: sie.Zones) -> None:
+    lo, hi = problem.borders
+    if zones.a[0] <= lo or zones.b[-1] >= hi:
+        raise WrongTopology("a contact zone reaches the border of the part of the profile that is known", None, beyond=True)
+    if problem.period is not None and zones.b[-1] - zones.a[0] >= problem.period:
+        raise WrongTopology("the zones fill the period", None)
+
+
+def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | None:
+    """Width of a gap over the kink of a valley that the search has closed or taken off its kink: too narrow for it. Such gaps
+    do not close, but narrow as exp(-pressure); None if there is none."""
+    kinks, heights = problem.forcing.kinks
+    at = kinks[heights < 0]
+    if len(at) == 0 or len(table) < 2:
+        return None
+    if problem.period is not None:
+        at = at - np.floor((at - table[0, 0]) / problem.period) * problem.period
+    i = np.searchsorted(table[:, 0], at, side="right") - 1
+    inner = (i >= 0) & (i < len(table) - 1)
+    at, i = at[inner], i[inner]
+    lo, hi = table[i, 1], table[i + 1, 0]
+    width = np.diff(table)[:, 0]
+    narrow = (at > lo) & (at < hi) & (hi - lo < _NARROW * np.minimum(width[i], width[i + 1]))
+    now = free.density.zones
+    lost = narrow & (np.isin(i, free.met) | (now.b[i] >= at) | (now.a[i + 1] <= at))
+    return float((hi - lo)[lost].min()) if lost.any() else None

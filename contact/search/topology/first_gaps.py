@@ -1,0 +1,144 @@
+"""First guesses of the gaps of a nearly full contact: where the pressure of full contact would pull."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.formulation.maxima import maximum
+from contact.formulation.problem import Problem
+from contact.formulation.relief import ScaledRelief
+from contact.search.topology.intervals import united
+from contact.search.topology.missed import WrongTopology
+from contact.verify.gap_certificate import NARROWEST
+
+Array = NDArray[np.float64]
+
+# Samples a shortest length of the shape.
+_CLOSE = 32
+# Gaps over kinks that are this many samples narrow are placed by their closed form.
+_UNSEEN = 4
+
+
+@dataclass(frozen=True, eq=False)
+class FirstGaps:
+    """First guesses: where samples of R exceed the mean pressure."""
+
+    relief: ScaledRelief
+    period: float
+    x: Array
+    value: Array
+
+    @classmethod
+    def of(cls, problem: Problem, relief: ScaledRelief) -> FirstGaps:
+        assert problem.period is not None
+        resolution = problem.profile.resolution or problem.units.length * problem.period / 16
+        n = int(np.clip(_CLOSE * problem.period * problem.units.length / resolution, 256, 2**18))
+        start = float(problem.units.scaled(np.array(problem.profile.x0)))
+        # Off the borders of the cell and of its halves and thirds, where kinks like to be.
+        x = start + problem.period * (np.arange(n) + 0.4142) / n
+        return cls(relief, problem.period, x, np.asarray(relief(x)))
+
+    @property
+    def step(self) -> float:
+        return self.period / len(self.x)
+
+    def gaps(self, mean: float) -> Array:
+        """Runs of samples above the mean pressure, widened as a lone gap in a parabola of R would be; lone gaps over
+        kinks."""
+        valleys = self._over_kinks(mean)
+        above = self.value > mean
+        if above.all():
+            raise WrongTopology("the mean pressure is below R everywhere", None)
+        if above.any():
+            seen = self._runs(above, mean)
+            half = 0.5 * self.period
+            apart = np.abs((seen.mean(axis=1)[:, None] - valleys.mean(axis=1) + half) % self.period - half)
+            unseen = (apart < 2 * self.step).any(axis=1) & (seen[:, 1] - seen[:, 0] < 2 * _UNSEEN * self.step)
+            return united(np.concatenate((self._placed(seen[~unseen], mean), valleys)), self.period, True, "gap")
+        return united(valleys, self.period, True, "gap") if len(valleys) else self._last(mean)
+
+    def mean_of(self, width: float) -> float:
+        """The mean pressure whose first guess leaves about this width in contact, by bisection."""
+        finite = self.value[np.isfinite(self.value)]
+        low, high = float(finite.min()), float(finite.max())
+        while self._open(high) > self.period - width and high < 1e3 * (1 + float(finite.max())):
+            high += high - low
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self._open(middle) > self.period - width else (low, middle)
+        return 0.5 * (low + high)
+
+    def _open(self, mean: float) -> float:
+        try:
+            table = self.gaps(mean)
+        except WrongTopology:
+            return self.period
+        return float(np.sum(table[:, 1] - table[:, 0]))
+
+    def _last(self, mean: float) -> Array:
+        """The gap about the highest R, narrower than the samples."""
+        return self._about(*maximum(self.relief, np.append(self.x, self.x[0] + self.period)), mean)
+
+    def _about(self, place: float, highest: float, mean: float) -> Array:
+        """The gap about a top of R that is a parabola between the samples: (1, 2), or none."""
+        beside = np.asarray(self.relief(np.array([place - self.step, place + self.step])))
+        bend = 2 * highest - float(beside.sum())
+        if highest <= mean or not bend > 0:
+            return np.zeros((0, 2))
+        half = 2 * self.step * np.sqrt((highest - mean) / bend)
+        return np.array([[place - half, place + half]])
+
+    def _placed(self, seen: Array, mean: float) -> Array:
+        """Gaps as narrow as the samples show, put where their top is between the samples."""
+        out = []
+        for row in seen:
+            if row[1] - row[0] < _UNSEEN * self.step:
+                middle = int(round((0.5 * float(row.sum()) - self.x[0]) / self.step)) % len(self.x)
+                found = self._about(*self._top(middle), mean)
+                row = found[0] if len(found) and found[0, 1] - found[0, 0] < 2 * _UNSEEN * self.step else row
+            out.append(row)
+        return np.array(out).reshape(-1, 2)
+
+    def _top(self, sample: int) -> tuple[float, float]:
+        """(place, value) of the highest R about a sample."""
+        if sample not in self._tops:
+            around = self.x[0] + self.step * (sample + np.arange(-3.0, 4.0))
+            self._tops[sample] = maximum(self.relief, around)
+        return self._tops[sample]
+
+    @cached_property
+    def _tops(self) -> dict[int, tuple[float, float]]:
+        return {}
+
+    def _over_kinks(self, mean: float) -> Array:
+        """Lone gaps over the concave kinks, where they are narrower than the samples show and wide enough to have ends."""
+        kinks, rest = self._valleys
+        at, heights = self.relief.at[kinks], self.relief.heights[kinks]
+        half = self.period / np.pi * np.exp(np.pi * np.minimum((mean - rest) / heights, 9.0))
+        which = (half < 0.5 * _UNSEEN * self.step) & (half > NARROWEST * self.period)
+        return np.column_stack((at - half, at + half))[which]
+
+    @cached_property
+    def _valleys(self) -> tuple[NDArray[np.intp], Array]:
+        """The concave kinks, and R there less their own logarithm."""
+        kinks = np.flatnonzero(self.relief.heights < 0)
+        return kinks, self.relief.without_own(kinks)
+
+    def _runs(self, above: NDArray[np.bool_], mean: float) -> Array:
+        """The runs of samples above the mean pressure, from crossing to crossing, widened by sqrt(2)."""
+        shift = int(np.argmin(above))  # start in contact, so that no run crosses the border
+        x = np.concatenate((self.x[shift:], self.x[:shift] + self.period))
+        highest = 2 * np.abs(self.value[np.isfinite(self.value)]).max(initial=abs(mean))
+        above, value = np.roll(above, -shift), np.clip(np.roll(self.value, -shift), -highest, highest)
+        change = np.flatnonzero(np.diff(np.concatenate(([False], above, [False])).astype(np.int8)))
+        first, last = change[::2], change[1::2] - 1
+        # The crossings of the level lie between samples.
+        before, after = value[first - 1] - mean, value[(last + 1) % len(x)] - mean
+        a = x[first] - self.step * (value[first] - mean) / (value[first] - mean - before)
+        b = x[last] + self.step * (value[last] - mean) / (value[last] - mean - after)
+        middle, half = 0.5 * (a + b), 0.5 * np.sqrt(2) * (b - a)
+        return united(np.column_stack((middle - half, middle + half)), self.period, True, "gap")

@@ -1,0 +1,52 @@
+"""The algebra of intervals, be they zones or the gaps between them: parts cut out, neighbours merged, overlapping ones united."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.search.topology.missed import WrongTopology
+
+Array = NDArray[np.float64]
+
+
+def without(table: Array, parts: Array) -> Array:
+    """Intervals (n, 2) without the parts (m, 2), both ascending."""
+    rows = []
+    for a, b in table:
+        left = a
+        for lo, hi in parts[(parts[:, 0] < b) & (parts[:, 1] > a)]:
+            if lo > left:
+                rows.append([left, lo])
+            left = max(left, hi)
+        if left < b:
+            rows.append([left, b])
+    return np.array(rows).reshape(-1, 2)
+
+
+def merged(table: Array, met: NDArray[np.intp], period: float | None) -> Array:
+    """Each of the intervals `met` with the one after it; the last one with the first of the next period, if there is one."""
+    rows = [row.copy() for row in table]
+    for i in sorted(met, reverse=True):
+        if i + 1 < len(rows):
+            rows[i][1] = rows.pop(i + 1)[1]
+        elif len(rows) > 1 and period is not None:
+            rows[-1][1] = rows.pop(0)[1] + period
+    return np.array(rows)
+
+
+def united(table: Array, period: float | None, around: bool, what: str) -> Array:
+    """Overlapping intervals as one. around: the last one may reach over the border of the period. what: they are, for a message."""
+    if len(table) == 0:
+        return table
+    table = table[np.argsort(table[:, 0], kind="stable")]
+    # A new one begins beyond all that came before.
+    reach = np.maximum.accumulate(table[:, 1])
+    first = np.flatnonzero(np.append(True, table[1:, 0] > reach[:-1]))
+    out = np.column_stack((table[first, 0], reach[np.append(first[1:], len(table)) - 1]))
+    if around and period is not None and len(out) > 1 and out[-1, 1] >= out[0, 0] + period:
+        out[0, 0] = out[-1, 0] - period
+        out = out[:-1]
+    if period is not None and out[-1, 1] - out[0, 0] >= period:
+        raise WrongTopology(f"the {what}s fill the period", None)
+    return out

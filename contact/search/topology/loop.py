@@ -1,0 +1,201 @@
+"""Which intervals there are: a first proposal, Newton on their ends, a look over the whole line, corrections, and again.
+
+The intervals are the zones, with the pressure as the unknown, or the gaps between them, with the slope of the gap: a formulation says
+which, and what belongs to it. The frictionless problem is convex, so zones whose pressure is positive inside and whose gap is positive
+outside are the solution. Where a sign fails, the number of intervals was wrong: parts of the wrong sign are cut out of an interval, and
+where the other sign fails outside, a new one begins; intervals that shrink away are dropped and those that meet are merged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.errors import ContactError, SceneError
+from contact.formulation.controls import Control
+from contact.formulation.problem import Problem
+from contact.search.topology.intervals import merged
+from contact.search.topology.missed import Missed, WrongTopology, same
+from contact.verify.certificate import NOT_CHECKED, Certificate
+from contact.verify.solved import Solved
+
+Array = NDArray[np.float64]
+Progress = Callable[[str, int, int | None], None]
+Timed = Callable[[str], AbstractContextManager[object]]
+Kind = TypeVar("Kind", bound=Solved, covariant=True)
+
+ROUNDS = 12
+# Where a dip of the pressure may be a gap, intervals are found to this.
+TIGHT = 1e-15
+# Where only the error of the ends makes signs fail, the next tolerance is this part of the last.
+CLOSER = 1e-3
+# Over the ends' stated errors.
+MARGIN = 10.0
+
+
+class Formulation(Protocol[Kind]):
+    """What is unknown, and on which intervals: the pressure on zones (contact.search.topology.by_pressure), or the slope of the gap on gaps
+    (contact.search.topology.by_gaps). what: "zone" or "gap"; most_steps: of Newton's in a round."""
+
+    @property
+    def problem(self) -> Problem: ...
+
+    @property
+    def what(self) -> str: ...
+
+    @property
+    def most_steps(self) -> int: ...
+
+    def intervals(self, control: Control, table: Array) -> sie.Zones:
+        """The proposed intervals with the kinds of their ends; WrongTopology where they cannot be those of a contact."""
+
+    def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
+        """Newton on their ends."""
+
+    def refuse(self, table: Array, free: sie.Free) -> None:
+        """WrongTopology where what Newton came to from the table leads to no solution."""
+
+    def fields(self, control: Control, free: sie.Free, tolerance: float) -> Any:
+        """The same intervals under the load that they have: fields, levels and stiffness are read from this state."""
+
+    def certificate(self, fields: Any, control: Control) -> Certificate:
+        """Signs on the whole line, with the intervals where they fail."""
+
+    def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
+        """New intervals, by where the signs fail."""
+
+    def solved(self, free: sie.Free, fields: Any, certificate: Certificate, rounds: int, control: Control, tolerance: float) -> Kind:
+        """What passed."""
+
+    def is_slight(self, found: Solved) -> bool:
+        """Whether what tells the number of intervals is so slight that the error of the solution may have made it."""
+
+
+@dataclass(frozen=True)
+class Newton:
+    """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
+    most. near: given up as soon as the intervals turn out to be far from the solution, or not as many."""
+
+    tolerance: float
+    value: float = 0.0
+    steps: int = 0
+    near: bool = False
+
+
+def refine_topology(
+    form: Formulation[Kind], control: Control, table: Array, newton: Newton, progress: Progress | None = None, formal: bool = False,
+    timed: Timed = nullcontext, rounds: int = ROUNDS,
+) -> Kind | Missed:
+    """From proposed intervals (n, 2) to intervals that pass the certificate, or why they do not lead to any.
+
+    formal: they are taken as they are, whatever the signs (a reference solution, not a contact). timed: of a part's name, what its time is
+    taken with. rounds: at the most.
+    """
+    slight: Kind | None = None
+    try:
+        for found in _rounds(form, control, table, newton, progress, formal, timed, rounds):
+            if formal or found.tolerance <= TIGHT or not form.is_slight(found):
+                return found
+            # Whether so slight a dip is a gap, or so narrow a gap open, a solution to the tolerance does not tell: on to a
+            # tighter one.
+            slight = slight or found
+    except WrongTopology as wrong:
+        if slight is None:
+            return wrong.missed
+    assert slight is not None
+    # Rounding does not let it be told either.
+    return replace(slight, certificate=replace(slight.certificate, undecided=True))
+
+
+def _rounds(
+    form: Formulation[Kind], control: Control, table: Array, newton: Newton, progress: Progress | None, formal: bool, timed: Timed,
+    rounds: int,
+) -> Iterator[Kind]:
+    """Intervals that pass, to the tolerance and, where more of them are asked for, to one as tight as there is."""
+    free: sie.Free | None = None
+    tried: list[tuple[float, Array]] = []
+    for done in range(1, rounds + 1):
+        if progress is not None:
+            progress(f"{form.what}s", done, None)
+        free = _ended(form, control, table, newton, free)
+        newton = newton if free.value is None else replace(newton, value=free.value)
+        ended = free.density.zones.table
+        if len(free.lost) or len(free.met):
+            table = np.delete(ended, free.lost, axis=0) if len(free.lost) else merged(ended, free.met, form.problem.period)
+            continue
+        if not free.converged:
+            raise WrongTopology(f"the {form.what} ends did not settle", free)
+        fields = form.fields(control, free, newton.tolerance)
+        if formal:
+            yield form.solved(free, fields, NOT_CHECKED, done, control, newton.tolerance)
+            return
+        with timed("certificate"):
+            certificate = form.certificate(fields, control)
+        if certificate.holds:
+            yield form.solved(free, fields, certificate, done, control, newton.tolerance)
+            table, newton = ended, replace(newton, tolerance=TIGHT, near=False)
+        else:
+            table, newton = _again(form, control, free, certificate, newton, tried)
+    raise WrongTopology(f"the number of {form.what}s did not settle", free)
+
+
+def _ended(form: Formulation[Kind], control: Control, table: Array, newton: Newton, before: sie.Free | None) -> sie.Free:
+    """Newton from a table; WrongTopology where that leads nowhere. before: the last Newton result."""
+    if len(table) and not (np.all(np.isfinite(table)) and np.all(np.diff(table.ravel()) > 0)):
+        raise WrongTopology(f"the {form.what}s are too narrow to tell their ends apart", before)
+    try:
+        free = form.moved(control, form.intervals(control, table), newton)
+    except sie.SingularSystem as failure:
+        raise WrongTopology(f"the equation has no solution on such {form.what}s ({failure})", before) from failure
+    except ValueError as fault:
+        if isinstance(fault, ContactError):
+            raise
+        raise SceneError(f"what the scene gives the equation does not go together: {fault}") from fault
+    form.refuse(table, free)
+    if newton.near and not free.converged:
+        raise WrongTopology(f"the {form.what}s are not near those of the solution", free)
+    return free
+
+
+def _again(
+    form: Formulation[Kind], control: Control, free: sie.Free, certificate: Certificate, newton: Newton, tried: list[tuple[float, Array]]
+) -> tuple[Array, Newton]:
+    """Where to begin once more, and how, after signs have failed. tried: tolerances and intervals at which they did so before."""
+    ended, tighter = free.density.zones.table, replace(newton, tolerance=max(TIGHT, CLOSER * newton.tolerance))
+    if control.half_width is not None:
+        raise WrongTopology("pressure or gap change sign", free)
+    if newton.tolerance > TIGHT and _is_error(free, certificate):
+        return ended, tighter
+    if newton.near:
+        raise WrongTopology(certificate.note or f"there are other {form.what}s than these", free)
+    table = form.corrected(free.density.zones, certificate)
+    if any(same(ended, before) for at, before in tried if at == newton.tolerance):
+        # To and fro between two numbers of intervals: the error of one of them, or rounding, makes its signs fail.
+        if newton.tolerance <= TIGHT:
+            raise WrongTopology(f"the number of {form.what}s did not settle", free)
+        table, newton = ended, tighter
+    tried.append((newton.tolerance, ended))
+    return table, newton
+
+
+def off(free: sie.Free) -> Array:
+    """How far the ends may be off (Z, 2), with a margin: signs so close to them tell nothing."""
+    zones = free.density.zones
+    return np.asarray(MARGIN * (free.end_error + free.state.end_truncation) * (zones.b - zones.a)[:, None])
+
+
+def _is_error(free: sie.Free, certificate: Certificate) -> bool:
+    """Whether all that fails lies so close to ends that their error may have made it."""
+    zones, reached = free.density.zones, off(free)
+    bad = np.concatenate((certificate.negative, certificate.overlaps))
+    if len(bad) == 0:
+        return False
+    ends, reach = np.concatenate((zones.a, zones.b)), np.concatenate((reached[:, 0], reached[:, 1]))
+    near = (np.abs(bad[:, :1] - ends) <= reach) & (np.abs(bad[:, 1:] - ends) <= reach)
+    return bool(near.any(axis=1).all())

@@ -1,0 +1,56 @@
+"""Why a way to the zones has led to none that pass: a value, for the next way to be tried."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.errors import NotConverged, OutOfRange
+
+Array = NDArray[np.float64]
+
+
+class WrongTopology(Exception):
+    """Corrections do not lead to zones that pass; free: the last Newton result. Within a search only: it hands out a Missed."""
+
+    def __init__(self, message: str, free: sie.Free | None, beyond: bool = False) -> None:
+        super().__init__(message)
+        self.missed = Missed(message, free, beyond)
+
+
+@dataclass(frozen=True, eq=False)
+class Missed:
+    """reason: in words. free: the last Newton result. beyond: a zone reached the border of what is known of the profile. refusal: what is
+    raised if no other way leads on."""
+
+    reason: str
+    free: sie.Free | None = None
+    beyond: bool = False
+    refusal: OutOfRange | NotConverged | None = None
+
+    def same(self, other: Missed) -> bool:
+        """Whether two searches ended in the same way with the same zones."""
+        if self.reason != other.reason or self.free is None or other.free is None:
+            return False
+        return same(self.free.density.zones.table, other.free.density.zones.table)
+
+
+NOT_MINE = Missed("not a scene for this way")
+
+
+def attempted(way: Callable[[], Any]) -> Any:
+    """What a way leads to where others are left: its outcome, or a Missed, where it refuses too."""
+    try:
+        return way()
+    except (OutOfRange, NotConverged) as refusal:
+        return Missed(str(refusal), refusal=refusal)
+
+
+def same(table: Array, other: Array) -> bool:
+    """Whether these are the same zones, to a millionth of their widths."""
+    return table.shape == other.shape and bool(np.all(np.abs(table - other) <= 1e-6 * (table[:, 1:] - table[:, :1])))

@@ -1,0 +1,196 @@
+"""Contact under a law with several equilibria: the branch that is asked for is followed, from first touch or from the greatest contact.
+
+    advancing    from the zones of the bare law, which lie within it, or from first touch: ends advance under the control held, new
+                 zones begin where the surfaces would overlap, zones that meet become one; under tension, or below first touch, from
+                 there at no load back again
+    receding     from a zone as wide as it takes to be driven inward; with a period full contact, which stays closed
+
+Whatever is closed stays closed: an opening without width has no intensity. So there are no new gaps within zones.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import NotConverged, OutOfRange, unwarned
+from contact.formulation.equilibria import Equilibria, Point
+from contact.search.equilibria.arc import pull_off
+from contact.search.equilibria.flow import Closed, receded
+from contact.search.equilibria.growth import grown, touched
+from contact.search.grid.proposals import placed
+from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
+from contact.search.task import Task
+from contact.search.topology.missed import Missed
+from contact.search.ways.full_contact import Full, no_inverse
+from contact.search.ways.guesses import Outcome
+from contact.solution.solution import Solution
+
+Array = NDArray[np.float64]
+
+# Tolerance of solutions under the bare law, from which the branch is followed.
+_BARE = 1e-6
+_SCALINGS, _WIDENINGS = 6, 120
+# The greatest contact is looked for in zones ever wider by this, and is one that is driven inward, as those so many times as wide are.
+_WIDEN, _WIDER = 1.25, (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
+
+
+def followed(task: Task) -> Outcome:
+    """The contact of the scene on the branch that the task asks for; OutOfRange past pull-off."""
+    scene, told = task.scene, task.plan["branch"]
+    told.detail = f"{task.branch}, {_way(task)}"
+    if task.branch == "receding" and scene.period is not None:
+        return _full(task)
+    scaled = _frame(task)
+    problem, control = scaled.problem, scaled.control
+    curve = Equilibria(problem, control)
+    try:
+        with task.plan.timed("zone ends"):
+            if task.branch == "receding":
+                last = _greatest(curve, scaled, control.value)
+                rest = receded(curve, last, control.value)
+                start: Point | None = None if rest is not None else _held_higher(curve, last, control.value)
+            else:
+                start = _advanced(task, scaled, curve, max(control.value, 0.0))
+                rest = start if control.value >= 0.0 else receded(curve, start.table, control.value)
+    except Closed:
+        return _full(task)
+    if rest is None:
+        assert start is not None
+        raise OutOfRange(_past(curve, pull_off(curve, start), task))
+    found = task.refine_topology(problem, control, rest.table, near=True)
+    if isinstance(found, Missed):
+        raise task.error(found, problem)
+    return found
+
+
+def _way(task: Task) -> str:
+    """How the contact is come by, in words."""
+    scene = task.scene
+    if task.branch == "receding":
+        return "lowered from full contact" if scene.period is not None else "lowered from the greatest contact"
+    if scene.control[1] > 0.0:
+        assert scene.law.bare is not None
+        return f"raised from the {scene.law.bare.name} contact, which lies within it"
+    return "raised from first touch" + (" to no load, then lowered" if scene.control[1] < 0.0 else "")
+
+
+def _past(curve: Equilibria, last: Point, task: Task) -> str:
+    units, (name, value) = curve.problem.units, task.scene.control
+    told = f"load {last.load * units.load:.10g} N/m"
+    if task.scene.mean_pressure is not None and task.scene.period is not None:
+        told += f", mean pressure {last.load * units.load / task.scene.period:.10g} Pa"
+    if curve.problem.operator.has_approach:
+        told += f", approach {-last.level * units.height:.10g} m"
+    return f"{name} = {value:.6g} is past pull-off, which is at {told}: the surfaces come apart"
+
+
+def _full(task: Task) -> Full:
+    """Full contact under the scene's load."""
+    scene = task.scene
+    if scene.given_load is None or scene.period is None:
+        raise OutOfRange("the surfaces close altogether, and in full contact the approach does not tell the load: give a load")
+    if not task.operator.has_inverse:
+        raise OutOfRange(no_inverse(task, "the surfaces close altogether"))
+    if len(scene.profile.kinks) and np.any(scene.profile.kinks[:, 1] < 0):
+        raise OutOfRange("the surfaces close altogether over valleys with kinks, where the pressure of full contact is infinite")
+    return Full(scene.given_load / scene.period)
+
+
+# frames ---------------------------------------------------------------------------------------------------------------
+def _frame(task: Task) -> ScaledScene:
+    """The scaled problem: of a lone body about the contact that it has under no load, or more."""
+    scene = task.scene
+    if scene.profile.period is not None:
+        return scaled_scene(scene, task.single)
+    zones = _typical(task).zones
+    return scaled_scene_about(scene, 0.0, zones)
+
+
+def _typical(task: Task) -> Solution:
+    """A contact under the bare law about as wide as the adhesive one under no load, or under its load: the tension of adhesion,
+    sqrt(pi E* w times the width in contact), is borne there by the profile."""
+    scene = task.scene
+    strength = math.pi * scene.law.intensity(scene.E_star)
+    size = scene.profile.resolution or _extent(task) or 1.0
+    load = max(abs(strength) * math.sqrt(size), scene.given_load or 0.0)
+    for _ in range(_SCALINGS):
+        try:
+            found = _bare(task, load)
+        except OutOfRange:
+            load *= 1e-3
+            continue
+        last, load = load, max(abs(strength) * math.sqrt(float(np.sum(found.zone_widths))), scene.given_load or 0.0)
+        if 0.5 < load / last < 2.0:
+            break
+    return found
+
+
+def _extent(task: Task) -> float | None:
+    extent = task.scene.profile.extent
+    return None if extent is None else 0.1 * (extent[1] - extent[0])
+
+
+def _bare(task: Task, load: float | None = None) -> Solution:
+    """The contact under the bare law, under the scene's control or a load."""
+    scene = task.scene
+    assert scene.law.bare is not None
+    bare = scene.law.bare
+    alone = replace(scene, law=bare) if load is None else replace(scene, law=bare, mean_pressure=None, approach=None, load=load)
+    with unwarned():
+        try:
+            return task.under(alone, _BARE, None, None)
+        except NotConverged as failure:
+            if failure.best is None or not failure.best.error < 1e-2:
+                raise
+            return failure.best  # type: ignore[no-any-return]
+
+
+# starts ---------------------------------------------------------------------------------------------------------------
+def _advanced(task: Task, scaled: ScaledScene, curve: Equilibria, value: float) -> Point:
+    """The least equilibrium about first touch under a value of the control, not negative."""
+    table = touched(curve, scaled.cell) if value == 0.0 else _pressed(task, scaled)
+    return grown(curve, table, value)
+
+
+def _pressed(task: Task, scaled: ScaledScene) -> Array:
+    """The zones under the bare law, in which all ends are driven outward."""
+    bare = _bare(task)
+    if len(bare.zones) == 0:
+        raise Closed
+    return placed(scaled.problem, bare.zones)
+
+
+def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
+    """A zone so wide that its ends are driven inward, and in wider ones still, as far as these feel the control as a body does: under an
+    approach from a datum, zones much wider than that are lowered by a load."""
+    lo, hi = scaled.problem.units.scaled(np.array(scaled.cell))
+    middle, half = 0.5 * (lo + hi), 0.25 * (hi - lo)
+    def driven_inward(half: float) -> bool:
+        here = curve.at(np.array([[middle - half, middle + half]]), value)
+        return bool(np.all((here.residual < 0.0) | (here.by_value < 0.0)))
+
+    for _ in range(_WIDENINGS):
+        table = np.array([[middle - half, middle + half]])
+        if np.any(curve.at(table, value).by_value < 0.0):
+            break
+        if driven_inward(half) and all(driven_inward(half * wider) for wider in _WIDER):
+            return table
+        half *= _WIDEN
+    raise OutOfRange("no zone is so wide that its ends recede: there is no greatest contact")
+
+
+def _held_higher(curve: Equilibria, table: Array, value: float) -> Point:
+    """An equilibrium under a larger value of the control, within zones from which it recedes."""
+    unit = 1.0 / float(np.abs(curve.at(table, value).by_value).max())
+    step = max(abs(value), unit)
+    for _ in range(_WIDENINGS):
+        value += step
+        rest = receded(curve, table, value)
+        if rest is not None:
+            return rest
+        step *= 2.0
+    raise OutOfRange("the surfaces come apart under any control")

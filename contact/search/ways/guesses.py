@@ -1,0 +1,204 @@
+"""First guesses of the zones, in the order in which they are tried: each leads to zones that pass, or says why it is left.
+
+    a given half width     the one zone it names
+    zones near by          those of a solution at hand, by their gaps where they are wide
+    one zone               of a symmetric asperity: its half width in closed form
+    a grid                 a coarse contact on ever finer grids
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import ContactError, OutOfRange
+from contact.formulation.controls import Control
+from contact.formulation.problem import Problem
+from contact.formulation.single import guess_half_width, largest_single_load, single_half_width
+from contact.search.grid.coarse import MOST_POINTS
+from contact.search.grid.proposals import Proposed, about, placed, proposed
+from contact.search.grid.scaling import ScaledScene
+from contact.search.task import Task
+from contact.search.topology.missed import NOT_MINE, Missed
+from contact.search.ways.full_contact import Full, full_under, no_inverse, refuse_full_approach
+from contact.search.ways.gaps import by_gaps, worth_gaps
+from contact.search.ways.loads import by_fraction
+from contact.verify.accuracy import Found
+from contact.verify.gap_accuracy import FoundByGaps
+
+Array = NDArray[np.float64]
+Outcome: TypeAlias = Found | FoundByGaps | Full
+Guess = Callable[[Task, ScaledScene, Array | None], Outcome | Missed]
+
+# Finest coarse grid; a scene whose zones are narrower needs more than a grid to find them.
+_MOST_POINTS = 2**17
+# Contact of a body that is no half-plane, where that is why its zones are not found.
+_ALMOST_FULL = 0.99
+
+EXACT = "interaction = Periodic() needs no strip"
+_AT_BORDER = "a contact zone reaches the border of the part of the profile that is known"
+_AT_STRIP = f"a contact zone reaches the border of the strip that the localized model solves; {EXACT}"
+
+
+def search(task: Task, scaled: ScaledScene, start: Array | None = None) -> Outcome:
+    """The contact from the first guess that leads on. start: scaled zones of a solution near by."""
+    if scaled.control.approach is not None and (full := full_under(task, scaled.control)):
+        return full
+    refuse_full_approach(task, scaled.problem, scaled.control)
+    # A width that a closure looks at on its way is none of the scene's.
+    if task.scene.contact_fraction is not None and not task.single:
+        return by_fraction(task, scaled)
+    for name, guess in GUESSES:
+        outcome = guess(task, scaled, start)
+        if not isinstance(outcome, Missed):
+            return outcome
+        if outcome is not NOT_MINE:
+            task.left(name, outcome)
+    if scaled.control.width is None:
+        return from_grid(task, scaled)
+    if task.scene.contact_fraction is None:
+        raise task.error(Missed("zones of the total width that the closure asks for were not found"), scaled.problem)
+    return by_fraction(task, scaled)
+
+
+def _near_by(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Missed:
+    """Zones of a solution, given up as soon as they turn out to be far off: from there the way may be longer than from scratch."""
+    if start is None:
+        return NOT_MINE
+    problem, control = scaled.problem, scaled.control
+    width = float((start[:, 1] - start[:, 0]).sum())
+    if worth_gaps(task, problem, width):
+        return by_gaps(task, problem, control, width, start, near=True)
+    found = task.refine_topology(problem, control, start, near=True)
+    if isinstance(found, Missed) and found.beyond:
+        raise task.error(found, problem)
+    return found
+
+
+def _given(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Missed:
+    """The one zone of a given half width."""
+    a = scaled.control.half_width
+    if a is None:
+        return NOT_MINE
+    found = task.refine_topology(scaled.problem, scaled.control, np.array([[-a, a]]))
+    if isinstance(found, Missed):
+        if found.beyond:
+            raise task.error(found, scaled.problem)
+        raise OutOfRange(f"one zone of this half width carries no pressure that is positive everywhere: {found.reason}")
+    return found
+
+
+def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Missed:
+    """One zone about the tip of a symmetric asperity; full contact, or its gaps, where that would be wide."""
+    problem, control = scaled.problem, scaled.control
+    if not task.single or problem.amplitude is not None:
+        return NOT_MINE
+    with task.plan.timed("zone ends"):
+        guess = guess_half_width(problem, control)
+    # Only wide zones can be near full contact, and only then is it worth finding out where it begins.
+    if problem.period is not None and guess > 0.25 * problem.period and (full := full_under(task, control)):
+        return full
+    if worth_gaps(task, problem, 2 * guess):
+        found_by_gaps = by_gaps(task, problem, control, 2 * guess)
+        if isinstance(found_by_gaps, FoundByGaps):
+            return found_by_gaps
+        task.left("gaps of one zone", found_by_gaps)
+    found = task.refine_topology(problem, control, np.array([[-guess, guess]]))
+    if isinstance(found, Found) or control.load is None and control.approach is None:
+        return found
+    if found.beyond:
+        raise task.error(found, problem)
+    # Along the branch from zero load the controlled quantity grows with the width up to its maximum.
+    with task.plan.timed("zone ends"):
+        exact = single_half_width(problem, control)
+        if exact is None:
+            if task.scene.interaction.exact and (task.operator.is_periodic or not task.operator.is_plain):
+                return found
+            half_width, highest = largest_single_load(problem, control)
+            units = problem.units
+            raise OutOfRange(
+                f"{control.told(units)} is beyond the largest that {task.scene.interaction.name} carries on the branch from zero load, "
+                f"{highest * control.unit(units):.6g} at half width {half_width * units.length:.6g} m"
+            )
+    found = task.refine_topology(problem, control, np.array([[-exact, exact]]))
+    if isinstance(found, Missed) and found.beyond:
+        raise task.error(found, problem)
+    return found
+
+
+def from_grid(task: Task, scaled: ScaledScene, held: bool = False) -> Outcome:
+    """Zones from a coarse grid, refined until Newton and the certificate agree with it. held: a strip stays where it is."""
+    problem, control, plan = scaled.problem, scaled.control, task.plan
+    part = plan["coarse search"]
+    part.used, part.reason = True, part.reason if part.used else "one zone did not pass the certificate"
+    points: int | None = None
+    failure: Missed | None = None
+    most, touched, full, width = _MOST_POINTS, False, False, 0.0
+    while points is None or points <= most:
+        if task.progress is not None:
+            task.progress("coarse grid", 0, None)
+        with plan.timed("coarse search"):
+            proposal = proposed(scaled, problem, control, points, held=held)
+        if points is None:
+            most = max(most, min(4 * proposal.points, MOST_POINTS))
+        points, full = proposal.points, proposal.full
+        if proposal.tilt is not None:
+            problem = problem.turned_to(proposal.tilt)
+        part.detail = f"{points} points, {len(proposal.zones)} zones proposed"
+        if proposal.touches_border and task.scene.profile.support is None:
+            if touched or 4 * points > most:
+                raise OutOfRange(_AT_STRIP if problem.interaction.strip else _AT_BORDER)
+            # A coarse grid may touch it by its own error.
+            touched, points = True, 4 * points
+            continue
+        width = proposal.width / problem.units.length
+        found = _from_proposal(task, problem, control, proposal, held)
+        if not isinstance(found, Missed):
+            return found
+        if found is not NOT_MINE:
+            task.left(f"zones of a grid of {points} points", found)
+            if failure is not None and found.same(failure):
+                break
+            failure = found
+        points *= 4
+    raise _not_found(task, problem, failure, width, points, full)
+
+
+def _not_found(task: Task, problem: Problem, failure: Missed | None, width: float, points: int | None, full: bool) -> ContactError:
+    """What to say where no grid leads to the contact. width, points, full: of the finest grid."""
+    if full and task.operator.is_periodic and not task.operator.has_inverse:
+        return OutOfRange(no_inverse(task, f"in full contact, or nearer to it than a grid of {points} points tells"))
+    narrow = "the gaps are narrower than the finest grid tells from full contact"
+    if task.operator.is_periodic and not task.operator.has_inverse:
+        narrow += "; the gaps themselves are solved for where the model declares its symbol"
+        if failure is not None and width > _ALMOST_FULL * (problem.period or math.inf):
+            failure = Missed(f"{failure.reason}, and {narrow}", failure.free)
+    return task.error(failure or Missed(narrow), problem)
+
+
+def _from_proposal(task: Task, problem: Problem, control: Control, proposal: Proposed, held: bool) -> Outcome | Missed:
+    """The contact from the zones that a grid proposes: full, by its gaps, or by its zones."""
+    width = proposal.width / problem.units.length
+    if problem.period is not None and width > 0.4 * problem.period and (known := full_under(task, control)):
+        return known
+    table = placed(problem, proposal.zones)
+    found_by_gaps = by_gaps(task, problem, control, width, table)
+    if isinstance(found_by_gaps, FoundByGaps):
+        return found_by_gaps
+    if proposal.full or not len(proposal.zones):
+        return NOT_MINE
+    found = task.refine_topology(problem if held else about(problem, table), control, table)
+    if isinstance(found, Missed) and found.beyond:
+        raise task.error(found, problem)
+    return found
+
+
+GUESSES: tuple[tuple[str, Guess], ...] = (
+    ("zones near by", _near_by),
+    ("the given zone", _given),
+    ("one zone", _one_zone),
+)

@@ -1,0 +1,140 @@
+"""Contact in one strip under a nominal pressure beyond it (the localized model): the strip is centred on its zones, and the
+first-order closure takes the nominal pressure from the isolated load of the same total width."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import OutOfRange
+from contact.formulation.controls import Control
+from contact.formulation.problem import Problem
+from contact.formulation.single import guess_half_width
+from contact.model.interactions.periodic import Periodic
+from contact.search.grid.proposals import about, proposed
+from contact.search.grid.scaling import ScaledScene
+from contact.search.task import Task
+from contact.search.topology.by_pressure import ByPressure
+from contact.search.topology.loop import Newton, refine_topology
+from contact.search.topology.missed import Missed, attempted
+from contact.search.ways.first_order import FirstOrder
+from contact.search.ways.guesses import EXACT, from_grid, search
+from contact.verify.accuracy import Found
+
+Array = NDArray[np.float64]
+
+# Steps of the centre of a strip, how much longer than its miss a secant's step may be, and how often one is shortened.
+_CENTRINGS, _LONGER, _SHORTENED = 30, 16.0, 3
+# In how many steps of it the miss must halve.
+_STALLED = 4
+
+
+@dataclass(frozen=True, eq=False)
+class _Centring:
+    """Centre of a strip, how far off it the zones' middle is, and the zones."""
+
+    centre: float
+    miss: float
+    table: Array
+
+
+def centred(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
+    """Zones of a strip that is centred on them: secants on the centre, under which zones are taken as they are, and a look at the signs
+    where it stays."""
+    if start is not None:
+        scaled = replace(scaled, problem=about(scaled.problem, start))
+    found = _in_strip(task, scaled, start)
+    certified, before, moved = True, None, math.inf
+    # How far ends move with what their middle is off the centre.
+    follows = 1.0
+    passed: list[float] = []
+    for _ in range(_CENTRINGS):
+        zones, problem = found.free.density.zones, found.fields.problem
+        centre, width = problem.centre, float((zones.b - zones.a).min())
+        miss = 0.0 if zones.symmetric else 0.5 * float(zones.a[0] + zones.b[-1]) - centre
+        # Near the digits of the zones the centre no longer comes nearer.
+        if abs(miss) <= 0.1 * task.tolerance * width + np.spacing(abs(centre)) or moved / 4 < abs(miss) < 1e-7 * width:
+            if certified:
+                return replace(found, off=found.off + abs(miss) * follows / width)
+            found, certified, before, moved = _in_strip(task, replace(scaled, problem=problem), zones.table), True, None, math.inf
+            continue
+        passed.append(abs(miss))
+        if len(passed) > _STALLED and min(passed[-_STALLED:]) > 0.5 * min(passed[:-_STALLED]):
+            break
+        step, rate = miss, None
+        if before is not None and before.table.shape == zones.table.shape and before.miss != miss:
+            step = float(np.clip(miss * (centre - before.centre) / (before.miss - miss), -_LONGER * abs(miss), _LONGER * abs(miss)))
+            rate = (zones.table - before.table) / (centre - before.centre)
+            follows = float(np.abs(rate).max()) * abs((centre - before.centre) / (before.miss - miss))
+        before, moved = _Centring(centre, miss, zones.table), abs(miss)
+        found, certified = _moved(task, scaled, found, step, rate)
+    raise task.error(Missed(f"the centre of the strip did not settle; {EXACT}", found.free), found.fields.problem)
+
+
+def _moved(task: Task, scaled: ScaledScene, found: Found, step: float, rate: Array | None) -> tuple[Found, bool]:
+    """(zones after a step of the centre, or after a shorter one that they follow, whether their signs were looked at). rate: of the
+    zones with the centre, where it is known."""
+    problem, table = found.fields.problem, found.free.density.zones.table
+    for _ in range(_SHORTENED):
+        there, expected = problem.about(problem.centre + step), table if rate is None else table + step * rate
+        moved = refine_topology(ByPressure(there), scaled.control, expected, Newton(task.tolerance, near=True), formal=True)
+        if isinstance(moved, Found):
+            return moved, False
+        again = attempted(lambda there=there: from_grid(task, replace(scaled, problem=there), held=True))  # type: ignore[misc]
+        if isinstance(again, Found):
+            return again, True
+        step *= 0.25
+    raise task.error(Missed(f"the zones do not follow the centre of the strip; {EXACT}", found.free), problem)
+
+
+def _in_strip(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
+    """Zones of a strip where it is."""
+    found = search(task, scaled, start)
+    assert isinstance(found, Found)  # a strip has no full contact to be near to
+    return found
+
+
+def first_order(task: Task, scaled: ScaledScene) -> Found:
+    """Closure by the isolated load of the same total width."""
+
+    def strip(problem: Problem, control: Control, start: Array | None) -> Found:
+        return centred(task, replace(scaled, problem=problem, control=control), start)
+
+    def alone(problem: Problem, control: Control, start: Array | None) -> Found:
+        return _reference(task, problem, control, start)
+
+    closure = FirstOrder(scaled.problem, strip, alone, task.tolerance, task.single)
+    with task.plan.timed("isolated reference"):
+        found, _ = closure.found(scaled.control, _first_guess(task, scaled))
+    return found
+
+
+def _first_guess(task: Task, scaled: ScaledScene) -> float:
+    """Total width of one zone about the origin; else the nominal pressure of the exact contact of the period, scaled."""
+    problem, control = scaled.problem, scaled.control
+    assert problem.period is not None
+    if task.single:
+        return 2 * guess_half_width(problem, control)
+    if control.load is not None:
+        return control.load / problem.period
+    if control.half_width is not None:
+        return 0.0
+    exact = proposed(scaled, replace(problem, interaction=Periodic()), control, None)
+    return exact.load / problem.units.load / problem.period
+
+
+def _reference(task: Task, problem: Problem, control: Control, start: Array | None) -> Found:
+    """The isolated problem of the same total width, as a formal solution: it is not asked to be a contact."""
+    if control.half_width is not None:
+        start = np.array([[-control.half_width, control.half_width]])
+    assert start is not None
+    middle = 0.5 * float(start[0, 0] + start[-1, 1])
+    if len(start) > 1 or abs(middle) > 0.25 * float(start[0, 1] - start[0, 0]):
+        problem = problem.about(middle)
+    found = refine_topology(ByPressure(problem), control, start, Newton(task.tolerance), formal=True)
+    if isinstance(found, Missed):
+        raise OutOfRange(f"the isolated reference of the first-order closure has no solution: {found.reason}; {EXACT}")
+    return found
