@@ -22,6 +22,7 @@ from contact.search.refine import refined
 from contact.search.shared import Shared
 from contact.search.task import Task
 from contact.search.topology.loop import Progress
+from contact.search.ways.direct import directly
 from contact.search.ways.full_contact import Full
 from contact.search.ways.guesses import Outcome
 from contact.solution import made, validity
@@ -119,7 +120,8 @@ def solved_along(
 def _solved(
     scene: Scene, tol: float, progress: Progress | None, near: Solution | None, branch: str = "advancing"
 ) -> Solution:
-    return _run(Task.of(scene, tol, progress, near, under=_solved, branch=branch))
+    direct = directly(scene, tol)
+    return direct if direct is not None else _run(Task.of(scene, tol, progress, near, under=_solved, branch=branch))
 
 
 def _run(task: Task) -> Solution:
