@@ -113,6 +113,9 @@ def solved_along(
     scene: Scene, tol: float, progress: Progress | None, shared: Shared, along: tuple[Solution, ...]
 ) -> Solution:
     """One scene on a curve of its control's values. shared: what it has in common with the others; along: the last of them."""
+    direct = directly(scene, tol)
+    if direct is not None:
+        return direct
     task = replace(Task.of(scene, tol, progress, along[-1] if along else None, under=_solved), shared=shared, along=along)
     return _run(task)
 

@@ -157,6 +157,7 @@ def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress |
     if np.any(values <= 0):
         raise SceneError.of("loads", loads, "positive")
     run = _Path(scene, tolerance(tol))
+    run.curve.look_at(values)
     solutions: list[Solution] = []
     events: list[Event] = []
     with unwarned():

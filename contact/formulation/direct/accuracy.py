@@ -1,7 +1,7 @@
 """The stated error of a contact that is one interval: of its ends over the width of a zone, and of its pressure over the peak.
 
 Ends are off by what Newton has left and by rounding. At a place of the interval that stays, the pressure follows them at the rates of
-`Table.by_half` and `Table.by_middle`, and by what the weight w changes; itself it is off by the coefficients that were left off, which fall
+`Table.followed`, and by what the weight w changes; itself it is off by the coefficients that were left off, which fall
 as a geometric series, and by rounding.
 """
 
@@ -32,10 +32,8 @@ def stated(ends: Ends, seen: Signs) -> Array:
     way = sheet.map
     with np.errstate(all="ignore"):
         looks = table(int(ends.nodes.max()) // (1 if way.pair else 2), not way.pair)
-        count = ends.g.shape[1]
-        follows = np.abs(ends.g @ looks.by_half[:, :count].T).max(axis=1)
-        if way.pair:
-            follows = follows + np.abs(ends.g @ looks.by_middle[:, :count].T).max(axis=1)
+        by_half, by_middle = looks.followed(ends.g)
+        follows = by_half + by_middle if way.pair else by_half
         size = np.abs(ends.g)
         scale = size.sum(axis=1) + abs(sheet.kink)
         left = size.max(axis=1, initial=0.0) * (_LEAST + _PER_NODE * ends.nodes) * ends.tail

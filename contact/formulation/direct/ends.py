@@ -27,7 +27,7 @@ Index = NDArray[np.intp]
 
 _EPS = float(np.finfo(float).eps)
 # Nodes at first and at the most.
-_FIRST, _LARGEST = 8, 128
+_FIRST, _LARGEST = 8, 512
 _STEPS = 60
 # Of the coefficients: what the last ones are beside the values, where the series is at its end.
 _RESOLVED = 4.0
@@ -72,14 +72,35 @@ class Ends:
     punch: Array
     found: Mask
 
-    def row(self, k: int) -> Ends:
-        kept = {name: getattr(self, name)[k : k + 1] for name in _ROWS}
-        return replace(self, **kept)
+    def rows(self, chosen: Mask | slice) -> Ends:
+        """Some of the rows."""
+        return replace(self, **{name: getattr(self, name)[chosen] for name in _ROWS})
 
     @property
     def widths(self) -> Array:
         """Of one zone [m]."""
         return self.outer - self.inner
+
+    @property
+    def spreading(self) -> tuple[Array, Array]:
+        """How far the inner and the outer end move outward in y as the load grows by a factor of e; zero at corners."""
+        if self.sheet.corner is not None:
+            return 0.0 * self.half, 0.0 * self.half
+        way, total = self.sheet.map, self.totals
+        if way.pair:
+            # By Newton's own matrix: each end by a half of the load over what q is there.
+            upper, lower = self.g @ self.orders, self.g @ (self.orders * (2 * (self.orders % 2) - 1))
+            share = total / (way.load_factor * math.pi * self.half)
+            return share * self.half / lower, share * self.half / upper
+        rate = way.load_factor * math.pi * (self.g @ self.orders) + _kink_load(self.sheet, self.half)[1]
+        return total / rate, total / rate
+
+    @property
+    def rises(self) -> tuple[Array, Array]:
+        """dy/dx at the inner and the outer end."""
+        way = self.sheet.map
+        inner, outer = np.abs(self.inner), self.outer
+        return tuple(np.asarray(way.weight(x, way.y(x)) / way.rise_factor + 0.0 * x) for x in (inner, outer))  # type: ignore[return-value]
 
     @property
     def totals(self) -> Array:
@@ -193,14 +214,14 @@ class _Book:
             for _ in range(_STEPS):
                 values, move, rounding = step(pending, nodal)
                 scale = np.abs(values).max(axis=1) + kink
-                last = np.abs(values @ nodal.to_coefficients[:, -2:]).max(axis=1)
+                last = np.abs(values @ nodal.last).max(axis=1)
                 self.steps[pending] += 1
                 far = ~(np.abs(move) <= _AT_REST)
                 coarse = ~(last <= _EPS * (_RESOLVED + rounded[pending] / self.half[pending]) * scale)
                 done = ~coarse & (self.rests[pending] | (np.abs(move) <= 4.0 * rounding))
                 if done.any():
                     rows = pending[done]
-                    self.series.append((rows, values[done] @ nodal.to_coefficients))
+                    self.series.append((rows, nodal.coefficients(values[done])))
                     self.off[rows], self.tail[rows] = np.abs(move[done]) + rounding[done], last[done] / scale[done]
                     self.nodes[rows], self.came_out[rows] = 2 * size if odd else size, True
                 going = pending[~done]

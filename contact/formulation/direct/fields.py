@@ -74,6 +74,13 @@ class DirectFields(ZoneFields):
         return np.array([[-outer, -inner], [inner, outer]] if self._pair else [[inner, outer]])
 
     @property
+    def spreading(self) -> Array:
+        # Of the ends in y, by the rates of the load and, of a pair, of the mean of G, which stays zero.
+        outward, rate = self.ends.spreading, self.ends.rises
+        inner, outer = (float(a[0] / b[0]) for a, b in zip(outward, rate, strict=True))
+        return np.array([[outer, inner], [inner, outer]] if self._pair else [[inner, outer]])
+
+    @property
     def _pair(self) -> bool:
         return self.ends.sheet.map.pair
 

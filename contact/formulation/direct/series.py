@@ -12,12 +12,15 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import fft
 
 Array = NDArray[np.float64]
 
 # Samples of q for each degree: between them it lies within the hull of the samples, widened by 1 / cos(pi / 2 _DENSER) - 1 (H. Ehlich &
 # K. Zeller, Math. Z. 86, 1964, 41, doi 10.1007/BF01111276).
 _DENSER = 8
+# Nodes up to which a product with a stored matrix is faster than the call of a fast transform.
+_MATRICES = 64
 WIDENED = 1.0 / np.cos(0.5 * np.pi / _DENSER) - 1.0
 
 
@@ -25,46 +28,88 @@ WIDENED = 1.0 / np.cos(0.5 * np.pi / _DENSER) - 1.0
 class Table:
     """Nodes t and what is made of values there. odd: of an odd G, on the right half alone.
 
-    orders: k >= 1 of the coefficients; to_coefficients: (nodes, orders); first: of g_1; edge, far_edge: of q(1) and q(-1). samples: of q
-    at angles, (angles, orders), whose sines and cosines are these; by_half, by_middle: of what sqrt(1 - t^2) q at a place t that stays
-    changes by when the half length grows by a part of itself, and when the middle moves by a part of the half length.
+    orders: k >= 1 of the coefficients; first: of g_1; edge, far_edge: of q(1) and q(-1); last: of the last two coefficients. The angles at
+    which q is looked at are given by their sines and cosines.
     """
 
+    odd: bool
     t: Array
     orders: NDArray[np.intp]
-    to_coefficients: Array
     first: Array
     edge: Array
     far_edge: Array
-    samples: Array
-    by_half: Array
-    by_middle: Array
+    last: Array
     sines: Array
     cosines: Array
 
+    def coefficients(self, values: Array) -> Array:
+        """g_k of values (rows, nodes)."""
+        size = values.shape[1]
+        if size <= _MATRICES:
+            return np.asarray(values @ _matrix(size, self.odd))
+        if self.odd:
+            return np.asarray(fft.dct(values, type=4, axis=1) / size)
+        return np.asarray(fft.dct(values, type=2, axis=1)[:, 1:] / size)
 
-@lru_cache(maxsize=16)
+    def samples(self, g: Array) -> Array:
+        """q at the looks, of coefficients (rows, some of the orders)."""
+        if len(self.t) <= _MATRICES:
+            return np.asarray(g @ _looks(len(self.t), self.odd)[0][:, : g.shape[1]].T)
+        padded = self._padded(g, 1)
+        return np.asarray(0.5 * fft.dst(padded, type=3, axis=1)[:, : len(self.sines)] / self.sines)
+
+    def followed(self, g: Array) -> tuple[Array, Array]:
+        """What sqrt(1 - t^2) q changes by at most at places t that stay, when the half length grows by a part of itself, and when the
+        middle moves by a part of the half length (rows,): ends that move add q(+-1) / sqrt(1 - t^2), and the place moves with them."""
+        uneven = self.orders[: g.shape[1]] % 2 == 1
+        rising = g * self.orders[: g.shape[1]]
+        odd, even = rising[:, uneven].sum(axis=1)[:, None], rising[:, ~uneven].sum(axis=1)[:, None]
+        if len(self.t) <= _MATRICES:
+            slopes = rising @ _looks(len(self.t), self.odd)[1][:, : g.shape[1]].T
+        else:
+            slopes = 0.5 * fft.dct(self._padded(rising, 0), type=3, axis=1)[:, : len(self.sines)]
+        by_half = (odd + even * self.cosines - self.cosines * slopes) / self.sines
+        by_middle = (even + odd * self.cosines - slopes) / self.sines
+        return np.abs(by_half).max(axis=1), np.abs(by_middle).max(axis=1)
+
+    def _padded(self, g: Array, first: int) -> Array:
+        """Coefficients by order, from order `first` on, as many as there are looks over a half turn."""
+        padded = np.zeros((len(g), len(self.sines) * (2 if self.odd else 1)))
+        padded[:, self.orders[: g.shape[1]] - first] = g
+        return padded
+
+
+@lru_cache(maxsize=32)
 def table(size: int, odd: bool) -> Table:
     """size: number of nodes."""
     degree = 2 * size if odd else size
     angle = (np.arange(size) + 0.5) * (np.pi / degree)
     orders = np.arange(1, degree, 2 if odd else 1)
-    # Whole turns taken off exactly: of k theta, rounding would grow with k.
-    turns = (2 * np.arange(size)[:, None] + 1) * orders % (4 * degree)
-    matrix = np.cos(turns * (np.pi / (2 * degree))) * ((4 if odd else 2) / degree)
+    matrix = _matrix(size, odd)
     looks = _DENSER * degree // (2 if odd else 1)
     at = (np.arange(looks) + 0.5) * (np.pi / (_DENSER * degree))
-    sines, cosines = np.sin(at), np.cos(at)
-    samples = np.sin(at[:, None] * orders) / sines[:, None]
-    # Ends that move add q(+-1) / sqrt(1 - t^2), and the place moves on with them.
-    slopes, uneven = np.cos(at[:, None] * orders), orders % 2 == 1
-    t = cosines[:, None]
-    by_half = orders * (np.where(uneven, 1.0, t) - t * slopes) / sines[:, None]
-    by_middle = orders * (np.where(uneven, t, 1.0) - slopes) / sines[:, None]
-    far_edge = matrix @ (orders * (2.0 * uneven - 1.0))
-    return Table(
-        np.cos(angle), orders, matrix, matrix[:, 0].copy(), matrix @ orders, far_edge, samples, by_half, by_middle, sines, cosines
-    )
+    far_edge = matrix @ (orders * (2.0 * (orders % 2) - 1.0))
+    last = np.ascontiguousarray(matrix[:, -2:])
+    return Table(odd, np.cos(angle), orders, matrix[:, 0].copy(), matrix @ orders, far_edge, last, np.sin(at), np.cos(at))
+
+
+@lru_cache(maxsize=8)
+def _matrix(size: int, odd: bool) -> Array:
+    """From values to coefficients (nodes, orders)."""
+    degree = 2 * size if odd else size
+    orders = np.arange(1, degree, 2 if odd else 1)
+    # Whole turns taken off exactly: of k theta, rounding would grow with k.
+    turns = (2 * np.arange(size)[:, None] + 1) * orders % (4 * degree)
+    return np.asarray(np.cos(turns * (np.pi / (2 * degree))) * ((4 if odd else 2) / degree))
+
+
+@lru_cache(maxsize=8)
+def _looks(size: int, odd: bool) -> tuple[Array, Array]:
+    """sin(k theta) / sin(theta) and cos(k theta) at the looks (looks, orders)."""
+    degree = 2 * size if odd else size
+    orders = np.arange(1, degree, 2 if odd else 1)
+    at = (np.arange(_DENSER * degree // (2 if odd else 1)) + 0.5) * (np.pi / (_DENSER * degree))
+    return np.sin(at[:, None] * orders) / np.sin(at)[:, None], np.cos(at[:, None] * orders)
 
 
 def summed(g: Array, orders: NDArray[np.intp], t: Array) -> Array:

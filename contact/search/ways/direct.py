@@ -76,10 +76,10 @@ def _of_tips(scene: Scene, tips: Array, limit: float) -> tuple[Sheet, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Direct:
-    """Rows that came out, with their signs and stated errors."""
+    """The rows that came out, with their signs and stated errors; holds: of all that were asked for, which these are."""
 
     ends: Ends
-    signs: Signs
+    signs: Signs | None
     error: Array
     holds: NDArray[np.bool_]
 
@@ -117,30 +117,37 @@ def all_directly(scenes: Sequence[Scene], tol: float) -> list[Solution | None]:
             break
         found = _judged(scenes[0], ends_under(sheet, loads[left] / (0.5 * scenes[0].E_star)), tol)
         took = (time.perf_counter() - start) / len(scenes)
-        for row in np.flatnonzero(found.holds):
-            out[left[row]] = _solution(scenes[left[row]], found, int(row), took)
+        for row, place in enumerate(left[found.holds]):
+            out[place] = _solution(scenes[place], found, row, took)
         left = left[~found.holds]
     return out
 
 
 def _judged(scene: Scene, ends: Ends, tol: float) -> Direct:
-    """With signs and stated errors: whether each row may be given out."""
-    if not ends.found.any():
-        nothing = np.full(len(ends.half), np.inf)
-        return Direct(ends, Signs(ends.found, nothing, nothing, nothing, 0), nothing, ends.found)
+    """With signs and stated errors: which rows may be given out."""
+    period, holds = scene.period, ends.found
+    if period is not None and ends.sheet.corner is None:
+        holds = holds & (ends.widths * (2 if ends.sheet.map.pair else 1) <= _WIDEST * period)
+    if not holds.any():
+        return Direct(ends, None, np.zeros(0), holds)
+    if not holds.all():
+        ends = ends.rows(holds)
     seen = signs(ends)
     error = stated(ends, seen)
-    holds = ends.found & seen.holds & (error <= tol)
-    period = scene.period
-    if period is not None and ends.sheet.corner is None:
-        holds &= ends.widths * (2 if ends.sheet.map.pair else 1) <= _WIDEST * period
+    good = seen.holds & (error <= tol)
+    if not good.all():
+        holds = holds.copy()
+        holds[holds] = good
+        ends, seen, error = ends.rows(good), seen.rows(good), error[good]
     return Direct(ends, seen, error, holds)
 
 
 def _solution(scene: Scene, found: Direct, row: int, took: float) -> Solution:
-    ends = found.ends.row(row) if len(found.ends.half) > 1 else found.ends
+    seen, ends = found.signs, found.ends
+    assert seen is not None
+    if len(ends.half) > 1:
+        ends = ends.rows(slice(row, row + 1))
     fields = DirectFields(scene, ends)
-    seen = found.signs
     parts: dict[str, Any] = {
         "certificate": partial(_certificate, scene, ends, float(seen.least[row]), float(seen.gap[row]), seen.points),
         "plan": partial(_plan, scene, ends, took),
