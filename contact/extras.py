@@ -12,6 +12,7 @@ from contact.errors import MissingExtra
 EXTRAS = {
     "matplotlib": "plot", "xarray": "io", "h5netcdf": "io", "h5py": "io",
     "tamaas": "peers", "ContactMechanics": "peers", "SurfaceTopography": "instruments",
+    "panel": "explore", "bokeh": "explore",
 }
 
 
@@ -32,3 +33,26 @@ def entry_points(group: str) -> Iterable[Any]:
     """Entry points of the installed packages in one group."""
     found: Iterable[Any] = require("importlib.metadata").entry_points(group=group)
     return found
+
+
+def version() -> str:
+    """The version of this package as it is installed; of a folder of source that is not, one that says so."""
+    metadata = require("importlib.metadata")
+    try:
+        installed: str = metadata.version("sie-contact")
+    except metadata.PackageNotFoundError:
+        return "0+not.installed"
+    return installed
+
+
+def other_package() -> str:
+    """What to say where the package of the index that is called `contact`, another project, is installed too; empty where it is not."""
+    metadata = require("importlib.metadata")
+    try:
+        other = metadata.version("contact")
+    except metadata.PackageNotFoundError:
+        return ""
+    return (
+        f"contact {other}, another project, is installed beside sie-contact, and both are imported as `contact`: "
+        "keep one of them in an environment (pip uninstall contact; pip install --force-reinstall --no-deps sie-contact)"
+    )

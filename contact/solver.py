@@ -17,6 +17,7 @@ from numbers import Real
 from contact.errors import SceneError, warn
 from contact.model.checks import one_of
 from contact.model.scene import Scene
+from contact.search.equilibria.parting import Parting
 from contact.search.find import found
 from contact.search.refine import refined
 from contact.search.shared import Shared
@@ -137,8 +138,10 @@ def _run(task: Task) -> Solution:
 
 def _solution(task: Task, outcome: Outcome) -> Solution:
     scene, plan, tol = task.scene, task.plan, task.tol
+    followed = task.follows_branch
+    branch = task.branch if followed else None
     if isinstance(outcome, Full):
-        return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol)
+        return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol, branch)
     if isinstance(outcome, FoundByGaps):
         return made.of_gaps(scene, outcome, plan, tol)
-    return made.of_zones(scene, outcome, plan, tol)
+    return made.of_zones(scene, outcome, plan, tol, branch, Parting(outcome.control) if followed else None)

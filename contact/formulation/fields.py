@@ -156,20 +156,20 @@ class ZoneFields(sie.Kept):
         assert wanted
         return float((np.abs(self.density.coefficients).max(axis=1) * np.sqrt(zones.half / 2)).max()) / abs(wanted)
 
-    def second_variation(self, held: str) -> Array:
+    def second_variation(self, yields: float | None = None) -> Array:
         """d^2 energy / ds_i ds_j by outward motions of the left and the right ends, times the roots of their zones' widths and over
-        2 w (2 Z, 2 Z): of dG_i/ds_j, G = w (K/K*)^2, at the held "load" or "approach"."""
+        2 w (2 Z, 2 Z): of dG_i/ds_j, G = w (K/K*)^2. yields: d(approach)/d(load) of what holds the contact, None: the load is held."""
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
         whole = sie.Zones.of(zones.table, self.problem.end, self.problem.end)
         state = sie.solve_zones(self.problem.equation(Load(self.density.total)), whole, 1e-13).whole
         rates = sie.end_rates(state)
         matrix = rates.intensities
-        if held == "approach":
+        if yields is not None:
             values = np.zeros(len(state.condition_scale))
             values[state.condition_index[0]] = 1.0
             by_load = np.concatenate(state.response(values).intensities)
-            matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / float(state.level_rates(values).mean())
+            matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / (float(state.level_rates(values).mean()) - yields)
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
         return np.asarray(root[:, None] * matrix * root / wanted)
 

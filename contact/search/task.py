@@ -72,6 +72,11 @@ class Task:
         """Whether the contact begins as one zone about x = 0."""
         return self.shared.single
 
+    @property
+    def follows_branch(self) -> bool:
+        """Whether there are several equilibria, of which a branch is followed."""
+        return self.scene.law.bare is not None and self.scene.half_width is None
+
     def to(self, tolerance: float) -> Task:
         """The same, more or less tightly."""
         return replace(self, tolerance=tolerance)

@@ -58,11 +58,13 @@ class Forcing(Kept):
         The same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!; for q = 0 this is (J/pi) Lambda(x, s), Lambda
         the kernel's potential, and is left out of `value`. Either steps or breaks.
     spline : callable or None
-        A quadratic spline with the breaks of order 2, where it is known: of very many it keeps the digits.
+        A quadratic spline with the steps or breaks of order 2, where it is known and is not all of g: of very many it keeps the digits.
     modes : int or None
         Of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
     between : bool
         Of a column, whether it is as smooth between the intervals as on them: then narrow gaps are taken as slits beside it too.
+    apart : bool
+        Whether g is singular between the intervals: then narrow gaps are not taken as slits.
     resolution : float or None
         Smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones are many: they keep
         digits that the primitive has lost.
@@ -95,6 +97,7 @@ class Forcing(Kept):
     spline: Function | None = None
     modes: int | None = None
     between: bool = False
+    apart: bool = False
     resolution: float | None = None
     placed: Function | None = None
 
@@ -131,7 +134,7 @@ class Forcing(Kept):
             orders = np.zeros(len(self.breaks_at), dtype=np.intp) if self.break_orders is None else self.break_orders
             return Breaks.inside(zones, self.breaks_at, self.breaks, orders, kernel, self.spline)
         orders = np.zeros(len(self.steps_at), dtype=np.intp) if self.orders is None else self.orders
-        return Steps.within(zones, self.steps_at, self.steps, orders, kernel.period, self.value)
+        return Steps.within(zones, self.steps_at, self.steps, orders, kernel.period, self.spline or self.value)
 
 
 def _of_order_zero(at: Array, heights: Array, orders: NDArray[np.intp] | None) -> tuple[Array, Array]:

@@ -71,7 +71,7 @@ def cut(equation: Equation, pieces: Zones) -> Cut | None:
     """The zones with their narrow gaps as holes, None if there are none or the equation does not allow it."""
     kernel = equation.kernel
     # A column that may be singular between zones is none of a wide one.
-    general = any(column.modes is None and not column.between for column in equation.columns)
+    general = equation.forcing.apart or any(column.modes is None and not column.between for column in equation.columns)
     if len(pieces) < 2 or general or not _one_level(equation.conditions) or not _plain(pieces):
         return None
     after = gaps(pieces, kernel)[1]

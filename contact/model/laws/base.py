@@ -69,6 +69,16 @@ class Law(sie.Kept):
         """K [Pa m^(1/2)] at the ends of zones that are free to move, or held where a half width is given; negative where it pulls."""
         return 0.0
 
+    @property
+    def tension(self) -> float:
+        """Stress [Pa] with which the surfaces pull where the gap is above zero and below `reach`; 0 where nothing acts there."""
+        return 0.0
+
+    @property
+    def reach(self) -> float:
+        """Gap [m] from which on nothing acts; 0 where nothing acts beside the contact."""
+        return 0.0
+
     def refuses(self, scene: Any) -> str | None:
         """Why the law does not go with a scene (`contact.Scene`) of admitted controls, in words that end a sentence; None if it does."""
         return None

@@ -149,6 +149,10 @@ class Profile(sie.Kept):
             return {}
         return {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.init}
 
+    def trace_summary(self) -> dict[str, Any] | None:
+        """Of a measured trace: what was read and done to it, and its roughness, lengths in m; None for other shapes."""
+        return None
+
     def __getstate__(self) -> dict[str, Any]:
         """What copies and pickles hold: not what was worked out on the way, which is large and worked out again."""
         cls = type(self)

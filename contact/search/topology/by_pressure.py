@@ -80,7 +80,7 @@ class ByPressure:
         return ZoneFields(problem, state.settled())
 
     def certificate(self, fields: ZoneFields, control: Control) -> Certificate:
-        return certify(fields, control.load, control.name)
+        return certify(fields, control.load, control)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
         """Those with pulling parts cut out, and a new one in every overlap."""
