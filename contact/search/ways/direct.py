@@ -21,6 +21,8 @@ from contact.formulation.direct.ends import Ends, Sheet, ends_at, ends_under
 from contact.formulation.direct.fields import DirectFields
 from contact.formulation.direct.maps import Map
 from contact.formulation.direct.signs import Signs, signs
+from contact.model.interactions import Interaction
+from contact.model.laws import Law
 from contact.model.scene import Scene
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
@@ -37,16 +39,26 @@ _NOTE = "one interval: the signs of its series, inside and outside"
 
 def sheets(scene: Scene) -> tuple[Sheet, ...]:
     """What a scene may be solved by directly, the likelier one first; none where it may not."""
-    profile, law, model = scene.profile, scene.law, scene.interaction
-    if not (law.convex and not law.pulls and law.intensity(scene.E_star) == 0.0) or not profile.symmetric or profile.slope_is_derived:
-        return ()
-    if not model.exact or model.strip or scene.turned or scene.operator.is_own or not scene.operator.is_plain or profile.extent is not None:
-        return ()
+    profile = scene.profile
     tips = profile.summits
-    if tips is None or not 1 <= len(tips) <= 2 or scene.operator.own_columns:
+    if tips is None or not 1 <= len(tips) <= 2 or not profile.symmetric or profile.slope_is_derived or profile.extent is not None:
+        return ()
+    if scene.turned or not _asks_no_more(scene.law, scene.E_star) or not _is_half_plane(scene):
         return ()
     limit = math.inf if profile.period is None else 0.5 * profile.period
     return _of_tips(scene, np.asarray(tips, dtype=float), limit)
+
+
+def _asks_no_more(law: Law, E_star: float) -> bool:
+    """Whether all that a law asks for is a pressure that pushes, and vanishes at the ends."""
+    return law.convex and not law.pulls and law.intensity(E_star) == 0.0 and type(law).fault is Law.fault
+
+
+def _is_half_plane(scene: Scene) -> bool:
+    """Whether half-plane sources are all there is, of one body or of all periods."""
+    kind, operator = type(scene.interaction), scene.operator
+    conditions = kind.side_conditions is Interaction.side_conditions and kind.placed_conditions is Interaction.placed_conditions
+    return kind.exact and not kind.strip and conditions and not operator.own_columns and not operator.is_own and operator.is_plain
 
 
 def _of_tips(scene: Scene, tips: Array, limit: float) -> tuple[Sheet, ...]:
