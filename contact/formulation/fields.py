@@ -427,7 +427,7 @@ class ZoneFields(sie.Kept):
             left, right = density.intensities
             if max(left.max(), right.max()) > 1e-12 * np.abs(density.coefficients).max():
                 return np.inf
-        if np.any((density.steps.height > 0) & (density.steps.order == 0)):
+        if np.any((density.jumps.height > 0) & (density.jumps.order == 0)):
             return np.inf
         counts, reach, peak = density.sampling, np.empty(len(density.zones)), -np.inf
         for n in np.unique(counts):

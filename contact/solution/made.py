@@ -38,12 +38,12 @@ def of_zones(
         plan["symmetry"].reason = "the zones straddle the border of the cell"
     plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {found.rounds} rounds"
     plan["certificate"].detail = f"{found.certificate.points} points"
-    plan["kinks"].used = len(density.steps) > 0
+    plan["kinks"].used = len(density.jumps) > 0
     if plan["kinks"].used:
-        plan["kinks"].reason = f"{len(density.steps)} jumps of the slope or its derivatives inside zones"
-    if density.slits:
+        plan["kinks"].reason = f"{len(density.jumps)} jumps of the slope or its derivatives inside zones"
+    if density.slit_count:
         plan["holes"].used, plan["holes"].reason = True, "narrow gaps between zones"
-        plan["holes"].detail = f"{density.slits} in {len(zones) - density.slits} wide zones"
+        plan["holes"].detail = f"{density.slit_count} in {len(zones) - density.slit_count} wide zones"
     else:
         plan["holes"].reason = "no narrow gaps between zones"
     _tell_sizes(plan, len(zones), found.free.state)

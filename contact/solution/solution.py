@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,7 @@ from contact.model.checks import real
 from contact.model.scene import Scene
 from contact.solution import export, html, plotting
 from contact.solution.energy import Energy
+from contact.solution.peaks import peaks
 from contact.solution.plan import Plan
 from contact.solution.pull_off import PullOff
 from contact.solution.validity import everything
@@ -133,6 +136,11 @@ class Solution(sie.Kept):
         """Width of each zone (n,) [m], off by at most 2 error of itself."""
         return np.asarray(self.zones[:, 1] - self.zones[:, 0])
 
+    @cached_property
+    def zone_peaks(self) -> Array:
+        """Highest pressure of each zone (n,) [Pa], off by at most error p; inf under a sharp corner or a tip with a kink."""
+        return peaks(self.scene, self.zones, self.pressure_at)
+
     @property
     def max_pressure(self) -> float:
         """Highest pressure [Pa], off by at most error of itself; inf under a sharp corner or a tip with a kink."""
@@ -220,6 +228,33 @@ class Solution(sie.Kept):
 
     def _repr_html_(self) -> str:
         return html.to_html(self)
+
+    def zone_table(self) -> Any:
+        """left, right, width [m], load [N/m], mean_pressure, max_pressure [Pa] of each zone: a pandas.DataFrame where pandas is
+        installed, else a dictionary of an array for each column."""
+        return export.zone_frame(self)
+
+    def save(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write zones, numbers and scene as JSON, or those and the fields as netCDF: .json or .nc says which.
+
+        Raises
+        ------
+        SceneError
+            If the name ends otherwise, or the file is there and `overwrite` is not given.
+        """
+        known = {".json": export.write_json, ".nc": export.write_netcdf}
+        ending = Path(path).suffix.lower() if isinstance(path, (str, PathLike)) else ""
+        if ending not in known:
+            raise SceneError.of("path", path, f"the name of a file that ends in {' or '.join(known)}")
+        known[ending](self, path, overwrite)
+
+    def save_zones(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write the zone table as CSV, SI, in full precision; a file that is there only with `overwrite`."""
+        export.write_csv(self, path, overwrite)
+
+    def save_fields(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write x, pressure, gap, displacement, profile as CSV, SI, in full precision; a file that is there only with `overwrite`."""
+        export.write_fields(self, path, overwrite)
 
     def to_dict(self) -> dict[str, Any]:
         """All of it in plain types; None for what is infinite or undefined."""

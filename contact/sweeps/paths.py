@@ -18,6 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from os import PathLike
 from typing import Any
 
 import numpy as np
@@ -33,8 +34,10 @@ from contact.search.topology.missed import WrongTopology
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solved_along
+from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
 from contact.sweeps.hidden import may_hide
+from contact.sweeps.path_plot import plot_path
 
 Array = NDArray[np.float64]
 
@@ -95,8 +98,8 @@ class Path:
     ----------
     solutions : tuple of Solution
         One for each load.
-    events : tuple of Event
-        Changes of the number of zones, in order.
+    passed : tuple of tuple of Event
+        For each load the changes of the number of zones since the load before, in order.
 
     Examples
     --------
@@ -108,29 +111,69 @@ class Path:
     """
 
     solutions: tuple[Solution, ...]
-    events: tuple[Event, ...]
+    passed: tuple[tuple[Event, ...], ...]
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """All events, in order."""
+        return tuple(event for events in self.passed for event in events)
 
     @property
     def loads(self) -> Array:
+        """Loads of the solutions (n,) [N/m]."""
         return np.array([solution.load for solution in self.solutions])
+
+    def plot(self, ax: Any = None) -> Any:
+        """Contact and approach over the load, with the events marked: a matplotlib figure of its own, or of the axes given.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, or two of them, or None
+            Where contact over the load is drawn, and approach over the load; None: in a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        MissingExtra
+            Without matplotlib.
+        SceneError
+            If `ax` is no axes, or two of them where the scene has no approach.
+        """
+        return plot_path(self.solutions, self.passed, ax)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers of each load, events, scene and units in plain types; None for what is infinite or undefined."""
+        return path_table.to_dict(self.solutions, self.passed)
+
+    def save(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write a row for each load as CSV, or all of `to_dict` as JSON: .csv or .json says which.
+
+        Raises
+        ------
+        SceneError
+            If the name ends otherwise, or the file is there and `overwrite` is not given.
+        """
+        path_table.write(self.solutions, self.passed, path, overwrite)
 
 
 def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:
     """Along loads [N/m], under a law by which contact only grows with the load; see `contact.path`."""
     run = _Path(scene, tol)
     solutions: list[Solution] = []
-    events: list[Event] = []
+    passed: list[tuple[Event, ...]] = []
     with unwarned():
         for k, load in enumerate(values):
             if progress is not None:
                 progress("load", k, len(values))
             here = run.curve.at(float(load))
-            if solutions:
-                events += run.between(solutions[-1], here)
+            passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
     # Of the highest load, where slopes and pressures are.
     warn(of_solution(max(solutions, key=lambda solution: solution.load)))
-    return Path(tuple(solutions), tuple(events))
+    return Path(tuple(solutions), tuple(passed))
 
 
 @dataclass(frozen=True)
