@@ -12,7 +12,7 @@ from contact.errors import MissingExtra
 EXTRAS = {
     "matplotlib": "plot", "xarray": "io", "h5netcdf": "io", "h5py": "io",
     "tamaas": "peers", "ContactMechanics": "peers", "SurfaceTopography": "instruments",
-    "panel": "explore", "bokeh": "explore", "distributed": "cluster",
+    "panel": "explore", "bokeh": "explore", "distributed": "cluster", "cloudpickle": "cluster",
 }
 
 
