@@ -1,5 +1,5 @@
-"""The command line: `contact solve | plan | compare | path | explore | trace | figures | bench | stability`, and lists of what a scene may
-name, `contact profiles | interactions | substrates | laws`.
+"""The command line: `contact solve | plan | compare | path | sweep | explore | trace | figures | bench | stability`, and lists of what a
+scene may name, `contact profiles | interactions | substrates | laws`.
 
 Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but 0 stderr has one line, after a
 line for each warning.
@@ -25,6 +25,7 @@ from contact.commands.explore import explore_command
 from contact.commands.options import QUIET, SCENE, TOL, scene_of
 from contact.commands.outputs import OVERWRITE, checked, checked_figure
 from contact.commands.path import path_command
+from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command
 from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
 from contact.extras import other_package, owners, require, version
@@ -216,6 +217,7 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
 
 
 main.add_command(path_command)
+main.add_command(sweep_command)
 main.add_command(trace_command)
 main.add_command(explore_command)
 
