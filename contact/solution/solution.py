@@ -15,10 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 
 import sie
 from contact.errors import SceneError
+from contact.formulation.energy import elastic_energy
 from contact.formulation.fields import Fields, ZoneFields
 from contact.model.checks import real
 from contact.model.scene import Scene
 from contact.solution import export, html, plotting
+from contact.solution.energy import Energy
 from contact.solution.peaks import peaks
 from contact.solution.plan import Plan
 from contact.solution.pull_off import PullOff
@@ -87,7 +89,7 @@ class Solution(sie.Kept):
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """Contact pressure [Pa] at normalised positions t in [-1, 1] of one zone, without loss of digits at its ends."""
         if len(self.zones) == 0:
-            raise SceneError.of("zone", zone, "left alone: full contact has no zones, use pressure(x)")
+            raise SceneError.of("zone", zone, "left alone: full contact, or surfaces apart, have no zones, use pressure(x)")
         count = len(self.zones)
         if not isinstance(zone, Integral) or not -count <= zone < count:
             raise SceneError.of("zone", zone, f"a whole number from 0 to {count - 1}, there being {count} zone{'s' * (count > 1)}")
@@ -156,6 +158,16 @@ class Solution(sie.Kept):
             return None
         return self.fields.contact_fraction
 
+    @cached_property
+    def energy(self) -> Energy | None:
+        """Elastic energy and that of the interface [J/m], per period where there is one; None where there is no approach, and for localized
+        contact, whose strip is not all of the body."""
+        elastic, period = elastic_energy(self.fields), self.scene.period
+        if elastic is None:
+            return None
+        width = float(np.sum(self.zone_widths)) if period is None else self.fields.contact_fraction * period
+        return Energy(elastic, self.scene.law.surface_energy(self.fields, width) + 0.0)
+
     @property
     def stiffness(self) -> float | None:
         """d load / d approach [N/m^2], at the given moment where one is given, else at the tilt; inf in full contact, None where
@@ -165,7 +177,7 @@ class Solution(sie.Kept):
     @cached_property
     def pull_off(self) -> PullOff | None:
         """Where the contact comes apart as its load (or its approach, where that is given) falls, under a law that bears tension; None
-        for full contact, which does not open. Parts of it may come apart before: it is where the last do."""
+        for full contact, which does not open, and for surfaces apart. Parts of it may come apart before: it is where the last do."""
         law = self.scene.law
         if law.bare is None or self.scene.half_width is not None:
             what = f"the law {law.name}" if law.bare is None else "a given half width"

@@ -19,7 +19,7 @@ from sie.basis import chebyshev
 from sie.collocation.fixed import State
 from sie.density.density import Density
 from sie.equation.conditions import of_levels, speaks_of_levels
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 
@@ -124,7 +124,7 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
         levels = system.levels()[0] @ unknowns + own_level
     potentials = _beyond_potential(zones, _rho(zones, places[:, None] - poles), up, layout.m) @ strengths
     for j in range(cases):
-        density = Density(zones, kernel, table[j], Steps.none(), unknowns[layout.coefficients :, j])
+        density = Density(zones, kernel, table[j], ForcingJumps.none(), unknowns[layout.coefficients :, j])
         potentials[:, j] += density.potential(places) if len(places) else 0.0
     return Answers(intensities, levels, potentials)
 
@@ -159,7 +159,7 @@ def _solved(state: State, right: Array) -> Array:
     return np.column_stack([iteration(column, None, 0.0) for column in right.T])
 
 
-def _beyond_potential(zones, seen: Array, up: Array, m: Array) -> Array:  # type: ignore[no-untyped-def]
+def _beyond_potential(zones, seen: Array, up: Array, m: NDArray[np.intp]) -> Array:  # type: ignore[no-untyped-def]
     """Potential of (2/(pi w)) rho^l, l > m, of unit sources (Z, S, poles) at places (Z, P, poles): -(2/pi) sum_{l > m} (rho rho')^l / l."""
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(zones)):

@@ -47,6 +47,8 @@ class Profile(sie.Kept):
     """
 
     name: ClassVar[str] = ""
+    # Of parameters, by name, as tables and axes tell them; what is not here has none told.
+    units: ClassVar[Mapping[str, str]] = {}
     period: float | None = None
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
