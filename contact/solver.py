@@ -14,9 +14,10 @@ import time
 from dataclasses import replace
 from numbers import Real
 
-from contact.errors import SceneError, warn
+from contact.errors import NotConverged, SceneError, warn
 from contact.model.checks import one_of
 from contact.model.scene import Scene
+from contact.search.equilibria.parting import Parting
 from contact.search.find import found
 from contact.search.refine import refined
 from contact.search.shared import Shared
@@ -26,6 +27,7 @@ from contact.search.ways.full_contact import Full
 from contact.search.ways.guesses import Outcome
 from contact.solution import made, validity
 from contact.solution.solution import Solution
+from contact.verify.accuracy import Found
 from contact.verify.gap_accuracy import FoundByGaps
 
 
@@ -116,6 +118,20 @@ def solved_along(
     return _run(task)
 
 
+def task_of(scene: Scene, tol: float) -> Task:
+    """The task of a scene, for contacts that are followed (`solved_at`)."""
+    return Task.of(scene, tol, None, None, under=_solved)
+
+
+def solved_at(task: Task, found: Found, told: str) -> Solution:
+    """A contact that was followed to where it is, by the branch of the task; told: how it was come by."""
+    def lost(_: Task) -> Outcome:
+        raise NotConverged("only the contact that was followed is meant, and no other search for it")
+
+    task.plan["branch"].detail = told
+    return _solution(task, refined(task, found, lost))
+
+
 def _solved(
     scene: Scene, tol: float, progress: Progress | None, near: Solution | None, branch: str = "advancing"
 ) -> Solution:
@@ -132,8 +148,10 @@ def _run(task: Task) -> Solution:
 
 def _solution(task: Task, outcome: Outcome) -> Solution:
     scene, plan, tol = task.scene, task.plan, task.tol
+    followed = task.follows_branch
+    branch = task.branch if followed else None
     if isinstance(outcome, Full):
-        return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol)
+        return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol, branch)
     if isinstance(outcome, FoundByGaps):
         return made.of_gaps(scene, outcome, plan, tol)
-    return made.of_zones(scene, outcome, plan, tol)
+    return made.of_zones(scene, outcome, plan, tol, branch, Parting(outcome.control) if followed else None)

@@ -17,13 +17,13 @@ ORDER = {
     "sie": "basis fast jumps equation density collocation slits free_ends solver __init__",
     "contact": """
         errors interrupts extras model testing reference exact inverse axisymmetric
-        formulation verify solution search solver sweeps __init__ paper studies commands __main__
+        formulation verify solution search solver sweeps explorer __init__ paper studies commands __main__
     """,
-    "contact.search": "topology grid shared task feasibility ways find refine __init__",
+    "contact.search": "topology grid equilibria shared task feasibility ways find refine __init__",
 }
 # The only files that import by name: what is heavy, where a scene needs it.
 ON_DEMAND = {"contact.extras", "sie.fast.lazy"}
-HEAVY = ("numba", "matplotlib", "xarray", "click", "rich", "pydantic", "scipy.interpolate", "scipy.optimize", "pandas")
+HEAVY = ("numba", "matplotlib", "xarray", "click", "rich", "pydantic", "scipy.interpolate", "scipy.optimize", "pandas", "panel", "bokeh")
 
 
 def modules(package: str) -> dict[str, Path]:

@@ -93,7 +93,8 @@ def _inside(solution: Answer) -> Array:
     """Places in every zone; in full contact over the period."""
     zones, profile = np.asarray(solution.zones), solution.scene.profile
     if not len(zones):
-        assert profile.period is not None
+        if profile.period is None:  # surfaces apart
+            return np.zeros(0)
         return profile.x0 + profile.period * (np.arange(_PLACES) + 0.25) / _PLACES
     middle, half = zones.mean(axis=1), 0.5 * (zones[:, 1] - zones[:, 0])
     return np.asarray((middle[:, None] + half[:, None] * _T).ravel())

@@ -18,24 +18,26 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from contact.errors import NotConverged, SceneError, unwarned, warn
+from contact.errors import NotConverged, unwarned, warn
 from contact.formulation.maxima import maximum
 from contact.formulation.roots import bracketed
-from contact.model.checks import finite_array
 from contact.model.scene import Scene
 from contact.search.topology.formulations import formulation_of
 from contact.search.topology.loop import Progress
 from contact.search.topology.missed import WrongTopology
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
-from contact.solver import solved_along, tolerance
+from contact.solver import solved_along
+from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
 from contact.sweeps.hidden import may_hide
+from contact.sweeps.path_plot import plot_path
 
 Array = NDArray[np.float64]
 
@@ -96,8 +98,8 @@ class Path:
     ----------
     solutions : tuple of Solution
         One for each load.
-    events : tuple of Event
-        Changes of the number of zones, in order.
+    passed : tuple of tuple of Event
+        For each load the changes of the number of zones since the load before, in order.
 
     Examples
     --------
@@ -109,67 +111,69 @@ class Path:
     """
 
     solutions: tuple[Solution, ...]
-    events: tuple[Event, ...]
+    passed: tuple[tuple[Event, ...], ...]
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """All events, in order."""
+        return tuple(event for events in self.passed for event in events)
 
     @property
     def loads(self) -> Array:
+        """Loads of the solutions (n,) [N/m]."""
         return np.array([solution.load for solution in self.solutions])
 
+    def plot(self, ax: Any = None) -> Any:
+        """Contact and approach over the load, with the events marked: a matplotlib figure of its own, or of the axes given.
 
-def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress | None = None) -> Path:
-    """Solve a scene along loads [N/m] (per period where there is one), each from the zones of the last, with all events.
+        Parameters
+        ----------
+        ax : matplotlib Axes, or two of them, or None
+            Where contact over the load is drawn, and approach over the load; None: in a new figure.
 
-    The scene's own control is replaced by each load in turn; its tilt or its moment stays.
+        Returns
+        -------
+        matplotlib.figure.Figure
 
-    Parameters
-    ----------
-    scene : Scene
-        What is pressed, under any control.
-    loads : array_like
-        One or more loads [N/m], (n,), positive, in any order.
-    tol : float
-        Largest stated error of each solution.
-    progress : callable or None
-        Called with (stage, done, total or None).
+        Raises
+        ------
+        MissingExtra
+            Without matplotlib.
+        SceneError
+            If `ax` is no axes, or two of them where the scene has no approach.
+        """
+        return plot_path(self.solutions, self.passed, ax)
 
-    Returns
-    -------
-    Path
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers of each load, events, scene and units in plain types; None for what is infinite or undefined."""
+        return path_table.to_dict(self.solutions, self.passed)
 
-    Raises
-    ------
-    SceneError, OutOfRange, NotConverged
-        As `contact.solve`; SceneError also if the law is one under which contact may not grow with the load.
+    def save(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write a row for each load as CSV, or all of `to_dict` as JSON: .csv or .json says which.
 
-    Examples
-    --------
-    >>> import contact
-    >>> wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), load=1.0)
-    >>> found = contact.path(wave, [1e3, 2e3, 4e3])
-    >>> [event.kind for event in found.events], len(found.solutions)
-    (['full'], 3)
-    """
-    if not isinstance(scene, Scene):
-        raise SceneError.of("scene", scene, "a contact.Scene")
-    if not scene.law.convex:
-        raise SceneError.of("law", scene.law.name, "one under which contact only grows with the load: a path under others is not followed")
-    values = finite_array("loads", loads)
-    if np.any(values <= 0):
-        raise SceneError.of("loads", loads, "positive")
-    run = _Path(scene, tolerance(tol))
+        Raises
+        ------
+        SceneError
+            If the name ends otherwise, or the file is there and `overwrite` is not given.
+        """
+        path_table.write(self.solutions, self.passed, path, overwrite)
+
+
+def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:
+    """Along loads [N/m], under a law by which contact only grows with the load; see `contact.path`."""
+    run = _Path(scene, tol)
     solutions: list[Solution] = []
-    events: list[Event] = []
+    passed: list[tuple[Event, ...]] = []
     with unwarned():
         for k, load in enumerate(values):
             if progress is not None:
                 progress("load", k, len(values))
             here = run.curve.at(float(load))
-            if solutions:
-                events += run.between(solutions[-1], here)
+            passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
     # Of the highest load, where slopes and pressures are.
     warn(of_solution(max(solutions, key=lambda solution: solution.load)))
-    return Path(tuple(solutions), tuple(events))
+    return Path(tuple(solutions), tuple(passed))
 
 
 @dataclass(frozen=True)

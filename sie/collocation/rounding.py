@@ -17,7 +17,7 @@ from sie.basis.chebyshev import bounded_part
 from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
 from sie.collocation.neighbours import conformal_radius
-from sie.collocation.symmetry import Folding
+from sie.collocation.symmetry import MirrorSymmetry
 from sie.collocation.system import System
 from sie.density.density import Density
 from sie.equation.conditions import of_levels, speaks_of_levels
@@ -93,7 +93,7 @@ def _through_rows(state: Solved) -> Array:
     system, solver = state.system, state.direct
     zones = system.zones
     (left, _), (right, _) = system.intensities()
-    rows = Folding.of(zones, system.layout).fold(np.concatenate((left, right)))
+    rows = MirrorSymmetry.of(zones, system.layout).fold(np.concatenate((left, right)))
     effect = solver.transposed(rows.T)
     rounding = EPS * solver.size_of_rows
     squares = np.zeros(len(rows))
@@ -131,8 +131,8 @@ def density_rounding(state: Solved) -> float:
             levels *= np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None]
             scale = state.condition_scale[first : first + count, None]
             shaken[state.conditions_from + first : state.conditions_from + first + count] = of_levels(condition, zones) @ levels / scale
-    folding = Folding.of(zones, system.layout)
-    changes = [system.layout.padded(folding.unfold(change)) for change in solver(shaken).T]
+    symmetry = MirrorSymmetry.of(zones, system.layout)
+    changes = [system.layout.padded(symmetry.unfold(change)) for change in solver(shaken).T]
     largest = _largest(np.concatenate(changes)).reshape(_SHAKEN, -1).max(axis=1)
     return SAFETY * float(np.sqrt(np.mean(largest**2)))
 

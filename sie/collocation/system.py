@@ -24,12 +24,12 @@ from sie.basis import chebyshev
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
-from sie.collocation.spline_moments import crowded
+from sie.collocation.spline_moments import many_jumps
 from sie.density.field import moments_of, panels_over
 from sie.equation.conditions import Linear, multiplicity
 from sie.equation.equation import Equation
 from sie.fast.panels import TERMS, Panels, Spread
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -210,15 +210,15 @@ class System:
     coefficients: smooth part of the right side, U coefficients g_k at [:, k], for all zones.
     """
 
-    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, steps: Steps) -> None:
-        self.equation, self.zones, self.steps, self.g = equation, zones, steps, coefficients
+    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps) -> None:
+        self.equation, self.zones, self.jumps, self.g = equation, zones, jumps, coefficients
         self.layout = Layout(m, len(equation.columns))
-        self.known = steps.t_coefficients(zones, int(m.max()) + 1)
-        # In crowded zones the jumps' parts are among the unknowns, as far as those go.
-        self.crowded = crowded(equation.forcing, zones, steps)
+        self.known = jumps.t_coefficients(zones, int(m.max()) + 1)
+        # In zones by moments the jumps' parts are among the unknowns, as far as those go.
+        self.by_moments = many_jumps(equation.forcing, zones, jumps)
         self.taken = np.zeros_like(self.known)
         self.lowest = coefficients
-        if len(self.crowded):
+        if len(self.by_moments):
             self._take(m)
         self.targets = Targets.lobatto(zones, zones.solved, m)
         self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
@@ -227,12 +227,12 @@ class System:
         self.field_sizes: Array | None = None
 
     def _take(self, m: Index) -> None:
-        zones, chosen = self.zones, self.crowded
+        zones, chosen = self.zones, self.by_moments
         both = np.union1d(chosen, len(zones) - 1 - chosen) if zones.symmetric else chosen
         within = np.arange(self.known.shape[1]) <= m[both, None]
         self.taken[both] = np.where(within, self.known[both], 0.0)
         self.known = self.known - self.taken
-        of_g, self.crowded_means = coefficients_between(self.equation.forcing, zones, self.steps, chosen, m)
+        of_g, self.moment_means = coefficients_between(self.equation.forcing, zones, self.jumps, chosen, m)
         count = max(self.g.shape[1], of_g.shape[1])
         self.lowest = np.pad(self.g, ((0, 0), (0, count - self.g.shape[1])))
         inner = np.arange(count) <= m[chosen, None]
@@ -261,7 +261,7 @@ class System:
             g = np.zeros(m)
             count = min(m, self.lowest.shape[1] - 1)
             g[:count] = self.lowest[i, 1 : count + 1]
-            if len(self.steps):
+            if len(self.jumps):
                 g -= rows @ layout.flat(self.known)
             rows[k - 1, layout.offset[i] + k] -= 1.0
             step = 2 if zones.central and place == 0 else 1
@@ -288,10 +288,10 @@ class System:
         count = int(panels.modes(zones.half).max()) + 1
         table, given = np.zeros((len(zones), count)), min(count, self.g.shape[1])
         table[:, :given] = -self.g[:, :given]
-        if len(self.steps):
-            table += self.steps.t_coefficients(zones, count)
+        if len(self.jumps):
+            table += self.jumps.t_coefficients(zones, count)
         table = np.where(np.arange(count) > self.layout.m[:, None], table, 0.0)
-        return moments_of(panels, zones, self.equation.kernel, table, Steps.none())
+        return moments_of(panels, zones, self.equation.kernel, table, ForcingJumps.none())
 
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
         """(rows of the equation, levels) of what has these moments on the panels."""
@@ -342,9 +342,9 @@ class System:
             rows[place, start : start + count] = values[:count]
             beyond = -self.g[i, m + 1 : size]
             constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
-            if len(self.steps):
+            if len(self.jumps):
                 if size not in known:
-                    known[size] = self.steps.t_coefficients(self.zones, size)
+                    known[size] = self.jumps.t_coefficients(self.zones, size)
                 constants[place] += values @ known[size][i] - values[:count] @ self.taken[i, :count]
         return rows, constants
 
@@ -459,10 +459,10 @@ class System:
         solved = zones.solved
         w = zones.half[solved]
         mean = 0.5 * (forcing.primitive(zones.a[solved]) + forcing.primitive(zones.b[solved]))
-        if len(self.steps):
-            mean = mean + w * self.steps.mean_offsets(zones)[solved]
+        if len(self.jumps):
+            mean = mean + w * self.jumps.mean_offsets(zones)[solved]
         k = np.arange(2, self.g.shape[1], 2)
         mean = np.asarray(mean - w * (self.g[solved][:, k] @ (1 / k)))
-        if len(self.crowded):
-            mean[np.searchsorted(solved, self.crowded)] = self.crowded_means
+        if len(self.by_moments):
+            mean[np.searchsorted(solved, self.by_moments)] = self.moment_means
         return mean

@@ -24,12 +24,12 @@ from sie.density.field import (
     quadrature,
     transform_at,
 )
-from sie.density.interval_potential import LocalPotential
+from sie.density.interval_potential import IntervalPotential
 from sie.density.plane import Plane
-from sie.density.treecode import Everywhere
+from sie.density.treecode import Treecode
 from sie.fast.far import reaches
 from sie.fast.panels import Panels
-from sie.jumps.forcing import LOG2, SERIES_REACH, Steps, of_zones
+from sie.jumps.forcing import LOG2, SERIES_REACH, ForcingJumps, of_zones
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -45,7 +45,7 @@ LOOKS = 128
 
 @dataclass(frozen=True, eq=False)
 class Density(Kept):
-    """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the steps, on each zone, t from -1 to 1 there.
+    """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the jumps, on each zone, t from -1 to 1 there.
 
     Called at points of the line it gives phi, zero off the zones; `transform`, `potential` and their slopes also take complex points
     off it.
@@ -58,12 +58,12 @@ class Density(Kept):
         By which transform and potential are taken.
     coefficients : ndarray
         c of the smooth part (Z, n + 1).
-    steps : Steps
+    jumps : ForcingJumps
         The jumps of the right side within the zones.
     amplitudes : ndarray
         Those of the equation's columns (k,).
-    closed : bool
-        See `settled`.
+    bounded_ends : bool
+        See `with_bounded_ends`.
     parts : tuple or None
         What `bounded` is, where it is known to more digits than the coefficients tell.
 
@@ -83,16 +83,16 @@ class Density(Kept):
     zones: Zones
     kernel: Kernel
     coefficients: Array
-    steps: Steps
+    jumps: ForcingJumps
     amplitudes: Array
-    closed: bool = False
+    bounded_ends: bool = False
     parts: tuple[Array, Array, Array] | None = None
 
     # per zone -------------------------------------------------------------------------------------------------------
     @cached_property
     def bounded(self) -> tuple[Array, Array, Array]:
         alpha, beta, u = self.parts or chebyshev.bounded_part(self.coefficients)
-        if not self.closed:
+        if not self.bounded_ends:
             return alpha, beta, u
         zones = self.zones
         left = np.array([end.moves and end.intensity == 0.0 for end in zones.left])
@@ -106,22 +106,22 @@ class Density(Kept):
         return self
 
     @property
-    def slits(self) -> int:
+    def slit_count(self) -> int:
         """How many narrow gaps between the zones are taken as slits of wider ones; here none."""
         return 0
 
     def opening(self, x: ArrayLike) -> tuple[NDArray[np.bool_], Array]:
-        """(whether x lies in a slit, what has been released from the slit's left end to x); here nowhere, nothing."""
+        """(whether x lies in a slit, the integral of the slack from the slit's left end to x); here nowhere, nothing."""
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)
 
-    def settled(self) -> Density:
+    def with_bounded_ends(self) -> Density:
         """The same density with the last traces of 1/sqrt(d) taken out at free ends, where the exact one has none.
 
         An end off by delta leaves K = A delta / 2 there: at equal normalised position the rest is right to delta over
         the width, while K / sqrt(d) would grow without bound towards the end.
         """
-        return replace(self, closed=True)
+        return replace(self, bounded_ends=True)
 
     @cached_property
     def _bounded_ends(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -134,13 +134,13 @@ class Density(Kept):
         """Even angles per zone (Z,) that show all of the density: twice its modes and a few for every jump."""
         modes = np.count_nonzero(self.coefficients, axis=1)
         jumps = np.zeros(len(self.zones), dtype=np.intp)
-        jumps[: len(self.steps.count)] = self.steps.count
+        jumps[: len(self.jumps.count)] = self.jumps.count
         return np.clip(2 * modes + 4 * jumps, 24, _MOST_PLACES)
 
     @cached_property
     def totals(self) -> Array:
         """Integral over each zone (Z,)."""
-        first = self.steps.t_coefficients(self.zones, 1)[:, 0]
+        first = self.jumps.t_coefficients(self.zones, 1)[:, 0]
         return np.asarray(np.pi * self.zones.half * (self.coefficients[:, 0] + first))
 
     @property
@@ -151,7 +151,7 @@ class Density(Kept):
     def moment(self, about: float = 0.0) -> float:
         """Integral of (x - about) times the density."""
         c = self.coefficients[:, 1] if self.coefficients.shape[1] > 1 else 0.0
-        first = c + self.steps.t_coefficients(self.zones, 2)[:, 1]
+        first = c + self.jumps.t_coefficients(self.zones, 2)[:, 1]
         w = self.zones.half
         return float(np.sum((self.zones.middle - about) * self.totals + np.pi * w * w * first / 2))
 
@@ -168,7 +168,7 @@ class Density(Kept):
         alpha, beta, u = self.bounded
         k = np.arange(1, u.shape[1] + 1)
         sign = 1.0 - 2.0 * ((k - 1) % 2)
-        step_left, step_right = self.steps.edge_slopes(self.zones)
+        step_left, step_right = self.jumps.edge_slopes(self.zones)
         w = self.zones.half
         # From (alpha + beta t) / sqrt(1 - t^2) at t = 1 - d/w, to second order.
         singular_right = ((alpha + beta) / 4 - beta) / np.sqrt(2 * w)
@@ -190,7 +190,7 @@ class Density(Kept):
         peak, by_left, by_right = np.zeros((3, len(self.zones)))
         alpha, beta, u = self.bounded
         counts = np.minimum(self.sampling, LOOKS)
-        edge_left, edge_right = self.steps.edge_slopes(self.zones)
+        edge_left, edge_right = self.jumps.edge_slopes(self.zones)
         for n in np.unique(counts):
             group = np.flatnonzero(counts == n)
             theta = (np.arange(n) + 0.5) * np.pi / n
@@ -205,12 +205,12 @@ class Density(Kept):
             by_right[group] = np.abs((slope - at_right) / half).max(axis=0)
             by_left[group] = np.abs((slope + at_left) * half).max(axis=0)
             for column, i in enumerate(group.tolist()):
-                if i not in self.steps.by_zone:
+                if i not in self.jumps.by_zone:
                     continue
-                peak[i] = np.abs(value[:, column] + self.steps.density(i, 1 + np.cos(theta), 1 - np.cos(theta))).max()
-                beside = self.steps.beside_kinks(i, _BESIDE, theta)
+                peak[i] = np.abs(value[:, column] + self.jumps.density(i, 1 + np.cos(theta), 1 - np.cos(theta))).max()
+                beside = self.jumps.beside_kinks(i, _BESIDE, theta)
                 left, right = 2 * np.cos(0.5 * beside) ** 2, 2 * np.sin(0.5 * beside) ** 2
-                bent = np.cos(beside[:, None] * k) @ (k * sums[:, column]) + self.steps.angular_slope(i, left, right)
+                bent = np.cos(beside[:, None] * k) @ (k * sums[:, column]) + self.jumps.angular_slope(i, left, right)
                 tangent = np.tan(0.5 * beside)
                 by_right[i] = np.abs((bent - at_right[column]) / tangent).max(initial=0.0)
                 by_left[i] = np.abs((bent + at_left[column]) * tangent).max(initial=0.0)
@@ -238,12 +238,12 @@ class Density(Kept):
             else:
                 sums = self._sine_sum(u, zone, _angle(left, right), left < right)
             out = np.asarray(np.where(no_edge, 0.0, edge) + sums)
-        if len(self.steps):
+        if len(self.jumps):
             out = out.copy()
             flat, flat_left, flat_right = out.reshape(-1), left.ravel(), right.ravel()
             for i, here in of_zones(zone.ravel()):
-                if i in self.steps.by_zone:
-                    flat[here] += self.steps.density(i, flat_left[here], flat_right[here])
+                if i in self.jumps.by_zone:
+                    flat[here] += self.jumps.density(i, flat_left[here], flat_right[here])
         return np.asarray(out)
 
     def at_t(self, zone: ArrayLike, t: ArrayLike) -> Array:
@@ -303,7 +303,7 @@ class Density(Kept):
         return out
 
     def integral_at(self, zone: ArrayLike, theta: ArrayLike) -> Array:
-        """Integral of the density from a zone's left end to the angle theta (t = cos theta), of densities with breaks or none:
+        """Integral of the density from a zone's left end to the angle theta (t = cos theta), of densities with jumps of their own or none:
         int T_j / sqrt(1 - t^2) dt = -sin(j theta) / j, and (pi - theta) for j = 0."""
         zone, theta = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), _float(theta))
         w, c = self.zones.half[zone], self.coefficients
@@ -314,12 +314,12 @@ class Density(Kept):
         else:
             sums = self._sine_sum(table, zone, angle, flip)
         out = np.array(c[zone, 0] * (np.pi - theta) - sums)
-        if len(self.steps):
+        if len(self.jumps):
             flat_out, flat = out.reshape(-1), theta.ravel()
             for i, here in of_zones(zone.ravel()):
-                if i in self.steps.by_zone:
+                if i in self.jumps.by_zone:
                     left, right = 2 * np.cos(flat[here] / 2) ** 2, 2 * np.sin(flat[here] / 2) ** 2
-                    flat_out[here] += self.steps.integral(i, left, right)
+                    flat_out[here] += self.jumps.integral(i, left, right)
         return np.asarray(w * out)
 
     def integral(self, x: ArrayLike) -> Array:
@@ -367,7 +367,7 @@ class Density(Kept):
 
     def potential_on(self, lo: float, hi: float) -> Callable[[Array], Array] | None:
         """The potential on [lo, hi], an interval without zones in it, cheap at many points; None where nothing is gained."""
-        return LocalPotential.on(self, lo, hi)
+        return IntervalPotential.on(self, lo, hi)
 
     def into_period(self, x: Array) -> Array:
         """x moved by periods to within half of one of the zones' middle, where the kernel's poles are the near ones."""
@@ -382,14 +382,14 @@ class Density(Kept):
         return Sources.of(self.zones, self.kernel)
 
     @cached_property
-    def everywhere(self) -> Everywhere | None:
+    def treecode(self) -> Treecode | None:
         """Fast sums for many points; None where the kernel or the number of zones does not allow them."""
-        return Everywhere(self) if len(self.zones) >= _MANY_ZONES and reaches(self.kernel, self.zones) else None
+        return Treecode(self) if len(self.zones) >= _MANY_ZONES and reaches(self.kernel, self.zones) else None
 
     @property
     def has_series(self) -> bool:
-        """Whether `everywhere` is at hand, or was before this was copied: what is summed with it keeps its last digits."""
-        return self.__dict__.get("everywhere") is not None or "summed" in self.__dict__
+        """Whether `treecode` is at hand, or was before this was copied: what is summed with it keeps its last digits."""
+        return self.__dict__.get("treecode") is not None or "summed" in self.__dict__
 
     def __getstate__(self) -> Any:
         kept = super().__getstate__()
@@ -398,13 +398,13 @@ class Density(Kept):
     @cached_property
     def quadrature(self) -> list[tuple[Array, Array]]:
         """Nodes and weighted density for the regular part of the kernel."""
-        return quadrature(self.zones, self.kernel, self.coefficients, self.steps)
+        return quadrature(self.zones, self.kernel, self.coefficients, self.jumps)
 
     @cached_property
     def panel_moments(self) -> tuple[Panels, Array] | None:
         """The panels of the regular part and this density's moments on them; None where it has none."""
         panels = panels_over(self.kernel, self.zones)
-        return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.steps))
+        return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.jumps))
 
     def own_transform(self, zone: Index, left: Array, right: Array) -> Array:
         """-sum c_j U_{j-1}(t) on the zones, by the angle from the nearer end."""
@@ -420,8 +420,8 @@ class Density(Kept):
 
     @cached_property
     def potential_coefficients(self) -> Array:
-        """Coefficients of all but `Steps.sharp_potential`, those over l = 1, 2, ... divided by l: for potentials."""
-        c, high = self.coefficients, self.steps.high_coefficients(self.zones)
+        """Coefficients of all but `ForcingJumps.sharp_potential`, those over l = 1, 2, ... divided by l: for potentials."""
+        c, high = self.coefficients, self.jumps.high_coefficients(self.zones)
         table = np.zeros((len(c), max(c.shape[1], high.shape[1])))
         table[:, : c.shape[1]] = c
         table[:, : high.shape[1]] += high
@@ -429,32 +429,32 @@ class Density(Kept):
         return table
 
     def near_potential(self, zone: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
-        """Potential over w of zones at points on them and beside their ends, all but `Steps.sharp_potential`, at distances from these over
-        w (n,), positive on the zone; rho off it, anything in the unit circle on it."""
+        """Potential over w of zones at points on them and beside their ends, all but `ForcingJumps.sharp_potential`, at distances from
+        these over w (n,), positive on the zone; rho off it, anything in the unit circle on it."""
         series, value = self._own_series, np.empty(len(left))
         log = np.log(self.zones.half / self.kernel.datum)
         theta = 2 * np.arctan2(np.sqrt(right[on]), np.sqrt(left[on]))
         value[on] = series[zone[on], 0] * (log[zone[on]] - LOG2) - cosine_sum(series[:, 1:], zone[on], theta)
         at, r = zone[~on], rho[~on]
         value[~on] = series[at, 0] * (log[at] - np.log(2 * np.abs(r))) - r * sum_of_powers(series[:, 1:], r, at)
-        for place, here in of_zones(zone) if self.steps.summed else ():
-            if place in self.steps.summed:
-                jumps = self.steps.summed_potential(place, left[here], right[here], rho[here])
+        for place, here in of_zones(zone) if self.jumps.summed else ():
+            if place in self.jumps.summed:
+                jumps = self.jumps.summed_potential(place, left[here], right[here], rho[here])
                 value[here] += jumps + self.summed_totals[place] * log[place]
         return value
 
     def is_near(self, zone: Index, rho: Array, on: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Where `near_potential` is to be asked: on the zones, and where series of jumps end too soon."""
-        if not self.steps.summed:
+        if not self.jumps.summed:
             return on
         summed = np.zeros(len(self.zones), dtype=bool)
-        summed[list(self.steps.summed)] = True
+        summed[list(self.jumps.summed)] = True
         return np.asarray(on | (summed[zone] & (np.abs(rho) > SERIES_REACH)))
 
     @cached_property
     def _own_series(self) -> Array:
         """`potential_coefficients` without the jumps that have closed forms there."""
-        if not self.steps.summed:
+        if not self.jumps.summed:
             return self.potential_coefficients
         table = self.coefficients.copy()
         table[:, 1:] /= np.arange(1, table.shape[1])
@@ -463,13 +463,13 @@ class Density(Kept):
     @cached_property
     def summed_totals(self) -> Array:
         """c_0 of the jumps whose potential is a series, per zone."""
-        high = self.steps.high_coefficients(self.zones)
+        high = self.jumps.high_coefficients(self.zones)
         return np.asarray(high[:, :1].sum(axis=1))
 
     @cached_property
     def sharp_totals(self) -> Array:
-        """c_0 of the jumps of `Steps.sharp_potential`, per zone."""
-        jumps = self.steps.t_coefficients(self.zones, 1)[:, 0]
+        """c_0 of the jumps of `ForcingJumps.sharp_potential`, per zone."""
+        jumps = self.jumps.t_coefficients(self.zones, 1)[:, 0]
         return np.asarray(jumps - self.summed_totals)
 
 

@@ -24,7 +24,7 @@ from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.zones import Zones
 from sie.density.series import Evaluated, Series
 from sie.fast.panels import Panels, Spread, panels_of
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -110,8 +110,8 @@ def potential_from(density: Series, x: Array, sources: Sources) -> Array:
 
 
 def _by_blocks(density: Evaluated, x: Array, sources: Sources, what, regular: Regular | None) -> Array:  # type: ignore[no-untyped-def]
-    if len(x) * len(sources) > (SOME_PAIRS if density.has_series else MANY_PAIRS) and density.everywhere is not None:
-        here = density.everywhere
+    if len(x) * len(sources) > (SOME_PAIRS if density.has_series else MANY_PAIRS) and density.treecode is not None:
+        here = density.treecode
         value = here.potential(x) if what is _potential else here.transform(x)
         return value if regular is None or density.kernel.sure else np.asarray(value + regular_at(density, x, regular))
     out = np.zeros(x.shape) if regular is None else regular_at(density, x, regular)
@@ -136,12 +136,12 @@ def _transform(density: Series, x: Array, sources: Sources) -> Array:
     if seen.any_on:
         p, i = np.nonzero(seen.on)
         value[p, i] = density.own_transform(zone[i], seen.left[p, i], seen.right[p, i])
-    for place in density.steps.by_zone:
+    for place in density.jumps.by_zone:
         for column in np.flatnonzero(zone == place):
             on = seen.on[:, column]
-            value[on, column] += density.steps.own_transform(place, seen.left[on, column])
+            value[on, column] += density.jumps.own_transform(place, seen.left[on, column])
             z = 0.5 * (seen.left[~on, column] - seen.right[~on, column])
-            value[~on, column] += density.steps.transform(place, z, rho[~on, column])
+            value[~on, column] += density.jumps.transform(place, z, rho[~on, column])
     return np.asarray(value.sum(axis=1))
 
 
@@ -155,9 +155,9 @@ def _potential(density: Series, x: Array, sources: Sources) -> Array:
     p, i = np.nonzero(density.is_near(zone, rho, seen.on))
     if len(p):
         value[p, i] = density.near_potential(zone[i], seen.left[p, i], seen.right[p, i], rho[p, i], seen.on[p, i])
-    for place in density.steps.sharp:
+    for place in density.jumps.sharp:
         for column in np.flatnonzero(zone == place):
-            jumps = density.steps.sharp_potential(place, seen.left[:, column], seen.right[:, column], rho[:, column])
+            jumps = density.jumps.sharp_potential(place, seen.left[:, column], seen.right[:, column], rho[:, column])
             value[:, column] += jumps + density.sharp_totals[place] * math.log(w[column] / datum)
     return np.asarray(value @ w)
 
@@ -181,13 +181,13 @@ def panels_over(kernel: Kernel, zones: Zones) -> Panels | None:
     return panels_of(kernel, float(zones.a[0]), float(zones.b[-1]))
 
 
-def moments_of(panels: Panels, zones: Zones, kernel: Kernel, table: Array, steps: Steps) -> Array:
+def moments_of(panels: Panels, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> Array:
     """Moments of the panels of a density, see `quadrature`."""
-    nodes, weights = (np.concatenate(parts) for parts in zip(*quadrature(zones, kernel, table, steps), strict=True))
+    nodes, weights = (np.concatenate(parts) for parts in zip(*quadrature(zones, kernel, table, jumps), strict=True))
     return panels.moments(Spread.of(panels, nodes), weights)
 
 
-def quadrature(zones: Zones, kernel: Kernel, table: Array, steps: Steps) -> list[tuple[Array, Array]]:
+def quadrature(zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> list[tuple[Array, Array]]:
     """(nodes, weights times density) for the regular part, of T coefficients (zones, n + 1) and jumps; zones of equal size together."""
     m, panels = table.shape[1] - 1, panels_over(kernel, zones)
     sizes = np.array([regular_size(kernel, w, m) for w in zones.half]) if panels is None else panels.modes(zones.half) + 2
@@ -197,9 +197,9 @@ def quadrature(zones: Zones, kernel: Kernel, table: Array, steps: Steps) -> list
         count = min(int(q), m + 1)
         xi = zones.middle[group][:, None] + zones.half[group][:, None] * chebyshev.gauss(int(q))
         c = table[group, :count]
-        if len(steps):
+        if len(jumps):
             count = int(q)
-            c = np.pad(c, ((0, 0), (0, count - c.shape[1]))) + steps.t_coefficients(zones, count)[group]
+            c = np.pad(c, ((0, 0), (0, count - c.shape[1]))) + jumps.t_coefficients(zones, count)[group]
         weights = chebyshev.t_values(c, int(q)) * (zones.half[group] / q)[:, None]
         found.append((xi.ravel(), weights.ravel()))
     return found

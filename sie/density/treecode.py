@@ -27,7 +27,7 @@ Index = NDArray[np.intp]
 _BLOCK = 400_000
 
 
-class Everywhere:
+class Treecode:
     """A density's series on all cells. Points are those of `Density.into_period`, or any if nothing repeats."""
 
     def __init__(self, density: Series) -> None:
@@ -47,8 +47,8 @@ class Everywhere:
         c = np.zeros((len(zones), TERMS))
         count = min(TERMS, density.coefficients.shape[1])
         c[:, :count] = density.coefficients[:, :count]
-        if len(density.steps):
-            c += density.steps.t_coefficients(zones, TERMS)
+        if len(density.jumps):
+            c += density.jumps.t_coefficients(zones, TERMS)
         self.moments = c * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
         self.series, value, rest = far(self.moments)
         self.value = value + rest
@@ -125,18 +125,18 @@ class Everywhere:
             value[near] = w[near] * density.near_potential(zone[near], left[near], right[near], rho[near], on[near])
         elif len(near):
             value[near] = density.own_transform(zone[near], left[near], right[near])
-        steps = density.steps
-        jumping = set(steps.sharp) if potential else set(steps.by_zone)
+        jumps = density.jumps
+        jumping = set(jumps.sharp) if potential else set(jumps.by_zone)
         for i, places in of_zones(zone) if jumping else ():
             if i not in jumping:
                 continue
             if potential:
-                jumps = steps.sharp_potential(i, left[places], right[places], rho[places])
-                value[places] += w[places] * (jumps + density.sharp_totals[i] * np.log(w[places] / density.kernel.datum))
+                sharp = jumps.sharp_potential(i, left[places], right[places], rho[places])
+                value[places] += w[places] * (sharp + density.sharp_totals[i] * np.log(w[places] / density.kernel.datum))
             else:
                 here, z = on[places], 0.5 * (left[places] - right[places])
-                value[places[here]] += steps.own_transform(i, left[places[here]])
-                value[places[~here]] += steps.transform(i, z[~here], rho[places[~here]])
+                value[places[here]] += jumps.own_transform(i, left[places[here]])
+                value[places[~here]] += jumps.transform(i, z[~here], rho[places[~here]])
         return value
 
     def _transform_of(self, zone: Index, rho: Array, root: Array, w: Array) -> Array:

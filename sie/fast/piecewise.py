@@ -181,11 +181,11 @@ def _cells(ends: Array, at: Array) -> Array:
         length = np.diff(ends)
         first = np.searchsorted(at, ends[:-1] - _MARGIN * length)
         near = np.searchsorted(at, ends[1:] + _MARGIN * length, side="right") - first
-        crowded = near > _MOST
+        dense = near > _MOST
         for k in range(_MOST - 1):
-            of = np.flatnonzero((near > k + 1) & ~crowded)
-            crowded[of[between[first[of] + k] < _LEAST * length[of]]] = True
-        many = np.flatnonzero(crowded)
+            of = np.flatnonzero((near > k + 1) & ~dense)
+            dense[of[between[first[of] + k] < _LEAST * length[of]]] = True
+        many = np.flatnonzero(dense)
         if len(many) == 0:
             return ends
         ends = np.insert(ends, many + 1, 0.5 * (ends[many] + ends[many + 1]))

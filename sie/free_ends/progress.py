@@ -111,9 +111,9 @@ class Progress:
         largest = max(step.move for step in self.trace[-min(self.stalled + 1, 4) :]) / max(move, 1e-300) if stuck else 1.0
         # The value cannot be at rest where rounding keeps the ends moving.
         least = max(self.tolerance, 1e-14, largest * move if stuck else 0.0)
-        settled = abs(motion.change) <= least * abs(value + motion.change)
+        known = abs(motion.change) <= least * abs(value + motion.change)
         rounding = (motion.noise / width).T
-        return Rest(motion.certain and (rests or stuck) and settled, rounding + MARGIN * largest * (delta / width).T, rounding)
+        return Rest(motion.certain and (rests or stuck) and known, rounding + MARGIN * largest * (delta / width).T, rounding)
 
     def is_hopeless(self, certain: bool) -> bool:
         """At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones."""
@@ -151,7 +151,7 @@ class Progress:
         return lost, np.flatnonzero((gap < collapse * np.minimum(self.first_gap, narrowest)) | closed)
 
     @property
-    def folded(self) -> str:
+    def past_fold(self) -> str:
         """That the search has gone to and fro between stable and unstable ends, in words; empty where it has not."""
         if not (any(turn.growth < 0.0 for turn in self.turns) and any(turn.growth >= 0.0 for turn in self.turns)):
             return ""

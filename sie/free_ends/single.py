@@ -27,7 +27,7 @@ from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import conformal_radius
 from sie.density.density import Density
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 from sie.slits.system import AnyState
 
 Array = NDArray[np.float64]
@@ -63,7 +63,7 @@ def far_off(state: AnyState, moves: NDArray[np.bool_], delta: Array) -> Index:
     alone = (np.minimum(*modes.gaps(zones, kernel)) > width) & (width < 0.5 * kernel.datum)
     alone &= np.bincount(place)[place] == 1
     smooth = whole.sizes.own <= _NODES
-    smooth[list(whole.density.steps.kinked)] = False
+    smooth[list(whole.density.jumps.kinked)] = False
     return np.flatnonzero(off & alone & smooth[place] & moves.all(axis=0))
 
 
@@ -164,10 +164,10 @@ class Moving:
         first = self.level / (self.half * self._log(self.half)) if levels else self.total / self.half
         left, right = ([kinds[i] for i in self.chosen] for kinds in (self.zones.left, self.zones.right))
         here = Zones(self.middle - self.half, self.middle + self.half, left, right)
-        return Density(here, self.equation.kernel, np.column_stack((first, -self.h)), Steps.none(), np.zeros(0))
+        return Density(here, self.equation.kernel, np.column_stack((first, -self.h)), ForcingJumps.none(), np.zeros(0))
 
 
-def moved_apart(state: AnyState, chosen: Index, step: Step, added: Added | None = None) -> tuple[Array, Array, NDArray[np.bool_]]:
+def moved_singly(state: AnyState, chosen: Index, step: Step, added: Added | None = None) -> tuple[Array, Array, NDArray[np.bool_]]:
     """(new ends a, b, whether they came to rest) of the chosen zones, after what is added to the density, if anything is."""
     moving = Moving(state, chosen, added)
     if any(c.levels for c in state.equation.conditions):

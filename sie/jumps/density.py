@@ -1,4 +1,4 @@
-r"""Jumps of the density or of its derivatives inside the zones, carried exactly: the mirror image of `steps`.
+r"""Jumps of the density or of its derivatives inside the zones, carried exactly: the mirror image of `forcing`.
 
 Where the wanted density is known to jump, the right side has a logarithm. With t = cos(theta), s = cos(phi) and
 
@@ -16,7 +16,7 @@ the profile, q = 1 over a jump of its curvature, q = 2 over a knot of a cubic sp
 
 For q = 0 the caller leaves (J/pi) Lambda(x, s), Lambda the kernel's potential, out of the right side's values
 altogether: it is added here, from distances that lose no digit however narrow the zone. Those near a zone but outside
-it are carried too (`beyond`).
+it are carried too (`jumps.exterior`).
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ from numpy.typing import NDArray
 from sie.basis.half_plane import Complex, Seen
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
-from sie.jumps.exterior import Beyond, potential_series
+from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.forcing import LOG2 as _LOG2
-from sie.jumps.forcing import SERIES, Steps, of_sines, pair_blocks, power
+from sie.jumps.forcing import SERIES, ForcingJumps, of_sines, pair_blocks, power
 from sie.jumps.local_spline import LocalSpline
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ class Logarithms:
     at: Array
     weight: Array
     own: Index
-    near: Beyond
+    near: ExteriorLogarithms
 
     def at_points(self, x: Array) -> Array:
         """Their sum at points x (n,)."""
@@ -89,7 +89,7 @@ class Logarithms:
 
 
 @dataclass(frozen=True, eq=False)
-class Breaks(Steps):
+class DensityJumps(ForcingJumps):
     """Jumps of the density's derivatives, h = J w^q / q!; `logarithms`: all those of order 0, wherever they are."""
 
     logarithms: Logarithms | None = None
@@ -97,7 +97,7 @@ class Breaks(Steps):
     @classmethod
     def inside(
         cls, zones: Zones, at: Array, jumps: Array, orders: Index, kernel: Kernel, spline: Callable[[Array], Array] | None = None
-    ) -> Breaks:
+    ) -> DensityJumps:
         """The jumps at positions `at` (repeated with the kernel's period) that lie inside a zone. spline: a quadratic spline with those
         of order 2, if there is one."""
         at, i, inside = cls.located(zones, at, kernel.period)
@@ -107,7 +107,7 @@ class Breaks(Steps):
         logarithms = None
         if np.any(kinks):
             own, weight = np.where(inside, i, -1)[kinks], jumps[kinks] / np.pi
-            near = Beyond.near(zones, at[kinks], weight, kernel.period)
+            near = ExteriorLogarithms.near(zones, at[kinks], weight, kernel.period)
             logarithms = Logarithms(kernel, zones, at[kinks], weight, own, near)
         i, at, w = i[inside], at[inside], w[inside]
         found = cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, size[inside], orders[inside], logarithms=logarithms)
@@ -116,7 +116,7 @@ class Breaks(Steps):
     def __len__(self) -> int:
         return len(self.zone) + (0 if self.logarithms is None else len(self.logarithms.near))
 
-    def _beyond(self, zone: int) -> tuple[Beyond, Index] | None:
+    def _exterior(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
         """The logarithms near a zone, outside it."""
         if self.logarithms is None or zone not in self.logarithms.near.by_zone:
             return None
@@ -166,8 +166,8 @@ class Breaks(Steps):
             out[here] = (power(away, self.order[k]) * eta) @ (self.height[k] / np.pi)
         if zone in self.splines:
             out += self.splines[zone].density(left, right)
-        beyond = self._beyond(zone)
-        return out if beyond is None else out + beyond[0].density(beyond[1], left, right)
+        exterior = self._exterior(zone)
+        return out if exterior is None else out + exterior[0].density(exterior[1], left, right)
 
     def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
         """d/dtheta of `density`, by differences."""
@@ -201,8 +201,8 @@ class Breaks(Steps):
             spline = self.splines[zone]
             assert isinstance(spline, LocalSpline)
             out += spline.integral(left)
-        beyond = self._beyond(zone)
-        return out if beyond is None else out + beyond[0].integral(beyond[1], left, right)
+        exterior = self._exterior(zone)
+        return out if exterior is None else out + exterior[0].integral(exterior[1], left, right)
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
         scale, n = self.height / np.pi, len(zones)
@@ -248,13 +248,13 @@ class Breaks(Steps):
             out[here] = value @ (self.height[k] / np.pi)
         if zone in self.splines:
             out += self.splines[zone].own_transform(left)
-        beyond = self._beyond(zone) if least == 0 else None
-        return out if beyond is None else out + beyond[0].own_transform(beyond[1], left)
+        exterior = self._exterior(zone) if least == 0 else None
+        return out if exterior is None else out + exterior[0].own_transform(exterior[1], left)
 
     def transform(self, zone: int, z: Array, rho: Array) -> Array:
         out = super().transform(zone, z, rho) if len(self.by_zone[zone]) or zone in self.splines else np.zeros(rho.shape)
-        beyond = self._beyond(zone)
-        return out if beyond is None else out + beyond[0].transform(beyond[1], rho)
+        exterior = self._exterior(zone)
+        return out if exterior is None else out + exterior[0].transform(exterior[1], rho)
 
     def _plain(self, k: Index, rho: Array) -> Array:
         # |1 - rho e^{i phi}|^2 from the distance to the nearer end, where both terms are positive.
@@ -289,9 +289,9 @@ class Breaks(Steps):
             own = np.real(up) * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
             both = np.real(potential_series(up, turned) + potential_series(np.conj(up), turned))
             out += self.height[place] / np.pi * (own - both / 2)
-        beyond = self._beyond(zone)
-        if beyond is not None:
-            near, k = beyond
+        exterior = self._exterior(zone)
+        if exterior is not None:
+            near, k = exterior
             for up, weight in zip(near.rho[k], near.weight[k], strict=True):
                 own = up * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
                 out = out + weight * (own - np.real(potential_series(up, turned)))
@@ -356,8 +356,8 @@ class Breaks(Steps):
             out = out + self.height[place] / np.pi * (own - both / 2)
         return out
 
-    def logarithms_near(self, zone: int) -> tuple[Beyond, Index] | None:
-        return self._beyond(zone)
+    def logarithms_near(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
+        return self._exterior(zone)
 
     def _sine_weights(self, k: Index, j: Array) -> Array:
         return -np.cos(j * self.phi[k][:, None])

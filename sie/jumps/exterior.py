@@ -4,7 +4,7 @@ With s > 1 or s < -1 and rho = s - sgn(s) sqrt(s^2 - 1), |rho| < 1, the bounded 
 
     beta(t) = -(2/pi) sum_j (rho^j / j) sin(j theta) = -(2/pi) atan2(rho sin(theta), 1 - rho cos(theta))
 
-is transformed to (1/pi) ln(2 |rho| |t - s|) on the zone, and to (2/pi) ln(1 - rho rho_z) off it: `breaks` with
+is transformed to (1/pi) ln(2 |rho| |t - s|) on the zone, and to (2/pi) ln(1 - rho rho_z) off it: `density` with
 cos(j phi) continued to rho^j. Without this a logarithm close to an end would ask for 1/sqrt(distance) modes.
 """
 
@@ -28,7 +28,7 @@ _NEAR = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Beyond(Kept):
+class ExteriorLogarithms(Kept):
     """Logarithms near zones, seen from each: the zone, which logarithm it is, rho, and J/pi."""
 
     zone: Index
@@ -37,7 +37,7 @@ class Beyond(Kept):
     weight: Array
 
     @classmethod
-    def near(cls, zones: Zones, at: Array, weights: Array, period: float | None) -> Beyond:
+    def near(cls, zones: Zones, at: Array, weights: Array, period: float | None) -> ExteriorLogarithms:
         """Those of the logarithms at `at` (repeated with the period) that lie outside a zone, but near."""
         which = np.arange(len(at))
         if period is not None:

@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 from sie.basis.half_plane import Complex, Seen
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
-from sie.jumps.exterior import Beyond
+from sie.jumps.exterior import ExteriorLogarithms
 from sie.jumps.local_spline import MANY, LocalSpline
 from sie.jumps.zone_spline import ZoneSpline
 
@@ -66,7 +66,7 @@ _PAIRS = 1 << 19
 
 
 @dataclass(frozen=True, eq=False)
-class Steps(Kept):
+class ForcingJumps(Kept):
     """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!, and q. splines: of zones with very many
     jumps of order 2, what carries most of these."""
 
@@ -78,13 +78,13 @@ class Steps(Kept):
     splines: dict[int, ZoneSpline] | dict[int, LocalSpline] = field(default_factory=dict)
 
     @classmethod
-    def none(cls) -> Steps:
+    def none(cls) -> ForcingJumps:
         return _NONE
 
     @classmethod
     def within(
         cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None, g: Callable[[Array], Array] | None = None
-    ) -> Steps:
+    ) -> ForcingJumps:
         """The jumps at positions `at` (repeated with the period) that lie inside a zone. g: the right side, if it is known."""
         if len(at) == 0:
             return _NONE
@@ -415,9 +415,9 @@ class Steps(Kept):
         """What the right side has at points x beyond the values that the caller gives: nothing."""
         return np.zeros(x.shape)
 
-    def chosen(self, which: NDArray[np.bool_] | Index) -> Steps:
+    def chosen(self, which: NDArray[np.bool_] | Index) -> ForcingJumps:
         """Those of the jumps alone."""
-        return Steps(self.zone[which], self.left[which], self.right[which], self.height[which], self.order[which])
+        return ForcingJumps(self.zone[which], self.left[which], self.right[which], self.height[which], self.order[which])
 
     def integral(self, zone: int, left: Array, right: Array) -> Array:
         """Integral of a zone's parts from its left end, at distances from the ends over w, of kinks alone:
@@ -520,7 +520,7 @@ class Steps(Kept):
         found: Complex = self.potential_by(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None])
         return found
 
-    def logarithms_near(self, zone: int) -> tuple[Beyond, Index] | None:
+    def logarithms_near(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
         """Logarithms of the right side that lie near a zone, outside it."""
         return None
 
@@ -579,4 +579,4 @@ def _times_t(c: Array) -> Array:
     return out
 
 
-_NONE = Steps(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp))
+_NONE = ForcingJumps(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp))

@@ -1,7 +1,8 @@
 """The laws of the interface, one a file; importing this package registers them."""
 
 from contact.model.laws.base import Law
+from contact.model.laws.dugdale import Dugdale
 from contact.model.laws.frictionless import Frictionless
 from contact.model.laws.jkr import JKR
 
-__all__ = ["JKR", "Frictionless", "Law"]
+__all__ = ["JKR", "Dugdale", "Frictionless", "Law"]

@@ -44,6 +44,7 @@ class JKR(Law):
     """
 
     work: float
+    units = {"work": "J/m^2"}
 
     allows = ("load", "mean_pressure", "approach", "half_width")
     pulls = True

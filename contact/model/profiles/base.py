@@ -47,6 +47,8 @@ class Profile(sie.Kept):
     """
 
     name: ClassVar[str] = ""
+    # Of parameters, by name, as tables and axes tell them; what is not here has none told.
+    units: ClassVar[Mapping[str, str]] = {}
     period: float | None = None
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -148,6 +150,10 @@ class Profile(sie.Kept):
         if not dataclasses.is_dataclass(self):
             return {}
         return {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.init}
+
+    def trace_summary(self) -> dict[str, Any] | None:
+        """Of a measured trace: what was read and done to it, and its roughness, lengths in m; None for other shapes."""
+        return None
 
     def __getstate__(self) -> dict[str, Any]:
         """What copies and pickles hold: not what was worked out on the way, which is large and worked out again."""

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
-from contact.formulation.units import Units
 from contact.model.interactions.periodic import Periodic
 from contact.search.grid.coarse import Proposal, grid_height, propose
+from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.scaling import ScaledScene
 from contact.search.grid.tilt import known_part
 from contact.search.grid.tilt_rate import AtTilt, balanced
@@ -67,10 +67,12 @@ def proposed(
     operator, by_load = problem.operator, control.load is not None
     # Of a strip the grid of the whole period tells where to cut.
     whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
-    found = propose(
-        partial(grid_height, profile) if by_load else profile.height, scaled.cell, E=units.E_star,
-        periodic=interaction.needs_period, datum=operator.datum or 1.0, rest=None if interaction.needs_period else operator.rest,
+    response = Response(
+        units.E_star, interaction.needs_period, datum=operator.datum or 1.0, rest=None if interaction.needs_period else operator.rest,
         symbol=None if operator.is_plain else whole.multiplier, compression=operator.compression or 0.0,
+    )
+    found = propose(
+        partial(grid_height, profile) if by_load else profile.height, scaled.cell, response,
         resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height, tol=tol,
     )
@@ -89,13 +91,13 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     middle = _cut(whole, profile.x0, profile.period) + 0.5 * profile.period
     if held:
         middle = float(units.x(np.array(problem.centre)))
+    response = Response(units.E_star, False, interaction.neighbours, rest=problem.operator.strip_rest)
     for _ in range(_CENTRINGS):
         column = problem.about(float(units.scaled(np.array(middle)))).columns[0].primitive
         assert column is not None
         found = propose(
-            partial(grid_height, profile), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), E=units.E_star,
-            periodic=False, images=interaction.neighbours, rest=problem.operator.strip_rest, resolution=profile.feature,
-            points=points, load=load, extra=partial(_beyond, units, nominal, column),
+            partial(_pressed, problem, nominal, column), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), response,
+            resolution=profile.feature, points=points, load=load,
         )
         before, middle = middle, 0.5 * float(found.zones[0, 0] + found.zones[-1, 1])
         if held or abs(middle - before) <= _CELLS * profile.period / found.points:
@@ -103,9 +105,10 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     return Proposed(found.zones, found.points, False, found.touches_border)
 
 
-def _beyond(units: Units, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:
-    """What the nominal pressure beyond the strip adds to the shape [m]."""
-    return nominal * units.height * np.asarray(column(units.scaled(x)))
+def _pressed(problem: Problem, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:
+    """The shape [m] with what the nominal pressure beyond the strip adds to it."""
+    units = problem.units
+    return grid_height(problem.profile, x) + nominal * units.height * np.asarray(column(units.scaled(x)))
 
 
 def _cut(whole: Proposal, x0: float, period: float) -> float:
@@ -128,14 +131,14 @@ def _by_moment(scaled: ScaledScene, problem: Problem, control: Control, points: 
     assert problem.moment is not None
     centre, limits = problem.moment * units.moment / load, known_part(problem.profile) or (-math.inf, math.inf)
     lo, hi = scaled.cell
+    response = Response(units.E_star, False, rest=problem.operator.rest)
     for widened in range(_WIDENINGS + 1):
         cell, last = (lo, hi), widened == _WIDENINGS or (lo, hi) == limits
 
         def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> AtTilt[Proposal]:
             profile = problem.turned_to(tilt).profile
             found = propose(
-                partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.feature,
-                points=points, load=load, rest=problem.operator.rest,
+                partial(grid_height, profile), cell, response, resolution=profile.feature, points=points, load=load,
             )
             if found.touches_border and not last:
                 raise _TooNarrow

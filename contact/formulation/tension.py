@@ -1,0 +1,209 @@
+r"""A constant tension on given intervals, and the contact beside it.
+
+With p = q - s on the intervals I, contact within them included, the equation for q on the zones is that of frictionless contact of the
+profile that the tension alone has deformed,
+
+    (1/pi) PV int q K = f' + s T(x),   T = (1/pi) sum [Lambda(x - l) - Lambda(x - r)] over the intervals (l, r),
+
+of height f + s V, V' = T, and q vanishes where a zone ends: its logarithms lie at the ends of I, outside the zones. V comes from the
+double antiderivative of K, y (ln|y| - 1) for a pole, Clausen's integral for all periods: -(L/2 pi) Cl_2(2 pi y/L) (DLMF 25.12.9).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import spence
+
+import sie
+from contact.formulation.problem import Problem
+
+Array = NDArray[np.float64]
+
+# Nodes on a panel of the quadrature of a kernel's regular potential, and panels to the length over which it varies.
+_NODES, _PER_LENGTH = 16, 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class Tension(sie.Kept):
+    """stress: scaled; table: the intervals (m, 2), scaled, ascending; everywhere: it acts on a whole period."""
+
+    stress: float
+    table: Array
+    kernel: sie.Kernel
+    plain: bool
+    everywhere: bool = False
+    compression: float = 0.0
+
+    @property
+    def period(self) -> float | None:
+        return self.kernel.period
+
+    @property
+    def width(self) -> float:
+        """Of all intervals together."""
+        if self.everywhere:
+            assert self.period is not None
+            return self.period
+        return float(np.diff(self.table, axis=1).sum())
+
+    @property
+    def total(self) -> float:
+        return self.stress * self.width
+
+    def holds(self, x: Array) -> NDArray[np.bool_]:
+        """Whether points lie in an interval."""
+        if self.everywhere:
+            return np.ones(np.shape(x), dtype=bool)
+        if len(self.table) == 0:
+            return np.zeros(np.shape(x), dtype=bool)
+        x = np.asarray(x, dtype=float)
+        if self.period is not None:
+            x = x - np.floor((x - self.table[0, 0]) / self.period) * self.period
+        i = np.maximum(np.searchsorted(self.table[:, 0], x, side="right") - 1, 0)
+        return np.asarray((x >= self.table[i, 0]) & (x <= self.table[i, 1]))
+
+    def slope(self, x: Array) -> Array:
+        """s T."""
+        out = np.zeros(np.shape(x))
+        if self.everywhere:
+            return out
+        for left, right in self.table:
+            out += self.log(x - left) - self.log(x - right)
+        return self.stress / np.pi * out
+
+    def height(self, x: Array) -> Array:
+        """s V."""
+        if self.everywhere:
+            return np.full(np.shape(x), -self.stress * self.compression)
+        out = np.zeros(np.shape(x))
+        for left, right in self.table:
+            out += self._primitive(x - left) - self._primitive(x - right)
+        if not self.plain:
+            out += self._regular(np.asarray(x, dtype=float))
+        return self.stress / np.pi * out
+
+    def log(self, lag: Array) -> Array:
+        """Lambda, of the distance from a line load."""
+        lag = np.asarray(lag, dtype=float)
+        kernel, period = self.kernel, self.period
+        if period is not None:
+            lag = lag - np.round(lag / period) * period
+            with np.errstate(divide="ignore"):
+                out = np.log(np.abs(2 * np.sin(np.pi * lag / period)))
+            return np.asarray(out if self.plain else out + self._rest(lag))
+        with np.errstate(divide="ignore"):
+            out = sum((np.log(np.abs(lag - pole) / kernel.datum) for pole in kernel.poles), np.zeros(np.shape(lag)))
+        return np.asarray(out if self.plain else out + self._rest(lag))
+
+    def _rest(self, lag: Array) -> Array:
+        """Lambda less its poles, or less all of Hilbert's."""
+        assert self.kernel.regular_potential is not None
+        rest = self.kernel.regular_potential(lag, np.zeros(1))
+        if self.period is not None:
+            hilbert = sie.hilbert(self.period)
+            assert hilbert.regular_potential is not None
+            rest = rest - hilbert.regular_potential(lag, np.zeros(1))
+        return np.asarray(rest)
+
+    def _primitive(self, lag: Array) -> Array:
+        """Antiderivative of the poles' Lambda, or of Hilbert's."""
+        if self.period is not None:
+            return -self.period / (2 * np.pi) * clausen(2 * np.pi * np.asarray(lag) / self.period)
+        out = np.zeros(np.shape(lag))
+        for pole in self.kernel.poles:
+            away = np.asarray(lag - pole, dtype=float)
+            out += away * (np.log(np.maximum(np.abs(away), 1e-300) / self.kernel.datum) - 1.0)
+        return out
+
+    def _regular(self, x: Array) -> Array:
+        """int over the intervals of Lambda's rest, by Gauss's rule on panels."""
+        at, weights = self._panels
+        flat, out = x.ravel(), np.zeros(x.size)
+        block = max(1, 2**20 // len(at))
+        for start in range(0, len(flat), block):
+            lag = flat[start : start + block, None] - at
+            if self.period is not None:
+                lag = lag - np.round(lag / self.period) * self.period
+            out[start : start + block] = self._rest(lag) @ weights
+        return out.reshape(x.shape)
+
+    @cached_property
+    def _panels(self) -> tuple[Array, Array]:
+        t, w = np.polynomial.legendre.leggauss(_NODES)
+        length = min(self.kernel.length, 1.0 if self.period is None else 0.25 * self.period)
+        at, weights = [], []
+        for left, right in self.table:
+            count = int(np.ceil(_PER_LENGTH * (right - left) / length))
+            cuts = np.linspace(left, right, count + 1)
+            half = 0.5 * np.diff(cuts)[:, None]
+            at.append((0.5 * (cuts[1:] + cuts[:-1])[:, None] + half * t).ravel())
+            weights.append((half * w).ravel())
+        return np.concatenate(at), np.concatenate(weights)
+
+    def others(self, i: int, x: float) -> float:
+        """s T of all intervals but i, at x."""
+        rest = replace(self, table=np.delete(self.table, i, axis=0))
+        return float(rest.slope(np.array(x)))
+
+
+def clausen(angle: Array) -> Array:
+    """Cl_2 = -int_0^angle ln|2 sin(t/2)| dt, the imaginary part of the dilogarithm on the unit circle."""
+    angle = np.asarray(angle, dtype=float)
+    turned = angle - np.round(angle / (2 * np.pi)) * 2 * np.pi
+    size = np.abs(turned)
+    # 1 - exp(i t) = 2 sin(t/2) (sin(t/2) - i cos(t/2)): no digit is lost beside zero.
+    half = 0.5 * size
+    far = spence(2 * np.sin(half) * (np.sin(half) - 1j * np.cos(half))).imag
+    # Beside zero its parts cancel: there the series in Bernoulli's numbers (L. Lewin, Polylogarithms, 1981, 4.3).
+    square = size * size
+    near = 1.0 + square * (1 / 72 + square * (1 / 14400 + square * (1 / 1270080 + square / 87091200)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        near = np.where(size > 0, size * (near - np.log(np.maximum(size, 1e-300))), 0.0)
+    return np.asarray(np.sign(turned) * np.where(size < 0.25, near, far))
+
+
+@dataclass(frozen=True, eq=False)
+class Pulled(Problem):
+    """The frictionless problem of the profile that the tension alone has deformed: its pressure is q."""
+
+    tension: Tension | None = field(default=None)
+
+    @classmethod
+    def of(cls, problem: Problem, stress: float, table: Array, everywhere: bool = False) -> Pulled:
+        """stress: scaled."""
+        operator = problem.operator
+        # Of a strip and its images, too, nothing is beyond poles.
+        plain = operator.is_half_plane or problem.kernel.regular is None
+        tension = Tension(stress, np.asarray(table), problem.kernel, plain, everywhere, problem.compression)
+        law = problem.law.bare
+        assert law is not None
+        return cls(problem.profile, problem.interaction, problem.substrate, law, problem.units, problem.lowest, tension=tension)
+
+    @property
+    def pulling(self) -> Tension:
+        assert self.tension is not None
+        return self.tension
+
+    @cached_property
+    def forcing(self) -> sie.Forcing:
+        ends = self.pulling.table
+        # Between zones the ends of the intervals lie.
+        return replace(super().forcing, resolution=None, spline=self.own_slope, singular_between=len(ends) > 0)
+
+    def slope(self, x: Array) -> Array:
+        return super().slope(x) + self.pulling.slope(x)
+
+    def shape(self, x: Array) -> Array:
+        return super().shape(x) + self.pulling.height(x)
+
+    def own_slope(self, x: Array) -> Array:
+        """f' without the tension's."""
+        return super().slope(x)
+
+    def own_shape(self, x: Array) -> Array:
+        """F without the tension's."""
+        return super().shape(x)

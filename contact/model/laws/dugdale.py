@@ -1,0 +1,75 @@
+"""Maugis-Dugdale adhesion: a constant tension where the gap is below a reach, work of adhesion = stress times reach.
+
+D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T; in the plane J. M. Baney & C.-Y. Hui,
+J. Adhes. Sci. Technol. 11 (1997) 393-406, doi 10.1163/156856197X00778. The tension of D. S. Dugdale, J. Mech. Phys. Solids 8 (1960)
+100-104, doi 10.1016/0022-5096(60)90013-2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from contact.model.checks import positive
+from contact.model.laws.base import Law
+from contact.model.laws.frictionless import Frictionless
+from contact.model.registry import register_law
+
+
+@register_law("dugdale")
+@dataclass(frozen=True)
+class Dugdale(Law):
+    """Adhesion of a finite range: the surfaces pull with a constant stress up to a gap of work/stress; see docs/adhesion.md.
+
+    Large stresses are JKR's law, small ones a rigid body's. The contact may have several equilibria;
+    `contact.solve(scene, branch="advancing" | "receding")` says which is meant.
+
+    Parameters
+    ----------
+    work : float
+        Work of adhesion, > 0 [J/m^2].
+    stress : float
+        Tension beside the contact, > 0 [Pa].
+
+    Examples
+    --------
+    A cylinder under no load: pi E* a^2/4 R = 2 s sqrt(c^2 - a^2), with (a, c) the zone and the end of the tension.
+
+    >>> import contact
+    >>> import numpy as np
+    >>> law = contact.Dugdale(work=0.05, stress=2e6)
+    >>> scene = contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(), law=law, load=0.0)
+    >>> solution = contact.solve(scene)
+    >>> a, c = solution.zones[0, 1], solution.cohesive[0, 1]
+    >>> bool(np.isclose(np.pi * 1e9 * a**2 / 4e-3, 2 * 2e6 * np.sqrt(c**2 - a**2), rtol=1e-8))
+    True
+    >>> solution.pressure(0.5 * (a + c)).tolist(), bool(np.isclose(solution.gap(c), 0.05 / 2e6))
+    (-2000000.0, True)
+    """
+
+    work: float
+    stress: float
+    units = {"work": "J/m^2", "stress": "Pa"}
+
+    allows = ("load", "mean_pressure", "approach")
+    pulls = True
+    bare = Frictionless()
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "work", positive("work", self.work))
+        object.__setattr__(self, "stress", positive("stress", self.stress))
+
+    @property
+    def tension(self) -> float:
+        return self.stress
+
+    @property
+    def reach(self) -> float:
+        return self.work / self.stress
+
+    def refuses(self, scene: Any) -> str | None:
+        if scene.interaction.strip:
+            return f"goes with isolated and periodic bodies, not with {scene.interaction.name}"
+        if scene.profile.support is not None:
+            return f"is not solved at sharp corners, where {scene.profile.name} ends"
+        return None

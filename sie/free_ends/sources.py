@@ -1,0 +1,175 @@
+r"""How a solution answers unit sources outside its zones, in closed form where they are near.
+
+A unit source at c adds K(x, c)/pi to the right side. On a zone with c at z = (c - middle)/w, |z| > 1, rho = z - sgn(z) sqrt(z^2 - 1),
+
+    1/(x - c) = -(2/w) sum_{k >= 1} rho^k U_{k-1}(t),
+
+so the coefficients that are no unknowns are (2/w) rho^l / pi; their intensities, and what they do to the potential in other places of
+this kind, are geometric series and logarithms, however near to the zone a source is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis import chebyshev
+from sie.collocation.fixed import State
+from sie.density.density import Density
+from sie.equation.conditions import of_levels, speaks_of_levels
+from sie.jumps.forcing import ForcingJumps
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Answers:
+    """What is added to a solution by each of J cases.
+
+    Attributes
+    ----------
+    intensities : (2, Z, J) array
+        Of K at the left and the right ends.
+    levels : (Z, J) array
+        Of the levels of the zones; none where no condition speaks of levels.
+    potentials : (P, J) array
+        Of the density's potential at the places asked for.
+    """
+
+    intensities: Array
+    levels: Array
+    potentials: Array
+
+
+def answers(state: State, at: Array, strengths: Array, values: Array, places: Array) -> Answers:
+    """Changes by sources and by the values of side conditions, the zones held.
+
+    Parameters
+    ----------
+    state : State
+        A solution on zones that are not solved as mirror images.
+    at : (S,) array
+        Where the sources are: on no zone.
+    strengths : (S, J) array
+        Of the sources in each case.
+    values : (C, J) array
+        Changes of the values of the side conditions, one row for each of theirs.
+    places : (P,) array
+        On no zone: where the potential is asked for.
+
+    Returns
+    -------
+    Answers
+
+    Raises
+    ------
+    ValueError
+        If only half of the zones is solved for.
+
+    Examples
+    --------
+    A unit source far to the right of a zone is the right side -1/(pi c) on it, and its tilt makes K = w^(3/2)/(sqrt(2) pi c).
+
+    >>> import numpy as np
+    >>> import sie
+    >>> still = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(0.0),))
+    >>> state = sie.solve_fixed(still, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    >>> found = sie.answers(state, np.array([1e9]), np.ones((1, 1)), np.zeros((1, 1)), np.zeros(0))
+    >>> (found.intensities[:, 0, 0] * np.pi * 1e9 * np.sqrt(2)).round(6).tolist()
+    [-1.0, 1.0]
+    """
+    zones, kernel, layout, system = state.density.zones, state.density.kernel, state.system.layout, state.system
+    if zones.symmetric:
+        raise ValueError("sources are for zones that are all solved for")
+    at, cases = np.asarray(at, dtype=float), strengths.shape[1]
+    poles = np.array(kernel.poles)
+    up = _rho(zones, at[:, None] + poles)  # (Z, S, poles)
+    highest = int(layout.m.max())
+    g = np.zeros((len(zones), highest + 1, len(at)))
+    for k in range(1, highest + 1):
+        g[:, k] = (up**k).sum(axis=2)
+    g *= -2 / (np.pi * zones.half[:, None, None])
+    mean = np.log(zones.half[:, None, None] / (2 * np.abs(up) * kernel.datum)).sum(axis=2) / np.pi
+    if kernel.regular is not None and len(at):
+        _regular(state, at, g, mean)
+    right = np.zeros((state.solver.size, cases))
+    row = 0
+    for i in range(len(zones)):
+        m = int(layout.m[i])
+        right[row : row + m] = g[i, 1 : m + 1] @ strengths
+        row += m
+    own_level = -(mean @ strengths)
+    right[state.conditions_from :] = values / state.condition_scale[:, None]
+    first = state.conditions_from
+    for condition in state.equation.conditions:
+        rows = condition.count(zones)
+        if rows and speaks_of_levels(condition, zones):
+            scale = state.condition_scale[first - state.conditions_from : first - state.conditions_from + rows, None]
+            right[first : first + rows] -= of_levels(condition, zones) @ own_level / scale
+        first += rows
+    unknowns = _solved(state, right)
+    table = np.array([layout.padded(column) for column in unknowns.T]).reshape(cases, len(zones), -1)
+    beyond = (2 / np.pi) / zones.half[:, None, None] * up ** (layout.m[:, None, None] + 1)
+    turned = np.where(layout.m % 2 == 0, -1.0, 1.0)[:, None, None]
+    root = np.sqrt(zones.half / 2)[:, None]
+    order = np.arange(table.shape[2])
+    intensities = root * np.array([
+        (table * (1.0 - 2.0 * (order % 2))).sum(axis=2).T + (turned * beyond / (1 + up)).sum(axis=2) @ strengths,
+        table.sum(axis=2).T + (beyond / (1 - up)).sum(axis=2) @ strengths,
+    ])
+    levels = np.zeros((0, cases))
+    if any(speaks_of_levels(condition, zones) for condition in state.equation.conditions):
+        levels = system.levels()[0] @ unknowns + own_level
+    potentials = _beyond_potential(zones, _rho(zones, places[:, None] - poles), up, layout.m) @ strengths
+    for j in range(cases):
+        density = Density(zones, kernel, table[j], ForcingJumps.none(), unknowns[layout.coefficients :, j])
+        potentials[:, j] += density.potential(places) if len(places) else 0.0
+    return Answers(intensities, levels, potentials)
+
+
+def _rho(zones, x: Array) -> Array:  # type: ignore[no-untyped-def]
+    """rho of places (N, poles) outside the zones, seen from each: (Z, N, poles)."""
+    right = x > zones.middle[:, None, None]
+    past = np.where(right, x - zones.b[:, None, None], zones.a[:, None, None] - x) / zones.half[:, None, None]
+    return np.asarray(np.where(right, 1.0, -1.0) / (1 + past + np.sqrt(past * (past + 2))))
+
+
+def _regular(state: State, at: Array, g: Array, mean: Array) -> None:
+    """Add what the regular part makes of the right side, by its values at the nodes, and of its primitive's means."""
+    kernel, system = state.density.kernel, state.system
+    assert kernel.regular is not None
+    x, starts = system.targets.x, system.starts
+    values = kernel.regular(x[:, None], at) / np.pi
+    potential = None if kernel.regular_potential is None else kernel.regular_potential(x[:, None], at) / np.pi
+    for i in range(len(state.density.zones)):
+        here, m = slice(starts[i], starts[i + 1]), int(system.layout.m[i])
+        if m:
+            g[i, 1 : m + 1] += chebyshev.project_rows(values[here][1:-1])
+        if potential is not None:
+            rows = potential[here]
+            mean[i] += (rows.sum(axis=0) - 0.5 * (rows[0] + rows[-1])) / (len(rows) - 1)
+
+
+def _solved(state: State, right: Array) -> Array:
+    iteration = state.iteration
+    if iteration is None:
+        return np.asarray(state.solver(right))
+    return np.column_stack([iteration(column, None, 0.0) for column in right.T])
+
+
+def _beyond_potential(zones, seen: Array, up: Array, m: NDArray[np.intp]) -> Array:  # type: ignore[no-untyped-def]
+    """Potential of (2/(pi w)) rho^l, l > m, of unit sources (Z, S, poles) at places (Z, P, poles): -(2/pi) sum_{l > m} (rho rho')^l / l."""
+    out = np.zeros((seen.shape[1], up.shape[1]))
+    for i in range(len(zones)):
+        for q in range(seen.shape[2]):
+            both = seen[i, :, None, q, None] * up[i]
+            # 1 - rho rho' = (1 - rho) + rho (1 - rho') keeps its digits.
+            total = np.log1p(-both)
+            power = np.ones_like(both)
+            for order in range(1, int(m[i]) + 1):
+                power = power * both
+                total += power / order
+            out += (2 / np.pi) * np.where(np.abs(both) ** (m[i] + 1) < 1e-18, 0.0, total).sum(axis=2)
+    return out
