@@ -83,7 +83,7 @@ def drawn(name, rng):
     return contact.Scene(profile, E_star, model, load=E_star * L * size * 10 ** rng.uniform(-9, 0.3))
 
 
-def generally(scene, monkeypatch, tol=1e-9):
+def generally(scene, monkeypatch, tol=1e-7):
     with monkeypatch.context() as patched:
         patched.setattr(contact.solver, "directly", lambda scene, tol: None)
         return contact.solve(scene, tol)
