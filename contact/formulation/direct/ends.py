@@ -35,6 +35,9 @@ _RESOLVED = 4.0
 _NOTHING = 2.0
 # Steps of an end in logarithms, after which it is at rest.
 _AT_REST = 1e-9
+# Steps of an end from which on the series is about that of the end; what falls as slowly is not told; and so many octaves of nodes too few
+# may do all the same.
+_ABOUT, _SLOW, _NEARLY = 0.1, 0.9, 0.1
 # Half lengths over middles of pairs, in y, beyond which they have merged.
 _MERGED = 1.0 - 1e-9
 
@@ -210,15 +213,17 @@ class _Book:
         lengths and middles. rounded: places over half lengths, to whose rounding values are known."""
         pending, size = np.arange(len(self.half)), _FIRST if odd else 2 * _FIRST
         while len(pending) and size <= _LARGEST:
-            nodal, wider = table(size, odd), []
+            nodal, wider, slowest = table(size, odd), [], _EPS
             for _ in range(_STEPS):
                 values, move, rounding = step(pending, nodal)
                 scale = np.abs(values).max(axis=1) + kink
                 last = np.abs(values @ nodal.last).max(axis=1)
                 self.steps[pending] += 1
                 far = ~(np.abs(move) <= _AT_REST)
-                coarse = ~(last <= _EPS * (_RESOLVED + rounded[pending] / self.half[pending]) * scale)
-                done = ~coarse & (self.rests[pending] | (np.abs(move) <= 4.0 * rounding))
+                ended = last <= _EPS * (_RESOLVED + rounded[pending] / self.half[pending]) * scale
+                # As many nodes as the series asks for are taken where it is about known.
+                coarse = ~ended & ~(np.abs(move) > _ABOUT)
+                done = ended & (self.rests[pending] | (np.abs(move) <= 4.0 * rounding))
                 if done.any():
                     rows = pending[done]
                     self.series.append((rows, nodal.coefficients(values[done])))
@@ -228,10 +233,14 @@ class _Book:
                 self.half[going], self.middle[going] = self.next_half[going], self.next_middle[going]
                 self.rests[going] = ~far[~done]
                 wider.append(pending[coarse & np.isfinite(move)])
-                pending = pending[~done & ~coarse]
+                if coarse.any():
+                    slowest = max(slowest, float((last[coarse] / scale[coarse]).max()))
+                pending = pending[~done & ~coarse & np.isfinite(move)]
                 if not len(pending):
                     break
-            pending, size = np.concatenate(wider), 2 * size
+            # Coefficients fall as a geometric series.
+            wanted = math.log(_EPS) / math.log(min(slowest, _SLOW))
+            pending, size = np.concatenate(wider), size * 2 ** max(1, math.ceil(math.log2(wanted) - _NEARLY))
 
     def ends(self, sheet: Sheet, inner: Array, outer: Array, middle: Array, found: Mask, odd: bool) -> Ends:
         most = max((block.shape[1] for _, block in self.series), default=0)

@@ -21,6 +21,8 @@ Array = NDArray[np.float64]
 _DENSER = 8
 # Nodes up to which a product with a stored matrix is faster than the call of a fast transform.
 _MATRICES = 64
+# Orders up to which a sum of powers is Horner's; and numbers in a table of powers at the most.
+_FEW, _AT_ONCE = 12, 1 << 20
 WIDENED = 1.0 / np.cos(0.5 * np.pi / _DENSER) - 1.0
 
 
@@ -128,6 +130,10 @@ def off(g: Array, orders: NDArray[np.intp], z: Array) -> Array:
     """sum g_k rho^k at z >= 1 (rows, points) for coefficients (rows, orders)."""
     rho = 1.0 / (z + np.sqrt((z - 1.0) * (z + 1.0)))
     step = rho * rho if len(orders) > 1 and orders[1] == 3 else rho
+    if _FEW < len(orders) and rho.size * len(orders) < _AT_ONCE:
+        powers = np.broadcast_to(step[:, :, None], (*step.shape, len(orders))).copy()
+        powers[:, :, 0] = rho
+        return np.asarray((np.multiply.accumulate(powers, axis=2) @ g[:, :, None])[:, :, 0])
     total = np.zeros(np.shape(z))
     for k in range(len(orders) - 1, -1, -1):
         total = total * step + g[:, k, None]

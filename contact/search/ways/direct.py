@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 _WIDEST = 0.9
 # Kinks nearer to the origin than this part of a cell are at the tip.
 _AT_TIP = 1e-15
+# What rounding may do to a gap, over the height of the profile at the end of a zone.
+_ROUNDING = 64 * 2.2e-16
 _NOTE = "one interval: the signs of its series, inside and outside"
 
 
@@ -173,9 +175,9 @@ def _certificate(scene: Scene, ends: Ends, least: float, gap: float, points: int
     balance = 0.0 if load is None else abs(unit * float(ends.totals[0]) / load - 1.0)
     # Where the gap grows all the way, it is least at the ends.
     smallest = None if ends.sheet.corner is not None else gap if math.isfinite(gap) else 0.0
-    size = float(np.abs(scene.profile.height(ends.outer[0]))) + unit * 0.0
+    height = float(np.abs(scene.profile.height(ends.outer[0])))
     return Certificate(
-        smallest_pressure=unit * least, smallest_gap=smallest, gap_rounding=64 * 2.2e-16 * size, load_balance=balance, level_spread=0.0,
+        smallest_pressure=unit * least, smallest_gap=smallest, gap_rounding=_ROUNDING * height, load_balance=balance, level_spread=0.0,
         points=points, holds=True, note=_NOTE,
     )
 
