@@ -56,7 +56,7 @@ def _of_slopes(solution: Answer) -> tuple[str, ...]:
     with np.errstate(all="ignore"):
         inside = np.abs(np.asarray(profile.slope(_inside(solution)), dtype=float) - tilt)
     steepest = float(inside.max(initial=0.0, where=np.isfinite(inside)))
-    largest, rms = profile.steepness
+    largest, rms = profile.slope_sizes
     if tilt and profile.slopes_seen.size:
         whole = profile.slopes_seen - tilt
         largest, rms = float(np.abs(whole).max()), float(np.sqrt(np.mean(whole**2)))

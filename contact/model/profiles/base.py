@@ -141,7 +141,7 @@ class Profile(sie.Kept):
         return np.asarray(slopes[np.isfinite(slopes)])
 
     @cached_property
-    def steepness(self) -> tuple[float, float]:
+    def slope_sizes(self) -> tuple[float, float]:
         """(largest, root mean square) of these slopes."""
         seen = self.slopes_seen
         return (float(np.abs(seen).max()), float(np.sqrt(np.mean(seen**2)))) if seen.size else (0.0, 0.0)
