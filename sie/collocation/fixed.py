@@ -574,7 +574,7 @@ def _solve_iterated(
     system = IterativeSystem(equation, zones, m, samples.coefficients, jumps)
     carried = sizes.carried if sizes.carried is not None and len(sizes.carried.m) == len(zones) else None
     coarse = carried.coarse if carried is not None else None
-    if system.levelled and (coarse is None or not coarse.near(zones)):
+    if system.levelled and (coarse is None or not coarse.near(system)):
         coarse = CoarseOperator(zones, system)
     solver = Iterative(system, coarse, sizes.linear, sizes.value)
     right = solver.right()
