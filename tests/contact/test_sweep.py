@@ -314,7 +314,7 @@ def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_i
         by = solved_by(tmp_path / "log")
         assert set(by) == {repr(a) for a in AMPLITUDES}
         assert all(pids[0] == killed[0] for pids in by.values() if len(pids) > 1)
-        assert sum(len(pids) - 1 for pids in by.values()) <= killed[1]
+        assert sum(len(pids) - 1 for pids in by.values()) <= killed[1], (by, killed)
         with xarray.open_dataset(out, engine="h5netcdf") as kept:
             assert kept.load().identical(table)
         contact.sweep(told, {"profile.amplitude": AMPLITUDES}, address, out=out)
