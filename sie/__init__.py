@@ -6,7 +6,7 @@ from sie.basis.kernels import Kernel, Smooth, cauchy, hilbert, images
 from sie.basis.zones import Zones
 from sie.collocation.fixed import SingularSystem, State, solve_fixed
 from sie.density.density import Density
-from sie.density.interval_potential import LocalPotential
+from sie.density.interval_potential import IntervalPotential
 from sie.equation.conditions import (
     Amplitude,
     Condition,
@@ -25,14 +25,14 @@ from sie.fast.piecewise import PiecewiseTransform
 from sie.free_ends.end_rates import EndRates, end_rates
 from sie.free_ends.newton import Free, find_ends
 from sie.free_ends.sources import Answers, answers
-from sie.slits.density import Pierced
+from sie.slits.density import SlitDensity
 from sie.slits.system import AnyDensity, AnyState, solve_zones
 from sie.solver import NotConverged, Solution, solve
 
 __all__ = [
-    "Answers", "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EndRates",
-    "EqualPotential", "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "NotConverged", "PiecewiseTransform",
-    "Pierced", "Rows", "SingularSystem", "Smooth", "Solution", "State", "Total",
-    "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_rates", "find_ends", "free_with_intensity", "hilbert",
-    "images", "moment", "solve", "solve_fixed", "solve_zones",
+    "Amplitude", "Answers", "AnyDensity", "AnyState", "BOUNDED", "Condition", "CountError", "Density", "End", "EndRates",
+    "EqualPotential", "Equation", "FREE", "Forcing", "Free", "IntervalPotential", "Kept", "Kernel", "Level", "NotConverged",
+    "PiecewiseTransform", "Rows", "SINGULAR", "SingularSystem", "SlitDensity", "Smooth", "Solution", "State", "Total",
+    "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_rates", "find_ends",
+    "free_with_intensity", "hilbert", "images", "moment", "solve", "solve_fixed", "solve_zones",
 ]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged
+from contact.formulation.apart import ApartFields
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
 from contact.formulation.problem import Problem
@@ -37,12 +38,12 @@ def of_zones(
         plan["symmetry"].reason = "the zones straddle the border of the cell"
     plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {found.rounds} rounds"
     plan["certificate"].detail = f"{found.certificate.points} points"
-    plan["kinks"].used = len(density.steps) > 0
+    plan["kinks"].used = len(density.jumps) > 0
     if plan["kinks"].used:
-        plan["kinks"].reason = f"{len(density.steps)} jumps of the slope or its derivatives inside zones"
-    if density.slits:
+        plan["kinks"].reason = f"{len(density.jumps)} jumps of the slope or its derivatives inside zones"
+    if density.slit_count:
         plan["holes"].used, plan["holes"].reason = True, "narrow gaps between zones"
-        plan["holes"].detail = f"{density.slits} in {len(zones) - density.slits} wide zones"
+        plan["holes"].detail = f"{density.slit_count} in {len(zones) - density.slit_count} wide zones"
     else:
         plan["holes"].reason = "no narrow gaps between zones"
     _tell_sizes(plan, len(zones), found.free.state)
@@ -83,6 +84,17 @@ def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol
         why = f"rounding of the heights leaves an error of {error:.1e} in full contact, above the tolerance {tol:.1e}"
         raise NotConverged(why, (), solution)
     return solution
+
+
+def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan) -> Solution:
+    """Surfaces that do not touch, at an approach [m] or where none is held."""
+    for name in ("zone ends", "coarse search"):
+        plan[name].used, plan[name].reason = False, "the surfaces are apart"
+    certificate = Certificate(
+        smallest_pressure=0.0, smallest_gap=None if approach is None else -approach, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
+        points=0, holds=approach is None or approach <= 0.0, note="the surfaces are apart",
+    )
+    return Solution(scene, np.zeros((0, 2)), ApartFields(problem, approach), 0.0, certificate, plan, branch="receding")
 
 
 def _told_of_full(scene: Scene, least: float) -> str:

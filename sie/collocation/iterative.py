@@ -17,10 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import felt
-from sie.collocation.symmetry import Folding
+from sie.collocation.symmetry import MirrorSymmetry
 from sie.collocation.system import System
 from sie.collocation.zone_sums import ZoneSums
 from sie.equation.conditions import Linear, asked, for_every_zone, speaks_of_levels
@@ -28,7 +29,7 @@ from sie.equation.equation import Equation
 from sie.fast.far import reaches
 from sie.fast.hierarchical import Inverse
 from sie.fast.krylov import gmres
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -73,14 +74,14 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
     return None
 
 
-class ManySystem(System):
+class IterativeSystem(System):
     """Rows applied to unknowns; no matrix is kept."""
 
-    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, steps: Steps) -> None:
-        super().__init__(equation, zones, m, coefficients, steps)
+    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps) -> None:
+        super().__init__(equation, zones, m, coefficients, jumps)
         solved = zones.solved
         self.sums = ZoneSums(zones, equation.kernel, self.layout)
-        self.folding = Folding.of(zones, self.layout)
+        self.symmetry = MirrorSymmetry.of(zones, self.layout)
         self._weights: dict[Callable[[Array], Array], tuple[list[Array], Array]] = {}
         count = m[solved]
         first = np.repeat(self.sums.first_row[:-1], count)
@@ -91,7 +92,7 @@ class ManySystem(System):
         g = np.where(k < self.lowest.shape[1], self.lowest[zone, np.minimum(k, self.lowest.shape[1] - 1)], 0.0)
         self.column_rows = np.array([self._projected(c.value) for c in equation.columns]).reshape(-1, len(k))
         none = np.zeros(len(solved))
-        self.known_field = self.sums(self.layout.flat(self.known)) if len(steps) else (np.zeros(len(k)), none, none)
+        self.known_field = self.sums(self.layout.flat(self.known)) if len(jumps) else (np.zeros(len(k)), none, none)
         if self.unseen_moments is not None:
             rows, middle, mean = self.sums.of_panels(self.unseen_moments)
             self.known_field = self.known_field[0] + rows, self.known_field[1] + middle, self.known_field[2] + mean
@@ -128,7 +129,7 @@ class ManySystem(System):
     def _with_own(self, y: Array, mean: Array) -> Array:
         solved = self.zones.solved
         w = self.zones.half[solved]
-        level = mean + w * np.log(w / (2 * self.equation.kernel.datum)) * y[self.layout.offset[solved]]
+        level = mean + mean_potential(w, self.equation.kernel.datum) * y[self.layout.offset[solved]]
         if self.layout.columns and self.wants_levels:
             level = level - y[self.layout.coefficients :] @ self.column_means
         return np.asarray(level)
@@ -156,15 +157,15 @@ class ManySystem(System):
     def step_constants(self) -> Array:
         """Differences of `level_constants` between neighbours, with the digits that the values have lost."""
         known = self._with_own(self.layout.flat(self.known), self.known_field[2])
-        return np.diff(self.known_field[1]) + np.diff(known) - self._forcing_steps()
+        return np.diff(self.known_field[1]) + np.diff(known) - self._forcing_differences()
 
     @property
     def integrated(self) -> bool:
         """Whether differences of the primitive may be taken from g."""
         forcing = self.equation.forcing
-        return forcing.resolution is not None and len(forcing.steps_at) == 0
+        return forcing.resolution is not None and len(forcing.jumps_at) == 0
 
-    def _forcing_steps(self) -> Array:
+    def _forcing_differences(self) -> Array:
         """Differences of the primitive's means between neighbours: over the gap by quadrature, over the zones from the
         coefficients of g, since the antiderivative of U_{k-1} is T_k / k."""
         solved = self.zones.solved
@@ -249,10 +250,10 @@ class ManySystem(System):
             tables.append(values[: m + 1])
             beyond = -self.g[i, m + 1 : len(values)]
             constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
-            if len(self.steps):
+            if len(self.jumps):
                 count = min(len(values), self.g.shape[1] + 16)
                 if count not in known:
-                    known[count] = self.steps.t_coefficients(self.zones, count)
+                    known[count] = self.jumps.t_coefficients(self.zones, count)
                 constants[place] += values[:count] @ known[count][i] - values[: m + 1] @ self.taken[i, : m + 1][: len(values)]
         return tables, constants
 
@@ -261,7 +262,7 @@ class ManySystem(System):
 class Applied:
     """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of unknowns: one column."""
 
-    system: ManySystem
+    system: IterativeSystem
     y: Array
     middle: Array
     rest: Array
@@ -307,8 +308,8 @@ class Applied:
         return self.system.multiplicity()
 
 
-class Punches:
-    """The inverse of the coarse problem's matrix: mean potential on each solved zone from each c_0, less a constant times the
+class CoarseOperator:
+    """The coarse problem's matrix and its inverse: mean potential on each solved zone from each c_0, less a constant times the
     total that makes it definite."""
 
     def __init__(self, zones: Zones, system: System) -> None:
@@ -339,7 +340,7 @@ class Punches:
             e = (gap + zones.half[i]) / w
             if shift == 0.0:
                 e = np.where(i == j, 0.0, e)
-            out += np.log(w * (1 + e + np.sqrt(e * (e + 2))) / (2 * kernel.datum))
+            out += Outside(1.0, e).first(w / kernel.datum)
         if kernel.regular_potential is not None:
             out += kernel.regular_potential(zones.middle[i], zones.middle[j])
         return np.asarray(w * (out - self.lowered))
@@ -352,16 +353,16 @@ class Punches:
         return bool(np.all(moved <= _KEPT * (self.zones.b - self.zones.a)))
 
 
-class Coarse:
+class TwoLevelPreconditioner:
     """The preconditioner: -c_k from the rows of the equation, c_0 and the amplitudes from the side conditions.
 
-    With level = G c_0 - (amplitudes' means) on every zone, G = Punches + constant: c_0 = Punches^-1 (level + unknown constant +
-    ...), and the few unknowns left come from the conditions that are not asked of every zone. Where every zone has a held end, c_0
-    is what makes K vanish there.
+    With level = G c_0 - (amplitudes' means) on every zone, G = C + constant, C the coarse operator: c_0 = C^-1 (level + unknown
+    constant + ...), and the few unknowns left come from the conditions that are not asked of every zone. Where every zone has a
+    held end, c_0 is what makes K vanish there.
     """
 
-    def __init__(self, system: ManySystem, punches: Punches | None) -> None:
-        self.system, self.punches = system, punches
+    def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None) -> None:
+        self.system, self.coarse = system, coarse
         zones, conditions = system.zones, system.equation.conditions
         counts = [c.count(zones) for c in conditions]
         starts = np.concatenate(([0], np.cumsum(counts)))
@@ -375,10 +376,10 @@ class Coarse:
         self.rows = slice(int(starts[-1]), None) if at is None else slice(int(starts[at]), int(starts[at + 1]))
         self.absolute = at is not None and counts[at] == len(zones.solved)
         self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
-        layout, folding = system.layout, system.folding
-        self.first = folding.position(layout.offset[zones.solved])
-        self.rest = folding.position(system.own[system.kept])
-        self.amplitudes = folding.position(layout.coefficients + np.arange(layout.columns))
+        layout, symmetry = system.layout, system.symmetry
+        self.first = symmetry.position(layout.offset[zones.solved])
+        self.rest = symmetry.position(system.own[system.kept])
+        self.amplitudes = symmetry.position(layout.coefficients + np.arange(layout.columns))
         self._basis = self._responses()
         self._small = np.zeros((self._basis.shape[1],) * 2)
         for k, column in enumerate(self._basis.T):
@@ -388,7 +389,7 @@ class Coarse:
         """Folded unknowns that a unit of the constant and of each amplitude bring along, in columns."""
         system = self.system
         columns, with_constant = system.layout.columns, self.levels
-        out = np.zeros((system.folding.size, columns + with_constant))
+        out = np.zeros((system.symmetry.size, columns + with_constant))
         if with_constant:
             out[self.first, 0] = self._from_levels(np.ones(len(self.first)))
         for k in range(columns):
@@ -404,25 +405,25 @@ class Coarse:
     def _close(self, folded: Array, wanted: Array) -> None:
         """Sets c_0 of every zone so that K at the held ends is as wanted."""
         system = self.system
-        view = Applied(system, system.folding.unfold(folded), np.zeros(0), np.zeros(0))
-        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / np.sqrt(system.zones.half[system.zones.solved[self.held]] / 2)
+        view = Applied(system, system.symmetry.unfold(folded), np.zeros(0), np.zeros(0))
+        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / edge_scale(system.zones.half[system.zones.solved[self.held]])
 
     def _from_levels(self, levels: Array) -> Array:
-        assert self.punches is not None
-        return self.punches.inverse(levels)
+        assert self.coarse is not None
+        return self.coarse.inverse(levels)
 
     def _scalars(self, folded: Array) -> Array:
         """The conditions that are single rows, and what ties the constant where levels are absolute."""
         system = self.system
-        y = system.folding.unfold(folded)
+        y = system.symmetry.unfold(folded)
         view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
         out = [float(system.equation.conditions[k].rows(view)[0][0, 0]) for k in self.others]
         if self.levels and self.absolute:
-            assert self.punches is not None
+            assert self.coarse is not None
             solved = system.zones.solved
             total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
             # What the constant stands for, from the basis' first unknown: put in by `__call__`.
-            out.append(self.punches.lowered * total)
+            out.append(self.coarse.lowered * total)
         return np.array(out)
 
     def __call__(self, right: Array) -> Array:
@@ -430,7 +431,7 @@ class Coarse:
         equations = len(self.rest)
         conditions = right[equations:]
         here = conditions[self.rows]
-        out = np.zeros(system.folding.size)
+        out = np.zeros(system.symmetry.size)
         out[self.rest] = -right[:equations]
         if self.levels:
             levels = here if self.absolute else np.concatenate(([0.0], np.cumsum(here)))
@@ -450,29 +451,29 @@ class Coarse:
 
 
 class Iterative:
-    """Solves the rows of a `ManySystem` for any right side.
+    """Solves the rows of an `IterativeSystem` for any right side.
 
     value: of an open condition, if there is one. Unknowns are counted in the largest of their zone, so that lightly loaded zones are
     as right as the others. error: the largest
     of what the last residual, preconditioned, says of the error of each zone's unknowns (Z,).
     """
 
-    def __init__(self, system: ManySystem, punches: Punches | None, tolerance: float, value: float = 0.0) -> None:
+    def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None, tolerance: float, value: float = 0.0) -> None:
         self.system, self.tolerance, self.value = system, tolerance, value
-        self.coarse = Coarse(system, punches)
+        self.preconditioner = TwoLevelPreconditioner(system, coarse)
         self.equations = len(system.kept)
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
 
     @property
     def size(self) -> int:
-        return self.system.folding.size
+        return self.system.symmetry.size
 
     def rows(self, folded: Array) -> Array:
         system = self.system
-        rows, view = system.applied(system.folding.unfold(folded))
+        rows, view = system.applied(system.symmetry.unfold(folded))
         parts = [asked(condition, view, 1)[0][:, 0] for condition in system.equation.conditions]
-        return np.concatenate((rows, *parts, view.held()[0][:, 0]) if len(self.coarse.held) else (rows, *parts))
+        return np.concatenate((rows, *parts, view.held()[0][:, 0]) if len(self.preconditioner.held) else (rows, *parts))
 
     def right(self) -> Array:
         """The right side of the equation and of its conditions."""
@@ -483,7 +484,7 @@ class Iterative:
         for condition in system.equation.conditions:
             _, constants, wanted = asked(condition, nothing, 1)
             values.append(wanted - constants + (self.value if condition.open else 0.0))
-        if len(self.coarse.held):
+        if len(self.preconditioner.held):
             values.append(-nothing.held()[1])
         return np.concatenate((system.equation_right, *values))
 
@@ -497,17 +498,17 @@ class Iterative:
         def rows(folded: Array) -> Array:
             return self.rows(folded) if taken is None else self.rows(folded) - taken(folded)
 
-        plain = self.coarse(right)
+        plain = self.preconditioner(right)
         scale = self._scale(plain if near is None else near)
         wanted = max(self.tolerance if tolerance is None else tolerance, 4 * _ROUNDING * math.sqrt(len(self.system.zones.solved)))
         x = np.zeros(self.size) if near is None else near
-        left_over = (plain if near is None else self.coarse(right - rows(near))) / scale
+        left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
         for _ in range(3):
-            found = gmres(lambda v: self.coarse(rows(v * scale)) / scale, left_over, wanted)
+            found = gmres(lambda v: self.preconditioner(rows(v * scale)) / scale, left_over, wanted)
             self.iterations += found.steps
             x = x + found.x * scale
             # Rounding in a long recurrence is not seen by it: the residual itself is looked at.
-            left_over = self.coarse(right - rows(x)) / scale
+            left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
             if found.steps == 0 or float(np.linalg.norm(left_over)) <= 4 * wanted:
                 break
@@ -515,7 +516,7 @@ class Iterative:
 
     def _largest(self, folded: Array) -> Array:
         """Largest unknown of every solved zone."""
-        return np.asarray(np.maximum.reduceat(np.abs(folded[: self.size - len(self.coarse.amplitudes)]), self.coarse.first))
+        return np.asarray(np.maximum.reduceat(np.abs(folded[: self.size - len(self.preconditioner.amplitudes)]), self.preconditioner.first))
 
     def _by_zone(self, folded: Array) -> Array:
         """Largest unknown of every zone, mirrored ones too."""
@@ -528,7 +529,7 @@ class Iterative:
         """Largest unknown of its zone for every unknown, but not below a small part of the largest of all; 1 for amplitudes."""
         largest = self._largest(folded)
         top = float(largest.max())
-        size = np.diff(np.append(self.coarse.first, self.size - len(self.coarse.amplitudes)))
+        size = np.diff(np.append(self.preconditioner.first, self.size - len(self.preconditioner.amplitudes)))
         out = np.ones(self.size)
         out[: int(size.sum())] = np.repeat(np.maximum(largest, _LIGHTEST * top if top > 0 else 1.0), size)
         return out

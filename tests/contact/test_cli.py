@@ -184,7 +184,7 @@ class TestFailures:
 
     def test_a_missing_extra_ends_in_2(self, scene, monkeypatch, tmp_path):
         monkeypatch.setitem(sys.modules, "matplotlib.backends.backend_agg", None)
-        assert "contact[plot]" in stopped(2, "solve", scene(), "--plot", tmp_path / "out.png")
+        assert "[plot]'" in stopped(2, "solve", scene(), "--plot", tmp_path / "out.png")
 
     def test_without_click_the_command_says_what_to_install(self):
         code = "import sys; sys.modules['click'] = None; from contact.__main__ import main; main()"

@@ -7,13 +7,13 @@ import pytest
 from scipy.interpolate import BSpline
 
 import sie
-from sie.jumps.density import Breaks
+from sie.jumps.density import DensityJumps
 from sie.jumps.local_spline import MANY
 
 KERNEL = sie.cauchy()
 
 
-def both(seed: int = 5) -> tuple[Breaks, Breaks, sie.Zones]:
+def both(seed: int = 5) -> tuple[DensityJumps, DensityJumps, sie.Zones]:
     """(all jumps of a quadratic spline one by one, the same with a spline in their place, the zone)."""
     rng, n = np.random.default_rng(seed), MANY + 40
     at = np.arange(n) + rng.uniform(-0.4, 0.4, n)
@@ -21,7 +21,7 @@ def both(seed: int = 5) -> tuple[Breaks, Breaks, sie.Zones]:
     bends = spline.derivative(2)(0.5 * (at[1:] + at[:-1]))
     at, jumps, orders = at[3:-3], np.diff(bends)[2:-2], np.full(n - 6, 2)
     zones = sie.Zones.of([[at[10] - 0.3, at[-10] + 0.2]])
-    return Breaks.inside(zones, at, jumps, orders, KERNEL), Breaks.inside(zones, at, jumps, orders, KERNEL, spline), zones
+    return DensityJumps.inside(zones, at, jumps, orders, KERNEL), DensityJumps.inside(zones, at, jumps, orders, KERNEL, spline), zones
 
 
 def test_a_spline_in_place_of_many_jumps_leaves_six_and_is_the_same_density() -> None:

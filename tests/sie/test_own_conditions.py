@@ -9,7 +9,7 @@ import pytest
 import sie
 from sie.basis import chebyshev
 from sie.equation.conditions import Condition
-from sie.slits.system import PiercedState
+from sie.slits.system import SlitState
 
 T = np.linspace(-0.97, 0.97, 15)
 WAVE = sie.Forcing(np.sin, lambda x: -np.cos(x))
@@ -151,14 +151,14 @@ def test_a_condition_of_ones_own_holds_whatever_the_width_of_a_gap(condition, ga
     zones = sie.Zones.of([[-1.0, 0.0], [gap, 1.3]], [sie.SINGULAR, sie.FREE], [sie.FREE, sie.SINGULAR])
     conditions, columns = (sie.Total(1.0), sie.EqualPotential(), condition), (CONSTANT,)
     state = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, conditions, columns), zones)
-    assert not isinstance(state, PiercedState)
+    assert not isinstance(state, SlitState)
     slack = 1e-12 + state.density_error
     if isinstance(condition, FirstTotal):
         assert state.density.totals[0] == pytest.approx(0.2, abs=slack)
     else:
         assert state.density.intensities[0][0] == pytest.approx(state.density.intensities[1][1], abs=slack)
     without = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, conditions[:2]), zones)
-    assert isinstance(without, PiercedState) == (gap < 0.1)
+    assert isinstance(without, SlitState) == (gap < 0.1)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,276 @@
+"""Paths of surfaces that adhere: up and down a list of values of a control, through every jump, with the energy that each loses.
+
+What happens between two values is followed (contact.search.equilibria.history); at the values themselves the contact is solved, with
+its stated error and certificate, from where it was followed to.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact.errors import OutOfRange, unwarned, warn
+from contact.formulation.energy import elastic_energy
+from contact.formulation.equilibria import Point
+from contact.formulation.full import FullFields
+from contact.model.checks import finite_array, positive
+from contact.model.laws.base import CONTROLS
+from contact.model.scene import Scene
+from contact.search.equilibria.flow import Closed
+from contact.search.equilibria.history import History, Jump, Standing
+from contact.search.task import Task
+from contact.search.topology.loop import Progress
+from contact.search.topology.missed import Missed
+from contact.search.ways.branches import advancing, closed, to_follow
+from contact.solution import made
+from contact.solution.energy import Energy
+from contact.solution.plan import plan
+from contact.solution.solution import Solution
+from contact.solution.validity import of_solution
+from contact.solver import solved_at, task_of
+from contact.sweeps.paths import Event, Path
+
+Array = NDArray[np.float64]
+
+_UNITS = {"load": "loads", "mean_pressure": "mean pressures", "approach": "approaches"}
+
+
+@dataclass(frozen=True, eq=False)
+class AdhesiveEvent(Event):
+    """A jump of surfaces that adhere, or a first touch.
+
+    Parameters
+    ----------
+    kind : str
+        jump-in (surfaces apart come together), birth (of a zone, by touch), merge (a gap snaps shut), jump (ends alone), full (the last gap
+        closes), death (zones come apart), pull-off (the last ones do).
+    value : float
+        Of the control, where it happens: exact to about 1e-12 of itself.
+    load_after : float
+        The load after it; 0 apart, whatever pulled before [N/m].
+    approach, approach_after : float or None
+        Before and after it [m]; None without one.
+    lost : float or None
+        Energy that it loses [J/m]: what is stored and what closing had released, before less after, and the work that the load does on the
+        way. None without an approach.
+
+    Examples
+    --------
+    A cylinder is pulled off under its own weight's reverse: where, and what that loses.
+
+    >>> import contact
+    >>> scene = contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(datum=1e-2), law=contact.JKR(0.05), load=0.0)
+    >>> (event,) = contact.path(scene, [0.0, -20.0]).events
+    >>> event.kind, round(event.load, 6), event.lost > 0
+    ('pull-off', -2.367141, True)
+    """
+
+    value: float
+    load_after: float
+    approach: float | None
+    approach_after: float | None
+    lost: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class AdhesivePath(Path):
+    """A path of surfaces that adhere, up and down.
+
+    Parameters
+    ----------
+    values : ndarray
+        Of the control, (n,).
+    control : str
+        "load", "mean_pressure" or "approach".
+    stiffness : float or None
+        Of the spring whose far end the approaches are [N/m^2].
+
+    Examples
+    --------
+    A wave under a load that rises and falls: it is pulled off below no load, and the energy lost is the work done.
+
+    >>> import contact
+    >>> wave = contact.Scene(contact.Sinusoid(0.01, 1.0), 1.0, contact.Periodic(), law=contact.JKR(1e-5), load=0.0)
+    >>> loop = contact.path(wave, [-2e-3, 4e-3, -2e-3])
+    >>> [event.kind for event in loop.events], abs(loop.work - loop.dissipated) < 1e-9 * loop.work
+    (['jump-in', 'pull-off'], True)
+    """
+
+    values: Array
+    control: str
+    stiffness: float | None
+
+    @property
+    def approaches(self) -> Array:
+        """[m]; nan where there is none."""
+        return np.array([np.nan if s.approach is None else s.approach for s in self.solutions], dtype=float)
+
+    @property
+    def dissipated(self) -> float | None:
+        """Energy lost in all jumps [J/m], per period where there is one; None without an approach."""
+        lost = [event.lost for event in self.events if isinstance(event, AdhesiveEvent)]
+        return None if any(part is None for part in lost) or self._ends is None else float(sum(part for part in lost if part is not None))
+
+    @property
+    def work(self) -> float | None:
+        """Work of the load from the first value to the last [J/m]: the energy of the last less that of the first, and what was lost. Of a
+        closed loop it is what was lost."""
+        dissipated = self.dissipated
+        return None if dissipated is None or self._ends is None else self._ends[1].total - self._ends[0].total + dissipated
+
+    @cached_property
+    def _ends(self) -> tuple[Energy, Energy] | None:
+        first, last = self.solutions[0].energy, self.solutions[-1].energy
+        return None if first is None or last is None else (first, last)
+
+
+def adhesive_path(
+    scene: Scene, values: ArrayLike, tol: float, progress: Progress | None, control: str, stiffness: float | None
+) -> AdhesivePath:
+    """See `contact.path`."""
+    given = finite_array(_UNITS[control], values)
+    give = None if stiffness is None else 1.0 / positive("stiffness", stiffness)
+    run = _Run(_under(scene, control, 0.0), control, tol, give)
+    run.refuse(given)
+    solutions: list[Solution] = []
+    passed: list[tuple[Event, ...]] = []
+    with unwarned():
+        here = run.first(float(given[0]))
+        for k, value in enumerate(given):
+            if progress is not None:
+                progress(control, k, len(given))
+            before = here.value
+            events: list[Event] = []
+            for found in run.history.to(here, float(value) / run.unit):
+                if isinstance(found, Jump):
+                    events.append(run.event(found))
+                else:
+                    here = found
+            solutions.append(run.solved(here, float(value), here.value >= before, before))
+            passed.append(tuple(events))
+    warn(of_solution(max(solutions, key=lambda solution: solution.load)))
+    return AdhesivePath(tuple(solutions), tuple(passed), given, control, stiffness)
+
+
+def _under(scene: Scene, control: str, value: float) -> Scene:
+    controls: dict[str, float | None] = {**dict.fromkeys(CONTROLS), control: value}
+    return replace(scene, **controls)  # type: ignore[arg-type]
+
+
+class _Run:
+    """scene: under the control, at no value. give: of the spring [m per N/m]."""
+
+    def __init__(self, scene: Scene, control: str, tol: float, give: float | None) -> None:
+        self.scene, self.control, self.tol = scene, control, tol
+        self.task = replace(task_of(scene, tol), give=give)
+        scaled, curve = to_follow(self.task)
+        self.scaled, self.curve, self.problem = scaled, curve, curve.problem
+        self.history = History(curve, scaled.cell)
+
+    @property
+    def unit(self) -> float:
+        """Of the control's values over its scaled ones."""
+        unit = self.curve.held.unit(self.problem.units)
+        return unit / self.scene.profile.period if self.control == "mean_pressure" and self.scene.profile.period else unit
+
+    def refuse(self, values: Array) -> None:
+        """Approaches that no equilibrium has."""
+        if self.control != "approach" or self.task.give is not None or self.scene.period is None or self.task.operator.compression:
+            return
+        highest = made.mean_height(self.scene)
+        if values.max() >= highest:
+            raise OutOfRange(
+                f"approach {values.max():.6g} m is not below {highest:.6g} m, the mean of the profile: under a held approach the surfaces "
+                "come ever nearer to it, and close at none below"
+            )
+
+    def first(self, value: float) -> Standing:
+        """Where the path begins: below first touch the surfaces are apart, else it is the advancing contact."""
+        if value < 0.0:
+            return Standing(value / self.unit)
+        if self.task.give is not None:
+            # The contact without adhesion under an approach of the far end need not lie within.
+            *_, found = self.history.to(Standing(-1.0), value / self.unit)
+            assert isinstance(found, Standing)
+            return found
+        task = replace(self.task, scene=_under(self.scene, self.control, value))
+        try:
+            start = advancing(task, self.scaled, self.curve, value / self.unit)
+        except Closed:
+            return Standing(value / self.unit, closed=True)
+        return Standing(value / self.unit, self.curve.settled(start))
+
+    def solved(self, here: Standing, value: float, rose: bool, before: float) -> Solution:
+        """The solution where the path stands."""
+        scene = _under(self.scene, self.control, value)
+        way = "advancing" if rose else "receding"
+        told = f"{way}, {'raised' if rose else 'lowered'} from {self.control} {before * self.unit:.6g}"
+        task = replace(self.task, scene=scene, plan=plan(scene), branch=way)
+        if here.point is None:
+            return self._without_zones(task, here)
+        found = task.refine_topology(self.problem, replace(self.curve.held, value=here.value), here.point.table, near=True)
+        if isinstance(found, Missed):
+            raise task.error(found, self.problem)
+        solution = solved_at(task, found, told)
+        return solution if task.give is None else replace(solution, scene=_under(self.scene, "load", solution.load))
+
+    def _without_zones(self, task: Task, here: Standing) -> Solution:
+        held, units = self.curve.held, self.problem.units
+        if here.closed:
+            load = self._closed_load(here.value)
+            scene = task.scene if held.load is not None else _under(self.scene, "load", load)
+            return made.of_full(scene, task.full, closed(replace(task, scene=scene)).mean_pressure, task.plan, task.tol, task.branch)
+        return made.of_apart(task.scene, self.problem, None if held.yields is None else here.value * units.height, task.plan)
+
+    def _closed_load(self, value: float) -> float:
+        """Of surfaces closed altogether [N/m]."""
+        held, units, period = self.curve.held, self.problem.units, self.scene.period
+        assert period is not None
+        if held.load is not None:
+            return value * units.load
+        if not held.yields:
+            raise OutOfRange("the surfaces close altogether, and in full contact the approach does not tell the load: give a load")
+        # What the base gives way to a mean pressure, and the spring to the load.
+        base = 2 * (self.task.operator.compression or 0.0) / self.scene.E_star / period
+        return (value * units.height - made.mean_height(self.scene)) / (base + held.yields * units.height / units.load)
+
+    def event(self, jump: Jump) -> AdhesiveEvent:
+        units = self.problem.units
+        load, approach, energy, zones = self._state(jump.before)
+        load_after, approach_after, energy_after, zones_after = self._state(jump.after)
+        if jump.kind == "pull-off" and self.curve.held.load is not None:
+            # They part where they are; how far a dead load takes them then is nothing of theirs.
+            approach_after = approach
+        lost = None
+        if energy is not None and energy_after is not None and approach is not None and approach_after is not None:
+            lost = energy - energy_after + 0.5 * (load + load_after) * (approach_after - approach)
+        value = jump.before.value * self.unit
+        place = float(units.x(np.array(jump.place)))
+        return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost)
+
+    def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
+        """(load, approach, energy, zones) [N/m, m, J/m, m]."""
+        units, law, none = self.problem.units, self.scene.law, np.zeros((0, 2))
+        if standing.point is not None:
+            return self._of_point(standing.point)
+        if standing.closed:
+            assert self.scene.period is not None
+            load = self._closed_load(standing.value)
+            fields = FullFields(made.of_period(self.scene), load / self.scene.period, self.task.full.relief, made.mean_height(self.scene))
+            elastic = elastic_energy(fields)
+            surface = law.surface_energy(fields, self.scene.period)
+            return load, fields.approach, None if elastic is None else elastic + surface, none
+        held = self.curve.held
+        approach: float | None = 0.0 if held.yields is None else standing.value * units.height
+        return 0.0, approach if self.problem.operator.has_approach else None, 0.0, none
+
+    def _of_point(self, point: Point) -> tuple[float, float | None, float | None, Array]:
+        units = self.problem.units
+        fields = self.curve.fields(point)
+        elastic = elastic_energy(fields)
+        width = float(np.diff(point.table).sum()) * units.length
+        energy = None if elastic is None else elastic + self.scene.law.surface_energy(fields, width)
+        return point.load * units.load, fields.approach, energy, made.in_cell(self.scene, np.asarray(units.x(point.table)))
