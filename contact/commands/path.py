@@ -17,9 +17,9 @@ from contact.model.scene import Scene
 from contact.model.units import column
 from contact.solution.terminal import Progress, show_table
 from contact.sweeps.curve import solve_many
+from contact.sweeps.path import path
 from contact.sweeps.path_table import columns, to_json
 from contact.sweeps.paths import Path as LoadPath
-from contact.sweeps.paths import path
 from contact.sweeps.points import NUMBERS
 
 # Columns of the table, with digits: what an 80-column screen holds.

@@ -204,6 +204,6 @@ def test_what_a_path_cannot_follow_is_refused_by_name():
     for kwargs in ({"control": "approach"}, {"stiffness": 1.0}):
         with pytest.raises(contact.SceneError, match="frictionless"):
             contact.path(bare, [1e-3], **kwargs)
+    lone = contact.Scene(contact.Parabola(1.0), E, contact.Isolated(), law=contact.JKR(1e-6), load=0.0)
     with pytest.raises(contact.SceneError, match="approach"):
-        resting = contact.Scene(contact.Parabola(1.0), E, contact.Isolated(), law=contact.JKR(1e-6), load=0.0)
-        contact.path(resting, [0.0], control="approach")
+        contact.path(lone, [0.0], control="approach")
