@@ -74,6 +74,11 @@ class AdhesiveEvent(Event):
     approach_after: float | None
     lost: float | None
 
+    def change(self) -> str:
+        ends = "apart", "full contact"
+        before = len(self.before) or ends[0]
+        return f"{before} to {len(self.after) or ends[self.kind == 'full']}"
+
 
 @dataclass(frozen=True, eq=False)
 class AdhesivePath(Path):
@@ -136,21 +141,22 @@ def adhesive_path(
     run = _Run(_under(scene, control, 0.0), control, tol, give)
     run.refuse(given)
     solutions: list[Solution] = []
-    events: list[Event] = []
+    passed: list[tuple[Event, ...]] = []
     with unwarned():
         here = run.first(float(given[0]))
         for k, value in enumerate(given):
             if progress is not None:
                 progress(control, k, len(given))
-            before = here.value
+            before, events = here.value, []
             for found in run.history.to(here, float(value) / run.unit):
                 if isinstance(found, Jump):
                     events.append(run.event(found))
                 else:
                     here = found
             solutions.append(run.solved(here, float(value), here.value >= before, before))
+            passed.append(tuple(events))
     warn(of_solution(max(solutions, key=lambda solution: solution.load)))
-    return AdhesivePath(tuple(solutions), tuple(events), given, control, stiffness)
+    return AdhesivePath(tuple(solutions), tuple(passed), given, control, stiffness)
 
 
 def _under(scene: Scene, control: str, value: float) -> Scene:
