@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 from collections import Counter
 from pathlib import Path
 from types import ModuleType
@@ -40,9 +41,28 @@ def own_names():
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda f: f.stem)
-def test_an_example_has_at_most_forty_lines_and_stands_in_the_docs(script: Path) -> None:
+def test_an_example_has_at_most_forty_lines_and_a_picture(script: Path) -> None:
     assert len(script.read_text(encoding="utf-8").splitlines()) <= 40
-    assert any(f"examples/{script.name}" in page.read_text(encoding="utf-8") for page in DOCS.glob("*.md"))
+    picture = (DOCS / "gallery" / f"{script.stem}.png").read_bytes()
+    assert picture.startswith(b"\x89PNG") and len(picture) <= 60_000
+
+
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
+
+
+def differing(said: str, printed: str) -> list[tuple[str, str]]:
+    """Words, and numbers that are no rounding, of two prints that are not the same."""
+    ours, theirs = ((NUMBER.sub("", text).split(), NUMBER.findall(text)) for text in (said, printed))
+    far = [
+        (a, b) for a, b in zip(ours[1], theirs[1], strict=False)
+        if max(abs(float(a)), abs(float(b))) > 1e-8 and abs(float(a) - float(b)) > 1e-3 * abs(float(a)) + 2e-4
+    ]
+    return far if ours[0] == theirs[0] and len(ours[1]) == len(theirs[1]) else [*far, (said, printed)]
+
+
+def test_prints_that_differ_by_more_than_rounding_are_noticed() -> None:
+    assert differing("a 1.000000 3e-13", "a 1.000001 9e-12") == []
+    assert differing("a 1.0", "a 1.1") and differing("a 1.0", "b 1.0")
 
 
 # At most: solves of the linear system, modes of one solution, kernel evaluations, places at which a profile is asked for anything.
@@ -104,9 +124,13 @@ def assert_within(name: str, spent: Counter[str]) -> None:
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda f: f.stem)
-def test_an_example_takes_no_more_work_than_it_is_stated_to(script: Path, work: Counter[str], own_names) -> None:
+def test_an_example_takes_no_more_work_than_it_is_stated_to_and_prints_what_its_page_says(
+    script: Path, work: Counter[str], own_names: None, capsys: pytest.CaptureFixture[str]
+) -> None:
     module(script.stem).main()
     assert_within(script.stem, work)
+    said = (DOCS / "gallery" / f"{script.stem}.txt").read_text(encoding="utf-8")
+    assert differing(said, capsys.readouterr().out) == []
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda f: f.stem)

@@ -147,7 +147,8 @@ def adhesive_path(
         for k, value in enumerate(given):
             if progress is not None:
                 progress(control, k, len(given))
-            before, events = here.value, []
+            before = here.value
+            events: list[Event] = []
             for found in run.history.to(here, float(value) / run.unit):
                 if isinstance(found, Jump):
                     events.append(run.event(found))

@@ -166,6 +166,7 @@ class Path:
 def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:
     """Along loads [N/m], under a law by which contact only grows with the load; see `contact.path`."""
     run = _Path(scene, tol)
+    run.curve.look_at(values)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
     with unwarned():

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack, lu_factor, lu_solve
 
+from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 from sie.collocation import modes
@@ -267,7 +268,7 @@ class State(Kept):
     @cached_property
     def coefficient_noise(self) -> Array:
         """Rounding of what each zone's coefficients add up to."""
-        return np.asarray(self.intensity_noise.max(axis=0) / np.sqrt(self.density.zones.half / 2))
+        return np.asarray(self.intensity_noise.max(axis=0) / edge_scale(self.density.zones.half))
 
     @property
     def field_tail(self) -> float:
@@ -329,7 +330,7 @@ class State(Kept):
         missing[solved] += 3 * np.maximum(self._residual - rounding[solved], 0.0)
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
         slopes = np.where(moves, np.abs(self.density.edge_slopes), np.inf)
-        return np.asarray(np.sqrt(zones.half / 2) * missing / np.maximum(slopes, 1e-300) / zones.half).T
+        return np.asarray(edge_scale(zones.half) * missing / np.maximum(slopes, 1e-300) / zones.half).T
 
     @cached_property
     def zone_sizes(self) -> Array:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import felt
@@ -128,7 +129,7 @@ class IterativeSystem(System):
     def _with_own(self, y: Array, mean: Array) -> Array:
         solved = self.zones.solved
         w = self.zones.half[solved]
-        level = mean + w * np.log(w / (2 * self.equation.kernel.datum)) * y[self.layout.offset[solved]]
+        level = mean + mean_potential(w, self.equation.kernel.datum) * y[self.layout.offset[solved]]
         if self.layout.columns and self.wants_levels:
             level = level - y[self.layout.coefficients :] @ self.column_means
         return np.asarray(level)
@@ -339,7 +340,7 @@ class CoarseOperator:
             e = (gap + zones.half[i]) / w
             if shift == 0.0:
                 e = np.where(i == j, 0.0, e)
-            out += np.log(w * (1 + e + np.sqrt(e * (e + 2))) / (2 * kernel.datum))
+            out += Outside(1.0, e).first(w / kernel.datum)
         if kernel.regular_potential is not None:
             out += kernel.regular_potential(zones.middle[i], zones.middle[j])
         return np.asarray(w * (out - self.lowered))
@@ -405,7 +406,7 @@ class TwoLevelPreconditioner:
         """Sets c_0 of every zone so that K at the held ends is as wanted."""
         system = self.system
         view = Applied(system, system.symmetry.unfold(folded), np.zeros(0), np.zeros(0))
-        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / np.sqrt(system.zones.half[system.zones.solved[self.held]] / 2)
+        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / edge_scale(system.zones.half[system.zones.solved[self.held]])
 
     def _from_levels(self, levels: Array) -> Array:
         assert self.coarse is not None

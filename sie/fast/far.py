@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.fast.panels import panels_of
@@ -129,14 +130,11 @@ class FarSum:
         gap = np.where(right, past, before)
         half, width = s.half[far.source], t.half[far.target]
         nodes = chebyshev.gauss(TERMS)[:, None]
-        e = (gap + width * (1 + np.where(right, nodes, -nodes))) / half
-        root = np.sqrt(e * (e + 2))
         sign = np.where(right, 1.0, -1.0)
-        self.rho = sign / (1 + e + root)
-        self.front = sign / (root * half)
-        e = (gap + width) / half
-        self.centre = sign / (1 + e + np.sqrt(e * (e + 2)))
-        self.log = np.log(half / (2 * np.abs(self.centre) * kernel.datum))
+        at_nodes = Outside(sign, (gap + width * (1 + np.where(right, nodes, -nodes))) / half)
+        self.rho, self.front = at_nodes.rho, 1 / (at_nodes.root * half)
+        at_middle = Outside(sign, (gap + width) / half)
+        self.centre, self.log = at_middle.rho, at_middle.first(half / kernel.datum)
         self.to_series = chebyshev.t_matrix(TERMS, TERMS) * (2 / TERMS)
         self.to_series[:, 0] *= 0.5
 

@@ -32,8 +32,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.half_plane import Complex, Seen
+from sie.basis.interval import LOG2, Complex, InPlane, Outside, theta
 from sie.basis.kept import Kept
+from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms
 from sie.jumps.local_spline import MANY, LocalSpline
@@ -50,9 +51,8 @@ _MANY = 64
 SERIES = 1024
 # Below this rho nothing is left of the terms after these.
 SERIES_REACH = float(2.0 ** (-52 / SERIES))
-# Seen from farther than this rho, the closed form cancels and the series is short.
+# InPlane from farther than this rho, the closed form cancels and the series is short.
 _FAR = 0.25
-LOG2 = float(np.log(2.0))
 # Up to which rho how many terms of the series are enough.
 _SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
 # kappa is taken no nearer to a jump than this.
@@ -132,12 +132,12 @@ class ForcingJumps(Kept):
     @cached_property
     def phi(self) -> Array:
         """Angle of each jump, s = cos(phi)."""
-        return np.asarray(2 * np.arctan2(np.sqrt(self.right), np.sqrt(self.left)))
+        return theta(self.left, self.right)
 
     @cached_property
     def psi(self) -> Array:
         """pi - phi, to all its digits beside the left end."""
-        return np.asarray(2 * np.arctan2(np.sqrt(self.left), np.sqrt(self.right)))
+        return theta(self.right, self.left)
 
     @cached_property
     def sine(self) -> Array:
@@ -169,7 +169,7 @@ class ForcingJumps(Kept):
         if zone not in self.splines:
             return self.phi[self.by_zone[zone]]
         left = self.places(zone)[0]
-        return np.asarray(2 * np.arctan2(np.sqrt(2 - left), np.sqrt(left)))
+        return theta(left, 2 - left)
 
     def rounding(self, count: int) -> Array:
         """What the sum of a zone's parts is rounded to, at the most, on each of so many zones."""
@@ -426,7 +426,7 @@ class ForcingJumps(Kept):
         if np.any(self.order[k] > 0):
             raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
         away, kappa = self._kappa(k, left, right)
-        behind = 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        behind = theta(right, left)
         parts = np.where(away == 0, 0.0, away) * np.where(away == 0, 0.0, kappa) + self.sine[k] * behind[:, None]
         return np.asarray(parts @ (self.height[k] / np.pi))
 
@@ -473,13 +473,11 @@ class ForcingJumps(Kept):
         return out
 
     def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
-        z, beyond = 0.5 * (left - right), np.where(on, 0.0, np.maximum(-left, -right))
-        grown = 2 * np.arcsinh(np.sqrt(0.5 * beyond))[:, None]
-        root = (np.where(left > 0, 1.0, -1.0) * np.sqrt(beyond * (beyond + 2)))[:, None]
+        z, seen = 0.5 * (left - right), Outside(np.where(left > 0, 1.0, -1.0), np.where(on, 0.0, np.maximum(-left, -right)))
         away = left[:, None] - self.left[k]
         turn = np.where(away > 0, self.psi[k], -self.phi[k])
         turn[~on] = self._plain(k, rho[~on])
-        return self.potential_by(k, away, z[:, None], turn, grown, root)
+        return self.potential_by(k, away, z[:, None], turn, seen.log[:, None], seen.root[:, None])
 
     def potential_by(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
         """Sum of the closed potentials of jumps k (see the head of this file), z - s, F, A and B at hand, real or complex."""
@@ -501,13 +499,13 @@ class ForcingJumps(Kept):
         return out
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
-    def logarithm(self, k: Index, seen: Seen, away: Complex) -> Complex:
+    def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """-i log(B / A) of jumps k."""
         c, s = np.sqrt(0.5 * self.left[k]), np.sqrt(0.5 * self.right[k])
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(-1j * np.log((c - 1j * s) ** 2 * (c * seen.m[:, None] + 1j * s * seen.p[:, None]) ** 2 / away))
 
-    def logarithm_slope(self, k: Index, seen: Seen, away: Complex) -> Complex:
+    def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """Its derivative by zeta."""
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
@@ -515,7 +513,7 @@ class ForcingJumps(Kept):
         """P_q and its derivative."""
         return self._polynomial(k, zeta), np.where(self.order[k] == HIGHEST, self.sine[k], 0.0)
 
-    def plane_potential(self, k: Index, seen: Seen, away: Complex, log: Complex) -> Complex:
+    def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
         """Potential of jumps k over w, less c_0 log(w)."""
         found: Complex = self.potential_by(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None])
         return found
@@ -541,14 +539,6 @@ class ForcingJumps(Kept):
     def kinked(self) -> list[int]:
         """Zones with a jump of g itself."""
         return [int(i) for i in np.unique(self.zone[self.order == 0])]
-
-
-def of_zones(zone: Index) -> Iterator[tuple[int, Index]]:
-    """Every zone that is named, with the places that name it, in ascending order."""
-    order = np.argsort(zone, kind="stable")
-    cuts = np.flatnonzero(np.diff(zone[order], prepend=-1, append=-1))
-    for start, end in zip(cuts[:-1], cuts[1:], strict=True):
-        yield int(zone[order[start]]), order[start:end]
 
 
 def power(away: Array, order: Index) -> Array:

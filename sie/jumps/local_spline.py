@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.interval import Outside, of_t
 from sie.basis.kept import Kept
 from sie.basis.kernels import cauchy
 from sie.fast.piecewise import PiecewiseTransform
@@ -161,14 +162,14 @@ class LocalSpline(Kept):
 
     @cached_property
     def _moments(self) -> Array:
-        """int f T_k dt over pi, T_k of the spline's own width."""
+        """int f T_k dt over pi, twice for k > 0, T_k of the spline's own width."""
         nodes, weights = np.polynomial.legendre.leggauss(TERMS)
         length, half = np.diff(self.knots), 0.5 * (self.knots[-1] - self.knots[0])
         x = self.knots[:-1, None] + 0.5 * length[:, None] * (1 + nodes)
         u = (x - 0.5 * (self.knots[0] + self.knots[-1])) / half
         values = (self(x) * weights * 0.5 * length[:, None]).ravel()
         angle = np.arccos(np.clip(u.ravel(), -1.0, 1.0))
-        return np.array([float(values @ np.cos(k * angle)) for k in range(TERMS)]) / np.pi
+        return np.array([float(values @ np.cos(k * angle)) for k in range(TERMS)]) * (np.where(np.arange(TERMS), 2.0, 1.0) / np.pi)
 
     def transform(self, x: Array) -> Array:
         """(1/pi) PV int f / (x - xi) at points on the zone and off it."""
@@ -178,10 +179,6 @@ class LocalSpline(Kept):
         out[close] = self._close(x[close])
         half = 0.5 * (self.knots[-1] - self.knots[0])
         z = (x[~close] - 0.5 * (self.knots[0] + self.knots[-1])) / half
-        root = np.sqrt((np.abs(z) - 1) * (np.abs(z) + 1))
-        rho = np.sign(z) / (np.abs(z) + root)
-        total = np.zeros(z.shape)
-        for k in range(TERMS - 1, 0, -1):
-            total = (total + 2 * self._moments[k]) * rho
-        out[~close] = np.sign(z) / (root * half) * (total + self._moments[0])
+        seen, row = Outside(np.sign(z), np.abs(z) - 1), np.zeros(len(z), dtype=np.intp)
+        out[~close] = of_t(self._moments[None] / half, seen, half, 1.0, row, "transform")
         return out
