@@ -53,6 +53,12 @@ class AdhesiveEvent(Event):
     kind : str
         jump-in (surfaces apart come together), birth (of a zone, by touch), merge (a gap snaps shut), jump (ends alone), full (the last gap
         closes), death (zones come apart), pull-off (the last ones do).
+    load : float
+        Just before it [N/m].
+    position : float
+        Where on the profile [m].
+    before, after : ndarray
+        The zones [m], (n, 2), just before and just after; surfaces apart and full contact have none.
     value : float
         Of the control, where it happens: exact to about 1e-12 of itself.
     load_after : float
@@ -71,9 +77,9 @@ class AdhesiveEvent(Event):
 
     >>> import contact
     >>> scene = contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(datum=1e-2), law=contact.JKR(0.05), load=0.0)
-    >>> (event,) = contact.path(scene, [0.0, -20.0]).events
+    >>> (event,) = contact.path(scene, [0.0, -30.0]).events
     >>> event.kind, round(event.load, 6), event.lost > 0
-    ('pull-off', -2.367141, True)
+    ('pull-off', -23.665257, True)
     """
 
     value: float
@@ -95,6 +101,10 @@ class AdhesivePath(Path):
 
     Parameters
     ----------
+    solutions : tuple of Solution
+        One for each value.
+    passed : tuple of tuple of AdhesiveEvent
+        For each value the jumps since the value before, in order.
     values : ndarray
         Of the control, (n,).
     control : str
