@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -74,6 +75,10 @@ class AdhesiveEvent(Event):
     approach_after: float | None
     lost: float | None
 
+    @property
+    def states(self) -> tuple[tuple[float, Array, float | None], ...]:
+        return (self.load, self.before, self.approach), (self.load_after, self.after, self.approach_after)
+
 
 @dataclass(frozen=True, eq=False)
 class AdhesivePath(Path):
@@ -120,6 +125,13 @@ class AdhesivePath(Path):
         closed loop it is what was lost."""
         dissipated = self.dissipated
         return None if dissipated is None or self._ends is None else self._ends[1].total - self._ends[0].total + dissipated
+
+    def to_dict(self) -> dict[str, Any]:
+        """Of a path, and its control, what was lost and the work of the load."""
+        units = {"lost": "J/m", "dissipated": "J/m", "work": "J/m", "load_after": "N/m", "approach_after": "m"}
+        told = super().to_dict()
+        told["units"] |= units
+        return told | {"control": self.control, "values": self.values.tolist(), "dissipated": self.dissipated, "work": self.work}
 
     @cached_property
     def _ends(self) -> tuple[Energy, Energy] | None:
