@@ -37,6 +37,7 @@ from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms
 from sie.jumps.local_spline import MANY, LocalSpline
+from sie.jumps.pairs import FewJumps
 from sie.jumps.zone_spline import ZoneSpline
 
 Array = NDArray[np.float64]
@@ -205,6 +206,12 @@ class ForcingJumps(Kept):
         if zone in self.splines:
             out -= self.splines[zone].own_transform(left)
         return out
+
+    @cached_property
+    def few(self) -> FewJumps:
+        """The jumps of all zones with few of them, and no spline."""
+        parts = self.left, self.phi, self.psi, self.sine, self.height / np.pi
+        return FewJumps.of(self.zone, np.array(list(self.splines), dtype=np.intp), parts, self.order, self._coefficients)
 
     def level_part(self, zone: int, left: Array) -> Array:
         """The same of the jumps of g itself alone: they have no slope."""
