@@ -13,7 +13,7 @@ from contact.errors import MissingExtra
 EXTRAS = {
     "matplotlib": "plot", "xarray": "io", "h5netcdf": "io", "h5py": "io",
     "tamaas": "peers", "ContactMechanics": "peers", "SurfaceTopography": "instruments",
-    "panel": "explore", "bokeh": "explore", "distributed": "cluster",
+    "panel": "explore", "bokeh": "explore", "distributed": "cluster", "cloudpickle": "cluster",
 }
 
 # The folder that this package stands in: that of its source, or among the installed packages.

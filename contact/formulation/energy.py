@@ -50,7 +50,7 @@ def _of_zones(fields: ZoneFields | GapFields) -> float:
             return np.asarray(density.at(zone, left, right))
     else:
         table, shape, pressure = fields.zones, problem.shape, fields.pressure_in
-    breaks = np.sort(np.asarray(problem.forcing.steps_at))
+    breaks = np.sort(np.asarray(problem.forcing.jumps_at))
     total = 0.0
     for zone, (a, b) in enumerate(table):
         half = 0.5 * (b - a)
@@ -86,7 +86,7 @@ def _of_period(fields: FullFields) -> float:
     units, period = problem.units, problem.period
     assert period is not None
     start = float(units.scaled(np.array(problem.profile.x0)))
-    breaks = start + np.unique(np.mod(np.asarray(problem.forcing.steps_at) - start, period))
+    breaks = start + np.unique(np.mod(np.asarray(problem.forcing.jumps_at) - start, period))
 
     def sums(count: int) -> tuple[float, float]:
         if len(breaks) == 0:

@@ -374,6 +374,16 @@ class ZoneFields(sie.Kept):
         return self.density.totals * self.problem.units.load
 
     @property
+    def zone_table(self) -> Array:
+        """Ends of the zones [m] (n, 2)."""
+        return np.asarray(self.problem.units.x(self.density.zones.table))
+
+    @property
+    def spreading(self) -> Array:
+        """How far the ends move outward as the load grows by a factor of e [m] (n, 2)."""
+        return moved_ends(self.state).T * self.problem.units.length * self.density.total
+
+    @property
     def tilt(self) -> float:
         """By how much the body is turned [rad]."""
         if self.problem.moment is None:

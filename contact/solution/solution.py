@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
@@ -80,6 +80,28 @@ class Solution(sie.Kept):
     trace: tuple[Any, ...] = field(default=(), repr=False)
     branch: str | None = None
     parting: Callable[[ZoneFields], PullOff] | None = field(default=None, repr=False)
+
+    @classmethod
+    def unfolding(cls, scene: Scene, zones: Array, fields: Fields, error: float, made: Mapping[str, Callable[[], Any]]) -> Solution:
+        """A solution whose certificate and plan are written down when they are asked for. made: how, by name."""
+        self = cls.__new__(cls)
+        self.__dict__.update(scene=scene, zones=zones, fields=fields, error=error, trace=(), _made=made)
+        return self
+
+    def __getattr__(self, name: str) -> Any:
+        # Reached by what is not there yet.
+        made = self.__dict__.get("_made")
+        if made is None or name not in made:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        self.__dict__[name] = made[name]()
+        return self.__dict__[name]
+
+    def __getstate__(self) -> Any:
+        for name in self.__dict__.get("_made", ()):
+            getattr(self, name)
+        kept = super().__getstate__()
+        kept.pop("_made", None)
+        return kept
 
     # fields -----------------------------------------------------------------------------------------------------------
     def pressure(self, x: ArrayLike) -> Array:

@@ -89,6 +89,10 @@ class Event:
     before: Array
     after: Array
 
+    def change(self) -> str:
+        """How many zones there are before and after it, in words."""
+        return f"{len(self.before) or 'full contact'} to {len(self.after) or 'full contact'}"
+
 
 @dataclass(frozen=True, eq=False)
 class Path:
@@ -162,6 +166,7 @@ class Path:
 def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:
     """Along loads [N/m], under a law by which contact only grows with the load; see `contact.path`."""
     run = _Path(scene, tol)
+    run.curve.look_at(values)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
     with unwarned():

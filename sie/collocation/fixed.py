@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack, lu_factor, lu_solve
 
+from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 from sie.collocation import modes
@@ -112,10 +113,17 @@ class Carried:
 
 
 class Solver(Protocol):
-    """Solves the assembled rows for further right sides. size: of the unknowns that are kept."""
+    """Solves the assembled rows for further right sides. size: of the unknowns that are kept; direct, iteration: itself, where it has a
+    matrix, and where it iterates."""
 
     @property
     def size(self) -> int: ...
+
+    @property
+    def direct(self) -> Factored | None: ...
+
+    @property
+    def iteration(self) -> Iterative | None: ...
 
     def __call__(self, right: Array) -> Array: ...
 
@@ -129,6 +137,12 @@ class Factored:
     pivots: Index
     size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
     rows: Array | None = field(default=None, repr=False)
+
+    iteration = None
+
+    @property
+    def direct(self) -> Factored:
+        return self
 
     @property
     def size(self) -> int:
@@ -243,12 +257,12 @@ class State(Kept):
     @property
     def direct(self) -> Factored | None:
         """The solver, where it has a matrix."""
-        return self.solver if isinstance(self.solver, Factored) else None
+        return self.solver.direct
 
     @property
     def iteration(self) -> Iterative | None:
         """The solver, where it iterates."""
-        return self.solver if isinstance(self.solver, Iterative) else None
+        return self.solver.iteration
 
     @property
     def whole(self) -> State:
@@ -267,7 +281,7 @@ class State(Kept):
     @cached_property
     def coefficient_noise(self) -> Array:
         """Rounding of what each zone's coefficients add up to."""
-        return np.asarray(self.intensity_noise.max(axis=0) / np.sqrt(self.density.zones.half / 2))
+        return np.asarray(self.intensity_noise.max(axis=0) / edge_scale(self.density.zones.half))
 
     @property
     def field_tail(self) -> float:
@@ -329,7 +343,7 @@ class State(Kept):
         missing[solved] += 3 * np.maximum(self._residual - rounding[solved], 0.0)
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
         slopes = np.where(moves, np.abs(self.density.edge_slopes), np.inf)
-        return np.asarray(np.sqrt(zones.half / 2) * missing / np.maximum(slopes, 1e-300) / zones.half).T
+        return np.asarray(edge_scale(zones.half) * missing / np.maximum(slopes, 1e-300) / zones.half).T
 
     @cached_property
     def zone_sizes(self) -> Array:
@@ -560,7 +574,7 @@ def _solve_iterated(
     system = IterativeSystem(equation, zones, m, samples.coefficients, jumps)
     carried = sizes.carried if sizes.carried is not None and len(sizes.carried.m) == len(zones) else None
     coarse = carried.coarse if carried is not None else None
-    if system.levelled and (coarse is None or not coarse.near(zones)):
+    if system.levelled and (coarse is None or not coarse.near(system)):
         coarse = CoarseOperator(zones, system)
     solver = Iterative(system, coarse, sizes.linear, sizes.value)
     right = solver.right()
@@ -588,7 +602,7 @@ def _state(
     tail = np.maximum(field_tails(system, y, density), system.source_tails)
     if system.zones.symmetric:
         tail = np.maximum(tail, tail[::-1])
-    left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
+    left_over = solver.iteration.error if solver.iteration is not None else np.zeros(len(system.zones))
     return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, left_over, sizes)
 
 

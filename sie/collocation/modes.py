@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import fall
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
@@ -59,15 +60,15 @@ def least(zones: Zones, kernel: Kernel) -> Index:
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
     """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at least `least`."""
-    fall = decay(zones, kernel)
-    want = np.where(fall < _ALONE, -np.log(tolerance) / np.maximum(fall, 1e-3), 0.0)
+    by = decay(zones, kernel)
+    want = np.where(by < _ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0)
     return _at_least(COUPLED_SIZES[: np.searchsorted(COUPLED_SIZES, most(kernel)) + 1], np.maximum(np.minimum(want, _MOST), least))
 
 
 def decay(zones: Zones, kernel: Kernel) -> Array:
     """-log(rho) of the nearest foreign end: so fast do coefficients of what others do fall on each zone."""
     left, right = gaps(zones, kernel)
-    return np.asarray(np.arccosh(1 + np.minimum(np.minimum(left, right) / zones.half, 1e300)))
+    return fall(np.minimum(np.minimum(left, right) / zones.half, 1e300))
 
 
 def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis.chebyshev import bounded_part
+from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
 from sie.collocation.neighbours import conformal_radius
@@ -67,7 +68,7 @@ def intensity_rounding(state: Solved) -> Array:
     zones = density.zones
     # Rounding acts on what is subtracted, the right side and the other zones' fields, however small the rest.
     subtracted = np.abs(density.coefficients).sum(axis=1) + np.abs(system.g).sum(axis=1) + state.natural
-    own = 4e-16 * np.sqrt(zones.half / 2) * subtracted
+    own = 4e-16 * edge_scale(zones.half) * subtracted
     if state.direct is None:
         own = own + _of_levels(state) + np.sqrt(2 * zones.half) * state.linear_error
     # One zone alone is given by its own rows and its total, unless there are more unknowns to share them with.
@@ -121,7 +122,7 @@ def density_rounding(state: Solved) -> float:
     if len(zones) == 1 and not system.equation.columns:
         return 0.0
     if solver is None:
-        return float(np.max(_of_levels(state) / np.sqrt(zones.half / 2)))
+        return float(np.max(_of_levels(state) / edge_scale(zones.half)))
     chance = np.random.default_rng(0)
     shaken = EPS * solver.size_of_rows[:, None] * chance.standard_normal((solver.size, _SHAKEN))
     for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):

@@ -5,14 +5,12 @@ on U_{k-1}, a zone's own transform is -c_k, so the rows read
 
     -c_k + (what the other zones, the images and the regular part do to zone i)_k - sum lambda C_k = g_k,   k = 1 ... m,
 
-a second-kind system; coefficients beyond m are -g_k at once, because what the other zones do is smooth there. Off a
-zone, z = (x - middle)/w and rho = z - sgn(z) sqrt(z^2 - 1), the transform of T_l / sqrt is sgn(z) rho^l / sqrt(z^2 - 1)
-and its potential -rho^l / l (log(1/(2 rho)) for l = 0).
+a second-kind system; coefficients beyond m are -g_k at once, because what the other zones do is smooth there. What each does off
+itself `sie.basis.interval` knows.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
@@ -142,22 +141,9 @@ def fields(
                 if len(zones) == 1:
                     continue
                 e = np.where(own, 1.0, e)
-            root = np.sqrt(e * (e + 2))
-            rho = sign / (1 + e + root)
-            power = sign / root if what == "transform" else np.ones_like(rho)
-            if own is not None:
-                power = np.where(own, 0.0, power)
-            if what == "potential":
-                zero = np.log(zones.half[sources] / (2 * np.abs(rho) * kernel.datum))
-                block[0] += power * zero
-                for k in range(1, m + 1):
-                    power = power * rho
-                    block[k] -= power / k
-            else:
-                block[0] += power
-                for k in range(1, m + 1):
-                    power = power * rho
-                    block[k] += power
+            terms = Outside(sign, e).one_by_one(what == "potential", zones.half[sources] / kernel.datum, None if own is None else ~own)
+            for k, term in zip(range(m + 1), terms, strict=False):
+                block[k] += term
         columns = layout.offset[sources][:, None] + np.arange(m + 1)
         out[:, columns] = block.transpose(1, 2, 0)
     regular = kernel.regular if what == "transform" else kernel.regular_potential
@@ -366,7 +352,7 @@ class System:
     def intensities(self) -> tuple[Linear, Linear]:
         left, right = self._zero_rows(), self._zero_rows()
         for place, i in enumerate(self.zones.solved):
-            m, root = int(self.layout.m[i]), math.sqrt(self.zones.half[i] / 2)
+            m, root = int(self.layout.m[i]), edge_scale(self.zones.half[i])
             here = slice(self.layout.offset[i], self.layout.offset[i] + m + 1)
             right[place, here] = root
             left[place, here] = root * (1.0 - 2.0 * (np.arange(m + 1) % 2))
@@ -376,7 +362,7 @@ class System:
     def intensities_of(self, coefficients: Array) -> tuple[Array, Array]:
         """K at the left and at the right end of each solved zone, of coefficients (all zones, n + 1)."""
         solved = self.zones.solved
-        table, root = coefficients[solved], np.sqrt(self.zones.half[solved] / 2)
+        table, root = coefficients[solved], edge_scale(self.zones.half[solved])
         return root * (table[:, ::2].sum(axis=1) - table[:, 1::2].sum(axis=1)), root * table.sum(axis=1)
 
     @cached_property
@@ -431,8 +417,7 @@ class System:
             here = raw[self.starts[place] : self.starts[place + 1]]
             m = int(layout.m[i])
             rows[place] = (here.sum(axis=0) - 0.5 * (here[0] + here[-1])) / (m + 1)
-            w = zones.half[i]
-            rows[place, layout.offset[i]] += w * math.log(w / (2 * kernel.datum))
+            rows[place, layout.offset[i]] += mean_potential(zones.half[i], kernel.datum)
         constants = rows @ layout.flat(self.known)
         if self.unseen_moments is not None:
             constants = constants + self.of_panels(self.unseen_moments)[1]

@@ -11,12 +11,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
-from sie.basis.half_plane import What, sum_of_powers
+from sie.basis.interval import (
+    OnLine,
+    What,
+    edge_slopes,
+    integral_on,
+    intensities,
+    own_potential,
+    own_transform,
+    potential_of,
+    slope_scale,
+    theta,
+    values_on,
+)
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
+from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
 from sie.density.field import (
-    CHUNK,
     Sources,
     moments_of,
     panels_over,
@@ -29,7 +41,7 @@ from sie.density.plane import Plane
 from sie.density.treecode import Treecode
 from sie.fast.far import reaches
 from sie.fast.panels import Panels
-from sie.jumps.forcing import LOG2, SERIES_REACH, ForcingJumps, of_zones
+from sie.jumps.forcing import SERIES_REACH, ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -159,22 +171,15 @@ class Density(Kept):
     def intensities(self) -> tuple[Array, Array]:
         """K at the left and the right end of each zone: density ~ K / sqrt(d) at distance d from the end."""
         alpha, beta, _ = self.bounded
-        root = np.sqrt(self.zones.half / 2)
-        return root * (alpha - beta), root * (alpha + beta)
+        return intensities(alpha, beta, self.zones.half)
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
         """A at the left and the right end of each zone: density ~ K / sqrt(d) + A sqrt(d)."""
-        alpha, beta, u = self.bounded
-        k = np.arange(1, u.shape[1] + 1)
-        sign = 1.0 - 2.0 * ((k - 1) % 2)
-        step_left, step_right = self.jumps.edge_slopes(self.zones)
-        w = self.zones.half
-        # From (alpha + beta t) / sqrt(1 - t^2) at t = 1 - d/w, to second order.
-        singular_right = ((alpha + beta) / 4 - beta) / np.sqrt(2 * w)
-        singular_left = ((alpha - beta) / 4 + beta) / np.sqrt(2 * w)
-        scale = np.sqrt(2 / w)
-        return scale * (u @ (k * sign) + step_left) + singular_left, scale * (u @ k + step_right) + singular_right
+        left, right = edge_slopes(*self.bounded, self.zones.half)
+        jump_left, jump_right = self.jumps.edge_slopes(self.zones)
+        scale = slope_scale(self.zones.half)
+        return left + scale * jump_left, right + scale * jump_right
 
     @cached_property
     def sensitivity(self) -> tuple[Array, Array, Array]:
@@ -223,21 +228,8 @@ class Density(Kept):
         """Density at points given by zone index and the distances from the zone's ends over its half width
         (left + right = 2): no digit is lost near the ends."""
         zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), *map(_float, (left, right)))
-        alpha, beta, u = self.bounded
-        root = np.sqrt(left * right)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            a, b = alpha[zone], beta[zone]
-            edge = (a + b * 0.5 * (left - right)) / root
-            no_edge = (a == 0) & (b == 0)
-            if not np.all(root):
-                # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
-                zero_left, zero_right = self._bounded_ends
-                no_edge |= (left == 0) & zero_left[zone] | (right == 0) & zero_right[zone]
-            if zone.ndim == 2 and zone.strides[1] == 0 == left.strides[0] == right.strides[0]:
-                sums = self._same_places(u, zone[:, 0], _angle(left[0], right[0]), left[0] < right[0])
-            else:
-                sums = self._sine_sum(u, zone, _angle(left, right), left < right)
-            out = np.asarray(np.where(no_edge, 0.0, edge) + sums)
+        # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
+        out = values_on(*self.bounded, zone, left, right, self._bounded_ends)
         if len(self.jumps):
             out = out.copy()
             flat, flat_left, flat_right = out.reshape(-1), left.ravel(), right.ravel()
@@ -250,40 +242,6 @@ class Density(Kept):
         """Density at normalised positions t in [-1, 1] of zones."""
         t = _float(t)
         return self.at(zone, 1 + t, 1 - t)
-
-    def _same_places(self, u: Array, zones: Index, angle: Array, flip: NDArray[np.bool_]) -> Array:
-        """The sums of `_sine_sum` at the same places of several zones, as matrix products of bounded size."""
-        rows = u[zones]
-        used = np.flatnonzero(np.any(rows != 0, axis=0))
-        k = np.arange(1, used[-1] + 2 if len(used) else 1)
-        rows = rows[:, : len(k)]
-        # Seen from the left end, t changes sign: even modes do too.
-        turned = rows * (2.0 * (k % 2) - 1.0)
-        out = np.empty((len(zones), len(angle)))
-        block = max(1, CHUNK * 4 // max(1, len(k)))
-        for s in range(0, len(angle), block):
-            here = slice(s, s + block)
-            sines = np.sin(angle[here, None] * k).T
-            out[:, here] = np.where(flip[here], turned @ sines, rows @ sines) if flip[here].any() else rows @ sines
-        return out
-
-    def _sine_sum(self, u: Array, zone: Index, angle: Array, flip: NDArray[np.bool_]) -> Array:
-        """sum_k u_k sin((k+1) theta), by the angle from the nearer end, theta = pi - angle where `flip`: no digit is
-        lost near either end. Zones one after the other, in blocks of bounded memory."""
-        out = np.zeros(angle.shape)
-        flat_zone, flat_angle, flat_flip, flat_out = zone.ravel(), angle.ravel(), flip.ravel(), out.reshape(-1)
-        for i, here in of_zones(flat_zone):
-            row = np.trim_zeros(u[i], "b")
-            if len(row) == 0:
-                continue
-            k = np.arange(1, len(row) + 1)
-            both = np.column_stack((row, row * (2.0 * (k % 2) - 1.0)))
-            block = max(1, CHUNK * 4 // len(row))
-            for s in range(0, len(here), block):
-                part = here[s : s + block]
-                sums = np.sin(flat_angle[part][:, None] * k) @ both
-                flat_out[part] = np.where(flat_flip[part], sums[:, 1], sums[:, 0])
-        return out
 
     def locate(self, x: ArrayLike) -> tuple[Array, Index, NDArray[np.bool_]]:
         """(x moved by periods to lie right of the first zone's left end, index of the last zone that starts before it,
@@ -302,20 +260,13 @@ class Density(Kept):
         out[inside] = self.at(z, (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w)
         return out
 
-    def integral_at(self, zone: ArrayLike, theta: ArrayLike) -> Array:
-        """Integral of the density from a zone's left end to the angle theta (t = cos theta), of densities with jumps of their own or none:
-        int T_j / sqrt(1 - t^2) dt = -sin(j theta) / j, and (pi - theta) for j = 0."""
-        zone, theta = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), _float(theta))
-        w, c = self.zones.half[zone], self.coefficients
-        table = c[:, 1:] / np.arange(1, c.shape[1])
-        angle, flip = np.minimum(theta, np.pi - theta), theta > 0.5 * np.pi
-        if zone.ndim == 2 and zone.strides[1] == 0 == theta.strides[0]:
-            sums = self._same_places(table, zone[:, 0], angle[0], flip[0])
-        else:
-            sums = self._sine_sum(table, zone, angle, flip)
-        out = np.array(c[zone, 0] * (np.pi - theta) - sums)
+    def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
+        """Integral of the density from a zone's left end to the angle theta (t = cos theta), of densities with jumps of their own or
+        none."""
+        zone, angle = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), _float(angle))
+        w, out = self.zones.half[zone], integral_on(self.coefficients, zone, angle)
         if len(self.jumps):
-            flat_out, flat = out.reshape(-1), theta.ravel()
+            flat_out, flat = out.reshape(-1), angle.ravel()
             for i, here in of_zones(zone.ravel()):
                 if i in self.jumps.by_zone:
                     left, right = 2 * np.cos(flat[here] / 2) ** 2, 2 * np.sin(flat[here] / 2) ** 2
@@ -328,7 +279,7 @@ class Density(Kept):
         out = np.zeros(x.shape)
         z, w = i[inside], self.zones.half[i[inside]]
         left, right = (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w
-        out[inside] = self.integral_at(z, 2 * np.arctan2(np.sqrt(right), np.sqrt(left)))
+        out[inside] = self.integral_at(z, theta(left, right))
         return out
 
     def transform(self, x: ArrayLike) -> NDArray[Any]:
@@ -407,16 +358,8 @@ class Density(Kept):
         return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.jumps))
 
     def own_transform(self, zone: Index, left: Array, right: Array) -> Array:
-        """-sum c_j U_{j-1}(t) on the zones, by the angle from the nearer end."""
-        c = self.coefficients[:, 1:]
-        flip, angle = left < right, _angle(left, right)
-        with np.errstate(invalid="ignore"):
-            out = -self._sine_sum(c, zone, angle, flip) / np.sin(angle)
-        for place in np.flatnonzero(angle == 0):
-            j = np.arange(1, c.shape[1] + 1)
-            sign = 2.0 * (j % 2) - 1.0 if flip[place] else 1.0
-            out[place] = -c[zone[place]] @ (j * sign)
-        return out
+        """What the series of zones are transformed to on these, pair by pair."""
+        return own_transform(self.coefficients, zone, left, right)
 
     @cached_property
     def potential_coefficients(self) -> Array:
@@ -428,19 +371,16 @@ class Density(Kept):
         table[:, 1:] /= np.arange(1, table.shape[1])
         return table
 
-    def near_potential(self, zone: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
-        """Potential over w of zones at points on them and beside their ends, all but `ForcingJumps.sharp_potential`, at distances from
-        these over w (n,), positive on the zone; rho off it, anything in the unit circle on it."""
-        series, value = self._own_series, np.empty(len(left))
-        log = np.log(self.zones.half / self.kernel.datum)
-        theta = 2 * np.arctan2(np.sqrt(right[on]), np.sqrt(left[on]))
-        value[on] = series[zone[on], 0] * (log[zone[on]] - LOG2) - cosine_sum(series[:, 1:], zone[on], theta)
-        at, r = zone[~on], rho[~on]
-        value[~on] = series[at, 0] * (log[at] - np.log(2 * np.abs(r))) - r * sum_of_powers(series[:, 1:], r, at)
+    def near_potential(self, zone: Index, seen: OnLine) -> Array:
+        """Potential of zones at points on them and beside their ends, all but `ForcingJumps.sharp_potential`, pair by pair."""
+        series, value, on, datum = self._own_series, np.empty(len(zone)), seen.on, self.kernel.datum
+        w = self.zones.half[zone]
+        value[on] = w[on] * own_potential(series, zone[on], seen.left[on], seen.right[on], w[on] / datum)
+        value[~on] = potential_of(series, seen[~on], w[~on], datum, zone[~on])
         for place, here in of_zones(zone) if self.jumps.summed else ():
             if place in self.jumps.summed:
-                jumps = self.jumps.summed_potential(place, left[here], right[here], rho[here])
-                value[here] += jumps + self.summed_totals[place] * log[place]
+                jumps = self.jumps.summed_potential(place, seen.left[here], seen.right[here], seen.rho[here])
+                value[here] += w[here] * (jumps + self.summed_totals[place] * np.log(w[here] / datum))
         return value
 
     def is_near(self, zone: Index, rho: Array, on: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -473,22 +413,6 @@ class Density(Kept):
         return np.asarray(jumps - self.summed_totals)
 
 
-def _angle(left: Array, right: Array) -> Array:
-    """Angle from the nearer end, at distances `left` and `right` from the ends."""
-    return np.asarray(2 * np.arctan2(np.sqrt(np.minimum(left, right)), np.sqrt(np.maximum(left, right))))
-
-
 def _float(x: ArrayLike) -> Array:
     return np.asarray(x, dtype=float)
 
-
-def cosine_sum(scaled: Array, zone: Index, theta: Array) -> Array:
-    out = np.zeros(theta.shape)
-    for i, here in of_zones(zone):
-        row = np.trim_zeros(scaled[i], "b")
-        k = np.arange(1, len(row) + 1)
-        block = max(1, CHUNK * 4 // max(1, len(row)))
-        for s in range(0, len(here), block):
-            part = here[s : s + block]
-            out[part] = np.cos(theta[part][:, None] * k) @ row
-    return out

@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.interval import OnLine
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.fast.panels import Panels
@@ -51,7 +52,7 @@ class Series(Protocol):
 
     def own_transform(self, zone: Index, left: Array, right: Array) -> Array: ...
 
-    def near_potential(self, zone: Index, left: Array, right: Array, rho: Array, on: Mask) -> Array: ...
+    def near_potential(self, zone: Index, seen: OnLine) -> Array: ...
 
     def is_near(self, zone: Index, rho: Array, on: Mask) -> Mask: ...
 

@@ -12,13 +12,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.half_plane import sum_of_powers
+from sie.basis.interval import OnLine, Outside, of_t, potential_of, transform_of
+from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
 from sie.density.series import Series
 from sie.fast.far import FarSum, Nested
 from sie.fast.piecewise import clenshaw
 from sie.fast.tree import SEPARATION, TERMS, Tree
-from sie.jumps.forcing import of_zones
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -52,7 +52,8 @@ class Treecode:
         self.moments = c * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
         self.series, value, rest = far(self.moments)
         self.value = value + rest
-        self.whole = sources.upward(self.moments)[0]
+        twice = np.where(np.arange(TERMS), 2.0, 1.0)
+        self.whole = sources.upward(self.moments)[:1] * twice / sources.tree.half[0]
 
     @cached_property
     def potential_series(self) -> Array:
@@ -112,17 +113,17 @@ class Treecode:
         density = self.density
         w = density.zones.half[zone]
         left, right = density.zones.beyond_a(x - shift, zone) / w, density.zones.before_b(x - shift, zone) / w
-        on = (left >= 0) & (right >= 0)
-        root = np.sqrt(np.abs(left * right))
-        rho = np.where(left >= 0, 1.0, -1.0) / (0.5 * np.abs(left - right) + root)
-        rho[on] = 0.5
+        seen = OnLine.of(left, right)
+        on, rho = seen.on, seen.rho
         value = np.empty(len(x))
         own = np.asarray(density.is_near(zone, rho, on)) if potential else on
         off, near = np.flatnonzero(~own), np.flatnonzero(own)
-        evaluate = self._potential_of if potential else self._transform_of
-        value[off] = evaluate(zone[off], rho[off], root[off], w[off])
+        if potential:
+            value[off] = potential_of(density.potential_coefficients, seen[off], w[off], density.kernel.datum, zone[off])
+        else:
+            value[off] = transform_of(*density.bounded, seen[off], zone[off])
         if len(near) and potential:
-            value[near] = w[near] * density.near_potential(zone[near], left[near], right[near], rho[near], on[near])
+            value[near] = density.near_potential(zone[near], seen[near])
         elif len(near):
             value[near] = density.own_transform(zone[near], left[near], right[near])
         jumps = density.jumps
@@ -150,22 +151,6 @@ class Treecode:
                 value[places[~here]] += jumps.transform(i, z[~here], rho[places[~here]])
         return value
 
-    def _transform_of(self, zone: Index, rho: Array, root: Array, w: Array) -> Array:
-        alpha, beta, u = self.density.bounded
-        a, b = alpha[zone], beta[zone]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            edge = np.where((a == 0) & (b == 0), 0.0, np.sign(rho) * (a + b * rho) / root)
-        return np.asarray(edge + rho * sum_of_powers(u, rho, zone))
-
-    def _potential_of(self, zone: Index, rho: Array, root: Array, w: Array) -> Array:
-        table = self.density.potential_coefficients
-        log = np.log(w / (2 * self.density.kernel.datum * np.abs(rho)))
-        return np.asarray(w * (table[zone, 0] * log - rho * sum_of_powers(self._rest, rho, zone)))
-
-    @cached_property
-    def _rest(self) -> Array:
-        return np.ascontiguousarray(self.density.potential_coefficients[:, 1:])
-
     def _beyond(self, x: Array, potential: bool) -> Array:
         """Outside the cells of a kernel that has no period: from the moments of all zones, but near an image one by one."""
         zones, datum = self.density.zones, self.density.kernel.datum
@@ -178,15 +163,9 @@ class Treecode:
                 every = np.arange(len(zones))
                 out[k] += self._near(np.full(len(zones), x[k]), every, np.full(len(zones), shift), potential).sum()
             far = np.flatnonzero(e >= SEPARATION)
-            root = np.sqrt(e[far] * (e[far] + 2))
-            sign = np.where(left[far] > 0, 1.0, -1.0)
-            rho = sign / (1 + e[far] + root)
-            powers = rho[:, None] ** np.arange(1, TERMS)
-            if potential:
-                first = self.whole[0] * np.log(half / (2 * datum * np.abs(rho)))
-                out[far] += first - powers @ (2 * self.whole[1:] / np.arange(1, TERMS))
-            else:
-                out[far] += sign / (root * half) * (self.whole[0] + powers @ (2 * self.whole[1:]))
+            seen = Outside(np.where(left[far] > 0, 1.0, -1.0), e[far])
+            widths, row = np.full(len(far), half), np.zeros(len(far), dtype=np.intp)
+            out[far] += of_t(self.whole, seen, widths, datum, row, "potential" if potential else "transform")
         return out
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.fast.panels import panels_of
@@ -141,9 +142,9 @@ class FarSum:
         before = (s.lo[far.source] + far.shift) - t.hi[far.target]
         self._gap = np.where(self._right, past, before)
         self._half, self._width = s.half[far.source], t.half[far.target]
-        e = (self._gap + self._width) / self._half
-        self.centre = np.where(self._right, 1.0, -1.0) / (1 + e + np.sqrt(e * (e + 2)))
-        self.log = np.log(self._half / (2 * np.abs(self.centre) * kernel.datum))
+        self._sign = np.where(self._right, 1.0, -1.0)
+        at_middle = Outside(self._sign, (self._gap + self._width) / self._half)
+        self.centre, self.log = at_middle.rho, at_middle.first(self._half / kernel.datum)
 
     @cached_property
     def _nodes(self) -> _Nodes:
@@ -155,12 +156,10 @@ class FarSum:
 
     def _at(self, terms: int) -> _Nodes:
         nodes = chebyshev.gauss(terms)[:, None]
-        e = (self._gap + self._width * (1 + np.where(self._right, nodes, -nodes))) / self._half
-        root = np.sqrt(e * (e + 2))
-        sign = np.where(self._right, 1.0, -1.0)
+        seen = Outside(self._sign, (self._gap + self._width * (1 + np.where(self._right, nodes, -nodes))) / self._half)
         to_series = chebyshev.t_matrix(terms, terms) * (2 / terms)
         to_series[:, 0] *= 0.5
-        return _Nodes(sign / (1 + e + root), sign / (root * self._half), to_series)
+        return _Nodes(seen.rho, 1 / (seen.root * self._half), to_series)
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import conformal_radius
@@ -116,7 +117,7 @@ class Moving:
         self.h = self._coefficients(self.middle, self.half)
 
     def _log(self, w: Array) -> Array:
-        return np.asarray(np.log(w / (2 * self.datum)))
+        return np.asarray(mean_potential(w, self.datum) / w)
 
     def _coefficients(self, middle: Array, half: Array) -> Array:
         """h_k on intervals (n, _NODES)."""

@@ -29,12 +29,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.half_plane import Complex, Seen
+from sie.basis.interval import LOG2 as _LOG2
+from sie.basis.interval import Complex, InPlane, Outside, theta
 from sie.basis.kernels import Kernel
+from sie.basis.sums import pair_blocks
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
-from sie.jumps.forcing import LOG2 as _LOG2
-from sie.jumps.forcing import SERIES, ForcingJumps, of_sines, pair_blocks, power
+from sie.jumps.forcing import SERIES, ForcingJumps, of_sines, power
 from sie.jumps.local_spline import LocalSpline
 from sie.jumps.pairs import FewJumps
 
@@ -163,7 +164,7 @@ class DensityJumps(ForcingJumps):
     # the density ----------------------------------------------------------------------------------------------------
     def density(self, zone: int, left: Array, right: Array) -> Array:
         k = self.by_zone[zone]
-        from_right, from_left = 2 * np.arctan2(np.sqrt(right), np.sqrt(left)), 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        from_right, from_left = theta(left, right), theta(right, left)
         out = np.empty(len(left))
         for here in pair_blocks(len(left), len(k)):
             away = left[here, None] - self.left[k]
@@ -177,10 +178,10 @@ class DensityJumps(ForcingJumps):
 
     def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
         """d/dtheta of `density`, by differences."""
-        theta = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))
-        order = np.argsort(theta)
-        out = np.empty(theta.shape)
-        out[order] = np.gradient(self.density(zone, left, right)[order], theta[order])
+        angle = theta(left, right)
+        order = np.argsort(angle)
+        out = np.empty(angle.shape)
+        out[order] = np.gradient(self.density(zone, left, right)[order], angle[order])
         return out
 
     def integral(self, zone: int, left: Array, right: Array) -> Array:
@@ -191,9 +192,9 @@ class DensityJumps(ForcingJumps):
         k = self.by_zone[zone]
         s, q = self.s[k], self.order[k]
         on_right = left[:, None] > self.left[k]
-        from_right, from_left = 2 * np.arctan2(np.sqrt(right), np.sqrt(left)), 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        from_right, from_left = theta(left, right), theta(right, left)
         inner = np.where(on_right, from_right[:, None], from_left[:, None])
-        # Seen from the left end, t and s change sign, and so does (tau - s)^q for odd q.
+        # InPlane from the left end, t and s change sign, and so does (tau - s)^q for odd q.
         shift = np.where(on_right, s, -s)
         sine, cosine = np.sin(inner), np.cos(inner)
         first = sine - inner * cosine
@@ -204,9 +205,7 @@ class DensityJumps(ForcingJumps):
         total = np.pi * self._coefficients(k, np.arange(len(k)), len(k), 1)[:, 0]
         out = np.asarray(np.where(on_right, total - part, np.where(q == 1, 1.0, -1.0) * part).sum(axis=1))
         if zone in self.splines:
-            spline = self.splines[zone]
-            assert isinstance(spline, LocalSpline)
-            out += spline.integral(left)
+            out += self.splines[zone].integral(left)
         exterior = self._exterior(zone)
         return out if exterior is None else out + exterior[0].integral(exterior[1], left, right)
 
@@ -309,14 +308,12 @@ class DensityJumps(ForcingJumps):
             (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz + C_q,
             R = sgn(z) sqrt(z^2 - 1),   int dz / R = -ln |rho| =: g;   R = g = 0 on the zone.
         """
-        z, beyond = 0.5 * (left - right)[:, None], np.where(on, 0.0, np.maximum(-left, -right))[:, None]
-        g = 2 * np.arcsinh(np.sqrt(0.5 * beyond))
-        root = np.where(left > 0, 1.0, -1.0)[:, None] * np.sqrt(beyond * (beyond + 2))
+        z, seen = 0.5 * (left - right)[:, None], Outside(np.where(left > 0, 1.0, -1.0), np.where(on, 0.0, np.maximum(-left, -right)))
         away = left[:, None] - self.left[k]
         with np.errstate(divide="ignore"):
             log = np.log(2 * np.abs(away))
         log[~on] = self._plain(k, rho[~on])
-        return self.potential_by(k, away, z, log, g, root)
+        return self.potential_by(k, away, z, log, seen.log[:, None], seen.root[:, None])
 
     def potential_by(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
         """Sum of the primitives of jumps k, of order 1 and 2, with z - s, L, g and R at hand, real or complex."""
@@ -339,12 +336,12 @@ class DensityJumps(ForcingJumps):
         return out
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
-    def logarithm(self, k: Index, seen: Seen, away: Complex) -> Complex:
+    def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """log(A B) of jumps k."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(2 * seen.rho[:, None] * away))
 
-    def logarithm_slope(self, k: Index, seen: Seen, away: Complex) -> Complex:
+    def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """Its derivative by zeta."""
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
@@ -352,7 +349,7 @@ class DensityJumps(ForcingJumps):
         """P_q and its derivative."""
         return self._polynomial(k, zeta), np.where(self.order[k] == 2, -self.s[k], 0.0)
 
-    def plane_potential(self, k: Index, seen: Seen, away: Complex, log: Complex) -> Complex:
+    def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
         """Potential of jumps k over w, less c_0 log(w)."""
         out = np.asarray(self.potential_by(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None]))
         for place in k[self.order[k] == 0]:

@@ -24,24 +24,29 @@ its curvature, q = 2 a knot of a cubic spline.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.half_plane import Complex, Seen
+from sie.basis.interval import LOG2, Complex, InPlane, Outside, theta
 from sie.basis.kept import Kept
+from sie.basis.sums import PAIRS as _PAIRS
+from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms
-from sie.jumps.local_spline import MANY, LocalSpline
+from sie.jumps.local_spline import MANY
 from sie.jumps.pairs import FewJumps
+from sie.jumps.spline import Spline
 from sie.jumps.zone_spline import ZoneSpline
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
+
+MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
 HIGHEST = 2
 # Of q over p; zero for p > q.
@@ -51,9 +56,8 @@ _MANY = 64
 SERIES = 1024
 # Below this rho nothing is left of the terms after these.
 SERIES_REACH = float(2.0 ** (-52 / SERIES))
-# Seen from farther than this rho, the closed form cancels and the series is short.
+# InPlane from farther than this rho, the closed form cancels and the series is short.
 _FAR = 0.25
-LOG2 = float(np.log(2.0))
 # Up to which rho how many terms of the series are enough.
 _SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
 # kappa is taken no nearer to a jump than this.
@@ -62,8 +66,6 @@ _TINY = 1e-16
 _KINKS = 32
 # Zones whose series are found together.
 _TOGETHER = 256
-# (point, jump) pairs handled at once.
-_PAIRS = 1 << 19
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +78,7 @@ class ForcingJumps(Kept):
     right: Array
     height: Array
     order: Index
-    splines: dict[int, ZoneSpline] | dict[int, LocalSpline] = field(default_factory=dict)
+    splines: dict[int, Spline] = field(default_factory=dict)
 
     @classmethod
     def none(cls) -> ForcingJumps:
@@ -105,15 +107,16 @@ class ForcingJumps(Kept):
         i = np.searchsorted(zones.a, at, side="right") - 1
         return at, np.maximum(i, 0), (i >= 0) & (zones.beyond_a(at, i) > 0) & (zones.before_b(at, i) > 0)
 
-    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made) -> Any:  # type: ignore[no-untyped-def]
+    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline) -> Self:
         """The same with splines of f, made of knots, their jumps and f, in every zone of many jumps of order 2 and no others."""
-        height, splines, more = self.height.copy(), {}, []
+        height, more = self.height.copy(), []
+        splines: dict[int, Spline] = {}
         for zone in np.flatnonzero(np.bincount(self.zone, minlength=1) >= MANY).tolist():
             k = self.by_zone[zone]
             if np.any(self.order[k] != HIGHEST):
                 continue
             k = k[np.argsort(self.left[k])]
-            found = made(self.left[k], height[k], lambda left, zone=zone: f(zones.a[zone] + zones.half[zone] * left))
+            found = made(self.left[k], height[k], partial(_from_left, f, zones, zone))
             if found is not None:
                 splines[zone], height[k], others = found
                 more.append(np.column_stack((np.full(others.shape[1], zone), others.T)))
@@ -133,12 +136,12 @@ class ForcingJumps(Kept):
     @cached_property
     def phi(self) -> Array:
         """Angle of each jump, s = cos(phi)."""
-        return np.asarray(2 * np.arctan2(np.sqrt(self.right), np.sqrt(self.left)))
+        return theta(self.left, self.right)
 
     @cached_property
     def psi(self) -> Array:
         """pi - phi, to all its digits beside the left end."""
-        return np.asarray(2 * np.arctan2(np.sqrt(self.left), np.sqrt(self.right)))
+        return theta(self.right, self.left)
 
     @cached_property
     def sine(self) -> Array:
@@ -170,7 +173,7 @@ class ForcingJumps(Kept):
         if zone not in self.splines:
             return self.phi[self.by_zone[zone]]
         left = self.places(zone)[0]
-        return np.asarray(2 * np.arctan2(np.sqrt(2 - left), np.sqrt(left)))
+        return theta(left, 2 - left)
 
     def rounding(self, count: int) -> Array:
         """What the sum of a zone's parts is rounded to, at the most, on each of so many zones."""
@@ -247,7 +250,6 @@ class ForcingJumps(Kept):
         parts = self.height * np.where(q == 0, kink, -0.5 * end + ends_c + mean - mean_c)
         out = np.asarray(np.bincount(self.zone, parts, minlength=len(zones)), dtype=float)
         for zone, spline in self.splines.items():
-            assert isinstance(spline, ZoneSpline)
             out[zone] += spline.mean_offset
         return out
 
@@ -329,9 +331,7 @@ class ForcingJumps(Kept):
                 value = away ** (q - 1.0) * (self.sine[k] - q * sine * np.minimum(kappa, -np.log(_TINY)))
             out[here] = value @ (self.height[k] / np.pi)
         if zone in self.splines:
-            spline = self.splines[zone]
-            assert isinstance(spline, ZoneSpline)
-            out += spline.angular_slope(left, right)
+            out += self.splines[zone].angular_slope(left, right)
         return out
 
     def _kappa(self, k: Index, left: Array, right: Array) -> tuple[Array, Array]:
@@ -433,7 +433,7 @@ class ForcingJumps(Kept):
         if np.any(self.order[k] > 0):
             raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
         away, kappa = self._kappa(k, left, right)
-        behind = 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        behind = theta(right, left)
         parts = np.where(away == 0, 0.0, away) * np.where(away == 0, 0.0, kappa) + self.sine[k] * behind[:, None]
         return np.asarray(parts @ (self.height[k] / np.pi))
 
@@ -443,9 +443,7 @@ class ForcingJumps(Kept):
         k = self.by_zone[zone]
         out = self._by_reach(k[self.closed[k]], left, right, rho)
         if zone in self.splines:
-            spline = self.splines[zone]
-            assert isinstance(spline, ZoneSpline)
-            out += spline.potential(left, right, rho)
+            out += self.splines[zone].potential(left, right, rho)
         return out
 
     @cached_property
@@ -480,13 +478,11 @@ class ForcingJumps(Kept):
         return out
 
     def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
-        z, beyond = 0.5 * (left - right), np.where(on, 0.0, np.maximum(-left, -right))
-        grown = 2 * np.arcsinh(np.sqrt(0.5 * beyond))[:, None]
-        root = (np.where(left > 0, 1.0, -1.0) * np.sqrt(beyond * (beyond + 2)))[:, None]
+        z, seen = 0.5 * (left - right), Outside(np.where(left > 0, 1.0, -1.0), np.where(on, 0.0, np.maximum(-left, -right)))
         away = left[:, None] - self.left[k]
         turn = np.where(away > 0, self.psi[k], -self.phi[k])
         turn[~on] = self._plain(k, rho[~on])
-        return self.potential_by(k, away, z[:, None], turn, grown, root)
+        return self.potential_by(k, away, z[:, None], turn, seen.log[:, None], seen.root[:, None])
 
     def potential_by(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
         """Sum of the closed potentials of jumps k (see the head of this file), z - s, F, A and B at hand, real or complex."""
@@ -508,13 +504,13 @@ class ForcingJumps(Kept):
         return out
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
-    def logarithm(self, k: Index, seen: Seen, away: Complex) -> Complex:
+    def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """-i log(B / A) of jumps k."""
         c, s = np.sqrt(0.5 * self.left[k]), np.sqrt(0.5 * self.right[k])
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(-1j * np.log((c - 1j * s) ** 2 * (c * seen.m[:, None] + 1j * s * seen.p[:, None]) ** 2 / away))
 
-    def logarithm_slope(self, k: Index, seen: Seen, away: Complex) -> Complex:
+    def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """Its derivative by zeta."""
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
@@ -522,7 +518,7 @@ class ForcingJumps(Kept):
         """P_q and its derivative."""
         return self._polynomial(k, zeta), np.where(self.order[k] == HIGHEST, self.sine[k], 0.0)
 
-    def plane_potential(self, k: Index, seen: Seen, away: Complex, log: Complex) -> Complex:
+    def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
         """Potential of jumps k over w, less c_0 log(w)."""
         found: Complex = self.potential_by(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None])
         return found
@@ -550,24 +546,14 @@ class ForcingJumps(Kept):
         return [int(i) for i in np.unique(self.zone[self.order == 0])]
 
 
-def of_zones(zone: Index) -> Iterator[tuple[int, Index]]:
-    """Every zone that is named, with the places that name it, in ascending order."""
-    order = np.argsort(zone, kind="stable")
-    cuts = np.flatnonzero(np.diff(zone[order], prepend=-1, append=-1))
-    for start, end in zip(cuts[:-1], cuts[1:], strict=True):
-        yield int(zone[order[start]]), order[start:end]
+def _from_left(f: Callable[[Array], Array], zones: Zones, zone: int, left: Array) -> Array:
+    """f at distances from the zone's left end over its half width."""
+    return f(zones.a[zone] + zones.half[zone] * left)
 
 
 def power(away: Array, order: Index) -> Array:
     """away^order; general powers take ten times as long as squares, which knots of splines ask for alone."""
     return away * away if np.all(order == HIGHEST) else away**order
-
-
-def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
-    """Stretches of points whose pairs with so many jumps are held at once."""
-    block = max(1, _PAIRS // max(1, jumps))
-    for begin in range(0, points, block):
-        yield slice(begin, begin + block)
 
 
 def of_sines(beta: Array) -> Array:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.interval import LOG2
 from sie.basis.kept import Kept
 
 Array = NDArray[np.float64]
@@ -24,7 +25,6 @@ _LEAST = 32
 FAR, TERMS = 0.25, 32
 # Pairs handled at once: they stay in the cache.
 _PAIRS = 1 << 15
-_LOG2 = float(np.log(2.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,8 +156,8 @@ class FewJumps(Kept):
         q, s, sine = self.order[k], self.left[k] - 1, self.sine[k]
         square = sine * sine
         second = (grown * (0.5 + s * s) + root * (0.5 * z - 2 * s)) / 3 - z * (0.5 * z - 1.5 * s)
-        second += square / 9 - s * s / 2 - 1 / 12 - _LOG2 * (square / 6 + s * s / 2)
+        second += square / 9 - s * s / 2 - 1 / 12 - LOG2 * (square / 6 + s * s / 2)
         if np.all(q == 2):
             return np.asarray(second)
-        first = 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * _LOG2)
-        return np.where(q == 2, second, np.where(q == 1, first, grown - _LOG2 - 1))
+        first = 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * LOG2)
+        return np.where(q == 2, second, np.where(q == 1, first, grown - LOG2 - 1))

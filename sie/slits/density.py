@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
-from sie.basis.half_plane import What
+from sie.basis.interval import Outside, What, edge_scale, slope_scale
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.zones import Zones
@@ -242,7 +242,7 @@ class SlitDensity(Kept):
         left, right = (part.copy() for part in self._edged.edge_slopes)
         wide = self.merged.wide
         for here, row in zip(self.slits, self._tilde, strict=True):
-            scale = np.sqrt(2 / wide.half[here.zone])
+            scale = slope_scale(wide.half[here.zone])
             for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):
                 before, after = a - wide.a[here.zone], wide.b[here.zone] - b
                 left[here.zone] += scale * off_slit(np.array([before / slit.width]), -1.0, d)[0]
@@ -266,7 +266,7 @@ class SlitDensity(Kept):
         root_left, root_right = self.slit_roots
         for here in self.slits:
             for k, kink in self.kinks_of(here):
-                i, slope = here.which[k], kink.at_ends / np.pi * np.sqrt(2 / here.slits[k].width)
+                i, slope = here.which[k], kink.at_ends / np.pi * slope_scale(here.slits[k].width)
                 left[i] -= root_left[i] * slope
                 right[i] += root_right[i] * slope
         return left, right
@@ -277,7 +277,7 @@ class SlitDensity(Kept):
         zones = self.zones
         peak, by_left, by_right = np.zeros((3, len(zones)))
         counts = np.minimum(self.sampling, LOOKS)
-        at_left, at_right = (slope * np.sqrt(zones.half / 2) for slope in self.edge_slopes)
+        at_left, at_right = (slope * edge_scale(zones.half) for slope in self.edge_slopes)
         for n in np.unique(counts):
             group = np.flatnonzero(counts == n)
             theta = (np.arange(n) + 0.5) * np.pi / n
@@ -397,7 +397,7 @@ class SlitDensity(Kept):
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.transform(flat))
-        self._near_slits(flat, out, transform_from, lambda z, root, rho, here, row: self._transform(z, root, here, row))
+        self._near_slits(flat, out, transform_from, self._transform)
         out -= self.slack(self._into_wide(flat))
         return np.asarray(out.reshape(x.shape))
 
@@ -424,7 +424,7 @@ class SlitDensity(Kept):
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.potential(flat))
-        self._near_slits(flat, out, potential_from, lambda z, root, rho, here, row: self._potential(rho, here, row))
+        self._near_slits(flat, out, potential_from, self._potential)
         place = self._into_wide(flat)
         # On a wide zone P[s] raises the potential by its mean opening, and takes the opening away.
         i = np.maximum(np.searchsorted(self.merged.wide.a, place, side="right") - 1, 0)
@@ -470,17 +470,14 @@ class SlitDensity(Kept):
                     out[some] -= told_from(self._told_density, x[some], sources.chosen(np.array([source])))
                     left, right = (x[some] - a) / w, (b - x[some]) / w
                     off = (left < 0) | (right < 0)
-                    sign = np.where(left[off] < 0, -1.0, 1.0)
-                    excess = -np.minimum(left[off], right[off])
-                    root = np.sqrt(excess * (excess + 2))
-                    out[some[off]] += what((sign, excess), root, sign / (1 + excess + root), here, row)
+                    seen = Outside(np.where(left[off] < 0, -1.0, 1.0), -np.minimum(left[off], right[off]))
+                    out[some[off]] += what(seen, here, row)
 
-    def _transform(self, z: tuple[Array, Array], root: Array, here: Slits, row: list[Array]) -> Array:
+    def _transform(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
         """Transform of P[s] off its wide zone: (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau."""
-        sign, excess = z
-        total = np.zeros(root.shape)
+        total, excess = np.zeros(seen.excess.shape), seen.excess
         for side in (1.0, -1.0):
-            on = sign == side
+            on = seen.sign == side
             for slit, d in zip(here.slits, row, strict=True):
                 away = excess[on] + (slit.rest if side > 0 else slit.start)
                 total[on] += off_slit(away / slit.half, side, d)
@@ -489,10 +486,11 @@ class SlitDensity(Kept):
                 away = excess[on][:, None] + (right if side > 0 else left)
                 total[on] += side / np.pi * ((np.sqrt(left * right) / away) @ weight)
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(sign * total / root)
+            return np.asarray(total / seen.root)
 
-    def _potential(self, rho: Array, here: Slits, row: list[Array]) -> Array:
+    def _potential(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
         """Potential of P[s] off its wide zone: -w sum s_k rho^k / k, summed in closed form over each slit."""
+        rho = seen.rho
         total = np.zeros(rho.shape)
 
         def angles(theta: Array) -> Array:

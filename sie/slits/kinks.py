@@ -28,6 +28,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.interval import Outside, theta
 from sie.basis.kept import Kept
 
 Array = NDArray[np.float64]
@@ -67,14 +68,14 @@ class SlitKink(Kept):
     @cached_property
     def mean_places(self) -> tuple[Array, Array, Array]:
         """Gauss nodes of the equilibrium measure: z, and distances from the wide zone's ends."""
-        theta = (np.arange(_MEANS) + 0.5) * np.pi / _MEANS
-        left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
-        return np.cos(theta), self.start + self.half * left, self.rest + self.half * right
+        angle = (np.arange(_MEANS) + 0.5) * np.pi / _MEANS
+        left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
+        return np.cos(angle), self.start + self.half * left, self.rest + self.half * right
 
     # psi ------------------------------------------------------------------------------------------------------------
     def slope(self, left: Array, right: Array) -> Array:
         """psi at distances from the slit's ends over its half width; the mean of both sides at a kink."""
-        place, angle, z = left - self._beside[0], 2 * np.arctan2(np.sqrt(left), np.sqrt(right)), 0.5 * (left - right)
+        place, angle, z = left - self._beside[0], theta(right, left), 0.5 * (left - right)
         if self.order == 0:
             return np.asarray(self.jump * (np.heaviside(place, 0.5) - angle / np.pi))
         root, zeta = np.sqrt(left * right), self.zeta
@@ -87,7 +88,7 @@ class SlitKink(Kept):
 
     def opening(self, left: Array, right: Array) -> Array:
         """Integral of psi from the slit's left end, over its half width."""
-        angle, z = 2 * np.arctan2(np.sqrt(left), np.sqrt(right)), 0.5 * (left - right)
+        angle, z = theta(right, left), 0.5 * (left - right)
         root, place = np.sqrt(left * right), np.maximum(left - self._beside[0], 0.0)
         first = (z * angle + root) / np.pi
         if self.order == 0:
@@ -106,13 +107,13 @@ class SlitKink(Kept):
     @cached_property
     def seen(self) -> tuple[Array, Array, Array, Array]:
         """(distances from the wide zone's ends, angles there, weights that hold psi): int psi f dt = sum W f."""
-        border = 2 * np.arctan2(*np.sqrt(self._beside))
+        border = theta(*self._beside[::-1])
         x, w = np.polynomial.legendre.leggauss(_LEGENDRE)
         beta = np.concatenate((0.5 * border * (1 + x), border + 0.5 * (np.pi - border) * (1 + x)))
         weight = np.concatenate((0.5 * border * w, 0.5 * (np.pi - border) * w)) * np.sin(beta)
         left, right = 2 * np.sin(beta / 2) ** 2, 2 * np.cos(beta / 2) ** 2
         from_left, from_right = self.start + self.half * left, self.rest + self.half * right
-        angle = 2 * np.arctan2(np.sqrt(from_right), np.sqrt(from_left))
+        angle = theta(from_left, from_right)
         return from_left, from_right, angle, self.half * weight * self.slope(left, right)
 
     @property
@@ -122,15 +123,15 @@ class SlitKink(Kept):
 
     def told(self, count: int) -> Array:
         """s_k of psi, k = 0 ... count."""
-        _, _, theta, weight = self.seen
-        return np.asarray(2 / np.pi * np.sin(np.arange(count + 1)[:, None] * theta) @ weight)
+        _, _, angle, weight = self.seen
+        return np.asarray(2 / np.pi * np.sin(np.arange(count + 1)[:, None] * angle) @ weight)
 
     @property
     def mean_opening(self) -> float:
         """Mean over the wide zone of the integral of psi, over that zone's half width, as that of a slit's series is counted."""
-        middle = 2 * np.arctan2(np.sqrt(self.rest + self.half), np.sqrt(self.start + self.half))
-        _, _, theta, weight = self.seen
-        return float((theta - middle) @ weight) / np.pi
+        middle = theta(self.start + self.half, self.rest + self.half)
+        _, _, angle, weight = self.seen
+        return float((angle - middle) @ weight) / np.pi
 
     # what it makes of the density ---------------------------------------------------------------------------------------
     @cached_property
@@ -195,14 +196,13 @@ class SlitKink(Kept):
         """bar(kappa); for q = 1 bar((t - .) kappa) + (m - s) bar(kappa); for q = 2 see the head of this file."""
         nodes, l, r = self.mean_places
         sums = 2 * np.log(np.sqrt(from_right[..., None] * l) + np.sqrt(from_left[..., None] * r)) - np.log(2.0)
-        beyond = np.maximum(np.abs(z) - 1, 0.0)
-        root = np.sqrt(beyond * (beyond + 2))
-        u, constant = np.log1p(beyond + root), np.log(0.5 * self.half)
+        seen = Outside(np.sign(z), np.maximum(np.abs(z) - 1, 0.0))
+        u, constant = seen.log, np.log(0.5 * self.half)
         plain = sums.mean(axis=-1) - constant - u
         if self.order == 0:
             return np.asarray(plain)
         moment = (sums * (z[..., None] - nodes)).mean(axis=-1)
-        log = z * (constant + 1 + u) - np.sign(z) * root
+        log = z * (constant + 1 + u) - seen.root
         if self.order == 1:
             return np.asarray(self.half * (moment - log - self.zeta * plain))
         square = (sums * (z[..., None] - nodes) ** 2).mean(axis=-1)

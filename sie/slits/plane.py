@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
-from sie.basis.half_plane import Complex, Seen, What, complex_of, of_bounded
+from sie.basis.interval import Complex, InPlane, What, complex_of, transform_of, transform_slope_of
 from sie.density.density import Density
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
@@ -68,7 +68,7 @@ class SlitPlane:
             w = float(wide.half[here.zone])
             for shift in whole.kernel.poles:
                 at = x - shift
-                seen = Seen.of((at - wide.a[here.zone]) / w, (at - wide.b[here.zone]) / w, y / w)
+                seen = InPlane.of((at - wide.a[here.zone]) / w, (at - wide.b[here.zone]) / w, y / w)
                 some = np.flatnonzero(np.abs(seen.rho) > _TELLS)
                 if len(some) == 0:
                     continue
@@ -81,7 +81,7 @@ class SlitPlane:
                     value = (slope - value * close.zeta / close.root**2) / close.root
                 for k, kink in kinks:
                     slit = here.slits[k]
-                    inner = Seen.of((at[some] - here.a[k]) / slit.width, (at[some] - here.b[k]) / slit.width, y[some] / slit.width)
+                    inner = InPlane.of((at[some] - here.a[k]) / slit.width, (at[some] - here.b[k]) / slit.width, y[some] / slit.width)
                     value = value + _of_kink(kink, close, inner, what)
                 out[some] += value / w if what == "derivative" else value
         return out
@@ -110,14 +110,14 @@ def _of_series(here: Slits, row: list[Array], x: Array, y: Array) -> tuple[Compl
     value, slope = np.zeros((2, len(x)), dtype=complex)
     first = np.zeros(len(x), dtype=np.intp)
     for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):
-        seen = Seen.of((x - a) / slit.width, (x - b) / slit.width, y / slit.width)
+        seen = InPlane.of((x - a) / slit.width, (x - b) / slit.width, y / slit.width)
         parts = chebyshev.bounded_part(d[None])
-        value += of_bounded(*parts, seen, first, "transform")
-        slope += of_bounded(*parts, seen, first, "derivative") / slit.half
+        value += transform_of(*parts, seen, first)
+        slope += transform_slope_of(*parts, seen, first) / slit.half
     return value, slope
 
 
-def _of_kink(kink: SlitKink, seen: Seen, inner: Seen, what: What) -> Complex:
+def _of_kink(kink: SlitKink, seen: InPlane, inner: InPlane, what: What) -> Complex:
     """What P[psi] of a jump in a slit does off the wide zone; its derivative by zeta. inner: seen from the slit."""
     _, l, r = kink.mean_places
     zeta, rho, root = seen.zeta, seen.rho, seen.root

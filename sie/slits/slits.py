@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
 from sie.basis import chebyshev
+from sie.basis.interval import Outside, fall, root_on, theta, transform_of
 from sie.basis.kept import Kept
 from sie.jumps.forcing import HIGHEST, ForcingJumps
-from sie.jumps.zone_spline import ZoneSpline
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 
@@ -54,11 +54,11 @@ class Slit(Kept):
     def angle(self, left: Array, right: Array) -> Array:
         """Angle theta in the wide zone, t = cos(theta), at distances from the slit's ends over its half width."""
         from_left, from_right = self.start + self.half * left, self.rest + self.half * right
-        return np.asarray(2 * np.arctan2(np.sqrt(from_right), np.sqrt(from_left)))
+        return theta(from_left, from_right)
 
     def root(self, left: Array, right: Array) -> Array:
         """X = sqrt(1 - t^2) there."""
-        return np.sqrt((self.start + self.half * left) * (self.rest + self.half * right))
+        return root_on(self.start + self.half * left, self.rest + self.half * right)
 
     @cached_property
     def nodes(self) -> int:
@@ -114,20 +114,12 @@ class Slit(Kept):
 
 def off_slit(excess: Array, sign: float, d: Array) -> Array:
     """(1/pi) PV int sigma / (t - tau) of T_l / sqrt series d, off the slit: at |z| - 1 = excess on the side `sign`."""
-    root = np.sqrt(excess * (excess + 2))
-    rho = sign / (1 + excess + root)
-    alpha, beta, u = chebyshev.bounded_part(d[None])
-    value = rho * np.polynomial.polynomial.polyval(rho, u[0]) if u.shape[1] else np.zeros_like(rho)
-    edge = alpha[0] + beta[0] * rho
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(value + np.where(edge == 0, 0.0, sign * edge / root))
+    return transform_of(*chebyshev.bounded_part(d[None]), Outside(sign, excess), np.zeros(len(excess), dtype=np.intp))
 
 
-def beyond_rows(excess: Array, sign: float, count: int) -> Array:
+def off_slit_rows(excess: Array, sign: float, count: int) -> Array:
     """What each of `count` terms does off the slit: (points, count)."""
-    root = np.sqrt(excess * (excess + 2))
-    rho = sign / (1 + excess + root)
-    return np.asarray(sign * rho[:, None] ** np.arange(count) / root[:, None])
+    return Outside(sign, excess).transforms(count)
 
 
 def _within(jumps: ForcingJumps, zone: int, start: Array, length: Array) -> tuple[Index, ForcingJumps]:
@@ -142,7 +134,6 @@ def _within(jumps: ForcingJumps, zone: int, start: Array, length: Array) -> tupl
     spline = jumps.splines.get(zone)
     if spline is None:
         return closed, ForcingJumps.none()
-    assert isinstance(spline, ZoneSpline)
     some = np.flatnonzero(inside(spline.knots))
     left = spline.knots[some]
     count = len(some)
@@ -176,9 +167,9 @@ class Slits(Kept):
         if len(sharp):
             away = np.abs(jumps.left[sharp][:, None] - (start + half / w)) * w / half - 1
             near = np.minimum(near, away.min(axis=0))
-        middle = 2 * np.arctan2(np.sqrt(rest + half / w), np.sqrt(start + half / w))
+        middle = theta(start + half / w, rest + half / w)
         waves = modes * half / w / np.sin(middle)
-        need = 37 / np.arccosh(1 + np.maximum(near, 1e-4)) + 2 * waves
+        need = 37 / fall(np.maximum(near, 1e-4)) + 2 * waves
         if zone in jumps.by_zone:
             # Jumps beside the slit: of their weak singularities the series soon leaves little.
             place, order = jumps.places(zone)
@@ -186,7 +177,7 @@ class Slits(Kept):
             place, order = place[other], order[other]
             away = np.maximum(np.abs(place[:, None] - (start + half / w)) * w / half - 1, 1e-4)
             most = np.array(_BENT)[order][:, None]
-            need = np.maximum(need, np.minimum(37 / np.arccosh(1 + away), most).max(axis=0, initial=0.0))
+            need = np.maximum(need, np.minimum(37 / fall(away), most).max(axis=0, initial=0.0))
         size = np.clip(np.ceil(need), LEAST, MOST).astype(int)
         self.slits = [
             Slit(float(s), float(r), float(h) / w, float(h), int(n)) for s, r, h, n in zip(start, rest, half, size, strict=True)
@@ -270,7 +261,7 @@ class Slits(Kept):
                     away, sign = self.a[i] - self.b[j] + slit.width * left, 1.0
                 else:
                     away, sign = self.a[j] - self.b[i] + slit.width * right, -1.0
-                matrix[rows, columns] = -chebyshev.project_rows(beyond_rows(away / other.width, sign, other.modes + 1))
+                matrix[rows, columns] = -chebyshev.project_rows(off_slit_rows(away / other.width, sign, other.modes + 1))
         lu, pivots = lu_factor(matrix, check_finite=False)
         return lu, pivots
 

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 from sie.collocation.fixed import (
@@ -376,8 +377,8 @@ class SlitState(Kept):
         """K at the left and right ends of the pieces (2, n) for errors of the wide zones' coefficients, in sum; at_slits:
         factor there."""
         merged = self.merged
-        wide = np.sqrt(merged.wide.half / 2) * of_coefficients
-        slits = at_slits * np.sqrt(merged.slits.half / 2) * of_coefficients[merged.slit_zone]
+        wide = edge_scale(merged.wide.half) * of_coefficients
+        slits = at_slits * edge_scale(merged.slits.half) * of_coefficients[merged.slit_zone]
         at_left, at_right = self.density.slit_roots
         left = np.where(merged.slit_before < 0, wide[merged.piece_zone], (slits / at_right)[merged.slit_before])
         right = np.where(merged.slit_after < 0, wide[merged.piece_zone], (slits / at_left)[merged.slit_after])

@@ -60,7 +60,7 @@ def followed(task: Task) -> Outcome:
     if rest is None:
         assert start is not None
         raise OutOfRange(_past(curve, pull_off(curve, start), task))
-    found = task.refine_topology(problem, control, rest.table, near=True)
+    found = task.refine_topology(problem, control, curve.settled(rest).table, near=True)
     if isinstance(found, Missed):
         raise task.error(found, problem)
     return found

@@ -5,13 +5,15 @@ A worker that is lost on the way loses nothing: the scheduler gives what it ran 
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Generator, Sequence
 from typing import Any
 
 from contact.errors import ContactError, SceneError
 from contact.extras import require
 from contact.model.scene import Scene
-from contact.sweeps.sweep.chunks import Chunk, Rows, failure, solve_chunk
+from contact.sweeps.sweep.chunks import Chunk, Rows, failure
+from contact.sweeps.sweep.sent import Question, solve_sent
 
 _PATIENCE = "10s"
 
@@ -39,25 +41,37 @@ class Cluster:
     def solved(self, scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
         """Rows of chunks as these are done, in any order."""
         client = self._client
+        # By value what no module holds, as the classes of a script.
+        scene_sent = require("cloudpickle").dumps(scene)
+        self._ask(scene_sent)
         # A task of its own: sent once, and made again where the worker that keeps it is lost.
-        given = client.submit(_same, scene, pure=False)
-        running = {client.submit(solve_chunk, given, chunk, tol, pure=False): chunk for chunk in chunks}
+        given = client.submit(_same, scene_sent, pure=False)
+        running = {client.submit(solve_sent, given, chunk, tol, pure=False): chunk for chunk in chunks}
         try:
-            for future in self._distributed.as_completed(list(running), loop=client.loop):
-                chunk = running.pop(future)
-                yield self._rows(future, chunk)
+            # Fetched as they are done: a worker that is lost later takes no results with it.
+            done = self._distributed.as_completed(list(running), loop=client.loop, with_results=True, raise_errors=False)
+            for future, rows in done:
+                yield self._checked(future, rows, running.pop(future))
         finally:
             client.cancel(list(running))
 
-    def _rows(self, future: Any, chunk: Chunk) -> Rows:
-        error = None if future.status == "finished" else future.exception() if future.status == "error" else future.status
-        if error is None:
-            rows: Rows = future.result()
+    def _ask(self, given: bytes) -> None:
+        """Whether the workers have what the scene needs: one that cannot import it would end, and the sweep wait for others."""
+        answers = self._client.run(pickle.loads, pickle.dumps(Question(given)), on_error="return")
+        for worker, answer in answers.items():
+            if answer:
+                why = f"cannot import contact ({answer})" if isinstance(answer, BaseException) else answer
+                raise ContactError(f"the workers of the scheduler {why} (asked: {worker})")
+
+    def _checked(self, future: Any, rows: Rows, chunk: Chunk) -> Rows:
+        """The rows, or those of points that cannot be solved; an error where the cluster is at fault."""
+        if future.status == "finished":
             return rows
+        if future.status != "error":
+            raise ContactError(f"the scheduler is gone, or has given up: points are {future.status}")
+        error = future.exception()
         if isinstance(error, self._distributed.KilledWorker):
             return [(place, failure("every worker that solved it ended, killed or out of memory")) for place in chunk.places]
-        if isinstance(error, str):
-            raise ContactError(f"the scheduler is gone, or has given up: points are {error}")
         raise ContactError(f"the workers of the scheduler cannot solve: {type(error).__name__}: {error}")
 
     def close(self) -> None:
@@ -65,5 +79,5 @@ class Cluster:
             self._client.close()
 
 
-def _same(scene: Scene) -> Scene:
-    return scene
+def _same(given: bytes) -> bytes:
+    return given

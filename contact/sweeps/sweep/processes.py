@@ -18,11 +18,12 @@ from collections.abc import Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from functools import lru_cache
 from multiprocessing import connection
 
+from contact.extras import version
 from contact.model.scene import Scene
-from contact.sweeps.sweep.chunks import Chunk, Rows, failure, solve_chunk, solved
+from contact.sweeps.sweep.chunks import Chunk, Rows, failure, solved
+from contact.sweeps.sweep.sent import cannot_receive, solve_sent
 
 _ENDED = "the process that solved it ended, killed or out of memory"
 # Each process has one thread: as many as there are processors would get in one another's way.
@@ -74,26 +75,6 @@ def solved_in_processes(scene: Scene, chunks: Sequence[Chunk], tol: float, worke
     yield from solved_here(scene, waiting, tol)
 
 
-def solve_sent(given: bytes, chunk: Chunk, tol: float) -> Rows:
-    """In another process."""
-    return solve_chunk(_received(given), chunk, tol)
-
-
-def cannot_receive(given: bytes) -> str:
-    """In another process: why it has no use of what it was sent; empty where it has."""
-    try:
-        _received(given)
-    except Exception as error:
-        return f"cannot make the scene ({type(error).__name__}: {error}): what it is made of belongs in a module that they can import"
-    return ""
-
-
-@lru_cache(maxsize=1)
-def _received(given: bytes) -> Scene:
-    scene: Scene = pickle.loads(given)
-    return scene
-
-
 def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
     """The scene for other processes, and why there it is of no use."""
     script = getattr(sys.modules["__main__"], "__file__", None)
@@ -104,7 +85,7 @@ def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
     except Exception as error:
         return b"", f"cannot be sent the scene ({type(error).__name__}: {error})"
     try:
-        return given, str(_submitted(pool, cannot_receive, given).result())
+        return given, str(_submitted(pool, cannot_receive, given, version()).result())
     except BrokenProcessPool:
         return given, (
             "cannot be started: they import the script first, in which what calls contact.sweep belongs under "
