@@ -8,8 +8,8 @@ Each problem is a self-affine profile of one period, E* = 1 Pa and period 1 m, g
 again. Its file has, for some mean pressures, contact fraction, mean gap and peak; and for one of them the ends of all zones and
 the pressure at stated places, all with stated errors.
 
-An answer is JSON: {"problem": NAME, "mean_pressure": p, "contact_fraction": A, "mean_gap": g, "max_pressure": P, "x": [...], "pressure": [...]},
-x ascending in [-1/2, 1/2), and any of it may be left out but the first two.
+An answer is JSON: {"problem": NAME, "mean_pressure": p, "contact_fraction": A, "mean_gap": g, "max_pressure": P, "x": [...],
+"pressure": [...]}, x ascending in [-1/2, 1/2), and any of it may be left out but the first two.
 """
 
 from __future__ import annotations
@@ -67,6 +67,7 @@ PROBLEMS = (
     Problem("many", 0.8, 4, 1024, 3),
     Problem("jagged", 0.3, 4, 256, 4),
 )
+NAMED = tuple(one.name for one in PROBLEMS)
 
 
 def made(problem: Problem) -> dict[str, Any]:
@@ -170,7 +171,7 @@ def _by_peer(prepare: Callable[..., Any], profile: contact.Fourier, mean_pressur
 NAMES = ("contact_fraction", "mean_gap", "max_pressure", "pressure, largest", "pressure, mean")
 
 
-def peers(names: Iterable[str] = tuple(problem.name for problem in PROBLEMS), grids: Iterable[int] = GRIDS) -> list[tuple[str, ...]]:
+def peers(names: Iterable[str] = NAMED, grids: Iterable[int] = GRIDS) -> list[tuple[str, ...]]:
     """A row for each problem, code and grid: how far it is off, and its processor time."""
     require_both()
     rows = []
