@@ -105,6 +105,6 @@ def _show(found: LoadPath) -> None:
         of_loads, loads = column([event.load for event in found.events], "N/m", 10)
         of_places, places = column([event.position for event in found.events], "m", 10)
         kinds = [event.kind for event in found.events]
-        counts = [f"{len(event.before) or 'full contact'} to {len(event.after) or 'full contact'}" for event in found.events]
+        counts = [event.change() for event in found.events]
         heads = ("event", f"load [{of_loads}]", f"position [{of_places}]", "zones")
         show_table("events, in the order of the path", heads, list(zip(kinds, loads, places, counts, strict=True)), numeric=(1, 2))

@@ -89,6 +89,10 @@ class Event:
     before: Array
     after: Array
 
+    def change(self) -> str:
+        """How many zones there are before and after it, in words."""
+        return f"{len(self.before) or 'full contact'} to {len(self.after) or 'full contact'}"
+
 
 @dataclass(frozen=True, eq=False)
 class Path:

@@ -77,7 +77,10 @@ def test_the_figure_has_contact_and_approach_and_a_line_for_each_event():
         lines = [line for line in axes.lines if len(line.get_xdata()) == 2 and np.ptp(np.asarray(line.get_xdata(), float)) == 0]
         assert [line.get_xdata()[0] for line in lines] == pytest.approx([full, full], rel=1e-9)
     (rising,) = (line for line in area.lines if line.get_label() == "load rising")
-    assert rising.get_ydata() == pytest.approx([s.contact_fraction for s in loop("wave").solutions[:3]])
+    # Full contact is a point of the line of its own.
+    fractions = [s.contact_fraction for s in loop("wave").solutions]
+    assert rising.get_ydata() == pytest.approx([*fractions[:2], 1.0, fractions[2]])
+    assert rising.get_xdata()[2] == pytest.approx(full, rel=1e-9)
     assert len(loop("pair").plot().axes) == 1
 
 

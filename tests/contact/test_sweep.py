@@ -263,19 +263,8 @@ def told(tmp_path, monkeypatch):
     del sys.modules["told"]
 
 
-def killer(log: Path, killed: list[int]):
-    """A progress that kills a process which solves; killed: its number, and how many points were begun and had not come in by then."""
-
-    def progress(stage, done, total):
-        if done >= 3 and not killed:
-            others = [int(line.split()[0]) for line in log.read_text().splitlines() if int(line.split()[0]) != os.getpid()]
-            os.kill(others[-1], signal.SIGKILL)
-            killed.extend((others[-1], sum(len(pids) for pids in solved_by(log).values()) - done))
-
-    return progress
-
-
 def solved_by(log: Path) -> dict[str, list[int]]:
+    """For each point, the processes that began it."""
     by: dict[str, list[int]] = {}
     for line in log.read_text().splitlines():
         pid, amplitude = line.split()
@@ -284,14 +273,30 @@ def solved_by(log: Path) -> dict[str, list[int]]:
     return by
 
 
+class Killer:
+    """A progress that kills a process which solves, once some points have come in."""
+
+    def __init__(self, log: Path) -> None:
+        self.log, self.killed, self.begun, self.done = log, 0, set(), 0
+
+    def __call__(self, stage: str, done: int, total: int | None) -> None:
+        if done >= 3 and not self.killed:
+            self.killed = next(reversed(solved_by(self.log).values()))[-1]
+            os.kill(self.killed, signal.SIGKILL)
+            self.begun, self.done = set(solved_by(self.log)), done
+
+    def check(self, table) -> None:
+        """All points are there, and of those that were begun no more were begun again than had not come in."""
+        by = solved_by(self.log)
+        assert self.killed and not table["failed"].any() and not table["load"].isnull().any()
+        assert set(by) == {repr(a) for a in AMPLITUDES}
+        assert len([a for a in self.begun if len(by[a]) > 1]) <= len(self.begun) - self.done
+
+
 @pytest.mark.slow
 def test_a_process_that_is_killed_loses_no_point_and_what_was_done_is_not_done_twice(told, tmp_path):
-    killed: list[int] = []
-    table = contact.sweep(told, {"profile.amplitude": AMPLITUDES}, workers=2, progress=killer(tmp_path / "log", killed))
-    assert killed and not table["failed"].any()
-    by = solved_by(tmp_path / "log")
-    assert set(by) == {repr(a) for a in AMPLITUDES}
-    assert sum(len(pids) - 1 for pids in by.values()) <= killed[1]
+    killer = Killer(tmp_path / "log")
+    killer.check(contact.sweep(told, {"profile.amplitude": AMPLITUDES}, workers=2, progress=killer))
 
 
 @pytest.mark.slow
@@ -307,16 +312,12 @@ def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_i
             time.sleep(0.1)
         address = json.loads(where.read_text())["address"]
         started += [subprocess.Popen([dask, "worker", address, "--nthreads", "1", "--no-dashboard"], **silent) for _ in range(2)]
-        killed: list[int] = []
-        out = tmp_path / "sweep.nc"
-        table = contact.sweep(told, {"profile.amplitude": AMPLITUDES}, address, out=out, progress=killer(tmp_path / "log", killed))
-        assert killed and not table["failed"].any()
-        by = solved_by(tmp_path / "log")
-        assert set(by) == {repr(a) for a in AMPLITUDES}
-        assert all(pids[0] == killed[0] for pids in by.values() if len(pids) > 1)
-        assert sum(len(pids) - 1 for pids in by.values()) <= killed[1]
+        killer, out = Killer(tmp_path / "log"), tmp_path / "sweep.nc"
+        table = contact.sweep(told, {"profile.amplitude": AMPLITUDES}, address, out=out, progress=killer)
+        killer.check(table)
         with xarray.open_dataset(out, engine="h5netcdf") as kept:
             assert kept.load().identical(table)
+        by = solved_by(tmp_path / "log")
         contact.sweep(told, {"profile.amplitude": AMPLITUDES}, address, out=out)
         assert solved_by(tmp_path / "log") == by
         along = contact.sweep(WAVE, {"control.load": [1e-3, 2e-3, 3e-3]}, address)
