@@ -17,8 +17,8 @@ from contact.solution.plan import starts_from_one_zone
 
 
 class Shared(sie.Kept):
-    """Of a scene whatever its control is. single: the contact begins as one zone about x = 0; full: where full contact begins; grid: the last one's
-    contact, where the loads are those of a curve."""
+    """Of a scene whatever its control is. single: the contact begins as one zone about x = 0; full: where full contact begins;
+    grid: the last one's contact, where the loads are those of a curve."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
