@@ -55,7 +55,7 @@ def index() -> str:
 
 def on_config(config: Any, **_: Any) -> Any:
     """Called by mkdocs first: the pages stand in the navigation below the gallery."""
-    below = [{told(script)[0]: f"gallery/{script.stem}.md"} for files in scripts().values() for script in files]
+    below = [{heading: [{told(script)[0]: f"gallery/{script.stem}.md"} for script in files]} for heading, files in scripts().items()]
     config["nav"] = [{"Examples": ["examples.md", *below]} if entry == {"Examples": "examples.md"} else entry for entry in config["nav"]]
     return config
 
