@@ -24,5 +24,5 @@ def explore_command(scene: Path | None, port: int | None, show: bool, tol: float
     def ready(address: str) -> None:
         click.echo(f"{address}  (Ctrl-C ends it)")
 
-    given = scene_of(scene) if str(scene) == "-" else scene
+    given = scene_of(scene) if scene is not None and str(scene) == "-" else scene
     require("contact.explorer.explore").serve(given, tol, port, ready, show)
