@@ -77,6 +77,7 @@ COUNTS = {
     "own_profile": (6, 72, 1e2, 3e4),
     "own_substrate": (100, 300, 1e6, 1e5),
     "rounded_punch": (24, 48, 1e2, 2e5),
+    "textures": (900, 400, 1e5, 1e6),
     "tilted_punch": (120, 48, 1e3, 1e5),
     "two_zones": (50, 120, 3e4, 1e4),
     "hertz": (6, 48, 1e2, 3e4),
@@ -174,6 +175,16 @@ def test_two_tips_come_into_contact_apart_and_merge() -> None:
     assert [len(s.zones) for s in solutions] == [2, 2, 2, 1, 1]
     assert np.all(np.diff([s.contact_fraction for s in solutions]) > 0)
     assert np.all(np.diff([s.mean_gap for s in solutions]) < 0)
+
+
+def test_textures_under_one_pressure_differ_as_their_page_says() -> None:
+    found = module("textures").main()
+    for name in ("wave", "two tips", "wedge", "rounded flats"):
+        along = [found[name, pressure] for pressure in (1e7, 1e8, 5e8)]
+        assert np.all(np.diff([one.contact_fraction for one in along]) > 0) and np.all(np.diff([one.mean_gap for one in along]) < 0)
+    # A wave: H. M. Westergaard, J. Appl. Mech. 6 (1939) A49.
+    wave = found["wave", 5e8]
+    assert wave.mean_pressure == pytest.approx(np.pi * 1.1e11 * 5e-3 * np.sin(np.pi * wave.contact_fraction / 2) ** 2, rel=1e-9)
 
 
 def test_models_come_closer_to_the_exact_one_with_every_neighbour_they_keep() -> None:

@@ -22,7 +22,6 @@ from contact.sweeps.adhesive import AdhesivePath
 from contact.sweeps.curve import solve_many
 from contact.sweeps.path import path
 from contact.sweeps.path_table import columns
-from contact.sweeps.paths import Event
 from contact.sweeps.paths import Path as LoadPath
 from contact.sweeps.points import NUMBERS
 
@@ -132,12 +131,7 @@ def _show_events(found: LoadPath) -> None:
         prefixed, told = column(values, unit, 10 if name != "energy lost" else 6)
         heads.append(f"{name} [{prefixed}]")
         cells.append(told)
-    cells.append([f"{_zones(event, event.before)} to {_zones(event, event.after)}" for event in found.events])
+    cells.append([event.change() for event in found.events])
     show_table("events, in the order of the path", [*heads, "zones"], list(zip(*cells, strict=True)), numeric=range(1, len(heads)))
     if isinstance(found, AdhesivePath) and found.dissipated is not None:
         click.echo(f"lost in all: {quantity(found.dissipated, 'J/m')}; work of the load: {quantity(found.work, 'J/m')}")
-
-
-def _zones(event: Event, zones: NDArray[np.float64]) -> str:
-    """How many; none of them is full contact or no contact."""
-    return str(len(zones)) if len(zones) else "full contact" if event.kind == "full" else "none"

@@ -67,9 +67,10 @@ def run(file: Path) -> tuple[list[contact.Solution], list[sie.Solution], str]:
 
 
 def _distinct(solutions: list[contact.Solution]) -> list[contact.Solution]:
-    """The last of each model, or where there is one model of each scene, as many as can be told apart."""
+    """The last of each model, or of each of several shapes, or else of each scene, as many as can be told apart."""
     models = {repr(one.scene.interaction): one for one in solutions}
-    last = models if len(models) > 1 else {repr(one.scene): one for one in solutions}
+    shapes = {repr(one.scene.profile): one for one in solutions}
+    last = models if len(models) > 1 else shapes if len(shapes) > 2 else {repr(one.scene): one for one in solutions}
     return list(last.values())[-len(_COLOURS) :]
 
 
@@ -107,6 +108,8 @@ def _label(one: contact.Solution, shown: list[contact.Solution]) -> str:
         return f"{one.scene.interaction}".replace("closure=", "").replace("neighbours=", "")
     if len({other.moment for other in shown}) > 1 and one.scene.moment is not None:
         return f"moment {quantity(one.scene.moment, 'N')}"
+    if len({other.scene.profile.name for other in shown}) > 2:
+        return one.scene.profile.name
     pressed = quantity(one.load, "N/m") if one.mean_pressure is None else quantity(one.mean_pressure, "Pa")
     return f"{pressed}, {len(one.zones)} zones" if len(one.zones) > 1 else pressed
 

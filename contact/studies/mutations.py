@@ -90,8 +90,8 @@ MUTATIONS = (
         "solution = Solution(scene, table, found.fields, 0.0, found.certificate, plan, found.free.trace)",
     ),
     Mutation(
-        "potential between zones without its logarithm", "sie/collocation/system.py",
-        "block[0] += power * zero", "block[0] += 0.0 * power * zero",
+        "potential between zones without its logarithm", "sie/basis/interval.py",
+        "yield power * self.first(width) if potential else power", "yield 0.0 * power * self.first(width) if potential else power",
     ),
     Mutation(
         "pressures one part in 1e9 too large", "contact/formulation/units.py",

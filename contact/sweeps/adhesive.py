@@ -6,7 +6,7 @@ its stated error and certificate, from where it was followed to.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,8 +20,10 @@ from contact.formulation.full import FullFields
 from contact.model.checks import finite_array, positive
 from contact.model.laws.base import CONTROLS
 from contact.model.scene import Scene
+from contact.model.units import quantity
 from contact.search.equilibria.flow import Closed
 from contact.search.equilibria.history import History, Jump, Standing
+from contact.search.grid.tilt import known_part
 from contact.search.task import Task
 from contact.search.topology.loop import Progress
 from contact.search.topology.missed import Missed
@@ -32,10 +34,13 @@ from contact.solution.plan import plan
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solved_at, task_of
+from contact.sweeps.adhesive_plot import Drawn, draw
 from contact.sweeps.paths import Event, Path
 
 Array = NDArray[np.float64]
 
+# Of a figure: points, and how much is shown beside the zones, over what they span.
+_PLACES, _AROUND = 601, 1.5
 _UNITS = {"load": "loads", "mean_pressure": "mean pressures", "approach": "approaches"}
 
 
@@ -57,6 +62,8 @@ class AdhesiveEvent(Event):
     lost : float or None
         Energy that it loses [J/m]: what is stored and what closing had released, before less after, and the work that the load does on the
         way. None without an approach.
+    surfaces : ndarray or None
+        Of a pull-off, just before it: places, the deformed surface and the body above it [m], (3, n).
 
     Examples
     --------
@@ -74,10 +81,12 @@ class AdhesiveEvent(Event):
     approach: float | None
     approach_after: float | None
     lost: float | None
+    surfaces: Array | None = field(default=None, repr=False)
 
-    @property
-    def states(self) -> tuple[tuple[float, Array, float | None], ...]:
-        return (self.load, self.before, self.approach), (self.load_after, self.after, self.approach_after)
+    def change(self) -> str:
+        ends = "apart", "full contact"
+        before = len(self.before) or ends[0]
+        return f"{before} to {len(self.after) or ends[self.kind == 'full']}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +101,9 @@ class AdhesivePath(Path):
         "load", "mean_pressure" or "approach".
     stiffness : float or None
         Of the spring whose far end the approaches are [N/m^2].
+    followed : ndarray
+        What was passed on the way, solved or not, (m, 4): load [N/m], approach [m], width in contact [m], and 1 where the control rose,
+        else 0; a row of nan where a jump breaks it.
 
     Examples
     --------
@@ -107,6 +119,7 @@ class AdhesivePath(Path):
     values: Array
     control: str
     stiffness: float | None
+    followed: Array = field(repr=False)
 
     @property
     def approaches(self) -> Array:
@@ -133,6 +146,57 @@ class AdhesivePath(Path):
         told["units"] |= units
         return told | {"control": self.control, "values": self.values.tolist(), "dissipated": self.dissipated, "work": self.work}
 
+    def plot(self, ax: Any = None) -> Any:
+        """Load over approach, up and down with its jumps, and the surfaces as they come apart: a matplotlib figure.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, or two of them, or None
+            Where the load is drawn, and the surfaces; None: in a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        MissingExtra
+            Without matplotlib.
+        SceneError
+            If `ax` is no axes.
+        """
+        load, approach, width, rises = self.followed.T
+        by_approach = all(isinstance(event, AdhesiveEvent) and event.approach is not None for event in self.events) and np.isfinite(
+            self.approaches[np.array([len(s.zones) > 0 for s in self.solutions])]
+        ).all()
+        jumps = []
+        for event in self.events:
+            assert isinstance(event, AdhesiveEvent)
+            both = (event.approach, event.approach_after) if by_approach else (_width(event.before), _width(event.after))
+            if None not in both:
+                jumps.append((event.kind, (float(both[0] or 0.0), event.load), (float(both[1] or 0.0), event.load_after)))
+        label = "approach" if by_approach else "width in contact"
+        what, places, surface, body, zones = self._surfaces()
+        drawn = Drawn(
+            approach if by_approach else width, load, rises > 0.5, jumps, label, "m", places, surface, body, zones, what
+        )
+        return draw(drawn, ax)
+
+    def _surfaces(self) -> tuple[str, Array, Array, Array, Array]:
+        """(of what, places, surface, body, zones) [m]."""
+        parted = [event for event in self.events if isinstance(event, AdhesiveEvent) and event.surfaces is not None]
+        if parted:
+            event = parted[-1]
+            assert event.surfaces is not None
+            return "just before pull-off", *event.surfaces, _images(event.before, self.solutions[0].scene.period)
+        touching = [s for s in self.solutions if np.isfinite(s.gap(0.0)).all()] or list(self.solutions)
+        last = touching[-1]
+        x = _places(last.scene, last.zones)
+        surface = -last.displacement(x)
+        closed = len(last.zones) == 0 and last.load != 0.0
+        zones = np.array([[x[0], x[-1]]]) if closed else _images(last.zones, last.scene.period)
+        return f"at load {quantity(last.load, 'N/m')}", x, surface, surface + last.gap(x), zones
+
     @cached_property
     def _ends(self) -> tuple[Energy, Energy] | None:
         first, last = self.solutions[0].energy, self.solutions[-1].energy
@@ -156,15 +220,42 @@ def adhesive_path(
                 progress(control, k, len(given))
             before = here.value
             events: list[Event] = []
+            run.rises = 1.0 if value / run.unit >= before else 0.0
             for found in run.history.to(here, float(value) / run.unit):
                 if isinstance(found, Jump):
+                    run.jumped(found)
                     events.append(run.event(found))
                 else:
                     here = found
+            if not here.closed:
+                run.note(here.point, here.value)
             solutions.append(run.solved(here, float(value), here.value >= before, before))
             passed.append(tuple(events))
     warn(of_solution(max(solutions, key=lambda solution: solution.load)))
-    return AdhesivePath(tuple(solutions), tuple(passed), given, control, stiffness)
+    return AdhesivePath(tuple(solutions), tuple(passed), given, control, stiffness, np.array(run.followed).reshape(-1, 4))
+
+
+def _width(zones: Array) -> float:
+    return float(np.sum(zones[:, 1] - zones[:, 0]))
+
+
+def _images(zones: Array, period: float | None) -> Array:
+    """With those of the period on either side."""
+    return zones if period is None else np.concatenate((zones - period, zones, zones + period))
+
+
+def _places(scene: Scene, zones: Array) -> Array:
+    """Where surfaces are drawn: about the zones, as far as the profile is known, and no more than a period."""
+    lo, hi = scene.profile.x0, scene.profile.x0 + (scene.period or 1.0)
+    if len(zones):
+        first, last = float(zones[0, 0]), float(zones[-1, 1])
+        known = known_part(scene.profile) or (-np.inf, np.inf)
+        around = max(known[0], first - _AROUND * (last - first)), min(known[1], last + _AROUND * (last - first))
+        lo, hi = around if scene.period is None or around[1] - around[0] < scene.period else (lo, hi)
+    even, angles = np.linspace(lo, hi, _PLACES), np.linspace(0.0, np.pi, 33)
+    beside = [a + (b - a) * np.sin(0.5 * angles) ** 2 for a, b in _images(zones, scene.period)]
+    x = np.unique(np.concatenate([even, *beside]))
+    return np.asarray(x[(x >= lo) & (x <= hi)])
 
 
 def _under(scene: Scene, control: str, value: float) -> Scene:
@@ -180,7 +271,26 @@ class _Run:
         self.task = replace(task_of(scene, tol), give=give)
         scaled, curve = to_follow(self.task)
         self.scaled, self.curve, self.problem = scaled, curve, curve.problem
-        self.history = History(curve, scaled.cell)
+        self.history = History(curve, scaled.cell, self.note)
+        self.followed: list[tuple[float, float, float, float]] = []
+        self.rises = 1.0
+
+    def note(self, point: Point | None, value: float = 0.0) -> None:
+        """An equilibrium on the way, or surfaces apart at a value."""
+        units = self.problem.units
+        if point is not None:
+            approach = -point.level * units.height if self.problem.operator.has_approach else np.nan
+            width = float(np.diff(point.table).sum()) * units.length
+            self.followed.append((point.load * units.load, approach, width, self.rises))
+        elif self.curve.held.yields is not None:
+            self.followed.append((0.0, value * units.height, 0.0, self.rises))
+
+    def jumped(self, jump: Jump) -> None:
+        for standing, after in ((jump.before, False), (jump.after, True)):
+            if after:
+                self.followed.append((np.nan,) * 3 + (self.rises,))
+            if not standing.closed:
+                self.note(standing.point, standing.value)
 
     @property
     def unit(self) -> float:
@@ -259,9 +369,14 @@ class _Run:
         lost = None
         if energy is not None and energy_after is not None and approach is not None and approach_after is not None:
             lost = energy - energy_after + 0.5 * (load + load_after) * (approach_after - approach)
+        surfaces = None
+        if jump.kind == "pull-off" and jump.before.point is not None:
+            fields = self.curve.fields(jump.before.point)
+            x = _places(self.scene, zones)
+            surfaces = np.array([x, -fields.displacement(x), fields.gap(x) - fields.displacement(x)])
         value = jump.before.value * self.unit
         place = float(units.x(np.array(jump.place)))
-        return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost)
+        return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, surfaces)
 
     def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
         """(load, approach, energy, zones) [N/m, m, J/m, m]."""

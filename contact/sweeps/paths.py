@@ -92,10 +92,9 @@ class Event:
     before: Array
     after: Array
 
-    @property
-    def states(self) -> tuple[tuple[float, Array, float | None], ...]:
-        """(load, zones, approach) just before and just after, where the path jumps; none where it goes on without a break."""
-        return ()
+    def change(self) -> str:
+        """How many zones there are before and after it, in words."""
+        return f"{len(self.before) or 'full contact'} to {len(self.after) or 'full contact'}"
 
 
 @dataclass(frozen=True, eq=False)

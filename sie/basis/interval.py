@@ -126,6 +126,10 @@ class Outside(_Seen):
     sign: Any
     excess: Array
 
+    @property
+    def zeta(self) -> Array:
+        return np.asarray(self.sign * (1 + self.excess))
+
     @cached_property
     def _size(self) -> Array:
         return np.sqrt(self.excess * (self.excess + 2))
@@ -254,7 +258,6 @@ def of_t(c: Array, seen: InPlane | Outside, w: Array, datum: float, row: Index, 
     value = sum_of_powers(c, seen.rho, row)
     if what == "transform":
         return np.asarray(value / seen.root)
-    assert isinstance(seen, InPlane)
     slope = sum_of_powers(c * np.arange(c.shape[1]), seen.rho, row)
     return np.asarray(-(slope + seen.zeta / seen.root * value) / seen.root**2 / w)
 

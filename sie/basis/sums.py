@@ -14,6 +14,8 @@ Mask = NDArray[np.bool_]
 
 # Below this number of multiplications all pairs are summed to the same order; of few pairs, all powers are formed at once.
 _SMALL, _FEW = 200_000, 256
+# (point, jump) pairs handled at once.
+PAIRS = 1 << 19
 # Sines and cosines held at once.
 _BLOCK = 800_000
 
@@ -24,6 +26,13 @@ def of_zones(zone: Index) -> Iterator[tuple[int, Index]]:
     cuts = np.flatnonzero(np.diff(zone[order], prepend=-1, append=-1))
     for start, end in zip(cuts[:-1], cuts[1:], strict=True):
         yield int(zone[order[start]]), order[start:end]
+
+
+def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
+    """Stretches of points whose pairs with so many jumps are held at once."""
+    block = max(1, PAIRS // max(1, jumps))
+    for begin in range(0, points, block):
+        yield slice(begin, begin + block)
 
 
 def sum_of_powers(u: Array, rho: NDArray[Any], zone: Index) -> NDArray[Any]:

@@ -113,10 +113,17 @@ class Carried:
 
 
 class Solver(Protocol):
-    """Solves the assembled rows for further right sides. size: of the unknowns that are kept."""
+    """Solves the assembled rows for further right sides. size: of the unknowns that are kept; direct, iteration: itself, where it has a
+    matrix, and where it iterates."""
 
     @property
     def size(self) -> int: ...
+
+    @property
+    def direct(self) -> Factored | None: ...
+
+    @property
+    def iteration(self) -> Iterative | None: ...
 
     def __call__(self, right: Array) -> Array: ...
 
@@ -130,6 +137,12 @@ class Factored:
     pivots: Index
     size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
     rows: Array | None = field(default=None, repr=False)
+
+    iteration = None
+
+    @property
+    def direct(self) -> Factored:
+        return self
 
     @property
     def size(self) -> int:
@@ -244,12 +257,12 @@ class State(Kept):
     @property
     def direct(self) -> Factored | None:
         """The solver, where it has a matrix."""
-        return self.solver if isinstance(self.solver, Factored) else None
+        return self.solver.direct
 
     @property
     def iteration(self) -> Iterative | None:
         """The solver, where it iterates."""
-        return self.solver if isinstance(self.solver, Iterative) else None
+        return self.solver.iteration
 
     @property
     def whole(self) -> State:
@@ -561,7 +574,7 @@ def _solve_iterated(
     system = IterativeSystem(equation, zones, m, samples.coefficients, jumps)
     carried = sizes.carried if sizes.carried is not None and len(sizes.carried.m) == len(zones) else None
     coarse = carried.coarse if carried is not None else None
-    if system.levelled and (coarse is None or not coarse.near(zones)):
+    if system.levelled and (coarse is None or not coarse.near(system)):
         coarse = CoarseOperator(zones, system)
     solver = Iterative(system, coarse, sizes.linear, sizes.value)
     right = solver.right()
@@ -589,7 +602,7 @@ def _state(
     tail = np.maximum(field_tails(system, y, density), system.source_tails)
     if system.zones.symmetric:
         tail = np.maximum(tail, tail[::-1])
-    left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
+    left_over = solver.iteration.error if solver.iteration is not None else np.zeros(len(system.zones))
     return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, left_over, sizes)
 
 

@@ -24,7 +24,7 @@ from sie.collocation.neighbours import felt
 from sie.collocation.symmetry import MirrorSymmetry
 from sie.collocation.system import System
 from sie.collocation.zone_sums import ZoneSums
-from sie.equation.conditions import Linear, asked, for_every_zone, speaks_of_levels
+from sie.equation.conditions import ByZone, Linear, asked, by_zone, for_every_zone, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.far import reaches
 from sie.fast.hierarchical import Inverse
@@ -38,10 +38,14 @@ Index = NDArray[np.intp]
 _COARSE = 1e-4
 # A coarse inverse is kept from one set of zones to the next while ends move by less than this part of a width.
 _KEPT = 0.1
+# What a correction leaves of the residual; corrections at the most; and one that leaves more than this of it is the last.
+_CORRECTED, _CORRECTIONS, _STAGNANT = 1e-6, 6, 0.1
 # The residual that rounding leaves, over the size of the solution.
 _ROUNDING = 3e-16
 # Zones with less than this part of the largest coefficient are solved as if they had it.
 _LIGHTEST = 1e-4
+# Rows at most of conditions that are not of every zone by itself: a small system couples them.
+_FEW_ROWS = 64
 # Nodes for the integral of g over one length of its resolution.
 _GAUSS = 16
 
@@ -65,9 +69,9 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
         return "the kernel is too general"
     if any(end.intensity not in (None, 0.0) for end in ends):
         return "no intensities may be prescribed"
-    per_zone = [c for c in equation.conditions if for_every_zone(c) is not None]
-    if any(c.count(zones) != 1 for c in equation.conditions if c not in per_zone):
-        return "conditions of one's own must be single rows"
+    per_zone = [c for c in equation.conditions if by_zone(c, zones) is not None]
+    if sum(c.count(zones) for c in equation.conditions if c not in per_zone) > _FEW_ROWS:
+        return "there are too many conditions that are of no zone by itself"
     held = sorted(sum(zones.held, []))
     if len(per_zone) + bool(held) != 1 or (held and held != list(range(len(zones.solved)))):
         return "every zone needs one condition of its own, all of one kind"
@@ -118,9 +122,9 @@ class IterativeSystem(System):
         return rows[self.kept], middle + mean
 
     # rows applied ---------------------------------------------------------------------------------------------------
-    def applied(self, y: Array) -> tuple[Array, Applied]:
-        """(rows of the equation, what conditions ask for) for unknowns y."""
-        rows, middle, mean = self.sums(y)
+    def applied(self, y: Array, rough: bool = False) -> tuple[Array, Applied]:
+        """(rows of the equation, what conditions ask for) for unknowns y. rough: see `ZoneSums`."""
+        rows, middle, mean = self.sums(y, rough)
         rows -= y[self.own]
         if self.layout.columns:
             rows -= y[self.layout.coefficients :] @ self.column_rows
@@ -141,7 +145,20 @@ class IterativeSystem(System):
     @cached_property
     def levelled(self) -> bool:
         """Whether a condition on potentials is what every zone has of its own."""
-        return any(for_every_zone(c) == "levels" for c in self.equation.conditions)
+        return self.of_zones is not None and self.of_zones.of_levels
+
+    @cached_property
+    def of_zones(self) -> ByZone | None:
+        """What every zone has of its own, but held ends."""
+        found = (by_zone(c, self.zones) for c in self.equation.conditions)
+        return next((one for one in found if one is not None), None)
+
+    @cached_property
+    def springs(self) -> Array:
+        """What every zone's own condition on its level has of c_0 beside it."""
+        own = self.of_zones
+        none = np.zeros(len(self.zones.solved))
+        return none if own is None or not own.of_levels or own.differences else own.first / own.levels
 
     @cached_property
     def column_means(self) -> Array:
@@ -312,13 +329,15 @@ class CoarseOperator:
     """The coarse problem's matrix and its inverse: mean potential on each solved zone from each c_0, less a constant times the
     total that makes it definite."""
 
-    def __init__(self, zones: Zones, system: System) -> None:
+    def __init__(self, zones: Zones, system: IterativeSystem) -> None:
         self.zones, self.kernel = zones, system.equation.kernel
         solved = zones.solved
+        self.springs = np.zeros(len(solved))
         ends = np.array([0, len(solved) - 1])
         w = zones.half[solved]
         self.lowered = 0.0
         self.lowered = 1.0 + float((self.entries(ends[:, None], np.arange(len(solved))) / (w * system.multiplicity())).max())
+        self.springs = system.springs
         self.inverse = Inverse(self.entries, 0, len(solved), _COARSE)
 
     def entries(self, rows: Index, columns: Index) -> Array:
@@ -328,7 +347,7 @@ class CoarseOperator:
         if self.zones.symmetric:
             mirror = count - 1 - j
             out = out + np.where(mirror == j, 0.0, self._of(i, mirror))
-        return out
+        return out + np.where(i == j, self.springs[rows], 0.0)
 
     def _of(self, i: Index, j: Index) -> Array:
         zones, kernel = self.zones, self.kernel
@@ -345,9 +364,12 @@ class CoarseOperator:
             out += kernel.regular_potential(zones.middle[i], zones.middle[j])
         return np.asarray(w * (out - self.lowered))
 
-    def near(self, zones: Zones) -> bool:
-        """Whether these zones are still about the same."""
+    def near(self, system: IterativeSystem) -> bool:
+        """Whether the zones of a system, and what it asks of them, are still about the same."""
+        zones = system.zones
         if len(zones) != len(self.zones) or zones.symmetric != self.zones.symmetric:
+            return False
+        if np.any(np.abs(system.springs - self.springs) > _KEPT * np.abs(self.springs)):
             return False
         moved = np.maximum(np.abs(zones.a - self.zones.a), np.abs(zones.b - self.zones.b))
         return bool(np.all(moved <= _KEPT * (self.zones.b - self.zones.a)))
@@ -366,15 +388,18 @@ class TwoLevelPreconditioner:
         zones, conditions = system.zones, system.equation.conditions
         counts = [c.count(zones) for c in conditions]
         starts = np.concatenate(([0], np.cumsum(counts)))
-        kinds = [for_every_zone(c) for c in conditions]
+        kinds = [by_zone(c, zones) for c in conditions]
         self.others = [k for k, kind in enumerate(kinds) if kind is None]
-        self.other_rows = np.array([starts[k] for k in self.others], dtype=np.intp)
+        self.other_rows = np.concatenate([np.arange(starts[k], starts[k + 1]) for k in self.others] or [np.zeros(0, dtype=np.intp)])
         self.held = np.array(sum(zones.held, []), dtype=np.intp)
         at = None if len(self.held) else next(k for k, kind in enumerate(kinds) if kind is not None)
-        self.levels = at is not None and kinds[at] == "levels"
+        self.own = None if at is None else kinds[at]
+        self.levels = self.own is not None and self.own.of_levels
         # What every zone has of its own: rows of one condition, or those of held ends, which come last.
         self.rows = slice(int(starts[-1]), None) if at is None else slice(int(starts[at]), int(starts[at + 1]))
-        self.absolute = at is not None and counts[at] == len(zones.solved)
+        self.absolute = self.own is not None and not self.own.differences
+        # Of the integral over a zone all but c_0 is nothing; of others, and of edges, it is not.
+        self.closed = None if at is None or self.levels or for_every_zone(conditions[at]) == "totals" else conditions[at]
         self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
         layout, symmetry = system.layout, system.symmetry
         self.first = symmetry.position(layout.offset[zones.solved])
@@ -398,14 +423,20 @@ class TwoLevelPreconditioner:
             out[self.rest, place] = -system.column_rows[k][system.kept]
             if self.levels:
                 out[self.first, place] = self._from_levels(system.column_means[k])
-            elif len(self.held):
-                self._close(out[:, place], np.zeros(len(self.held)))
+            else:
+                self._close(out[:, place], np.zeros(len(self.first)))
         return out
 
     def _close(self, folded: Array, wanted: Array) -> None:
-        """Sets c_0 of every zone so that K at the held ends is as wanted."""
+        """Sets c_0 of every zone so that what the zone has of its own, which is no level, is as wanted."""
         system = self.system
+        if self.own is not None and self.closed is None:
+            folded[self.first] = wanted / self.own.first
+            return
         view = Applied(system, system.symmetry.unfold(folded), np.zeros(0), np.zeros(0))
+        if self.own is not None and self.closed is not None:
+            folded[self.first] = (wanted - self.closed.rows(view)[0][:, 0]) / self.own.first
+            return
         folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / edge_scale(system.zones.half[system.zones.solved[self.held]])
 
     def _from_levels(self, levels: Array) -> Array:
@@ -417,7 +448,7 @@ class TwoLevelPreconditioner:
         system = self.system
         y = system.symmetry.unfold(folded)
         view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
-        out = [float(system.equation.conditions[k].rows(view)[0][0, 0]) for k in self.others]
+        out = [float(row) for k in self.others for row in system.equation.conditions[k].rows(view)[0][:, 0]]
         if self.levels and self.absolute:
             assert self.coarse is not None
             solved = system.zones.solved
@@ -433,13 +464,11 @@ class TwoLevelPreconditioner:
         here = conditions[self.rows]
         out = np.zeros(system.symmetry.size)
         out[self.rest] = -right[:equations]
-        if self.levels:
-            levels = here if self.absolute else np.concatenate(([0.0], np.cumsum(here)))
-            out[self.first] = self._from_levels(levels)
-        elif len(self.held):
-            self._close(out, here)
+        if self.own is not None and self.levels:
+            levels = here / self.own.levels
+            out[self.first] = self._from_levels(levels if self.absolute else np.concatenate(([0.0], np.cumsum(levels))))
         else:
-            out[self.first] = here / (np.pi * system.zones.half[system.zones.solved])
+            self._close(out, here)
         if self._basis.shape[1]:
             small, wanted = self._small.copy(), conditions[self.other_rows]
             missing = self._scalars(out)
@@ -465,13 +494,19 @@ class Iterative:
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
 
+    direct = None
+
+    @property
+    def iteration(self) -> Iterative:
+        return self
+
     @property
     def size(self) -> int:
         return self.system.symmetry.size
 
-    def rows(self, folded: Array) -> Array:
+    def rows(self, folded: Array, rough: bool = False) -> Array:
         system = self.system
-        rows, view = system.applied(system.symmetry.unfold(folded))
+        rows, view = system.applied(system.symmetry.unfold(folded), rough)
         parts = [asked(condition, view, 1)[0][:, 0] for condition in system.equation.conditions]
         return np.concatenate((rows, *parts, view.held()[0][:, 0]) if len(self.preconditioner.held) else (rows, *parts))
 
@@ -495,22 +530,26 @@ class Iterative:
         """Folded unknowns; near: a first guess; tolerance: if another than that of the solver; taken: what is taken from the
         rows, of the unknowns too."""
 
-        def rows(folded: Array) -> Array:
-            return self.rows(folded) if taken is None else self.rows(folded) - taken(folded)
+        def rows(folded: Array, rough: bool = False) -> Array:
+            return self.rows(folded, rough) if taken is None else self.rows(folded, rough) - taken(folded)
 
         plain = self.preconditioner(right)
         scale = self._scale(plain if near is None else near)
         wanted = max(self.tolerance if tolerance is None else tolerance, 4 * _ROUNDING * math.sqrt(len(self.system.zones.solved)))
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
-        for _ in range(3):
-            found = gmres(lambda v: self.preconditioner(rows(v * scale)) / scale, left_over, wanted)
+        before = float(np.linalg.norm(left_over))
+        for _ in range(_CORRECTIONS):
+            # Each correction is wanted to a part only, for which rough sums will do.
+            part = max(wanted, _CORRECTED * before)
+            found = gmres(lambda v: self.preconditioner(rows(v * scale, rough=True)) / scale, left_over, part)
             self.iterations += found.steps
             x = x + found.x * scale
-            # Rounding in a long recurrence is not seen by it: the residual itself is looked at.
+            # What rough sums and rounding in a long recurrence leave, they do not see: the residual itself is looked at.
             left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
-            if found.steps == 0 or float(np.linalg.norm(left_over)) <= 4 * wanted:
+            size, before = before, float(np.linalg.norm(left_over))
+            if found.steps == 0 or before <= 4 * wanted or before > _STAGNANT * size:
                 break
         return x
 

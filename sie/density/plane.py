@@ -23,13 +23,12 @@ from numpy.typing import NDArray
 from sie.basis import chebyshev
 from sie.basis.interval import Complex, InPlane, Outside, What, complex_of, of_t, transform_of, transform_slope_of
 from sie.basis.kernels import Regular
-from sie.basis.sums import of_zones
+from sie.basis.sums import of_zones, pair_blocks
 from sie.density.series import Evaluated
 from sie.fast.far import Nested
 from sie.fast.tree import SEPARATION, TERMS, Tree
 from sie.jumps.exterior import ExteriorLogarithms
-from sie.jumps.forcing import ForcingJumps, pair_blocks
-from sie.jumps.local_spline import LocalSpline
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -41,8 +40,6 @@ _FAR_JUMPS, _OF_JUMPS = 0.25, 32
 _OF_SPLINES = 8
 # (point, node) pairs handled at once.
 _PAIRS = 1 << 18
-# Gauss nodes on a piece of a spline, seen from farther than so many of its lengths.
-_GAUSS, _NEARBY = 8, 2.5
 
 
 class Plane:
@@ -151,14 +148,7 @@ class Plane:
             c = spline.t_coefficients(min(_OF_SPLINES * len(spline.knots), 1 << 15))[None]
             row = np.zeros(len(seen.left), dtype=np.intp)
             return of_t(c, seen, np.ones(len(row)), 1.0, row, what)
-        if isinstance(spline, LocalSpline):
-            return of_spline(spline, seen, what)
-        phi, weight = spline.angles_and_weights
-        rho, turn = seen.rho[:, None], np.exp(-1j * phi)
-        b = np.exp(seen.turned(np.cos(0.5 * phi), np.sin(0.5 * phi)))
-        if what == "transform":
-            return np.asarray(1j * of_spline(spline.spline, seen, what) + (rho * turn / b) @ weight * (2 / np.pi))
-        return np.asarray(1j * of_spline(spline.spline, seen, what) - (rho * turn / b**2) @ weight * (2 / np.pi) / seen.root)
+        return spline.in_plane(seen, what)
 
     # the rest of the kernel -----------------------------------------------------------------------------------------
     def _regular(self, z: Complex, what: What) -> Complex | None:
@@ -223,40 +213,3 @@ def of_logarithms(near: ExteriorLogarithms, k: Index, seen: InPlane, what: What)
     """The same of logarithms that lie near the zone."""
     how = {"transform": near.plane_transform, "derivative": near.plane_slope, "potential": near.plane_potential}
     return how[what](k, seen)
-
-
-def of_spline(spline: LocalSpline, seen: InPlane, what: What) -> Complex:
-    """(1/pi) int f / (zeta - tau) dtau, f the spline, or its derivative: piece by piece, by Gauss's rule or, nearby, in closed form
-
-    int_0^h (p_0 + p_1 y + p_2 y^2) / (Y - y) dy = p(Y) log(Y / (Y - h)) - p_1 h - p_2 (h Y + h^2/2).
-    """
-    knots, p = spline.knots, spline.pieces
-    h = np.diff(knots)
-    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
-    y = 0.5 * h[:, None] * (1 + nodes)
-    places = (knots[:-1, None] + y).ravel()
-    held = ((p[:, :1] + y * (p[:, 1:2] + y * p[:, 2:])) * 0.5 * h[:, None] * weights).ravel()
-    power = 1 if what == "transform" else 2
-    sign = 1.0 if what == "transform" else -1.0
-    out = np.empty(seen.left.shape, dtype=complex)
-    for here in pair_blocks(len(out), len(places)):
-        at = seen.left[here]
-        # Distances from both knots of a piece, whichever of them rounding spares.
-        close = np.abs(at[:, None] - (knots[:-1] + 0.5 * h)) < _NEARBY * h
-        terms = sign * held / (at[:, None] - places) ** power
-        value = np.where(np.repeat(close, _GAUSS, axis=1), 0.0, terms).sum(axis=1)
-        i, j = np.nonzero(close)
-        one, two, three, size = *p[j].T, h[j]
-        past, before = at[i] - knots[j], at[i] - knots[j + 1]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            log = np.log(past) - np.log(before)
-            f = one + past * (two + past * three)
-            # At a knot both pieces have the same value: its logarithms cancel.
-            log = np.where((past == 0) | (before == 0), np.where(past == 0, -1.0, 1.0) * np.log(size) - 1j * np.pi * (past == 0), log)
-            if what == "transform":
-                closed = f * log - two * size - three * (size * past + 0.5 * size**2)
-            else:
-                closed = (two + 2 * three * past) * log - f * size / (past * before) - three * size
-        np.add.at(value, i, closed)
-        out[here] = value / np.pi
-    return out

@@ -32,9 +32,10 @@ from numpy.typing import NDArray
 from sie.basis.interval import LOG2 as _LOG2
 from sie.basis.interval import Complex, InPlane, Outside, theta
 from sie.basis.kernels import Kernel
+from sie.basis.sums import pair_blocks
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
-from sie.jumps.forcing import SERIES, ForcingJumps, of_sines, pair_blocks, power
+from sie.jumps.forcing import SERIES, ForcingJumps, of_sines, power
 from sie.jumps.local_spline import LocalSpline
 
 Array = NDArray[np.float64]
@@ -198,9 +199,7 @@ class DensityJumps(ForcingJumps):
         total = np.pi * self._coefficients(k, np.arange(len(k)), len(k), 1)[:, 0]
         out = np.asarray(np.where(on_right, total - part, np.where(q == 1, 1.0, -1.0) * part).sum(axis=1))
         if zone in self.splines:
-            spline = self.splines[zone]
-            assert isinstance(spline, LocalSpline)
-            out += spline.integral(left)
+            out += self.splines[zone].integral(left)
         exterior = self._exterior(zone)
         return out if exterior is None else out + exterior[0].integral(exterior[1], left, right)
 

@@ -24,24 +24,28 @@ its curvature, q = 2 a knot of a cubic spline.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis.interval import LOG2, Complex, InPlane, Outside, theta
 from sie.basis.kept import Kept
-from sie.basis.sums import of_zones
+from sie.basis.sums import PAIRS as _PAIRS
+from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms
-from sie.jumps.local_spline import MANY, LocalSpline
+from sie.jumps.local_spline import MANY
+from sie.jumps.spline import Spline
 from sie.jumps.zone_spline import ZoneSpline
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
+
+MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
 HIGHEST = 2
 # Of q over p; zero for p > q.
@@ -61,8 +65,6 @@ _TINY = 1e-16
 _KINKS = 32
 # Zones whose series are found together.
 _TOGETHER = 256
-# (point, jump) pairs handled at once.
-_PAIRS = 1 << 19
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +77,7 @@ class ForcingJumps(Kept):
     right: Array
     height: Array
     order: Index
-    splines: dict[int, ZoneSpline] | dict[int, LocalSpline] = field(default_factory=dict)
+    splines: dict[int, Spline] = field(default_factory=dict)
 
     @classmethod
     def none(cls) -> ForcingJumps:
@@ -104,15 +106,16 @@ class ForcingJumps(Kept):
         i = np.searchsorted(zones.a, at, side="right") - 1
         return at, np.maximum(i, 0), (i >= 0) & (zones.beyond_a(at, i) > 0) & (zones.before_b(at, i) > 0)
 
-    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made) -> Any:  # type: ignore[no-untyped-def]
+    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline) -> Self:
         """The same with splines of f, made of knots, their jumps and f, in every zone of many jumps of order 2 and no others."""
-        height, splines, more = self.height.copy(), {}, []
+        height, more = self.height.copy(), []
+        splines: dict[int, Spline] = {}
         for zone in np.flatnonzero(np.bincount(self.zone, minlength=1) >= MANY).tolist():
             k = self.by_zone[zone]
             if np.any(self.order[k] != HIGHEST):
                 continue
             k = k[np.argsort(self.left[k])]
-            found = made(self.left[k], height[k], lambda left, zone=zone: f(zones.a[zone] + zones.half[zone] * left))
+            found = made(self.left[k], height[k], partial(_from_left, f, zones, zone))
             if found is not None:
                 splines[zone], height[k], others = found
                 more.append(np.column_stack((np.full(others.shape[1], zone), others.T)))
@@ -240,7 +243,6 @@ class ForcingJumps(Kept):
         parts = self.height * np.where(q == 0, kink, -0.5 * end + ends_c + mean - mean_c)
         out = np.asarray(np.bincount(self.zone, parts, minlength=len(zones)), dtype=float)
         for zone, spline in self.splines.items():
-            assert isinstance(spline, ZoneSpline)
             out[zone] += spline.mean_offset
         return out
 
@@ -322,9 +324,7 @@ class ForcingJumps(Kept):
                 value = away ** (q - 1.0) * (self.sine[k] - q * sine * np.minimum(kappa, -np.log(_TINY)))
             out[here] = value @ (self.height[k] / np.pi)
         if zone in self.splines:
-            spline = self.splines[zone]
-            assert isinstance(spline, ZoneSpline)
-            out += spline.angular_slope(left, right)
+            out += self.splines[zone].angular_slope(left, right)
         return out
 
     def _kappa(self, k: Index, left: Array, right: Array) -> tuple[Array, Array]:
@@ -436,9 +436,7 @@ class ForcingJumps(Kept):
         k = self.by_zone[zone]
         out = self._by_reach(k[self.closed[k]], left, right, rho)
         if zone in self.splines:
-            spline = self.splines[zone]
-            assert isinstance(spline, ZoneSpline)
-            out += spline.potential(left, right, rho)
+            out += self.splines[zone].potential(left, right, rho)
         return out
 
     @cached_property
@@ -541,16 +539,14 @@ class ForcingJumps(Kept):
         return [int(i) for i in np.unique(self.zone[self.order == 0])]
 
 
+def _from_left(f: Callable[[Array], Array], zones: Zones, zone: int, left: Array) -> Array:
+    """f at distances from the zone's left end over its half width."""
+    return f(zones.a[zone] + zones.half[zone] * left)
+
+
 def power(away: Array, order: Index) -> Array:
     """away^order; general powers take ten times as long as squares, which knots of splines ask for alone."""
     return away * away if np.all(order == HIGHEST) else away**order
-
-
-def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
-    """Stretches of points whose pairs with so many jumps are held at once."""
-    block = max(1, _PAIRS // max(1, jumps))
-    for begin in range(0, points, block):
-        yield slice(begin, begin + block)
 
 
 def of_sines(beta: Array) -> Array:

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
-from sie.basis.interval import theta
+from sie.basis.interval import Complex, InPlane, What, theta
 from sie.basis.kept import Kept
 from sie.fast.piecewise import clenshaw
 from sie.jumps.local_spline import NEAREST, LocalSpline, same_jumps
@@ -123,11 +123,6 @@ class ZoneSpline(Kept):
     def _nodes(self) -> tuple[Array, Array]:
         """Nodes and weights of panels that double in length away from both ends."""
         return self._moments(self._cuts)
-
-    @property
-    def angles_and_weights(self) -> tuple[Array, Array]:
-        """(phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F with no singularity nearer than the zone's ends."""
-        return self._nodes
 
     @cached_property
     def mean(self) -> float:
@@ -237,6 +232,18 @@ class ZoneSpline(Kept):
         size = np.abs(rho)[:, None]
         # rho (cos(phi) - rho) = |rho| (1 - |rho| - near), near the distance of cos(phi) from the end on that side.
         return np.asarray((size * ((1 - size) - near) / ((1 - size) ** 2 + 2 * size * near)) @ weight * (2 / np.pi))
+
+    def in_plane(self, seen: InPlane, what: What) -> Complex:
+        """What the kernel makes of the density at complex points, or its derivative by zeta."""
+        phi, weight = self._nodes
+        rho, turn = seen.rho[:, None], np.exp(-1j * phi)
+        b, own = np.exp(seen.turned(np.cos(0.5 * phi), np.sin(0.5 * phi))), 1j * self.spline.in_plane(seen, what)
+        if what == "transform":
+            return np.asarray(own + (rho * turn / b) @ weight * (2 / np.pi))
+        return np.asarray(own - (rho * turn / b**2) @ weight * (2 / np.pi) / seen.root)
+
+    def integral(self, left: Array) -> Array:
+        raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
 
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
         """Potential of the density over the half width, less c_0 log(half width), on the zone and off it."""

@@ -27,7 +27,6 @@ from sie.basis import chebyshev
 from sie.basis.interval import Outside, fall, root_on, theta, transform_of
 from sie.basis.kept import Kept
 from sie.jumps.forcing import HIGHEST, ForcingJumps
-from sie.jumps.zone_spline import ZoneSpline
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 
@@ -135,7 +134,6 @@ def _within(jumps: ForcingJumps, zone: int, start: Array, length: Array) -> tupl
     spline = jumps.splines.get(zone)
     if spline is None:
         return closed, ForcingJumps.none()
-    assert isinstance(spline, ZoneSpline)
     some = np.flatnonzero(inside(spline.knots))
     left = spline.knots[some]
     count = len(some)

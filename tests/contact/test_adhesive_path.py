@@ -207,3 +207,29 @@ def test_what_a_path_cannot_follow_is_refused_by_name():
     lone = contact.Scene(contact.Parabola(1.0), E, contact.Isolated(), law=contact.JKR(1e-6), load=0.0)
     with pytest.raises(contact.SceneError, match="approach"):
         contact.path(lone, [0.0], control="approach")
+
+
+def test_the_figure_has_both_ways_every_jump_and_the_surfaces_at_pull_off():
+    found = loop("wave", "load")
+    figure = found.plot()
+    curve, surfaces = figure.axes
+    told = [text.get_text() for text in curve.get_legend().get_texts()]
+    assert told == ["rising", "falling", "jump-in", "pull-off"] and surfaces.get_title() == "just before pull-off"
+    rising, falling = (line.get_ydata()[np.isfinite(line.get_ydata())] for line in curve.get_lines()[:2])
+    assert rising.max() == pytest.approx(4.0) and falling.min() == pytest.approx(1e3 * found.events[-1].load, rel=1e-9)
+    x, surface, body = found.events[-1].surfaces
+    a = found.events[-1].before[0, 1]
+    touching, apart = np.abs(x) < a, np.abs(x) > a * (1 + 1e-9)
+    assert np.all(body[touching] == surface[touching]) and np.all(body[apart] > surface[apart])
+    assert found.plot(surfaces) is figure
+    with pytest.raises(contact.SceneError, match="ax"):
+        found.plot("axes")
+
+
+def test_what_was_followed_lies_on_the_curve_of_equilibria():
+    load, approach, width, _ = loop("wave", "spring").followed.T
+    on = np.flatnonzero(width > 0.0)
+    assert len(on) > 10
+    for k in on:
+        state = WAVE.at(0.5 * width[k])
+        assert (load[k], approach[k]) == pytest.approx((state.load, state.approach), rel=1e-8, abs=1e-11)

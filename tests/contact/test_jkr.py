@@ -248,4 +248,4 @@ def test_a_step_over_a_place_of_rest_is_noticed_by_its_ends_and_by_the_cubic_bet
         Point(table, 0.0, np.full(2, residual), slope * np.eye(2), np.ones(2), 0.0, 0.0)
         for residual, slope in zip((0.1, after), slopes, strict=True)
     )
-    assert flow._passed(here, ahead, step, 1.0).all() == passed
+    assert flow.passed(here, ahead, step, 1.0).all() == passed

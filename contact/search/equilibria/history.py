@@ -11,8 +11,8 @@ with 1/tension^2 (A. A. Griffith, Phil. Trans. R. Soc. Lond. A 221, 1921, 163), 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,10 +65,11 @@ class Jump:
 
 @dataclass(frozen=True)
 class History:
-    """Of a problem's surfaces under a control. cell: [m], where they touch first."""
+    """Of a problem's surfaces under a control. cell: [m], where they touch first; note: told every equilibrium on the way."""
 
     curve: Equilibria
     cell: tuple[float, float]
+    note: Callable[[Point], None] = field(default=lambda at: None)
 
     def to(self, here: Standing, value: float) -> Iterator[Jump | Standing]:
         """The jumps on the way from a standing to a value, and at the end the standing there."""
@@ -116,6 +117,7 @@ class History:
                 return Standing(value, last)
             if step.turns:
                 return self._turn(last, sense)
+            self.note(last)
         raise NotConverged("the curve of equilibria ended")
 
     def _touch(self, step: Step, length: float, overlaps: Array) -> Jump:
