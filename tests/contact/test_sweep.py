@@ -247,9 +247,11 @@ class Told(contact.Sinusoid):
             with open(self.log, "a") as log:
                 log.write(f"{os.getpid()} {self.amplitude!r}\\n")
             time.sleep(0.2)
+            if self.amplitude == 0.99:
+                os._exit(1)
         return super().slope(x)
 '''
-AMPLITUDES = np.linspace(1e-2, 2e-2, 11).round(4).tolist()
+AMPLITUDES = np.linspace(1e-2, 2e-2, 9).round(5).tolist()
 
 
 @pytest.fixture
@@ -300,6 +302,30 @@ def test_a_process_that_is_killed_loses_no_point_and_what_was_done_is_not_done_t
 
 
 @pytest.mark.slow
+def test_a_point_that_ends_its_process_is_a_failed_one_and_the_others_are_solved(told, monkeypatch):
+    monkeypatch.setattr(run, "_check_values", lambda scene, axes: None)
+    with pytest.warns(contact.ModelWarning, match="1 of 4 points failed"):
+        table = contact.sweep(told, {"profile.amplitude": [1e-2, 0.99, 2e-2, 3e-2]}, workers=2)
+    assert table["failed"].values.tolist() == [False, True, False, False] and "ended" in str(table["reason"].values[1])
+
+
+SCRIPT = """
+import contact
+scene = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), load=1e-3)
+table = contact.sweep(scene, {"profile.amplitude": [1e-2, 2e-2]}, workers=2)
+print("failed:", int(table["failed"].sum()))
+"""
+
+
+@pytest.mark.slow
+def test_a_script_that_does_not_say_that_it_is_the_main_one_is_solved_all_the_same(tmp_path):
+    (tmp_path / "script.py").write_text(SCRIPT)
+    environment = {**os.environ, "PYTHONPATH": str(Path(contact.__file__).parents[1])}
+    done = subprocess.run([sys.executable, tmp_path / "script.py"], capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout == "failed: 0\n" and "__main__" in done.stderr and "Traceback" not in done.stderr
+
+
+@pytest.mark.slow
 def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_is_not_done_twice(told, tmp_path):
     pytest.importorskip("distributed")
     dask, where = str(Path(sys.executable).with_name("dask")), tmp_path / "scheduler.json"
@@ -323,9 +349,9 @@ def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_i
         along = contact.sweep(WAVE, {"control.load": [1e-3, 2e-3, 3e-3]}, address)
         assert along["load"].values == pytest.approx([1e-3, 2e-3, 3e-3])
     finally:
-        for process in started[::-1]:
-            process.terminate()
+        # The scheduler first: its workers then end by themselves.
         for process in started:
+            process.terminate()
             process.wait(30)
 
 
