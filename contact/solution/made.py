@@ -17,6 +17,7 @@ from contact.formulation.full import FullFields, FullLimit, lowest, period_sampl
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
 from contact.model.scene import Scene
+from contact.model.units import quantity
 from contact.solution.plan import Plan
 from contact.solution.pull_off import PullOff
 from contact.solution.solution import Solution, limit_of_approach
@@ -100,7 +101,10 @@ def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan)
 def _told_of_full(scene: Scene, least: float) -> str:
     if least >= 0.0 or not scene.law.pulls:
         return "full contact: the pressure is nowhere negative"
-    return "full contact, under tension in places: what is closed stays closed, as an opening without width has no intensity"
+    # Half width c of a flaw under a tension s, K = s sqrt(c/2), that releases the work of adhesion w = (pi/E*) K^2.
+    flaw = 2 * (scene.law.intensity(scene.E_star) / least) ** 2
+    told = "full contact, under tension in places: what is closed stays closed"
+    return f"{told}; a flaw there of half width {quantity(flaw, 'm', 3)} would open"
 
 
 def of_period(scene: Scene) -> Problem:

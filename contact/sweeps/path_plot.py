@@ -119,7 +119,7 @@ def _runs(loads: Array) -> list[tuple[int, int, bool]]:
     runs: list[tuple[int, int, bool]] = []
     start = 0
     for k in range(1, len(loads)):
-        if k + 1 == len(loads) or (loads[k + 1] >= loads[k]) != (loads[k] >= loads[k - 1]):
-            runs.append((start, k + 1, bool(loads[k] >= loads[k - 1])))
+        if k + 1 == len(loads) or (loads[k + 1] > loads[k]) != (loads[k] > loads[k - 1]):
+            runs.append((start, k + 1, bool(loads[k] > loads[k - 1])))
             start = k
     return runs or [(0, 1, True)]

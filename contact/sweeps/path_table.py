@@ -60,7 +60,7 @@ def to_dict(solutions: Sequence[Answer], passed: Passed) -> dict[str, Any]:
 
 
 def _event(event: Change) -> dict[str, Any]:
-    """All that an event says in short, of its zones how many they are."""
+    """All that an event says, of its zones how many they are."""
     said = {field.name: getattr(event, field.name) for field in dataclasses.fields(event) if field.repr}
     zones = {f"zones_{when}": len(said.pop(when)) for when in ("before", "after")}
     return {**said, **zones}

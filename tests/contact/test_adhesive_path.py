@@ -118,6 +118,9 @@ def test_a_jump_into_full_contact_is_johnsons_and_full_contact_does_not_open_aga
     assert event.lost == pytest.approx(lost, rel=1e-8)
     assert [len(s.zones) for s in found.solutions] == [1, 0, 0] and found.solutions[-1].contact_fraction == 1.0
     assert found.work == pytest.approx(found.solutions[-1].energy.total - found.solutions[0].energy.total + event.lost, rel=1e-12)
+    # A flaw of half width c has K = tension sqrt(c/2).
+    flaw = 2 * E * 3e-5 / np.pi / found.solutions[-1].certificate.smallest_pressure ** 2
+    assert f"half width {flaw * 1e6:.3g} µm would open" in found.solutions[-1].certificate.note
     # Under a spring the load is what the spring makes of the approach of full contact.
     sprung = contact.path(scene, [0.0, 0.05], stiffness=1.0)
     assert sprung.events[-1].kind == "full" and sprung.solutions[-1].load == pytest.approx(0.05 - DELTA, rel=1e-12)
