@@ -85,6 +85,18 @@ def test_words_and_whole_numbers_are_values_too():
     assert bases["substrate.base"].values.tolist() == ["bonded", "smooth"] and float(np.ptp(bases["approach"].values)) > 0
 
 
+def test_a_unit_is_told_where_a_profile_of_one_s_own_declares_it():
+    class Declared(contact.Sinusoid):
+        units = {"amplitude": "m"}
+
+    class Undeclared(contact.Sinusoid):
+        units = None
+
+    for shape, unit in ((Declared, {"units": "m"}), (Undeclared, {})):
+        scene = contact.Scene(shape(1e-2, 1.0), 1.0, contact.Periodic(), load=1e-3)
+        assert contact.sweep(scene, {"profile.amplitude": [1e-2]}, workers=1)["profile.amplitude"].attrs == unit
+
+
 def test_along_a_control_points_share_one_search(monkeypatch):
     searches = []
     real = contact.sweeps.curve.Shared
