@@ -18,8 +18,9 @@ from click.testing import CliRunner
 import contact
 from contact.commands import cli
 from contact.sweeps.points import NUMBERS, numbers
+from contact.sweeps.sweep import chunks as chunks_module
 from contact.sweeps.sweep import processes, run
-from contact.sweeps.sweep.chunks import chunks_of
+from contact.sweeps.sweep.chunks import chunks_of, solve_chunk
 from contact.sweeps.sweep.keys import axes_of
 
 xarray = pytest.importorskip("xarray")
@@ -338,7 +339,7 @@ def test_a_script_that_does_not_say_that_it_is_the_main_one_is_solved_all_the_sa
 
 
 @pytest.mark.slow
-def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_is_not_done_twice(told, tmp_path):
+def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_is_not_done_twice(told, tmp_path, monkeypatch):
     pytest.importorskip("distributed")
     dask, where = str(Path(sys.executable).with_name("dask")), tmp_path / "scheduler.json"
     silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
@@ -358,6 +359,7 @@ def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_i
         by = solved_by(tmp_path / "log")
         contact.sweep(told, {"profile.amplitude": AMPLITUDES}, address, out=out)
         assert solved_by(tmp_path / "log") == by
+        monkeypatch.setattr(chunks_module, "_SECONDS", 0.0)
         along = contact.sweep(WAVE, {"control.load": [1e-3, 2e-3, 3e-3]}, address)
         assert along["load"].values == pytest.approx([1e-3, 2e-3, 3e-3])
     finally:
@@ -431,6 +433,29 @@ def test_a_sweep_without_xarray_says_what_to_install(monkeypatch):
     monkeypatch.setattr(run, "require", missing)
     with pytest.raises(contact.MissingExtra, match="io"):
         contact.sweep(WAVE, GRID)
+
+
+def test_what_takes_long_is_handed_in_on_the_way_and_the_rest_goes_on(monkeypatch):
+    monkeypatch.setattr(chunks_module, "_SECONDS", 0.0)
+    axes = axes_of(WAVE, {"control.load": [1e-3, 3e-3, 2e-3]})
+    (chunk,) = chunks_of(axes, np.ones(3, dtype=bool), None)
+    found = []
+    while True:
+        rows = solve_chunk(WAVE, chunk, 1e-8)
+        found += [(place, row["load"]) for place, row in rows]
+        if not chunk.without(rows):
+            break
+        (chunk,) = chunk.without(rows)
+    assert [place for place, _ in found] == [0, 2, 1] and [load for _, load in found] == pytest.approx([1e-3, 2e-3, 3e-3])
+
+
+@pytest.mark.slow
+def test_processes_hand_in_what_they_have_on_the_way(monkeypatch):
+    monkeypatch.setattr(chunks_module, "_SECONDS", 0.0)
+    steps = []
+    loads = np.linspace(1e-3, 2e-3, 13).tolist()
+    table = contact.sweep(WAVE, {"control.load": loads}, workers=2, progress=lambda stage, done, total: steps.append(done))
+    assert steps == list(range(1, 14)) and table["load"].values == pytest.approx(loads)
 
 
 def test_points_are_cut_evenly_and_none_is_in_two_chunks():

@@ -57,8 +57,14 @@ class Cluster:
         try:
             # Fetched as they are done: a worker that is lost later takes no results with it.
             done = self._distributed.as_completed(list(running), loop=client.loop, with_results=True, raise_errors=False)
-            for future, rows in done:
-                yield self._checked(future, rows, running.pop(future))
+            for future, found in done:
+                chunk = running.pop(future)
+                rows = self._checked(future, found, chunk)
+                for rest in chunk.without(rows):
+                    again = client.submit(solve_sent, given, rest, tol, pure=False)
+                    running[again] = rest
+                    done.add(again)
+                yield rows
         finally:
             client.cancel(list(running))
 

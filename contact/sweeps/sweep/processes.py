@@ -67,8 +67,9 @@ def solved_in_processes(scene: Scene, chunks: Sequence[Chunk], tol: float, worke
                     if isinstance(future.exception(), BrokenProcessPool):
                         broken = True
                     else:
-                        del running[future]
-                        yield future.result()
+                        rows = future.result()
+                        waiting.extendleft(running.pop(future).without(rows))
+                        yield rows
             lost = list(running.values())
         yield from _point_by_point(given, lost, tol)
     yield from solved_here(scene, waiting, tol)
