@@ -9,6 +9,8 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -231,6 +233,21 @@ def test_a_trace_with_one_height_changed_is_another_scene(tmp_path):
         else:
             with pytest.raises(contact.SceneError, match="profile.height"):
                 contact.sweep(scene, {"control.load": [1e-3]}, workers=1, out=tmp_path / "sweep.nc")
+
+
+def test_a_profile_that_holds_a_function_is_the_same_one_when_it_is_made_again(tmp_path, counted):
+    @dataclass(frozen=True)
+    class Shaped(contact.Profile):
+        shape: Callable[[np.ndarray], np.ndarray]
+        scale: float
+
+        def height(self, x):
+            return self.scale * self.shape(np.asarray(x))
+
+    for _ in range(2):
+        scene = contact.Scene(Shaped(lambda x: x**2, 0.5), 1.0, contact.Isolated(), load=1e-3)
+        contact.sweep(scene, {"profile.scale": [0.5, 1.0]}, workers=1, out=tmp_path / "sweep.nc")
+    assert counted == [0, 1]
 
 
 def test_a_scene_that_cannot_be_sent_is_solved_here(counted):
