@@ -22,7 +22,7 @@ from sie.equation.conditions import (
 )
 from sie.equation.equation import CountError, Equation, Forcing
 from sie.fast.piecewise import PiecewiseTransform
-from sie.free_ends.end_rates import EndRates, end_rates
+from sie.free_ends.end_rates import EndRates, end_motions, end_rates
 from sie.free_ends.newton import Free, find_ends
 from sie.free_ends.sources import Answers, answers
 from sie.slits.density import SlitDensity
@@ -33,6 +33,6 @@ __all__ = [
     "Amplitude", "Answers", "AnyDensity", "AnyState", "BOUNDED", "Condition", "CountError", "Density", "End", "EndRates",
     "EqualPotential", "Equation", "FREE", "Forcing", "Free", "IntervalPotential", "Kept", "Kernel", "Level", "NotConverged",
     "PiecewiseTransform", "Rows", "SINGULAR", "SingularSystem", "SlitDensity", "Smooth", "Solution", "State", "Total",
-    "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_rates", "find_ends",
-    "free_with_intensity", "hilbert", "images", "moment", "solve", "solve_fixed", "solve_zones",
+    "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_motions", "end_rates",
+    "find_ends", "free_with_intensity", "hilbert", "images", "moment", "solve", "solve_fixed", "solve_zones",
 ]
