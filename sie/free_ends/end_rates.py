@@ -19,8 +19,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import lu_factor
 
-from sie.collocation.fixed import SingularSystem, State, rows_of
+from sie.collocation.fixed import Factored, SingularSystem, State, rows_of
 from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.free_ends.iterated import IteratedMotions
 from sie.free_ends.motions import Moved, free_ends, spread
@@ -29,6 +30,8 @@ Array = NDArray[np.float64]
 
 # Condition of the rates of K from which on they are rounding.
 NEUTRAL_FROM = 1e14
+# Beyond this number of unknowns a matrix costs more than as many solutions by iteration as there are ends.
+_MANY = 8000
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +93,7 @@ def end_rates(state: State) -> EndRates:
     """
     system, zones, layout = state.system, state.density.zones, state.system.layout
     solved, ends, iteration = zones.solved, free_ends(state), state.iteration
-    if iteration is not None:
+    if iteration is not None and layout.size > _MANY:
         motions = IteratedMotions(state, iteration)
         columns = [motions.rates(one) for one in np.eye(len(ends))]
         told = iteration.system.wants_levels and len(ends) > 0
@@ -116,7 +119,8 @@ def end_rates(state: State) -> EndRates:
         for p in places:
             right[at] = own[side, solved[p]] / state.condition_scale[at - state.conditions_from]
             at += 1
-    answer = np.asarray(state.solver(-right))
+    factors = state.direct or Factored(*lu_factor(matrix, check_finite=False))
+    answer = np.asarray(factors(-right))
     unknowns = np.column_stack([state.symmetry.unfold(column) for column in answer.T]) if len(ends) else np.zeros((layout.size, 0))
     linear = np.array([part @ unknowns for part, _ in system.intensities()])
     rates = linear + own[:, solved]

@@ -40,10 +40,12 @@ def test_motions_do_the_same_by_fast_sums_and_by_the_matrix(monkeypatch, name, s
     zones = sie.Zones.of(table, ADHERING, ADHERING, symmetric=symmetric)
     direct, iterated = both(monkeypatch, lambda: sie.solve_fixed(equation, zones))
     assert iterated.iterated and not direct.iterated
-    one, other = sie.end_rates(direct), sie.end_rates(iterated)
-    assert one.ends == other.ends
-    assert other.intensities == pytest.approx(one.intensities, abs=1e-13)
-    assert other.levels == pytest.approx(one.levels, abs=1e-14)
+    one, by_matrix = sie.end_rates(direct), sie.end_rates(iterated)
+    monkeypatch.setattr("sie.free_ends.end_rates._MANY", 1)
+    for other in (by_matrix, sie.end_rates(iterated)):
+        assert one.ends == other.ends
+        assert other.intensities == pytest.approx(one.intensities, abs=1e-13)
+        assert other.levels == pytest.approx(one.levels, abs=1e-14)
     change = np.random.default_rng(1).standard_normal((2, 7))
     change = change + change[::-1, ::-1] if symmetric else change
     (motions, levels), (found, of_found) = (sie.end_motions(state, change) for state in (direct, iterated))
