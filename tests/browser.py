@@ -124,17 +124,15 @@ def browser(width: int = 1300, height: int = 1000) -> Iterator[Page]:
         options = ["--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--no-first-run", "--disable-extensions",
                    "--disable-background-networking", "--disable-component-update", "--remote-debugging-port=0",
                    f"--window-size={width},{height}", f"--user-data-dir={home}", "about:blank"]  # fmt: skip
-        process = subprocess.Popen(
-            [CHROMIUM, *options],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env={**os.environ, "HOME": home},
-        )
+        silent = subprocess.DEVNULL
+        process = subprocess.Popen([CHROMIUM, *options], stdin=silent, stdout=silent, stderr=silent, env={**os.environ, "HOME": home})
         try:
             port = _port(Path(home) / "DevToolsActivePort")
             with urlopen(Request(f"http://127.0.0.1:{port}/json/new?about:blank", method="PUT"), timeout=30) as answer:
                 address = json.load(answer)["webSocketDebuggerUrl"]
             socket = loop.run_until_complete(_connect(address))
             yield Page(socket, loop)
-            socket.close()
+            loop.run_until_complete(_end(socket))
         finally:
             process.terminate()
             process.wait(30)
@@ -143,6 +141,10 @@ def browser(width: int = 1300, height: int = 1000) -> Iterator[Page]:
 
 async def _connect(address: str) -> Any:
     return await websocket_connect(address, max_message_size=1 << 27)
+
+
+async def _end(socket: Any) -> None:
+    socket.close()
 
 
 def _port(file: Path) -> int:

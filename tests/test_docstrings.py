@@ -13,17 +13,14 @@ import contact
 import contact.testing
 import sie
 from contact import axisymmetric
+from contact.reference import exact, inverse
 
 NAMES = {
     f"{package.__name__}.{name}": getattr(package, name)
-    for package in (contact, sie)
+    for package in (contact, sie, exact, inverse, axisymmetric)
     for name in package.__all__
     if inspect.isclass(getattr(package, name)) or inspect.isfunction(getattr(package, name))
-} | {
-    f"{module.__name__}.{name}": getattr(module, name)
-    for module, names in ((contact.testing, ("check_profile", "check_substrate")), (axisymmetric, ("solve_spot", "solve_levels")))
-    for name in names
-}
+} | {f"contact.testing.{name}": getattr(contact.testing, name) for name in ("check_profile", "check_substrate")}
 HEADINGS = ("Parameters", "Attributes", "Returns", "Raises", "Warns", "Examples")
 
 

@@ -1,5 +1,5 @@
-"""The command line: `contact solve | plan | compare | path | explore | trace | figures | bench | stability`, and lists of what a scene may
-name, `contact profiles | interactions | substrates | laws`.
+"""The command line: `contact solve | plan | compare | path | sweep | explore | trace | figures | bench | stability`, and lists of what a
+scene may name, `contact profiles | interactions | substrates | laws`.
 
 Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but 0 stderr has one line, after a
 line for each warning.
@@ -25,9 +25,10 @@ from contact.commands.explore import explore_command
 from contact.commands.options import QUIET, SCENE, TOL, scene_of
 from contact.commands.outputs import OVERWRITE, checked, checked_figure
 from contact.commands.path import path_command
+from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command
 from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
-from contact.extras import other_package, require
+from contact.extras import other_package, owners, require, version
 from contact.model.interactions.base import TURNING
 from contact.model.registry import interactions, laws, profiles, substrates
 from contact.model.units import column, quantity
@@ -102,8 +103,19 @@ def _stop(status: int, message: str) -> NoReturn:
     sys.exit(status)
 
 
+def _say_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
+    if not asked:
+        return
+    click.echo(f"contact {version()}")
+    others = ", ".join(owners())
+    if others:
+        click.echo(f"contact: warning: {others} is imported as `contact` too: keep one of them in an environment", err=True)
+    context.exit()
+
+
 @click.group(cls=Commands, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="sie-contact", prog_name="contact", message="%(prog)s %(version)s")
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_say_version,
+              help="Show the version, and whether another package takes the name.")
 @click.pass_context
 def main(context: click.Context) -> None:
     """Exact elastic contact of rough and wavy bodies, from scene files in TOML; - for SCENE reads it from standard input.
@@ -205,6 +217,7 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
 
 
 main.add_command(path_command)
+main.add_command(sweep_command)
 main.add_command(trace_command)
 main.add_command(explore_command)
 

@@ -96,7 +96,7 @@ def numbers(frame: Frame) -> list[tuple[str, str]]:
         ("in contact", "" if solution.contact_fraction is None else f"{100 * solution.contact_fraction:.6g} %"),
         ("zones", str(zones) if zones else "full contact"),
         ("width of the zones", quantity(float(np.sum(solution.zone_widths)), "m", 6) if zones else ""),
-        ("solved in", quantity(frame.seconds, "s", 2)),
+        ("solved in", quantity(frame.seconds, "s", 3)),
     ]
     return [(name, value) for name, value in said if value]
 

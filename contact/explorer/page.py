@@ -81,7 +81,7 @@ class Explorer:
         self.text = pn.widgets.TextAreaInput(
             label="scene file", rows=16, max_length=10**7, sizing_mode="stretch_width", stylesheets=["textarea { font-family: monospace; }"]
         )
-        self.read = pn.widgets.Button(label="solve this text", button_type="primary")
+        self.read = pn.widgets.Button(label="solve this text", color="primary")
         self.read.on_click(lambda _: self._read())
         copy = pn.widgets.Button(label="copy")
         copy.js_on_click(args={"text": self.text}, code="navigator.clipboard.writeText(text.value)")
@@ -141,9 +141,9 @@ class Explorer:
         args = {"log": handle.log, "whole": handle.whole, "unit": handle.unit, "least": handle.low + 0.5}
         readout = self.models.CustomJSTickFormatter(args=args, code=_READOUT)
         slider = self.pn.widgets.FloatSlider(
-            label=handle.name.replace("_", " "), start=low, end=high, step=step, value=start, format=readout, tooltips=False,
-            sizing_mode="stretch_width",
-        )
+            label=handle.name.replace("_star", "*").replace("_", " "), start=low, end=high, step=step, value=start, format=readout,
+            tooltips=False, sizing_mode="stretch_width",
+        )  # fmt: skip
 
         def move(event: Any) -> None:
             self.moved[handle.name] = self._value(handle, event.new, abs(event.new - start) < 0.5 * step)

@@ -13,7 +13,7 @@ are held with singular ends, whose intensities move these by 2 K/A.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 

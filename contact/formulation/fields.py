@@ -101,7 +101,7 @@ class ZoneFields(sie.Kept):
         zones = self.density.zones
         if len(zones) == 1:
             end = zones.b
-            return -(self._sunk(end) + self._shape(end))
+            return -(self._sunk(end) + self.standing_shape(end))
         return self.state.levels
 
     @cached_property
@@ -225,7 +225,7 @@ class ZoneFields(sie.Kept):
 
     def formal_gap(self, x: Array) -> Array:
         """F - V + lambda C + level everywhere, rounding left as it is on the zones."""
-        gap = np.asarray(self._shape(x) + self.level + self._sunk(x))
+        gap = np.asarray(self.standing_shape(x) + self.level + self._sunk(x))
         # In a narrow gap what opens it keeps digits that the difference has lost.
         narrow, opening = self.density.opening(x)
         return np.where(narrow, opening, gap) if narrow.any() else gap
@@ -239,9 +239,9 @@ class ZoneFields(sie.Kept):
         potential = self.density.potential_on(lo, hi) if len(self.density.zones) >= _MANY else None
         if potential is None:
             return self.scaled_gap
-        return lambda x: self._shape(x) + self.level + self._raised(x, potential(x))
+        return lambda x: self.standing_shape(x) + self.level + self._raised(x, potential(x))
 
-    def _shape(self, x: Array) -> Array:
+    def standing_shape(self, x: Array) -> Array:
         """F of the profile as it stands: turned on by what the first guess of the tilt missed."""
         shape = self.problem.shape(x)
         return shape if self.problem.moment is None else shape - self._missing_tilt * (x + self.problem.units.lever)
@@ -370,6 +370,16 @@ class ZoneFields(sie.Kept):
         return self.density.totals * self.problem.units.load
 
     @property
+    def zone_table(self) -> Array:
+        """Ends of the zones [m] (n, 2)."""
+        return np.asarray(self.problem.units.x(self.density.zones.table))
+
+    @property
+    def spreading(self) -> Array:
+        """How far the ends move outward as the load grows by a factor of e [m] (n, 2)."""
+        return moved_ends(self.state).T * self.problem.units.length * self.density.total
+
+    @property
     def tilt(self) -> float:
         """By how much the body is turned [rad]."""
         if self.problem.moment is None:
@@ -456,7 +466,7 @@ class ZoneFields(sie.Kept):
     def displacement(self, x: ArrayLike) -> Array:
         scaled = self._scaled(x)
         inside = self.inside(scaled)
-        shape = np.where(inside, self._shape(np.where(inside, scaled, self.density.zones.middle[0])), 0.0)
+        shape = np.where(inside, self.standing_shape(np.where(inside, scaled, self.density.zones.middle[0])), 0.0)
         zero = self.level if self.approach is None else 0.0
         u = np.where(inside, -self.level - shape, self._sunk(scaled)) + zero
         return np.asarray(u * self.problem.units.height)

@@ -46,7 +46,7 @@ def _counted_from_there(task: Task, found: Found) -> Found:
         return found
     table = np.asarray(found.fields.problem.units.x(zones.table))
     scaled = scaled_scene_about(scene, 0.0, table)
-    there = task.refine_topology(scaled.problem, scaled.control, placed(scaled.problem, table))
+    there = task.refine_topology(scaled.problem, task.control(scaled.problem), placed(scaled.problem, table))
     return found if isinstance(there, Missed) else there
 
 

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged
+from contact.formulation.apart import ApartFields
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
 from contact.model.scene import Scene
+from contact.model.units import quantity
 from contact.solution.plan import Plan
 from contact.solution.pull_off import PullOff
 from contact.solution.solution import Solution, limit_of_approach
@@ -85,10 +87,24 @@ def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol
     return solution
 
 
+def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan) -> Solution:
+    """Surfaces that do not touch, at an approach [m] or where none is held."""
+    for name in ("zone ends", "coarse search"):
+        plan[name].used, plan[name].reason = False, "the surfaces are apart"
+    certificate = Certificate(
+        smallest_pressure=0.0, smallest_gap=None if approach is None else -approach, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
+        points=0, holds=approach is None or approach <= 0.0, note="the surfaces are apart",
+    )
+    return Solution(scene, np.zeros((0, 2)), ApartFields(problem, approach), 0.0, certificate, plan, branch="receding")
+
+
 def _told_of_full(scene: Scene, least: float) -> str:
     if least >= 0.0 or not scene.law.pulls:
         return "full contact: the pressure is nowhere negative"
-    return "full contact, under tension in places: what is closed stays closed, as an opening without width has no intensity"
+    # Half width c of a flaw under a tension s, K = s sqrt(c/2), that releases the work of adhesion w = (pi/E*) K^2.
+    flaw = 2 * (scene.law.intensity(scene.E_star) / least) ** 2
+    told = "full contact, under tension in places: what is closed stays closed"
+    return f"{told}; a flaw there of half width {quantity(flaw, 'm', 3)} would open"
 
 
 def of_period(scene: Scene) -> Problem:

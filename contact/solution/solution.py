@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
@@ -15,10 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 
 import sie
 from contact.errors import SceneError
+from contact.formulation.energy import elastic_energy
 from contact.formulation.fields import Fields, ZoneFields
 from contact.model.checks import real
 from contact.model.scene import Scene
 from contact.solution import export, html, plotting
+from contact.solution.energy import Energy
 from contact.solution.peaks import peaks
 from contact.solution.plan import Plan
 from contact.solution.pull_off import PullOff
@@ -79,6 +81,28 @@ class Solution(sie.Kept):
     branch: str | None = None
     parting: Callable[[ZoneFields], PullOff] | None = field(default=None, repr=False)
 
+    @classmethod
+    def unfolding(cls, scene: Scene, zones: Array, fields: Fields, error: float, made: Mapping[str, Callable[[], Any]]) -> Solution:
+        """A solution whose certificate and plan are written down when they are asked for. made: how, by name."""
+        self = cls.__new__(cls)
+        self.__dict__.update(scene=scene, zones=zones, fields=fields, error=error, trace=(), _made=made)
+        return self
+
+    def __getattr__(self, name: str) -> Any:
+        # Reached by what is not there yet.
+        made = self.__dict__.get("_made")
+        if made is None or name not in made:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        self.__dict__[name] = made[name]()
+        return self.__dict__[name]
+
+    def __getstate__(self) -> Any:
+        for name in self.__dict__.get("_made", ()):
+            getattr(self, name)
+        kept = super().__getstate__()
+        kept.pop("_made", None)
+        return kept
+
     # fields -----------------------------------------------------------------------------------------------------------
     def pressure(self, x: ArrayLike) -> Array:
         """Contact pressure [Pa] at x [m], any shape; 0 outside the zones."""
@@ -87,7 +111,7 @@ class Solution(sie.Kept):
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """Contact pressure [Pa] at normalised positions t in [-1, 1] of one zone, without loss of digits at its ends."""
         if len(self.zones) == 0:
-            raise SceneError.of("zone", zone, "left alone: full contact has no zones, use pressure(x)")
+            raise SceneError.of("zone", zone, "left alone: full contact, or surfaces apart, have no zones, use pressure(x)")
         count = len(self.zones)
         if not isinstance(zone, Integral) or not -count <= zone < count:
             raise SceneError.of("zone", zone, f"a whole number from 0 to {count - 1}, there being {count} zone{'s' * (count > 1)}")
@@ -156,6 +180,16 @@ class Solution(sie.Kept):
             return None
         return self.fields.contact_fraction
 
+    @cached_property
+    def energy(self) -> Energy | None:
+        """Elastic energy and that of the interface [J/m], per period where there is one; None where there is no approach, and for localized
+        contact, whose strip is not all of the body."""
+        elastic, period = elastic_energy(self.fields), self.scene.period
+        if elastic is None:
+            return None
+        width = float(np.sum(self.zone_widths)) if period is None else self.fields.contact_fraction * period
+        return Energy(elastic, self.scene.law.surface_energy(self.fields, width) + 0.0)
+
     @property
     def stiffness(self) -> float | None:
         """d load / d approach [N/m^2], at the given moment where one is given, else at the tilt; inf in full contact, None where
@@ -165,7 +199,7 @@ class Solution(sie.Kept):
     @cached_property
     def pull_off(self) -> PullOff | None:
         """Where the contact comes apart as its load (or its approach, where that is given) falls, under a law that bears tension; None
-        for full contact, which does not open. Parts of it may come apart before: it is where the last do."""
+        for full contact, which does not open, and for surfaces apart. Parts of it may come apart before: it is where the last do."""
         law = self.scene.law
         if law.bare is None or self.scene.half_width is not None:
             what = f"the law {law.name}" if law.bare is None else "a given half width"

@@ -20,6 +20,7 @@ from contact.sweeps.path_table import Passed, columns
 
 Array = NDArray[np.float64]
 
+_FRACTION = "contact fraction"
 _CURVE, _EVENT = "#1f5a92", "#555555"
 # Colours and marks of the kinds of events; others, of someone's own, are drawn as circles.
 _MARKS = {
@@ -46,7 +47,7 @@ def plot_path(solutions: Sequence[Answer], passed: Passed, ax: Any = None) -> An
 
 def _contact(table: dict[str, Array]) -> tuple[str, Array, str]:
     fraction = table["contact_fraction"]
-    return ("contact fraction", fraction, "") if np.isfinite(fraction).all() else ("width in contact", table["total_width"], "m")
+    return (_FRACTION, fraction, "") if np.isfinite(fraction).all() else ("width in contact", table["total_width"], "m")
 
 
 def _panels(ax: Any, count: int) -> tuple[Any, Sequence[Any]]:
@@ -66,15 +67,14 @@ def _panels(ax: Any, count: int) -> tuple[Any, Sequence[Any]]:
 def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, unit: str) -> None:
     along, along_letter = prefix(float(np.abs(loads).max()))
     up, letter = prefix(float(np.abs(values).max())) if unit else (1.0, "")
-    low = np.all(loads > 0) and np.median(loads) < _MOSTLY_LOW * loads.max()
-    scale = np.log if low else np.asarray
-    if low:
+    if np.all(loads > 0) and np.median(loads) < _MOSTLY_LOW * loads.max():
         axes.set_xscale("log")
         if np.all(values > 0):
             axes.set_yscale("log")
-    for start, end, rising in _runs(loads):
+    x, y = _vertices(loads, values, passed, {"full": 1.0} if label == _FRACTION else {})
+    for start, end, rising in _runs(x):
         axes.plot(
-            loads[start:end] * along, values[start:end] * up, color=_CURVE, linewidth=1.4, linestyle="-" if rising else (0, (4, 2)),
+            x[start:end] * along, y[start:end] * up, color=_CURVE, linewidth=1.4, linestyle="-" if rising else (0, (4, 2)),
             marker="." if end - start <= _LINES else None, markersize=4, label="load rising" if rising else "load falling",
         )
     events = [(event, k) for k, since in enumerate(passed) for event in since]
@@ -82,14 +82,11 @@ def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, un
         colour, mark = _MARKS.get(event.kind, (_EVENT, "o"))
         if len(events) <= _LINES:
             axes.axvline(event.load * along, color=colour, linewidth=0.6, alpha=0.45, zorder=0)
-        share = _share(scale(event.load), scale(loads[k - 1]), scale(loads[k]))
-        on = np.log if low and axes.get_yscale() == "log" else np.asarray
-        height = float(on(values[k - 1]) * (1 - share) + on(values[k]) * share)
-        height = float(np.exp(height)) if on is np.log else height
         # Hollow where the load falls: the same states on the way up stay seen.
         face = colour if loads[k] >= loads[k - 1] else "none"
         style = {"linestyle": "none", "marker": mark, "color": colour, "markerfacecolor": face, "markersize": 6 if face == colour else 10}
-        axes.plot(event.load * along, height * up, label=event.kind, **style)
+        step = (x >= min(loads[k - 1], loads[k])) & (x <= max(loads[k - 1], loads[k]))
+        axes.plot(event.load * along, _on_line(axes, event.load, x[step], y[step]) * up, label=event.kind, **style)
     axes.set_xlabel(f"load [{along_letter}N/m]")
     axes.set_ylabel(f"{label} [{letter}{unit}]" if unit else label)
     axes.tick_params(direction="in", top=True, right=True)
@@ -99,9 +96,22 @@ def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, un
         axes.legend(handles.values(), handles.keys(), frameon=False, fontsize=8)
 
 
-def _share(at: Any, first: Any, last: Any) -> float:
-    """How far on the way from the first to the last."""
-    return 0.5 if first == last else float(np.clip((at - first) / (last - first), 0.0, 1.0))
+def _vertices(loads: Array, values: Array, passed: Passed, known: dict[str, float]) -> tuple[Array, Array]:
+    """The points of the curve, and the events at which its value is known by their kind."""
+    points: list[tuple[float, float]] = []
+    for load, value, since in zip(loads, values, passed, strict=True):
+        points += [(event.load, known[event.kind]) for event in since if event.kind in known]
+        points.append((float(load), float(value)))
+    x, y = np.array(points).T
+    return x, y
+
+
+def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
+    """Where the line through points is at a load, as it is drawn."""
+    order = np.argsort(x, kind="stable")
+    to_x: Any = np.log if axes.get_xscale() == "log" else np.asarray
+    to_y, back = (np.log, np.exp) if axes.get_yscale() == "log" else (np.asarray, np.asarray)
+    return float(back(np.interp(to_x(load), to_x(x[order]), to_y(y[order]))))
 
 
 def _runs(loads: Array) -> list[tuple[int, int, bool]]:

@@ -38,6 +38,8 @@ Index = NDArray[np.intp]
 _COARSE = 1e-4
 # A coarse inverse is kept from one set of zones to the next while ends move by less than this part of a width.
 _KEPT = 0.1
+# What a correction leaves of the residual; corrections at the most; and one that leaves more than this of it is the last.
+_CORRECTED, _CORRECTIONS, _STAGNANT = 1e-6, 6, 0.1
 # The residual that rounding leaves, over the size of the solution.
 _ROUNDING = 3e-16
 # Zones with less than this part of the largest coefficient are solved as if they had it.
@@ -117,9 +119,9 @@ class IterativeSystem(System):
         return rows[self.kept], middle + mean
 
     # rows applied ---------------------------------------------------------------------------------------------------
-    def applied(self, y: Array) -> tuple[Array, Applied]:
-        """(rows of the equation, what conditions ask for) for unknowns y."""
-        rows, middle, mean = self.sums(y)
+    def applied(self, y: Array, rough: bool = False) -> tuple[Array, Applied]:
+        """(rows of the equation, what conditions ask for) for unknowns y. rough: see `ZoneSums`."""
+        rows, middle, mean = self.sums(y, rough)
         rows -= y[self.own]
         if self.layout.columns:
             rows -= y[self.layout.coefficients :] @ self.column_rows
@@ -499,9 +501,9 @@ class Iterative:
     def size(self) -> int:
         return self.system.symmetry.size
 
-    def rows(self, folded: Array) -> Array:
+    def rows(self, folded: Array, rough: bool = False) -> Array:
         system = self.system
-        rows, view = system.applied(system.symmetry.unfold(folded))
+        rows, view = system.applied(system.symmetry.unfold(folded), rough)
         parts = [asked(condition, view, 1)[0][:, 0] for condition in system.equation.conditions]
         return np.concatenate((rows, *parts, view.held()[0][:, 0]) if len(self.preconditioner.held) else (rows, *parts))
 
@@ -527,22 +529,26 @@ class Iterative:
         """Folded unknowns; near: a first guess; tolerance: if another than that of the solver; taken: what is taken from the
         rows, of the unknowns too."""
 
-        def rows(folded: Array) -> Array:
-            return self.rows(folded) if taken is None else self.rows(folded) - taken(folded)
+        def rows(folded: Array, rough: bool = False) -> Array:
+            return self.rows(folded, rough) if taken is None else self.rows(folded, rough) - taken(folded)
 
         plain = self.preconditioner(right)
         scale = self.scale_of(plain if near is None else near)
         wanted = max(self.tolerance if tolerance is None else tolerance, 4 * _ROUNDING * math.sqrt(len(self.system.zones.solved)))
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
-        for _ in range(3):
-            found = gmres(lambda v: self.preconditioner(rows(v * scale)) / scale, left_over, wanted)
+        before = float(np.linalg.norm(left_over))
+        for _ in range(_CORRECTIONS):
+            # Each correction is wanted to a part only, for which rough sums will do.
+            part = max(wanted, _CORRECTED * before)
+            found = gmres(lambda v: self.preconditioner(rows(v * scale, rough=True)) / scale, left_over, part)
             self.iterations += found.steps
             x = x + found.x * scale
-            # Rounding in a long recurrence is not seen by it: the residual itself is looked at.
+            # What rough sums and rounding in a long recurrence leave, they do not see: the residual itself is looked at.
             left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
-            if found.steps == 0 or float(np.linalg.norm(left_over)) <= 4 * wanted:
+            size, before = before, float(np.linalg.norm(left_over))
+            if found.steps == 0 or before <= 4 * wanted or before > _STAGNANT * size:
                 break
         return x
 

@@ -151,10 +151,11 @@ class ZoneSums:
         """Closed forms evaluated in one sum."""
         return int(self.near.transform.nnz) + len(self.far.far) * TERMS
 
-    def __call__(self, y: Array) -> tuple[Array, Array, Array]:
-        """(U coefficients k = 1 ... m of every solved zone, one after the other; mean potential of each, in two words)."""
+    def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:
+        """(U coefficients k = 1 ... m of every solved zone, one after the other; mean potential of each, in two words). rough: what far
+        zones do is known to 1e-7 of all of it."""
         leaves = np.append(y, 0.0)[self.lead] * self.scale
-        series, middle, mean = self.far(leaves)
+        series, middle, mean = self.far(leaves, rough)
         mean = mean + self.near.potential @ y
         at_nodes = self.near.transform @ y
         if self.smooth is not None:

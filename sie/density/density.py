@@ -113,6 +113,11 @@ class Density(Kept):
         return 0.5 * (k_left + k_right), 0.5 * (k_right - k_left), u
 
     @property
+    def whole(self) -> Density:
+        """The density without slits: this one."""
+        return self
+
+    @property
     def slit_count(self) -> int:
         """How many narrow gaps between the zones are taken as slits of wider ones; here none."""
         return 0

@@ -20,6 +20,7 @@ from sie.basis.ends import FREE, SINGULAR, End
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, Sizes, State, first_sizes
+from sie.density.density import Density
 from sie.equation.equation import Equation
 from sie.free_ends.end_rates import NEUTRAL_FROM, end_rates
 from sie.free_ends.gap_steps import gap_steps
@@ -37,9 +38,11 @@ Index = NDArray[np.intp]
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
 # Over what the mean slope of the right side's smooth part makes of A.
 _SMOOTH = 4.0
-# After a move no larger than this the response to the open condition's value is about as it was: what that leaves of a step is of the
-# size of its square.
-_SAME_RESPONSE = 0.05
+# How often it is looked which ends move as far as they may.
+_BORDERINGS = 12
+# While all ends together have moved by no more than this part of all widths, the response to the open condition's value is about as it
+# was: what that leaves of a step is this part of it.
+_SAME_RESPONSE = 0.01
 
 # The same, found by iteration: motions over what they are of each zone by itself.
 _AMPLIFIED = 1e10
@@ -181,7 +184,7 @@ def find_ends(
         if opened is not None and value != 0.0 and not state.iterated:
             state = state.with_value(opened, value)
         zones, let_go = _let_go(zones, walls, state.density)
-        if opened is not None and (unit is None or progress.last > _SAME_RESPONSE):
+        if opened is not None and (unit is None or unit.moved(zones) > _SAME_RESPONSE):
             unit = Unit.of(state, sizes)
         motion = _newton(state, zones, signs, unit)
         progress.turns += [motion.turn] if motion.turn is not None else []
@@ -212,8 +215,9 @@ def find_ends(
             return Free(state, False, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), reason=reason)
         value += motion.change
         closes = _closes(zones, equation, motion.delta)
-        zones = _held_at(zones.moved(_limited(state, zones, motion, signs), equation.forcing.cornered), walls)
-        lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], closes, collapse)
+        vanishes = motion.delta.sum(axis=0) <= zones.a - zones.b
+        zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), equation.forcing.cornered), walls)
+        lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes, collapse)
         if len(lost) or len(met):
             reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.past_fold]))
             return Free(
@@ -245,12 +249,13 @@ def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
     return progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"
 
 
-def _limited(state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float]) -> Array:
+def _limited(state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: Unit | None) -> Array:
     """Moves cut to what widths and gaps allow; of zones far off that stand alone, by steps of their own."""
     limited = _limit(zones, state.equation, motion.delta)
     single = far_off(state, motion.moves, motion.delta)
     if len(single):
-        near_a, near_b, came = moved_singly(state, single, lambda d, size: _alone(d, size, signs))
+        added = None if unit is None else (unit.response, motion.change)
+        near_a, near_b, came = moved_singly(state, single, lambda d, size: _alone(d, size, signs), added)
         limited[0, single] = np.where(came, zones.a[single] - near_a, limited[0, single])
         limited[1, single] = np.where(came, near_b - zones.b[single], limited[1, single])
     return limited
@@ -365,7 +370,7 @@ def _newton(
     if unit is not None:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             slope = np.where(moves, 2 * unit.intensities / safe, 0.0)
-        delta, change = _bordered(equation, density.zones, delta, slope)
+        delta, change = _bordered(equation, density.zones, delta, slope, INWARD, OUTWARD)
         residual = np.where(moves, residual + change * unit.intensities, 0.0)
         a = a + change * unit.edge_slopes
     gaps = np.array(modes.gaps(density.zones, equation.kernel))
@@ -386,10 +391,17 @@ def _newton(
 
 @dataclass(frozen=True, eq=False)
 class Unit:
-    """K and A (2, Z) that a unit of the open condition's value makes."""
+    """K and A (2, Z) that a unit of the open condition's value makes on zones (Z, 2), and the density without slits that has them."""
 
     intensities: Array
     edge_slopes: Array
+    table: Array
+    response: Density
+
+    def moved(self, zones: Zones) -> float:
+        """By what part of all widths the ends have moved from there."""
+        width = self.table[:, 1] - self.table[:, 0]
+        return float(np.abs(zones.table - self.table).sum() / width.sum())
 
     @classmethod
     def of(cls, state: AnyState, sizes: Sizes) -> Unit:
@@ -399,15 +411,33 @@ class Unit:
         values = np.zeros(len(state.condition_scale))
         values[state.condition_index[index]] = 1.0
         response = state.response(values, np.sqrt(sizes.linear))
-        return cls(np.array(response.intensities), np.array(response.edge_slopes))
+        zones = state.density.zones
+        return cls(np.array(response.intensities), np.array(response.edge_slopes), zones.table, response.whole)
 
 
-def _bordered(equation: Equation, zones: Zones, delta: Array, slope: Array) -> tuple[Array, float]:
-    """(moves, change of the unknown value) that meet the condition on the ends; slope: moves by a unit change."""
+def _bordered(
+    equation: Equation, zones: Zones, delta: Array, slope: Array, inward: float = np.inf, outward: float = np.inf
+) -> tuple[Array, float]:
+    """(moves, change of the unknown value) that meet the condition on the ends; slope: moves by a unit change; inward, outward: parts of
+    its zone's width that an end moves by at most.
+
+    Moves count for the condition as far as they will be made: else an end beside which the density's slope all but vanishes, as one of a
+    zone about to be lost, would tell the value on its own.
+    """
     miss, by_left, by_right = equation.end_conditions[0].residual(zones)
     gradient = np.array([by_left, by_right])
+    width = zones.b - zones.a
+    free = np.ones(delta.shape, dtype=bool)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         change = -(miss + np.sum(gradient * delta)) / np.sum(gradient * slope)
+        for _ in range(_BORDERINGS):
+            wanted = delta + change * slope
+            made = np.clip(wanted, -inward * width, outward * width)
+            cut, free = free, made == wanted
+            by_change = np.sum((gradient * slope)[free])
+            if np.array_equal(cut, free) or by_change == 0.0:
+                break
+            change = -(miss + np.sum(np.where(free, gradient * delta, gradient * made))) / by_change
         return delta + change * slope, float(change)
 
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 Step = Callable[[Density, Array], Array]
 """Outward steps (2, n) of the ends of a density's zones, given their coefficients' size, cut to their widths."""
+Added: TypeAlias = tuple[Density, float]
+"""A density without slits, and how many times it is added."""
 
 # A zone is far off if an end wants to move by more than this part of its width; alone, it is moved until it does not.
 FAR_OFF, _CLOSE = 0.05, 1e-3
@@ -74,12 +77,13 @@ class Field:
     coefficients: Array
 
     @classmethod
-    def of(cls, state: AnyState, chosen: Index) -> Field:
+    def of(cls, state: AnyState, chosen: Index, added: Added | None) -> Field:
         zones, (whole, place) = state.density.zones, state.wide_of(chosen)
         c = np.zeros((len(chosen), _FIELD + 1))
-        for table in (whole.density.coefficients, whole.system.g):
+        parts = [(whole.density.coefficients, 1.0), (whole.system.g, 1.0)]
+        for table, times in parts if added is None else [*parts, (added[0].coefficients, added[1])]:
             count = min(_FIELD + 1, table.shape[1])
-            c[:, :count] += table[place, :count]
+            c[:, :count] += times * table[place, :count]
         return cls(zones.middle[chosen], zones.half[chosen], c[:, 1:])
 
     def __call__(self, x: Array) -> Array:
@@ -94,9 +98,9 @@ class Field:
 class Moving:
     """Chosen zones on their way, each in the others' field as it is."""
 
-    def __init__(self, state: AnyState, chosen: Index) -> None:
+    def __init__(self, state: AnyState, chosen: Index, added: Added | None = None) -> None:
         self.equation, density = state.equation, state.density
-        self.zones, self.chosen, self.field = density.zones, chosen, Field.of(state, chosen)
+        self.zones, self.chosen, self.field = density.zones, chosen, Field.of(state, chosen, added)
         zones, field = self.zones, self.field
         left_gap, right_gap = (gap[chosen] for gap in modes.gaps(zones, self.equation.kernel))
         self.datum = np.minimum(self.equation.kernel.datum, conformal_radius(left_gap + field.half, right_gap + field.half))
@@ -105,6 +109,8 @@ class Moving:
         self.highest = np.minimum(zones.b[chosen] + _INTO_GAP * right_gap, field.middle + reach)
         whole, place = state.wide_of(chosen)
         self.total = whole.density.totals[place] / np.pi
+        if added is not None:
+            self.total = self.total + added[1] * added[0].totals[place] / np.pi
         # Level plus the mean of the primitive of h, and the zones and coefficients to which it belongs.
         self.level = self.total * self._log(field.half)
         self.middle, self.half = field.middle, field.half
@@ -162,9 +168,9 @@ class Moving:
         return Density(here, self.equation.kernel, np.column_stack((first, -self.h)), ForcingJumps.none(), np.zeros(0))
 
 
-def moved_singly(state: AnyState, chosen: Index, step: Step) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """(new ends a, b, whether they came to rest) of the chosen zones."""
-    moving = Moving(state, chosen)
+def moved_singly(state: AnyState, chosen: Index, step: Step, added: Added | None = None) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """(new ends a, b, whether they came to rest) of the chosen zones, after what is added to the density, if anything is."""
+    moving = Moving(state, chosen, added)
     if any(c.levels for c in state.equation.conditions):
         moving.to_tips()
     for _ in range(_MOST_STEPS):

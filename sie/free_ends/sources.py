@@ -37,6 +37,18 @@ class Answers:
         Of the levels of the zones; none where no condition speaks of levels.
     potentials : (P, J) array
         Of the density's potential at the places asked for.
+
+    Examples
+    --------
+    A unit of load more on a zone: 1/(pi sqrt(1 - x^2)), and K = 1/(sqrt(2) pi) at both ends.
+
+    >>> import numpy as np
+    >>> import sie
+    >>> still = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(0.0),))
+    >>> state = sie.solve_fixed(still, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    >>> more = sie.answers(state, np.array([5.0]), np.zeros((1, 1)), np.ones((1, 1)), np.zeros(0))
+    >>> type(more).__name__, bool(np.allclose(more.intensities[:, 0, 0], 1 / (np.sqrt(2) * np.pi)))
+    ('Answers', True)
     """
 
     intensities: Array

@@ -49,6 +49,7 @@ class Dugdale(Law):
 
     work: float
     stress: float
+    units = {"work": "J/m^2", "stress": "Pa"}
 
     allows = ("load", "mean_pressure", "approach")
     pulls = True

@@ -178,6 +178,7 @@ class Sampled(Profile):
     period: float | None = None
     history: tuple[str, ...] = field(default=(), compare=False, repr=False)
     warnings: tuple[str, ...] = field(default=(), compare=False, repr=False)
+    units = {"period": "m"}
 
     def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:
         points = increasing("x", x, _FEWEST)

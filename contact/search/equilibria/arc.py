@@ -71,12 +71,15 @@ class Step:
         """How far it is to there."""
         return self.where(lambda at: _onward(self.start, at).rises, self.start.rises, self.end.rises)
 
-    def where(self, function: Callable[[Point], float], first: float, last: float, length: float | None = None) -> float:
-        """How far it is to the zero of a function with these values of opposite signs at the start and at the end (or at a length)."""
+    def where(
+        self, function: Callable[[Point], float], first: float, last: float, length: float | None = None, near: float = 1e-14
+    ) -> float:
+        """How far it is to the zero of a function with these values of opposite signs at the start and at the end (or at a length); near:
+        so near, over the step."""
         end = self.length if length is None else length
         if first == 0.0 or last == 0.0:
             return 0.0 if first == 0.0 else end
-        return bracketed(lambda part: function(self.at(part)), {0.0: first, end: last}, xtol=1e-14 * end)
+        return bracketed(lambda part: function(self.at(part)), {0.0: first, end: last}, xtol=near * end)
 
 
 def steps(curve: Equilibria, here: Point, sense: float) -> Iterator[Step]:
@@ -185,5 +188,5 @@ def _along(curve: Equilibria, here: Place, length: float) -> Point | None:
             return None
         moved, value = moved + step[:-1] * widths, value + step[-1] * unit
         if size < _TIGHT:
-            return curve.at(here.at.moved(moved), value)
+            return curve.at(here.at.moved(moved), float(value))
     return None

@@ -25,12 +25,12 @@ Array = NDArray[np.float64]
 # A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's resolution.
 _INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
 # On the way the states are solved to this; ends at rest: the last step over the widths.
-_ROUGH, _REST = 1e-9, 1e-6
+_ROUGH, REST = 1e-9, 1e-6
 # By how much of r, and of K*, a step may pass a place of rest; from how near an equilibrium Newton's step is taken as it is.
 _OVERSHOT, _SLIGHT, _NEAR, _FAR = 0.1, 1e-4, 0.02, 0.05
 # A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
-_CLOSED, _DRIVEN, _OPENED = 1e-2, 0.5, 0.02
-_MOST_STEPS, _MOST_TRIES = 600, 40
+_CLOSED, DRIVEN, _OPENED = 1e-2, 0.5, 0.02
+MOST_STEPS, MOST_TRIES = 600, 40
 _PLACES = np.linspace(0.05, 0.95, 10)
 
 
@@ -53,7 +53,7 @@ def receded(curve: Equilibria, table: Array, value: float) -> Point | None:
 def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point | None:
     here = curve.at(table, value)
     widths, residual = here.widths, here.residual
-    for _ in range(_MOST_STEPS):
+    for _ in range(MOST_STEPS):
         if sign > 0 and (merged := _merged(curve, here)) is not None:
             here = curve.at(merged, value)
             continue
@@ -64,7 +64,7 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
             here, widths, residual = curve.at(here.table[~apart], value), widths[stays], residual[stays]
             continue
         here, move = _step(curve, here, sign)
-        if move <= _REST and np.abs(here.residual).max() <= _DRIVEN:
+        if move <= REST and np.abs(here.residual).max() <= DRIVEN:
             return here
     raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
 
@@ -72,15 +72,15 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
 def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
     """(next state, largest move over the widths)."""
     limit, back = _limits(curve, here, sign)
-    for _ in range(_MOST_TRIES):
-        step = _kept_step(here, sign, limit, back)
+    for _ in range(MOST_TRIES):
+        step = kept_step(here, sign, limit, back)
         # Of ends that are driven hard, little must be left out to know how those at rest are.
         ahead = curve.at(here.moved(step), here.value, max(1e-14, _ROUGH / max(1.0, float(np.abs(here.residual).max()))))
-        passed = _passed(here, ahead, step, sign)
-        if not passed.any():
+        gone_past = passed(here, ahead, step, sign)
+        if not gone_past.any():
             return ahead, float(np.abs(step / here.widths).max())
         # What has passed an equilibrium moves less; if that is of no avail, so do all.
-        limit = np.where(passed | (here.growth >= 0.0), 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
+        limit = np.where(gone_past | (here.growth >= 0.0), 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
     raise NotConverged("no step of the ends keeps to the branch")
 
 
@@ -105,7 +105,7 @@ def _merged(curve: Equilibria, here: Point) -> Array | None:
     widths = np.diff(table, axis=1)[:, 0]
     gap = curve.gaps(table)
     beside = np.minimum(widths, np.roll(widths, -1))
-    closes = (gap < _CLOSED * beside) & (right > _DRIVEN) & (np.roll(left, -1) > _DRIVEN)
+    closes = (gap < _CLOSED * beside) & (right > DRIVEN) & (np.roll(left, -1) > DRIVEN)
     if not closes.any():
         return None
     if closes.all():
@@ -122,11 +122,11 @@ def _merged(curve: Equilibria, here: Point) -> Array | None:
 
 def _come_apart(here: Point, widths: Array, residual: Array) -> NDArray[np.bool_]:
     """Which zones have come apart that were so wide and so driven: the narrower they are the more they are driven."""
-    driven = here.residual < np.minimum(-_DRIVEN, 1.5 * residual)
+    driven = here.residual < np.minimum(-DRIVEN, 1.5 * residual)
     return np.logical_and(*np.split(driven & (here.widths < _OPENED * widths), 2))
 
 
-def _kept_step(here: Point, sign: float, limit: Array, most_back: Array) -> Array:
+def kept_step(here: Point, sign: float, limit: Array, most_back: Array) -> Array:
     """Newton's step, in which ends go no farther than their limits, nor back but a little; where there are motions that run away,
     damped by as much as keeps these within the limits."""
     rates, residual = here.rates, here.residual
@@ -160,16 +160,16 @@ def _damped_step(here: Point, sign: float, limit: Array) -> Array:
         above *= 2.0
 
 
-def _passed(here: Point, ahead: Point, step: Array, sign: float) -> NDArray[np.bool_]:
+def passed(here: Point, ahead: Point, step: Array, sign: float) -> NDArray[np.bool_]:
     """Which ends have passed a place of rest in a step: they are driven the other way at its end or, by a cubic, on the way."""
     before, after = sign * here.residual, sign * ahead.residual
     allowed = np.minimum(-_OVERSHOT * np.minimum(np.abs(before), 1.0) - _SLIGHT, 1.1 * before - _SLIGHT)
     # Beside a stable equilibrium an end that has gone a little too far comes back.
     far = (np.abs(step) > _NEAR * here.widths) | (here.growth < 0.0 <= ahead.growth) | (after < -_FAR)
-    passed = (after < allowed) & far
+    over = (after < allowed) & far
     if float(np.abs(step / here.widths).max()) < _NEAR:
-        return np.asarray(passed)
+        return np.asarray(over)
     rise, fall = sign * (here.rates @ step), sign * (ahead.rates @ step)
     u = _PLACES[:, None]
     way = (1 + 2 * u) * (1 - u) ** 2 * before + u * (1 - u) ** 2 * rise + u**2 * (3 - 2 * u) * after + u**2 * (u - 1) * fall
-    return np.asarray(passed | (far & np.any(way < np.minimum(allowed, after), axis=0)))
+    return np.asarray(over | (far & np.any(way < np.minimum(allowed, after), axis=0)))

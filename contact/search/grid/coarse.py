@@ -167,11 +167,13 @@ def propose(
     points: int | None = None,
     max_points: int = 2**17,
     tol: float = 1e-8,
+    near: GridState | None = None,
 ) -> Proposal:
     """Zones of `height` on one period or window `cell` from nested grids.
 
     `resolution` is the smallest length of the shape and sets the first final grid, doubled up to `max_points`
-    while something is narrower than three cells; `points` fixes the final grid instead."""
+    while something is narrower than three cells; `points` fixes the final grid instead. near: a contact on the same cell, under
+    another load or to another tolerance, of which the first grid has the points."""
     width = cell[1] - cell[0]
     if points is not None:
         target = limit = int(points)
@@ -182,22 +184,21 @@ def propose(
         # A shape of known resolution is worth as many points as it asks for.
         limit = max_points if resolution is None else max(max_points, min(target, MOST_POINTS))
         target = min(target, limit)
-    n = target
-    while n % 2 == 0 and n // 2 >= COARSEST:
-        n //= 2
-    state: GridState | None = None
+    n, start = target, None
+    while n % 2 == 0 and n // 2 >= COARSEST and start is None:
+        start = near.pressure if near is not None and len(near.pressure) == n else None
+        n = n if start is not None else n // 2
     iterations = 0
     while True:
         x, h = _midpoints(cell, n), width / n
         f = np.asarray(height(x), dtype=np.float64)
-        start = None if state is None else _refine(state.pressure, response.periodic)
         # What a grid before the last is wrong by, the next one puts right.
         state = solve_grid(f, response.on(n, h), load=load, level=level, start=start, tol=tol if n >= target else max(tol, _PASSING))
         iterations += state.iterations
         resolved = narrowest(state) >= NARROW
         if n >= target and (resolved or 2 * n > limit):
             break
-        n *= 2
+        n, start = 2 * n, _refine(state.pressure, response.periodic)
     return Proposal(zones_of(state, x), n, iterations, state, state.full, resolved, state.touches_border)
 
 

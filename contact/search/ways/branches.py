@@ -43,10 +43,9 @@ def followed(task: Task) -> Outcome:
     scene, told = task.scene, task.plan["branch"]
     told.detail = f"{task.branch}, {_way(task)}"
     if task.branch == "receding" and scene.period is not None:
-        return _full(task)
-    scaled = _frame(task)
-    problem, control = scaled.problem, scaled.control
-    curve = Equilibria(problem, control)
+        return closed(task)
+    scaled, curve = to_follow(task)
+    problem, control = curve.problem, curve.held
     try:
         with task.plan.timed("zone ends"):
             if task.branch == "receding":
@@ -54,14 +53,14 @@ def followed(task: Task) -> Outcome:
                 rest = receded(curve, last, control.value)
                 start: Point | None = None if rest is not None else _held_higher(curve, last, control.value)
             else:
-                start = _advanced(task, scaled, curve, max(control.value, 0.0))
+                start = advancing(task, scaled, curve, max(control.value, 0.0))
                 rest = start if control.value >= 0.0 else receded(curve, start.table, control.value)
     except Closed:
-        return _full(task)
+        return closed(task)
     if rest is None:
         assert start is not None
         raise OutOfRange(_past(curve, pull_off(curve, start), task))
-    found = task.refine_topology(problem, control, rest.table, near=True)
+    found = task.refine_topology(problem, control, curve.settled(rest).table, near=True)
     if isinstance(found, Missed):
         raise task.error(found, problem)
     return found
@@ -88,7 +87,7 @@ def _past(curve: Equilibria, last: Point, task: Task) -> str:
     return f"{name} = {value:.6g} is past pull-off, which is at {told}: the surfaces come apart"
 
 
-def _full(task: Task) -> Full:
+def closed(task: Task) -> Full:
     """Full contact under the scene's load."""
     scene = task.scene
     if scene.given_load is None or scene.period is None:
@@ -98,6 +97,12 @@ def _full(task: Task) -> Full:
     if len(scene.profile.kinks) and np.any(scene.profile.kinks[:, 1] < 0):
         raise OutOfRange("the surfaces close altogether over valleys with kinks, where the pressure of full contact is infinite")
     return Full(scene.given_load / scene.period)
+
+
+def to_follow(task: Task) -> tuple[ScaledScene, Equilibria]:
+    """The scaled scene, and its equilibria under its control."""
+    scaled = _frame(task)
+    return scaled, Equilibria(scaled.problem, task.control(scaled.problem))
 
 
 # frames ---------------------------------------------------------------------------------------------------------------
@@ -150,7 +155,7 @@ def _bare(task: Task, load: float | None = None) -> Solution:
 
 
 # starts ---------------------------------------------------------------------------------------------------------------
-def _advanced(task: Task, scaled: ScaledScene, curve: Equilibria, value: float) -> Point:
+def advancing(task: Task, scaled: ScaledScene, curve: Equilibria, value: float) -> Point:
     """The least equilibrium about first touch under a value of the control, not negative."""
     table = touched(curve, scaled.cell) if value == 0.0 else _pressed(task, scaled)
     return grown(curve, table, value)
