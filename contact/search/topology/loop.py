@@ -167,7 +167,8 @@ def _again(
     form: Formulation[Kind], control: Control, free: sie.Free, state: sie.AnyState, certificate: Certificate, newton: Newton,
     tried: list[tuple[float, Array]],
 ) -> tuple[Array, Newton]:
-    """Where to begin once more, and how, after signs have failed. state: see `off`; tried: tolerances and intervals at which they did so before."""
+    """Where to begin once more, and how, after signs have failed. state: see `off`; tried: tolerances and intervals at which they did so
+    before."""
     ended, tighter = free.density.zones.table, replace(newton, tolerance=max(TIGHT, CLOSER * newton.tolerance))
     if control.half_width is not None:
         raise WrongTopology("pressure or gap change sign", free)
