@@ -54,11 +54,11 @@ class AdhesiveEvent(Event):
         jump-in (surfaces apart come together), birth (of a zone, by touch), merge (a gap snaps shut), jump (ends alone), full (the last gap
         closes), death (zones come apart), pull-off (the last ones do).
     load : float
-        Just before it [N/m].
+        The load just before it [N/m].
     position : float
-        Where on the profile [m].
+        Where on the profile: of the touch, or of the end that moves first [m].
     before, after : ndarray
-        The zones [m], (n, 2), just before and just after; surfaces apart and full contact have none.
+        The zones [m], (n, 2), just before and just after; none of surfaces apart, or in full contact.
     value : float
         Of the control, where it happens: exact to about 1e-12 of itself.
     load_after : float
@@ -73,7 +73,7 @@ class AdhesiveEvent(Event):
 
     Examples
     --------
-    A cylinder is pulled off under its own weight's reverse: where, and what that loses.
+    A cylinder is pulled off at -3 (pi E* w^2 R/16)^(1/3), and what had been stored is lost.
 
     >>> import contact
     >>> scene = contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(datum=1e-2), law=contact.JKR(0.05), load=0.0)
@@ -102,9 +102,9 @@ class AdhesivePath(Path):
     Parameters
     ----------
     solutions : tuple of Solution
-        One for each value.
+        One for each value; with surfaces apart, of no load and no zones.
     passed : tuple of tuple of AdhesiveEvent
-        For each value the jumps since the value before, in order.
+        For each value the events since the one before, in order.
     values : ndarray
         Of the control, (n,).
     control : str
@@ -199,6 +199,13 @@ class AdhesivePath(Path):
         closed = len(last.zones) == 0 and last.load != 0.0
         zones = np.array([[x[0], x[-1]]]) if closed else _images(last.zones, last.scene.period)
         return f"at load {quantity(last.load, 'N/m')}", x, surface, surface + last.gap(x), zones
+
+    def to_dict(self) -> dict[str, Any]:
+        """Of a path, and its control, what was lost and the work of the load."""
+        units = {"lost": "J/m", "dissipated": "J/m", "work": "J/m", "load_after": "N/m", "approach_after": "m"}
+        told = super().to_dict()
+        told["units"] |= units
+        return told | {"control": self.control, "values": self.values.tolist(), "dissipated": self.dissipated, "work": self.work}
 
     @cached_property
     def _ends(self) -> tuple[Energy, Energy] | None:

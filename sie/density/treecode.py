@@ -146,9 +146,9 @@ class Treecode:
                 sharp = jumps.sharp_potential(i, left[places], right[places], rho[places])
                 value[places] += w[places] * (sharp + density.sharp_totals[i] * np.log(w[places] / density.kernel.datum))
             else:
-                here, z = on[places], 0.5 * (left[places] - right[places])
-                value[places[here]] += jumps.own_transform(i, left[places[here]])
-                value[places[~here]] += jumps.transform(i, z[~here], rho[places[~here]])
+                inside, z = on[places], 0.5 * (left[places] - right[places])
+                value[places[inside]] += jumps.own_transform(i, left[places[inside]])
+                value[places[~inside]] += jumps.transform(i, z[~inside], rho[places[~inside]])
         return value
 
     def _beyond(self, x: Array, potential: bool) -> Array:
