@@ -121,7 +121,8 @@ def work(monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
 
 def assert_within(name: str, spent: Counter[str]) -> None:
     for kind, most in zip(("solves", "own_modes", "kernel_evaluations", "places"), COUNTS[name], strict=True):
-        assert 0 < spent[kind] <= most, f"{kind}: {spent[kind]} for {most:g}"
+        # One zone by itself is solved in one series, without kernels.
+        assert (spent[kind] > 0 or kind == "kernel_evaluations") and spent[kind] <= most, f"{kind}: {spent[kind]} for {most:g}"
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda f: f.stem)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import click
@@ -14,11 +16,12 @@ from contact.commands.ranges import values_of
 from contact.commands.trace import show_profile
 from contact.errors import SceneError
 from contact.model.scene import Scene
-from contact.model.units import column
+from contact.model.units import column, quantity
 from contact.solution.terminal import Progress, show_table
+from contact.sweeps.adhesive import AdhesivePath
 from contact.sweeps.curve import solve_many
 from contact.sweeps.path import path
-from contact.sweeps.path_table import columns, to_json
+from contact.sweeps.path_table import columns
 from contact.sweeps.paths import Path as LoadPath
 from contact.sweeps.points import NUMBERS
 
@@ -32,8 +35,11 @@ _HEADS = {"zone_count": "zones", "stiffness": "stiff-\nness"}
 
 @click.command("path")
 @SCENE
-@click.option("--loads", required=True, metavar="A:B:N[:log]", help="Loads [N/m], per period: N from A to B, or with commas between.")
-@click.option("--back", is_flag=True, help="The same loads back again.")
+@click.option("--loads", metavar="A:B:N[:log]", help="Loads [N/m], per period: N from A to B, or with commas between.")
+@click.option("--pressures", metavar="A:B:N[:log]", help="Mean pressures [Pa], in place of loads.")
+@click.option("--approaches", metavar="A:B:N[:log]", help="Approaches [m], in place of loads, of surfaces that adhere.")
+@click.option("--stiffness", type=float, metavar="K", help="Of a spring whose far end the approaches are [N/m^2].")
+@click.option("--back", is_flag=True, help="The same values back again.")
 @click.option("--no-events", is_flag=True, help="Do not look for where zones come, go and merge: much quicker where there are many.")
 @click.option("--csv", "table", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write a row for each load.")
 @click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw contact and approach over the load.")
@@ -42,31 +48,33 @@ _HEADS = {"zone_count": "zones", "stiffness": "stiff-\nness"}
 @QUIET
 @TOL
 def path_command(
-    scene: Path, loads: str, back: bool, no_events: bool, table: Path | None, figure: Path | None, as_json: bool, overwrite: bool,
-    quiet: bool, tol: float,
+    scene: Path, loads: str | None, pressures: str | None, approaches: str | None, stiffness: float | None, back: bool, no_events: bool,
+    table: Path | None, figure: Path | None, as_json: bool, overwrite: bool, quiet: bool, tol: float,
 ) -> None:
-    """Solve a SCENE along loads, with the loads at which zones are born, merge or fill the period.
+    """Solve a SCENE along loads, up and down, with what happens between them: zones are born, merge, fill the period, snap apart.
 
-    The scene's own control is replaced by the loads. A load of 0, where nothing touches, is left out.
+    The scene's own control is replaced by the loads. Without adhesion a load of 0, where nothing touches, is left out.
     """
     problem = scene_of(scene)
-    values = _loads(problem, loads, back)
+    control, values = _values(problem, {"loads": loads, "pressures": pressures, "approaches": approaches}, back)
+    if no_events and problem.law.pulls:
+        raise SceneError.of("--no-events", True, f"left out: under {problem.law.name} it matters which way the values go")
     if table is not None:
         checked("--csv", table, (".csv",), overwrite)
     if figure is not None:
         checked_figure(figure)
     with Progress(wanted=not quiet) as progress:
         if no_events:
-            alone = tuple(solve_many(problem, values, "load", tol=tol, progress=progress))
+            alone = tuple(solve_many(problem, values, control, tol=tol, progress=progress))
             found = LoadPath(alone, ((),) * len(alone))
         else:
-            found = path(problem, values, tol=tol, progress=progress)
+            found = path(problem, values, tol=tol, progress=progress, control=control, stiffness=stiffness)
     if table is not None:
         found.save(table, overwrite)
     if figure is not None:
         found.plot().savefig(figure, dpi=200)
     if as_json:
-        click.echo(to_json(found.solutions, found.passed))
+        click.echo(json.dumps(found.to_dict(), allow_nan=False))
     if as_json or quiet:
         return
     show_profile(problem.profile)
@@ -76,14 +84,20 @@ def path_command(
             click.echo(f"written: {written}")
 
 
-def _loads(scene: Scene, text: str, back: bool) -> NDArray[np.float64]:
-    values = values_of("--loads", text)
+def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[str, NDArray[np.float64]]:
+    """The control, and its values."""
+    names = [name for name, text in given.items() if text is not None]
+    if len(names) != 1:
+        raise SceneError.of(" and ".join(f"--{name}" for name in names or given), "given" if names else None, "one of them")
+    text = given[names[0]] or ""
+    values = values_of(f"--{names[0]}", text)
     if not scene.law.pulls:
         # Without tension nothing touches under no load.
         values = values[values != 0]
         if not values.size:
-            raise SceneError.of("--loads", text, "at least one load other than 0")
-    return np.concatenate([values, values[-2::-1]]) if back else values
+            raise SceneError.of(f"--{names[0]}", text, "at least one value other than 0")
+    control = {"loads": "load", "pressures": "mean_pressure", "approaches": "approach"}[names[0]]
+    return control, np.concatenate([values, values[-2::-1]]) if back else values
 
 
 def _show(found: LoadPath) -> None:
@@ -102,9 +116,22 @@ def _show(found: LoadPath) -> None:
         cells.append(told)
     show_table("load path", names, list(zip(*cells, strict=True)), numeric=range(len(names)), close=True)
     if found.events:
-        of_loads, loads = column([event.load for event in found.events], "N/m", 10)
-        of_places, places = column([event.position for event in found.events], "m", 10)
-        kinds = [event.kind for event in found.events]
-        counts = [event.change() for event in found.events]
-        heads = ("event", f"load [{of_loads}]", f"position [{of_places}]", "zones")
-        show_table("events, in the order of the path", heads, list(zip(kinds, loads, places, counts, strict=True)), numeric=(1, 2))
+        _show_events(found)
+
+
+def _show_events(found: LoadPath) -> None:
+    kinds, loads = [event.kind for event in found.events], [event.load for event in found.events]
+    jumps = found.events if isinstance(found, AdhesivePath) else ()
+    places = [event.position for event in found.events]
+    known: dict[str, tuple[Sequence[float | None], str]] = {"load": (loads, "N/m"), "position": (places, "m")}
+    if jumps:
+        known["energy lost"] = ([getattr(event, "lost", None) for event in jumps], "J/m")
+    heads, cells = ["event"], [kinds]
+    for name, (values, unit) in known.items():
+        prefixed, told = column(values, unit, 10 if name != "energy lost" else 6)
+        heads.append(f"{name} [{prefixed}]")
+        cells.append(told)
+    cells.append([event.change() for event in found.events])
+    show_table("events, in the order of the path", [*heads, "zones"], list(zip(*cells, strict=True)), numeric=range(1, len(heads)))
+    if isinstance(found, AdhesivePath) and found.dissipated is not None:
+        click.echo(f"lost in all: {quantity(found.dissipated, 'J/m')}; work of the load: {quantity(found.work, 'J/m')}")

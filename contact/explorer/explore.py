@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import socket
 import tomllib
 from collections.abc import Callable
@@ -79,6 +80,8 @@ def serve(scene: Scene | str | PathLike[str] | None, tol: float, port: int | Non
         )
     except OSError as error:
         raise SceneError.of("port", port, f"one that is free ({error.strerror or error})") from error
+    # That a tab was closed is no news.
+    logging.getLogger("bokeh").setLevel(logging.ERROR)
     server.start()
     address = f"http://{ADDRESS}:{port}/"
     ready(address)

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 
+_INFINITE = {True: "infinite", False: "-infinite"}
+
 
 def prefix(magnitude: float) -> tuple[float, str]:
     """Factor and SI prefix that bring a magnitude between 1 and 1000; 1 and none for zero and what is not finite."""
@@ -32,4 +34,4 @@ def column(values: Sequence[float | None], unit: str, digits: int = 6) -> tuple[
     """The prefixed unit that a whole column of a table is in, and its values as numbers alone; '-' for what is not there."""
     finite = [abs(value) for value in values if value is not None and math.isfinite(value)]
     factor, letter = prefix(max(finite, default=0.0))
-    return f"{letter}{unit}", ["-" if v is None else f"{v * factor:.{digits}g}" if math.isfinite(v) else "infinite" for v in values]
+    return f"{letter}{unit}", ["-" if v is None else f"{v * factor:.{digits}g}" if math.isfinite(v) else _INFINITE[v > 0] for v in values]

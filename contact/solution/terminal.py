@@ -55,6 +55,13 @@ class Progress:
             self._task, self._stage = self._bar.add_task(stage, total=total), stage
         self._bar.update(self._task, completed=done, total=total)
 
+    def say(self, line: str) -> None:
+        """A result on the way, on stderr and above the bar."""
+        if self._bar is None:
+            print(line, file=sys.stderr, flush=True)
+        else:
+            self._bar.console.print(line, markup=False, highlight=False)
+
     def _start(self) -> None:
         try:
             console = require("rich.console").Console(file=sys.stderr)

@@ -2,7 +2,7 @@
 
     python -m contact.studies.challenge make                 # docs/challenge/NAME.json, anew
     python -m contact.studies.challenge judge ANSWER.json    # an answer of another code
-    python -m contact.studies.challenge peers [--out FILE]   # tamaas and ContactMechanics (extra `peers`)
+    python -m contact.studies.challenge peers [--out FOLDER] # tamaas and ContactMechanics (extra `peers`)
 
 Each problem is a self-affine profile of one period, E* = 1 Pa and period 1 m, given by its harmonics: nothing has to be drawn at random
 again. Its file has, for some mean pressures, contact fraction, mean gap and peak; and for one of them the ends of all zones and
@@ -26,9 +26,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import contact
+from contact.extras import require
 from contact.studies.bench import machine
 from contact.studies.bench.cases import Case
 from contact.studies.bench.peers import PEERS, require_both
+from contact.studies.gallery import save
 
 Array = NDArray[np.float64]
 
@@ -103,6 +105,23 @@ def _pressures(solution: contact.Solution) -> dict[str, Any]:
     steepness = np.abs(solution.pressure(x + step) - solution.pressure(x - step)) / (2 * step)
     off = solution.error * (solution.max_pressure + 2 * np.repeat(half, len(PLACES)) * steepness)
     return {"x": x.tolist(), "pressure": pressure.tolist(), "pressure_error": float(off.max())}
+
+
+def drawn(folder: Path = FOLDER) -> Any:
+    """Area and gap over the load of all problems, as a matplotlib Figure."""
+    figure = require("matplotlib.figure").Figure(figsize=(7.2, 3.2), layout="constrained")
+    area, gap = figure.subplots(1, 2)
+    for problem in PROBLEMS:
+        truth = read(problem.name, folder)
+        load = np.array([row["mean_pressure"] for row in truth["curve"]]) / (truth["E_star"] * truth["rms_slope"])
+        for axes, what, scale in ((area, "contact_fraction", 1.0), (gap, "mean_gap", 1.0 / truth["curve"][0]["mean_gap"])):
+            axes.plot(load, [scale * row[what] for row in truth["curve"]], "o-", ms=3, lw=1.0, label=problem.name)
+    area.set(xscale="log", yscale="log", ylabel="contact fraction")
+    gap.set(xscale="log", ylabel="mean gap / that at the lightest load")
+    for axes in (area, gap):
+        axes.set_xlabel("mean pressure / (E* rms slope)")
+        axes.legend(fontsize=7, frameon=False)
+    return figure
 
 
 def read(name: str, folder: Path = FOLDER) -> dict[str, Any]:
@@ -190,6 +209,20 @@ def peers(names: Iterable[str] = NAMED, grids: Iterable[int] = GRIDS) -> list[tu
     return rows
 
 
+def along(names: Iterable[str] = NAMED, grid: int = GRIDS[-1]) -> list[tuple[str, ...]]:
+    """A row for each problem and code: how far it is off at the worst of all loads, on the finest grid."""
+    rows = []
+    for name in names:
+        truth = read(name)
+        profile = contact.Fourier(1.0, truth["cosine"], truth["sine"])
+        for peer in PEERS:
+            found = [(load, answered(name, load, _by_peer(peer.prepare, profile, load), grid)) for load in np.array(LOADS) * SLOPE]
+            off = [judged(answer) for _, answer in found if answer is not None]
+            worst = [f"{max(one[what] for one in off):.1e}" for what in NAMES[:3]]
+            rows.append((name, peer.name, f"{grid:,}", *worst, f"{len(off)} of {len(found)}"))
+    return rows
+
+
 def own() -> list[tuple[str, ...]]:
     """What this package says of each problem: zones and stated error, and what it takes at three tolerances."""
     rows = []
@@ -205,12 +238,14 @@ def own() -> list[tuple[str, ...]]:
     return rows
 
 
-def markdown(rows: list[tuple[str, ...]]) -> str:
+HEAD = ("problem", "code", "grid", "contact fraction", "mean gap", "peak")
+
+
+def markdown(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     """A table for docs/challenge.md."""
-    machine_told = ", ".join(" ".join(row) for row in machine.table(("tamaas", "ContactMechanics")).rows)
-    head = ("problem", "code", "grid", "contact fraction", "mean gap", "peak", "p(x), largest", "p(x), mean", "processor time [s]")
-    lines = [head, ("---",) * len(head), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines) + f"\n\nMeasured with {machine_told}.\n"
+    told = ", ".join(" ".join(row) for row in machine.table(("tamaas", "ContactMechanics")).rows)
+    lines = "\n".join(f"| {' | '.join(line)} |" for line in (head, ("---",) * len(head), *rows))
+    return f"{lines}\n\nMeasured with {told}.\n"
 
 
 def main(arguments: list[str]) -> None:
@@ -220,14 +255,19 @@ def main(arguments: list[str]) -> None:
             text = json.dumps(made(problem), indent=None, separators=(",", ":"))
             (FOLDER / f"{problem.name}.json").write_text(text + "\n", encoding="utf-8")
             print(f"written: {FOLDER / problem.name}.json")
+        save(drawn(), FOLDER.parent / "images" / "challenge.png")
     elif arguments[:1] == ["judge"] and len(arguments) == 2:
         for what, off in judged(json.loads(Path(arguments[1]).read_text(encoding="utf-8"))).items():
             print(f"{what:20} {off:.2e}")
     elif arguments[:1] == ["peers"]:
-        table = markdown(own() + peers())
-        if arguments[1:2] == ["--out"]:
-            Path(arguments[2]).write_text(table, encoding="utf-8")
-        print(table)
+        tables = {
+            "challenge": markdown((*HEAD, "p(x), largest", "p(x), mean", "processor time [s]"), own() + peers()),
+            "challenge-curves": markdown((*HEAD, "loads solved"), along()),
+        }
+        for name, table in tables.items():
+            print(table)
+            if arguments[1:2] == ["--out"]:
+                (Path(arguments[2]) / f"{name}.md").write_text(table, encoding="utf-8")
     else:
         sys.exit(__doc__)
 

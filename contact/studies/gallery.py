@@ -132,16 +132,18 @@ def of_engine(found: list[sie.Solution]) -> Any:
     return figure
 
 
+def save(figure: Any, file: Path, dpi: int = 110) -> None:
+    """A figure as PNG of few colours, which takes a third of the room."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=dpi)
+    require("PIL.Image").open(stream).convert("RGB").quantize(128, method=2, dither=0).save(file, optimize=True)
+
+
 def keep(name: str, file: Path, folder: Path = KEPT) -> None:
     """Run one example, and write its picture and its print."""
     contacts, equations, printed = run(file)
-    figure = of_contact(contacts) if contacts else of_engine(equations)
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=110)
-    # Few colours: a third of the size.
-    picture = require("PIL.Image").open(stream).convert("RGB").quantize(128, method=2, dither=0)
     folder.mkdir(parents=True, exist_ok=True)
-    picture.save(folder / f"{name}.png", optimize=True)
+    save(of_contact(contacts) if contacts else of_engine(equations), folder / f"{name}.png")
     (folder / f"{name}.txt").write_text(printed, encoding="utf-8")
 
 

@@ -200,6 +200,13 @@ class AdhesivePath(Path):
         zones = np.array([[x[0], x[-1]]]) if closed else _images(last.zones, last.scene.period)
         return f"at load {quantity(last.load, 'N/m')}", x, surface, surface + last.gap(x), zones
 
+    def to_dict(self) -> dict[str, Any]:
+        """Of a path, and its control, what was lost and the work of the load."""
+        units = {"lost": "J/m", "dissipated": "J/m", "work": "J/m", "load_after": "N/m", "approach_after": "m"}
+        told = super().to_dict()
+        told["units"] |= units
+        return told | {"control": self.control, "values": self.values.tolist(), "dissipated": self.dissipated, "work": self.work}
+
     @cached_property
     def _ends(self) -> tuple[Energy, Energy] | None:
         first, last = self.solutions[0].energy, self.solutions[-1].energy

@@ -133,8 +133,8 @@ def _apart(attempts: list[Attempt]) -> Table:
         columns.append((name.replace("_", "\n"), [_percent(difference(a, exact, name), "+.3g") for a in attempts]))
     columns.append(("zone\nends", [_percent(ends_apart(a, exact)) for a in attempts]))
     columns.append(("pressure", [_percent(pressure_apart(a, exact)) for a in attempts]))
-    unit, seconds = column([a.seconds for a in attempts], "s", 3)
-    return _table("from the exact one, in %, and time", attempts, (*columns, (f"time\n[{unit}]", seconds)))
+    columns.append(("time\n[ms]", [f"{1e3 * a.seconds:.1f}" for a in attempts]))
+    return _table("from the exact one, in %, and time", attempts, columns)
 
 
 def _ends(attempts: list[Attempt]) -> Iterator[Table]:

@@ -1,26 +1,25 @@
-"""A load path as data: a row for each load, and the events since the one before; plain types, JSON and CSV, in SI units."""
+"""A load path as data: a row for each load, and the events since the one before; plain types and CSV, in SI units."""
 
 from __future__ import annotations
 
 import csv
+import dataclasses
 import io
-import json
 from collections.abc import Sequence
-from os import PathLike
-from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from numpy.typing import NDArray
 
-from contact.errors import SceneError
 from contact.extras import version
 from contact.solution.answer import Answer
-from contact.solution.export import describe, new_file, plain
+from contact.solution.export import describe, plain
 from contact.sweeps.points import NUMBERS, numbers
 
 
 class Change(Protocol):
-    """An event of a path."""
+    """An event of a path, a dataclass."""
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
 
     @property
     def kind(self) -> str: ...
@@ -46,11 +45,7 @@ def columns(solutions: Sequence[Answer]) -> dict[str, list[float]]:
 def to_dict(solutions: Sequence[Answer], passed: Passed) -> dict[str, Any]:
     """Columns, events, scene and units; None for what is not defined, or infinite."""
     scene = solutions[0].scene
-    events = [
-        {"kind": e.kind, "load": e.load, "position": e.position, "zones_before": len(e.before), "zones_after": len(e.after), "point": point}
-        for point, since in enumerate(passed)
-        for e in since
-    ]
+    events = [{**_event(e), "point": point} for point, since in enumerate(passed) for e in since]
     told = plain({
         "points": columns(solutions),
         "events": events,
@@ -64,9 +59,11 @@ def to_dict(solutions: Sequence[Answer], passed: Passed) -> dict[str, Any]:
     return told
 
 
-def to_json(solutions: Sequence[Answer], passed: Passed) -> str:
-    """The same as one JSON object, one line."""
-    return json.dumps(to_dict(solutions, passed), allow_nan=False)
+def _event(event: Change) -> dict[str, Any]:
+    """All that an event says, of its zones how many they are."""
+    said = {field.name: getattr(event, field.name) for field in dataclasses.fields(event) if field.repr}
+    zones = {f"zones_{when}": len(said.pop(when)) for when in ("before", "after")}
+    return {**said, **zones}
 
 
 def to_csv(solutions: Sequence[Answer], passed: Passed) -> str:
@@ -78,12 +75,3 @@ def to_csv(solutions: Sequence[Answer], passed: Passed) -> str:
         told = "; ".join(f"{e.kind} {float(e.load)!r} {float(e.position)!r}" for e in since)
         writer.writerow([*(repr(value) for value in numbers(solution).values()), told])
     return text.getvalue()
-
-
-def write(solutions: Sequence[Answer], passed: Passed, path: str | PathLike[str], overwrite: bool = False) -> None:
-    """Write CSV or JSON, as the name ends."""
-    ending = Path(path).suffix.lower() if isinstance(path, (str, PathLike)) else ""
-    if ending not in (".csv", ".json"):
-        raise SceneError.of("path", path, "the name of a file that ends in .csv or .json")
-    text = to_csv(solutions, passed) if ending == ".csv" else to_json(solutions, passed) + "\n"
-    new_file(path, overwrite).write_text(text, encoding="utf-8")

@@ -15,6 +15,8 @@ not a half-plane, on which alone contact is known to grow with the load.
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -24,13 +26,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import NotConverged, unwarned, warn
+from contact.errors import NotConverged, SceneError, unwarned, warn
 from contact.formulation.maxima import maximum
 from contact.formulation.roots import bracketed
 from contact.model.scene import Scene
 from contact.search.topology.formulations import formulation_of
 from contact.search.topology.loop import Progress
 from contact.search.topology.missed import WrongTopology
+from contact.solution.export import new_file
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solved_along
@@ -160,7 +163,12 @@ class Path:
         SceneError
             If the name ends otherwise, or the file is there and `overwrite` is not given.
         """
-        path_table.write(self.solutions, self.passed, path, overwrite)
+        ending = os.path.splitext(path)[1].lower() if isinstance(path, (str, PathLike)) else ""
+        if ending not in (".csv", ".json"):
+            raise SceneError.of("path", path, "the name of a file that ends in .csv or .json")
+        csv = ending == ".csv"
+        text = path_table.to_csv(self.solutions, self.passed) if csv else json.dumps(self.to_dict(), allow_nan=False) + "\n"
+        new_file(path, overwrite).write_text(text, encoding="utf-8")
 
 
 def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:

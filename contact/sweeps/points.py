@@ -16,7 +16,7 @@ NUMBERS = {
     "total_width": ("m", "width in contact"),
     "stiffness": ("N/m^2", "d load / d approach"),
     "mean_gap": ("m", "mean of the gap over the period"),
-    "zone_count": ("1", "number of contact zones, 0 in full contact"),
+    "zone_count": ("1", "number of contact zones, 0 in full contact and apart"),
     "error": ("1", "stated bound of the relative error"),
 }
 
@@ -39,7 +39,7 @@ def numbers(solution: Answer) -> dict[str, float]:
 
 
 def total_width(solution: Answer) -> float:
-    """Length in contact: of all zones, or the period at full contact."""
-    if len(solution.zones) == 0 and solution.scene.period is not None:
-        return solution.scene.period
+    """Length in contact: of all zones, or the period at full contact; 0 of surfaces apart."""
+    if len(solution.zones) == 0:
+        return (solution.contact_fraction or 0.0) * (solution.scene.period or 0.0)
     return float(solution.zone_widths.sum())

@@ -173,7 +173,10 @@ def _values(forcing: Forcing, zones: Zones, jumps: ForcingJumps, group: Index, n
         x = end + away
         values = np.array(forcing.value(x.ravel()), dtype=float).reshape(x.shape)
     given = np.abs(values).max(axis=1)
-    for place, zone in enumerate(group):
-        if jumps.adds_to(int(zone)):
-            values[place] += jumps.smooth_part(int(zone), left)
+    few = jumps.few.holds(group)
+    if few.any():
+        values[few] += jumps.few.smooth_part(np.repeat(group[few], len(left)), np.tile(left, int(few.sum()))).reshape(-1, len(left))
+    for place in np.flatnonzero(~few):
+        if jumps.adds_to(int(group[place])):
+            values[place] += jumps.smooth_part(int(group[place]), left)
     return values, given

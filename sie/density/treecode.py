@@ -127,17 +127,28 @@ class Treecode:
         elif len(near):
             value[near] = density.own_transform(zone[near], left[near], right[near])
         jumps = density.jumps
+        few = jumps.few.holds(zone)
+        some = np.flatnonzero(few)
+        if len(some) and potential:
+            sharp = jumps.few.potential(zone[some], left[some], right[some], rho[some])
+            value[some] += w[some] * (sharp + density.sharp_totals[zone[some]] * np.log(w[some] / density.kernel.datum))
+        elif len(some):
+            here, off = some[on[some]], some[~on[some]]
+            value[here] -= jumps.few.smooth_part(zone[here], left[here])
+            value[off] += jumps.few.transform(zone[off], 0.5 * (left[off] - right[off]), rho[off])
         jumping = set(jumps.sharp) if potential else set(jumps.by_zone)
-        for i, places in of_zones(zone) if jumping else ():
+        rest = np.flatnonzero(~few)
+        for i, there in of_zones(zone[rest]) if jumping else ():
             if i not in jumping:
                 continue
+            places = rest[there]
             if potential:
                 sharp = jumps.sharp_potential(i, left[places], right[places], rho[places])
                 value[places] += w[places] * (sharp + density.sharp_totals[i] * np.log(w[places] / density.kernel.datum))
             else:
-                here, z = on[places], 0.5 * (left[places] - right[places])
-                value[places[here]] += jumps.own_transform(i, left[places[here]])
-                value[places[~here]] += jumps.transform(i, z[~here], rho[places[~here]])
+                inside, z = on[places], 0.5 * (left[places] - right[places])
+                value[places[inside]] += jumps.own_transform(i, left[places[inside]])
+                value[places[~inside]] += jumps.transform(i, z[~inside], rho[places[~inside]])
         return value
 
     def _beyond(self, x: Array, potential: bool) -> Array:

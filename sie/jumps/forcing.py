@@ -39,6 +39,7 @@ from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms
 from sie.jumps.local_spline import MANY
+from sie.jumps.pairs import FewJumps
 from sie.jumps.spline import Spline
 from sie.jumps.zone_spline import ZoneSpline
 
@@ -208,6 +209,12 @@ class ForcingJumps(Kept):
         if zone in self.splines:
             out -= self.splines[zone].own_transform(left)
         return out
+
+    @cached_property
+    def few(self) -> FewJumps:
+        """The jumps of all zones with few of them, and no spline."""
+        parts = self.left, self.phi, self.psi, self.sine, self.height / np.pi
+        return FewJumps.of(self.zone, np.array(list(self.splines), dtype=np.intp), parts, self.order, self._coefficients)
 
     def level_part(self, zone: int, left: Array) -> Array:
         """The same of the jumps of g itself alone: they have no slope."""

@@ -152,6 +152,40 @@ class TestSolve:
         assert given["tol"] == 1e-6 and callable(given["progress"])
 
 
+TRACE = """
+profile = {shape = "sampled", file = "trace.csv", units = "um", period = true}
+material = {E_star = 1e11}
+interaction = {model = "periodic"}
+control = {mean_pressure = 1e7}
+"""
+
+
+@pytest.mark.parametrize(
+    "command",
+    [["solve"], ["plan", "--solve"], ["compare"], ["path", "--loads", "1e2,1.1e2"], ["sweep", "--vary", "control.load=1e2,1.1e2", "--out"]],
+    ids=lambda command: command[0],
+)
+def test_every_solve_of_a_trace_says_what_it_read(command, tmp_path):
+    pytest.importorskip("h5netcdf")
+    x = np.linspace(0.0, 100.0, 41)
+    np.savetxt(tmp_path / "trace.csv", np.column_stack((x, np.cos(2 * np.pi * x / 100))), delimiter=",")
+    (tmp_path / "trace.toml").write_text(TRACE)
+    name, *options = [*command, str(tmp_path / "out.nc")] if command[-1] == "--out" else command
+    result = run(name, tmp_path / "trace.toml", *options)
+    assert result.exit_code == 0, result.output
+    assert "41 points of trace.csv" in result.stdout and "rms slope" in result.stdout
+
+
+def test_the_shell_completes_commands_and_options(monkeypatch, capsys):
+    for words, place, expected in (("contact so", 1, {"solve"}), ("contact path --b", 2, {"--back"})):
+        monkeypatch.setenv("_CONTACT_COMPLETE", "bash_complete")
+        monkeypatch.setenv("COMP_WORDS", words)
+        monkeypatch.setenv("COMP_CWORD", str(place))
+        with pytest.raises(SystemExit):
+            cli.main.main(prog_name="contact")
+        assert {line.partition(",")[2] for line in capsys.readouterr().out.split()} == expected
+
+
 class TestFailures:
     def test_a_missing_file_is_named(self, tmp_path):
         assert "none.toml" in stopped(2, "solve", tmp_path / "none.toml")

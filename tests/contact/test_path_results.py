@@ -25,6 +25,7 @@ control = {load = 1.0}
 '''
 PAIR_TEXT = TEXT % ('shape = "biquadratic", radius = 1.0, spacing = 0.1', "isolated")
 WAVE_TEXT = TEXT % ('shape = "sinusoid", amplitude = 0.01, period = 1.0', "periodic")
+STICKY_TEXT = WAVE_TEXT + 'law = {model = "jkr", work = 1e-5}\n'
 # Nothing is between them, or too little, or what is no number.
 NO_LOADS = ["1:2", "1:2:x", "1:2:1", "a:2:3", "1:2:3:lin", "0:2:3:log", "1:1:3", "1:2:3:log:4", "", ",", "nan", "1:inf:3", "0", "1:2:1e9"]
 
@@ -140,3 +141,28 @@ def test_quietly_it_writes_its_files_and_prints_nothing(tmp_path):
     done = run(WAVE_TEXT, "--loads", "1e-2,2e-2", "-q", "--csv", tmp_path / "out.csv", "--plot", tmp_path / "out.png")
     assert (done.exit_code, done.output) == (0, "")
     assert (tmp_path / "out.csv").read_text().count("\n") == 3 and (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_loop_of_surfaces_that_adhere_says_what_it_loses_and_draws_its_jumps(tmp_path):
+    pytest.importorskip("matplotlib")
+    arguments = ["--loads=-1.5e-3,1e-3", "--back"]
+    read = json.loads(run(STICKY_TEXT, *arguments, "--json", "--plot", tmp_path / "loop.png").stdout)
+    assert [e["kind"] for e in read["events"]] == ["jump-in", "pull-off"]
+    assert read["dissipated"] == pytest.approx(sum(e["lost"] for e in read["events"])) and read["work"] == pytest.approx(read["dissipated"])
+    assert read["points"]["zone_count"][0] == read["points"]["zone_count"][-1] == read["points"]["total_width"][0] == 0
+    told = run(STICKY_TEXT, *arguments).stdout
+    assert "apart to 1" in told and "1 to apart" in told and "lost in all" in told
+
+
+def test_mean_pressures_and_approaches_stand_in_place_of_loads_and_exactly_one_of_them():
+    by_pressure = json.loads(run(WAVE_TEXT, "--pressures", "1e-2,1.1e-2", "--json").stdout)
+    assert by_pressure["points"]["mean_pressure"] == pytest.approx([1e-2, 1.1e-2])
+    by_approach = json.loads(run(STICKY_TEXT, "--approaches", "1e-3,2e-3", "--json").stdout)
+    assert by_approach["points"]["approach"] == pytest.approx([1e-3, 2e-3]) and by_approach["control"] == "approach"
+    for text, arguments, told in (
+        (WAVE_TEXT, [], "--loads"), (WAVE_TEXT, ["--loads", "1,2", "--pressures", "1,2"], "--loads and --pressures"),
+        (WAVE_TEXT, ["--approaches", "1e-3,2e-3"], "approach"), (STICKY_TEXT, ["--loads", "1e-3,2e-3", "--no-events"], "--no-events"),
+        (STICKY_TEXT, ["--loads", "1e-3,2e-3", "--stiffness", "1"], "stiffness"),
+    ):  # fmt: skip
+        refused = run(text, *arguments)
+        assert refused.exit_code == 2 and told in refused.stderr and refused.stderr.count("\n") == 1

@@ -101,7 +101,7 @@ class ByPressure:
 
     def is_slight(self, found: Solved) -> bool:
         """A dip of the pressure, or a gap between zones."""
-        zones, reach = found.free.density.zones, off(found.free)
+        zones, reach = found.free.density.zones, off(found.free, found.fields.state)
         narrow = zones.a[1:] - zones.b[:-1] <= reach[1:, 0] + reach[:-1, 1]
         return found.certificate.dip <= 10 * found.tolerance or bool(np.any(narrow))
 

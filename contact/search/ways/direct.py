@@ -31,7 +31,7 @@ from contact.verify.certificate import Certificate
 Array = NDArray[np.float64]
 
 # Of the period in contact, beyond which the gaps are the better unknowns.
-_WIDEST = 0.9
+_WIDEST = 0.95
 # Kinks nearer to the origin than this part of a cell are at the tip.
 _AT_TIP = 1e-15
 # What rounding may do to a gap, over the height of the profile at the end of a zone.
@@ -201,7 +201,7 @@ def _plan(scene: Scene, ends: Ends, took: float) -> Plan:
     zones = 1 + ends.sheet.map.pair
     nodes = int(ends.nodes[0])
     told.counts.update(
-        zones=zones, own_modes=max(zones, len(ends.orders)), coupled_unknowns=1, kernel_evaluations=0,
+        zones=zones, own_modes=zones * nodes, coupled_unknowns=1, kernel_evaluations=0,
         profile_evaluations=nodes * int(ends.steps[0] + 1), solves=1,
     )
     told.seconds = took

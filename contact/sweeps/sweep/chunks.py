@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import ceil, nan
 from typing import Any
@@ -72,18 +73,33 @@ def solve_chunk(scene: Scene, chunk: Chunk, tol: float) -> Rows:
 
 def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
     """The same, one after another."""
-    curve: Curve | None = None
+    curve = _curve(scene, chunk, tol)
     for place, setting in zip(chunk.places, chunk.settings, strict=True):
         try:
             with unwarned():
                 here = varied(scene, setting)
-                if chunk.control and curve is None:
-                    curve = Curve(here, chunk.control, tol)
                 row = _row(solve(here, tol) if curve is None else curve.at(here.control[1]))
         except Exception as error:
             # Errors of the package, and those of a user's own profile: the other points are none the worse for it.
             row = failure(f"{type(error).__name__}: {' '.join(str(error).split())}")
         yield place, row
+
+
+def _curve(scene: Scene, chunk: Chunk, tol: float) -> Curve | None:
+    """The curve that the points are on, with what can be solved of them at once; None without a control, or without any scene."""
+    if not chunk.control:
+        return None
+    known: list[Scene] = []
+    for setting in chunk.settings:
+        # What is wrong with a point is told where that one is solved.
+        with suppress(Exception):
+            known.append(varied(scene, setting))
+    if not known:
+        return None
+    curve = Curve(known[0], chunk.control, tol)
+    with suppress(Exception), unwarned():
+        curve.look_at(np.array([here.control[1] for here in known]))
+    return curve
 
 
 def failure(reason: str) -> Row:

@@ -28,7 +28,7 @@ class Cluster:
             raise SceneError.of("scheduler", scheduler, "None, the address of a Dask scheduler, or a dask.distributed.Client")
         try:
             self._client = self._distributed.Client(scheduler, timeout=_PATIENCE, set_as_default=False) if self._own else scheduler
-        except (OSError, ValueError, TypeError) as error:
+        except Exception as error:  # whatever a connection fails of
             why = " ".join(str(error).split()) or type(error).__name__
             allowed = f"the address of a Dask scheduler that answers, such as tcp://host:8786 ({why})"
             raise SceneError.of("scheduler", scheduler, allowed) from error
