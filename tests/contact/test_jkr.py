@@ -14,7 +14,7 @@ import contact
 from contact import exact, inverse
 from contact.formulation.equilibria import Point
 from contact.reference.inverse.stability import second_variation
-from contact.search.equilibria import flow
+from contact.search.equilibria import arc, flow
 from tests.contact.strategies import adhesive_designs
 from tests.tiers import quick
 
@@ -277,3 +277,12 @@ def test_an_end_that_is_at_rest_does_not_hold_up_one_that_runs():
     rest = flow.receded(curve, curve.start, 0.0)
     assert rest.table[1, 0] - 1.0 == pytest.approx((0.5 + np.sqrt(0.25 + 0.64)) / 16, rel=1e-6)
     assert np.abs(rest.residual).max() < 1e-4 and rest.growth < 0.0
+
+
+def test_past_a_turning_point_ends_are_pushed_no_farther_than_the_narrow_gap_between_them_holds():
+    table = np.array([[-1.0, -1e-3], [1e-3, 1.0]])
+    turned = Point(table, 0.0, np.zeros(4), 0.25 * np.ones((4, 4)) - np.eye(4), np.ones(4), 0.0, 0.0)
+    wider, narrower = arc.beyond(Stiff(), turned, 1.0), arc.beyond(Stiff(), turned, -1.0)
+    assert np.all(np.diff(wider.ravel()) > 0.0)
+    assert np.all(wider[:, 0] < table[:, 0]) and np.all(wider[:, 1] > table[:, 1])
+    assert np.all(narrower[:, 0] > table[:, 0]) and np.all(narrower[:, 1] < table[:, 1])
