@@ -50,13 +50,20 @@ class Lost(Exception):
 
 @dataclass(frozen=True, eq=False)
 class CohesivePoint(Point):
-    """table: the intervals I; zones: the contact within them (n, 2); fields: of q; by_ends: motions of the zones' ends (2n,) by those of I,
-    and by the value of the control, the last column; look: sampled places without contact, ascending, and the gap there."""
+    """table: the intervals I; zones: the contact within them (n, 2); fields: of q; by_ends, level_rates: motions of the zones' ends (2n,),
+    and of the level, by those of I and by the value of the control, the last column; look: sampled places without contact, ascending, and the gap there."""
 
     zones: Array
     fields: ZoneFields
     by_ends: Array
+    level_rates: Array
     look: tuple[Array, Array]
+
+    @property
+    def rate(self) -> float:
+        """d load/d approach on the curve of equilibria, of a state under a held load."""
+        ends = np.linalg.solve(-self.rates, self.by_value)
+        return float(-1.0 / (self.level_rates[-1] + self.level_rates[:-1] @ ends))
 
     @property
     def contact(self) -> Array:
@@ -113,7 +120,7 @@ class Cohesive(Equilibria):
             found = _corrected(fields, look)
             if found is None:
                 return fields, look
-            zones = _fitted(found, pulled.pulling.table, self.problem.period, pulled.pulling.everywhere)
+            zones = fitted(found, pulled.pulling.table, self.problem.period, pulled.pulling.everywhere)
             if len(zones) == 0:
                 raise Lost
         raise NotConverged("the zones under a given tension did not settle")
@@ -230,10 +237,16 @@ class Cohesive(Equilibria):
             moved = 2 * answers.intensities / np.array(density.edge_slopes)[:, :, None]
         return CohesivePoint(
             table, value, 1 - gap / self.reach, -(matrix + between) / self.reach, -change[:, -1] / self.reach,
-            density.total - tension.total, float(fields.level), density.zones.table, fields, moved.reshape(-1, 2 * count + 1), look,
+            density.total - tension.total, float(fields.level), density.zones.table, fields, moved.reshape(-1, 2 * count + 1), level, look,
         )
 
     # growing and shrinking --------------------------------------------------------------------------------------------
+    def receded(self, table: Array, value: float) -> Point | None:
+        try:
+            return self._flowed(table, value, -1.0)
+        except Lost:
+            return None
+
     def _flowed(self, table: Array, value: float, sign: float) -> CohesivePoint | None:
         here = self.at(table, value)
         for _ in range(equilibria._MOST_STEPS):
@@ -241,19 +254,9 @@ class Cohesive(Equilibria):
             if new is not None:
                 if len(new) == 0:
                     return None
-                try:
-                    here = self.at(new, value)
-                except Lost:
-                    if sign > 0:
-                        raise
-                    return None
+                here = self.at(new, value)
                 continue
-            try:
-                ahead, move = self._step(here, sign)
-            except Lost:
-                if sign > 0:
-                    raise
-                return None
+            ahead, move = self._step(here, sign)
             assert isinstance(ahead, CohesivePoint)
             here = ahead
             if move <= equilibria._REST and np.abs(here.residual).max() <= equilibria._DRIVEN:
@@ -364,7 +367,7 @@ def _interval_of(zones: Array, table: Array) -> NDArray[np.intp]:
     return np.maximum(np.searchsorted(table[:, 0], zones.mean(axis=1), side="right") - 1, 0)
 
 
-def _fitted(zones: Array, table: Array, period: float | None, everywhere: bool = False) -> Array:
+def fitted(zones: Array, table: Array, period: float | None, everywhere: bool = False) -> Array:
     """Zones moved by periods into intervals, and cut to lie within."""
     if everywhere or len(table) == 0:
         return zones[np.argsort(zones[:, 0])]
@@ -385,11 +388,36 @@ def _fitted(zones: Array, table: Array, period: float | None, everywhere: bool =
     return np.asarray(found[np.argsort(found[:, 0])])
 
 
+def below(zones: Array, look: tuple[Array, Array], reach: float, period: float | None, wide: bool = False) -> Array:
+    """Intervals about zones in which the gap is below the reach, by its samples beside these, and up to half of the way to where it is told
+    to be equal; wide: beyond that. Closed where it is so everywhere."""
+    ends = zones.ravel() if period is None else np.append(zones.ravel(), zones[0] + period)
+    x, gap = np.concatenate((look[0], ends)), np.concatenate((look[1], np.zeros(len(ends))))
+    order = np.lexsort((gap, x))
+    x, gap = x[order], gap[order]
+    runs = _runs(gap < reach)
+    if period is not None and len(runs) == 1 and runs[0] == (0, len(x) - 1):
+        raise Closed
+    if period is None and (runs[0][0] == 0 or runs[-1][1] == len(x) - 1):
+        raise OutOfRange("the tension reaches the border of the part of the profile that is known")
+
+    def crossing(inner: int, outer: int) -> float:
+        way = (reach - gap[inner]) / (gap[outer] - gap[inner]) if np.isfinite(gap[outer]) else 0.0
+        way = 0.5 * (1 + way) if wide else 0.5 * way
+        return float(x[inner] + (x[outer] - x[inner]) * way)
+
+    out = [[crossing(s, s - 1) if s else np.nan, crossing(e, e + 1) if e < len(x) - 1 else np.nan] for s, e in runs]
+    if np.isnan(out[0][0]):
+        assert period is not None
+        out[0][0] = out.pop()[0] - period
+    return np.array(out)
+
+
 def _followed(before: CohesivePoint, table: Array, value: float, period: float | None) -> Array:
     """Where the zones of a state are about to be after its intervals and the value have moved."""
     zones = before.zones
     if len(before.table) != len(table):
-        return _fitted(zones, table, period)
+        return fitted(zones, table, period)
     outward = np.concatenate((before.table[:, 0] - table[:, 0], table[:, 1] - before.table[:, 1]))
     move = before.by_ends @ np.append(outward, value - before.value)
     count = len(zones)
@@ -405,7 +433,7 @@ def _followed(before: CohesivePoint, table: Array, value: float, period: float |
     middle, share = 0.5 * (zones[1:, 0] + zones[:-1, 1]), 1e-3 * (zones[1:, 0] - zones[:-1, 1])
     new[1:, 0], new[:-1, 1] = np.maximum(new[1:, 0], middle + share), np.minimum(new[:-1, 1], middle - share)
     if np.any(new[:, 1] <= new[:, 0]) or np.any(new[1:, 0] <= new[:-1, 1]):
-        return _fitted(zones, table, period)
+        return fitted(zones, table, period)
     return np.asarray(new)
 
 

@@ -61,6 +61,11 @@ class Point:
     level: float
 
     @property
+    def contact(self) -> Array:
+        """The zones of contact."""
+        return self.table
+
+    @property
     def widths(self) -> Array:
         """Of the zone of each end (2n,)."""
         return np.tile(np.diff(self.table, axis=1)[:, 0], 2)

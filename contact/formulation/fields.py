@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import sie
-from contact.formulation.controls import Load
+from contact.formulation.controls import Control, Load
+from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
 
@@ -37,6 +38,8 @@ class Fields(Protocol):
     def displacement(self, x: ArrayLike) -> Array: ...
     @property
     def starts(self) -> Array: ...
+    @property
+    def cohesive(self) -> Array: ...
     @property
     def load(self) -> float: ...
     @property
@@ -172,6 +175,11 @@ class ZoneFields(sie.Kept):
             matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / float(state.level_rates(values).mean())
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
         return np.asarray(root[:, None] * matrix * root / wanted)
+
+    def equilibria(self, kind: type[Control]) -> tuple[Equilibria, Point]:
+        """The curve of equilibria that the solution lies on, where the law has several, and its place there."""
+        curve = Equilibria(self.problem, kind)
+        return curve, curve.at(self.density.zones.table, self.density.total if kind is Load else -self.level)
 
     @cached_property
     def mean_gap(self) -> float:
@@ -360,6 +368,11 @@ class ZoneFields(sie.Kept):
             middle = 0.5 * float(zones.a[0] + zones.b[-1])
             scaled = scaled - np.floor((scaled - middle) / problem.period + 0.5) * problem.period
         return np.asarray(scaled)
+
+    @property
+    def cohesive(self) -> Array:
+        """None: nothing acts beside the contact."""
+        return np.zeros((0, 2))
 
     @property
     def starts(self) -> Array:

@@ -18,6 +18,7 @@ from contact.search.task import Task
 from contact.search.topology.missed import Missed
 from contact.search.ways.along import NOT_ALONG, from_last
 from contact.search.ways.branches import followed
+from contact.search.ways.cohesive import followed_under_tension
 from contact.search.ways.full_contact import smallest_full
 from contact.search.ways.guesses import Outcome, search
 from contact.search.ways.loads import NEAR_LOAD, at_approach, at_level
@@ -34,7 +35,7 @@ def found(task: Task) -> Outcome:
         refuse_below_plateau(scene)
     refuse_unbounded(scene)
     if scene.law.bare is not None and scene.half_width is None:
-        return followed(task)
+        return (followed_under_tension if scene.law.tension else followed)(task)
     if scene.turned and scene.moment is not None and scene.approach is not None:
         return _by_loads(task)
     carried = from_last(task)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError
 from contact.formulation.controls import scaled_control
-from contact.formulation.equilibria import Equilibria, Point, kind_of
-from contact.formulation.problem import Problem
+from contact.formulation.equilibria import kind_of
+from contact.formulation.fields import ZoneFields
 from contact.model.scene import Scene
 
 Array = NDArray[np.float64]
@@ -26,18 +26,14 @@ class PullOff:
     zones: Array = field(repr=False)
 
 
-def pull_off(scene: Scene, problem: Problem, table: Array, load: float, level: float) -> PullOff:
-    """From scaled zones of an equilibrium and its scaled load and level."""
+def pull_off(scene: Scene, fields: ZoneFields) -> PullOff:
+    """From the fields of an equilibrium."""
     if scene.law.bare is None or scene.half_width is not None:
         what = f"the law {scene.law.name}" if scene.law.bare is None else "a given half width"
         raise SceneError(f"there is no pull-off under {what}: it is that of adhesion under a load or an approach", "pull_off")
-    kind = kind_of(scaled_control(scene, problem.units))
-    curve = Equilibria(problem, kind)
-    value = load if kind.name == "load" else -level
-    return told(problem, curve.pull_off(curve.at(table, value)))
-
-
-def told(problem: Problem, last: Point) -> PullOff:
+    problem = fields.problem
+    curve, here = fields.equilibria(kind_of(scaled_control(scene, problem.units)))
+    last = curve.pull_off(here)
     units = problem.units
     approach = -last.level * units.height if problem.operator.has_approach else None
-    return PullOff(float(last.load * units.load), None if approach is None else float(approach), np.asarray(units.x(last.table)))
+    return PullOff(float(last.load * units.load), None if approach is None else float(approach), np.asarray(units.x(last.contact)))

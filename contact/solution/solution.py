@@ -152,8 +152,17 @@ class Solution(sie.Kept):
         for full contact, which does not open. Parts of it may come apart before: it is where the last do."""
         if not isinstance(self.fields, ZoneFields):
             return None
-        fields = self.fields
-        return pull_off(self.scene, fields.problem, fields.density.zones.table, fields.density.total, fields.level)
+        return pull_off(self.scene, self.fields)
+
+    @property
+    def cohesive(self) -> Array:
+        """Intervals [m], (m, 2), in which the gap is below the reach of the law's tension, contact within them included: all of it is
+        pulled, and the pressure beside the contact is minus that tension. (0, 2) under laws that do nothing beside the contact."""
+        table, period = self.fields.cohesive, self.scene.period
+        if period is None or len(table) == 0:
+            return table
+        table = table - np.floor((table[:, :1] - self.scene.profile.x0) / period) * period
+        return np.asarray(table[np.argsort(table[:, 0])])
 
     @property
     def tilt(self) -> float | None:

@@ -50,7 +50,7 @@ def followed(task: Task) -> Outcome:
     scene = task.scene
     if task.branch == "receding" and scene.period is not None:
         return _full(task)
-    scaled = _frame(task)
+    scaled = frame(task, abs(scene.law.intensity(scene.E_star)))
     problem, control = scaled.problem, scaled.control
     curve = Equilibria(problem, kind_of(control))
     try:
@@ -66,14 +66,14 @@ def followed(task: Task) -> Outcome:
         return _full(task)
     if rest is None:
         assert start is not None
-        raise OutOfRange(_past(curve, curve.pull_off(start), task))
+        raise OutOfRange(past(curve, curve.pull_off(start), task))
     found = task.refine_topology(problem, control, rest.table, near=True)
     if isinstance(found, Missed):
         raise task.error(found, problem)
     return found
 
 
-def _past(curve: Equilibria, last: Point, task: Task) -> str:
+def past(curve: Equilibria, last: Point, task: Task) -> str:
     units, (name, value) = curve.problem.units, task.scene.control
     told = f"load {last.load * units.load:.10g} N/m"
     if task.scene.mean_pressure is not None and task.scene.period is not None:
@@ -96,29 +96,30 @@ def _full(task: Task) -> Full:
 
 
 # frames ---------------------------------------------------------------------------------------------------------------
-def _frame(task: Task) -> ScaledScene:
-    """The scaled problem: of a lone body about the contact that it has under no load, or more."""
+def frame(task: Task, intensity: float) -> ScaledScene:
+    """The scaled problem: of a lone body about the contact that it has under no load, or more. intensity: with which its adhesion would
+    act at the ends of zones."""
     scene = task.scene
     if scene.profile.period is not None:
         return scaled_scene(scene, task.single)
-    zones = _typical(task).zones
+    zones = _typical(task, intensity).zones
     return scaled_scene_about(scene, 0.0, zones)
 
 
-def _typical(task: Task) -> Solution:
+def _typical(task: Task, intensity: float) -> Solution:
     """A contact under the bare law about as wide as the adhesive one under no load, or under its load: the tension of adhesion,
     sqrt(pi E* w times the width in contact), is borne there by the profile."""
     scene = task.scene
-    strength = math.pi * scene.law.intensity(scene.E_star)
+    strength = math.pi * intensity
     size = scene.profile.resolution or _extent(task) or 1.0
-    load = max(abs(strength) * math.sqrt(size), scene.given_load or 0.0)
+    load = max(strength * math.sqrt(size), scene.given_load or 0.0)
     for _ in range(_SCALINGS):
         try:
-            found = _bare(task, load)
+            found = bare(task, load)
         except OutOfRange:
             load *= 1e-3
             continue
-        last, load = load, max(abs(strength) * math.sqrt(float(np.sum(found.zone_widths))), scene.given_load or 0.0)
+        last, load = load, max(strength * math.sqrt(float(np.sum(found.zone_widths))), scene.given_load or 0.0)
         if 0.5 < load / last < 2.0:
             break
     return found
@@ -129,12 +130,12 @@ def _extent(task: Task) -> float | None:
     return None if extent is None else 0.1 * (extent[1] - extent[0])
 
 
-def _bare(task: Task, load: float | None = None) -> Solution:
+def bare(task: Task, load: float | None = None) -> Solution:
     """The contact under the bare law, under the scene's control or a load."""
     scene = task.scene
-    assert scene.law.bare is not None
-    bare = scene.law.bare
-    alone = replace(scene, law=bare) if load is None else replace(scene, law=bare, mean_pressure=None, approach=None, load=load)
+    law = scene.law.bare
+    assert law is not None
+    alone = replace(scene, law=law) if load is None else replace(scene, law=law, mean_pressure=None, approach=None, load=load)
     with unwarned():
         try:
             return task.under(alone, _BARE, None, None)
@@ -160,10 +161,10 @@ def _advanced(task: Task, scaled: ScaledScene, curve: Equilibria, value: float) 
 
 def _pressed(task: Task, scaled: ScaledScene) -> Array:
     """The zones under the bare law, in which all ends are driven outward."""
-    bare = _bare(task)
-    if len(bare.zones) == 0:
+    found = bare(task)
+    if len(found.zones) == 0:
         raise Closed
-    return placed(scaled.problem, bare.zones)
+    return placed(scaled.problem, found.zones)
 
 
 def _touched(scaled: ScaledScene, curve: Equilibria) -> Array:
