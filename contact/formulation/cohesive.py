@@ -42,6 +42,8 @@ _NEW = 0.5
 # Points between two zones, or in a part of an interval, at the least, and at the most; how far from the zones of a lone body.
 _FEWEST, _MOST, _FAR = 24, 20000, 1e3
 _TRIES = 12
+# Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary faster.
+_SIGNS = 128
 
 
 class Lost(Exception):
@@ -135,10 +137,12 @@ class Cohesive(Equilibria):
             with np.errstate(divide="ignore", invalid="ignore"):
                 step = np.where(slope > 0, 2 * k / slope, np.copysign(np.inf, k))
             # Beside the end of an interval K goes with the root of the distance from there.
-            near = np.minimum(np.maximum(1 - step / (2 * np.where(shared, np.inf, room)), np.sqrt(_NEARER)), 4.0)
-            rooted = np.where(shared | ~np.isfinite(step), step, room * (1 - near**2))
+            alone = ~shared & np.isfinite(step) & (room > 0)
+            own = np.where(alone, room, 1.0)
+            near = np.clip(1 - np.where(alone, step, 0.0) / (2 * own), np.sqrt(_NEARER), 4.0)
+            rooted = np.where(alone, own * (1 - near**2), step)
             step = np.where(np.abs(step) < 0.1 * room, step, rooted)
-            least = np.minimum(width, np.where(shared, np.inf, room))
+            least = np.minimum(width, np.where(shared, np.inf, np.maximum(room, 1e-300)))
             if float(np.abs(step / least).max()) < 1e-11:
                 return state
             limit = np.minimum(_OUTWARD * width, np.where(shared, _INTO_GAP, 1 - _NEARER) * room)
@@ -441,7 +445,10 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
     """Zones with pulling parts cut out and new ones where the surfaces overlap; None where there are no such places."""
     density, (x, gap) = fields.density, look
     zones, out, changed = density.zones, [], False
-    for i, n in enumerate(density.sampling):
+    varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
+    # Beside the ends, where the tension bends it sharply, q does not change its sign.
+    counts = np.minimum(density.sampling, np.maximum(_SIGNS, 8 * zones.half / varies).astype(np.intp))
+    for i, n in enumerate(counts):
         theta = (np.arange(n) + 0.5) * np.pi / n
         left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
         q = density.at(np.full(n, i), left, right)[::-1] / np.sqrt(left * right)
@@ -489,3 +496,16 @@ def _joined_table(table: Array, joins: NDArray[np.bool_], new: list[tuple[float,
         table = np.concatenate((table, added))
         table = table[np.argsort(table[:, 0])]
     return np.asarray(table)
+
+
+def united_about(table: Array, zones: Array, period: float | None) -> Array:
+    """Intervals widened to hold these zones, which lie in them but for their ends."""
+    rows = np.concatenate((table, zones if period is None else zones - np.floor((zones[:, :1] - table[0, 0]) / period) * period))
+    if period is not None:
+        # One that begins just before the first interval is counted from there.
+        late = (rows[:, 1] >= table[0, 0] + period) & (rows[:, 0] > table[-1, 1])
+        rows[late] -= period
+    rows = rows[np.argsort(rows[:, 0])]
+    reach = np.maximum.accumulate(rows[:, 1])
+    first = np.flatnonzero(np.append(True, rows[1:, 0] > reach[:-1]))
+    return np.column_stack((rows[first, 0], reach[np.append(first[1:], len(rows)) - 1]))

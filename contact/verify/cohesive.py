@@ -5,13 +5,15 @@ p >= -s inside the zones is q = p + s >= 0, which that part's certificate looks 
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.pulled_fields import PulledFields
+from contact.verify.accuracy import Found
 from contact.verify.certificate import Certificate
 
 Array = NDArray[np.float64]
@@ -20,6 +22,21 @@ Array = NDArray[np.float64]
 _REACH = 1e-7
 # Beside the ends of the tension, over the width of its interval, gaps are not told apart from the reach.
 _BESIDE = 1e-9
+
+
+# Over what the ends of the tension are off by, what the pressure is off by at equal normalised position: zones and strips move together.
+_MOVED = 16.0
+
+
+@dataclass(frozen=True, eq=False)
+class FoundBeside(Found):
+    """Zones with a tension beside them. beside: what its ends, and these zones with them, may be off by, over their widths."""
+
+    beside: float = 0.0
+
+    @cached_property
+    def error(self) -> float:
+        return super().error + _MOVED * self.beside
 
 
 def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, fields: PulledFields | None = None) -> Certificate:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged, OutOfRange
-from contact.formulation.cohesive import Cohesive, CohesivePoint, Lost, below, fitted
+from contact.formulation.cohesive import Cohesive, CohesivePoint, Lost, below, fitted, united_about
 from contact.formulation.controls import Load
 from contact.formulation.equilibria import Closed, kind_of
 from contact.formulation.fields import ZoneFields
@@ -37,7 +37,7 @@ from contact.search.ways.gaps import by_gaps
 from contact.search.ways.guesses import Outcome
 from contact.verify.accuracy import Found
 from contact.verify.certificate import certify
-from contact.verify.cohesive import certified, uncertain
+from contact.verify.cohesive import FoundBeside, certified, uncertain
 
 Array = NDArray[np.float64]
 
@@ -45,6 +45,8 @@ Array = NDArray[np.float64]
 _BARE = 1e-6
 # First zones over the intervals in which the surfaces touch.
 _TOUCH = 1e-2
+# Adhesion on a strip below this part of a zone is nearly without range; of the intensity it would have, and how far ends go for it.
+_THIN, _PART, _FIRST = 0.02, 0.3, 0.3
 # Points at which the profile is looked at, and widenings of the window until the gap is above the reach at its border.
 _LOOKS, _WINDOWS = 2049, 60
 # The greatest contact is looked for in intervals ever wider by this, and is one that is driven inward, as those so many times as wide are.
@@ -87,13 +89,28 @@ def _advanced(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
         if len(found.zones) == 0:
             raise Closed
         zones = placed(problem, found.zones)
-        _, look = curve.contact(Pulled.of(problem, 0.0, np.zeros((0, 2))), value, zones)
-        table = below(zones, look, curve.reach, problem.period)
+        fields, look = curve.contact(Pulled.of(problem, 0.0, np.zeros((0, 2))), value, zones)
+        zones = fields.density.zones.table
+        table = united_about(below(zones, look, curve.reach, problem.period), _begun(curve, fields), problem.period)
         zones = fitted(zones, table, problem.period)
     curve.from_zones(table, value, zones)
     here = curve.advanced(table, value)
     assert isinstance(here, CohesivePoint)
     return here
+
+
+def _begun(curve: Cohesive, fields: ZoneFields) -> Array:
+    """Zones whose ends have gone a part of the way that adhesion without range would drive them alone, where its tension would act on a
+    narrow strip: from there on the strip is not too narrow to be told, and the ends are still driven outward."""
+    problem, zones = curve.problem, fields.density.zones.table
+    wanted = math.sqrt(2 * curve.stress * curve.reach / math.pi)
+    strip, width = np.pi**2 / 8 * (wanted / curve.stress) ** 2, np.diff(zones, axis=1)
+    slope = np.maximum(np.array(fields.density.edge_slopes).T, 1e-300)
+    out = np.where(strip < _THIN * width, np.minimum(2 * _PART * wanted / slope, _FIRST * width), 0.0)
+    gaps = np.append(zones[1:, 0] - zones[:-1, 1], np.inf if problem.period is None else zones[0, 0] + problem.period - zones[-1, 1])
+    room = _FIRST * np.column_stack((np.roll(gaps, 1), gaps))
+    out = np.minimum(out, room)
+    return zones + np.column_stack((-out[:, 0], out[:, 1]))
 
 
 def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
@@ -189,10 +206,8 @@ def _solved(task: Task, curve: Cohesive, here: CohesivePoint) -> Found:
     at_load = by_load.from_zones(here.table, here.load, here.zones)
     fields, free, control = _tight(task, pulled, at_load.load + pulled.pulling.total, here.zones)
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
-    found = Found(
-        free, replace(fields, law_problem=problem, rate=at_load.rate), certified(certificate, curve, here), 1, control, task.tolerance
-    )
-    return replace(found, off=uncertain(curve, here))
+    whole = replace(fields, law_problem=problem, rate=at_load.rate)
+    return FoundBeside(free, whole, certified(certificate, curve, here), 1, control, task.tolerance, beside=uncertain(curve, here))
 
 
 def _tight(task: Task, pulled: Pulled, load: float, zones: Array) -> tuple[PulledFields, sie.Free, Load]:
