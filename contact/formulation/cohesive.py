@@ -26,6 +26,7 @@ from contact.formulation import equilibria
 from contact.formulation.controls import Control, Load
 from contact.formulation.equilibria import Closed, Equilibria, Point
 from contact.formulation.fields import ZoneFields
+from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.tension import Pulled
 
@@ -41,7 +42,9 @@ _GONE = 1e-3
 _NEW = 0.5
 # Points between two zones, or in a part of an interval, at the least, and at the most; how far from the zones of a lone body.
 _FEWEST, _MOST, _FAR = 24, 20000, 1e3
-_TRIES = 12
+_TRIES = 6
+# Steps along the arc that are shorter, beside a state without contact, are not looked at for a turning point.
+_SHORTEST = 1e-6
 # Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary faster.
 _SIGNS = 128
 
@@ -217,7 +220,6 @@ class Cohesive(Equilibria):
         assert isinstance(pulled, Pulled)
         tension, density, count = pulled.pulling, state.density, len(table)
         at = np.concatenate((table[:, 0], table[:, 1]))
-        outward = np.concatenate((-np.ones(count), np.ones(count)))
         strengths = np.hstack((self.stress * np.eye(2 * count), np.zeros((2 * count, 1))))
         values = np.zeros((len(state.condition_scale), 2 * count + 1))
         first = state.condition_index[0]
@@ -230,12 +232,7 @@ class Cohesive(Equilibria):
         level = answers.levels.mean(axis=0) if by_load else np.append(np.zeros(2 * count), -1.0)
         change = level - answers.potentials
         matrix = change[:, :-1]
-        lag = at[:, None] - at
-        np.fill_diagonal(lag, 1.0)
-        between = self.stress / np.pi * tension.log(lag)
-        own = np.concatenate((tension.log(table[:, 1] - table[:, 0]),) * 2) * self.stress / np.pi
-        slope = pulled.own_slope(at) - density.transform(at) + np.array([tension.others(j % count, float(x)) for j, x in enumerate(at)])
-        np.fill_diagonal(between, own + outward * slope)
+        between = self._explicit(pulled, at, density.transform(at))
         gap = fields.formal_gap(at)
         with np.errstate(divide="ignore"):
             moved = 2 * answers.intensities / np.array(density.edge_slopes)[:, :, None]
@@ -283,7 +280,8 @@ class Cohesive(Equilibria):
                 continue
             passed = equilibria._passed(here, ahead, step, sign)
             if not passed.any():
-                return ahead, float(np.abs(step / here.widths).max())
+                # Short of where contact is lost it is not at rest.
+                return ahead, float(np.abs(step / here.widths).max()) if lost == 0 else np.inf
             self.last["point"] = here
             kept = np.where(passed | (here.growth >= 0.0), 0.5, 0.9)
             limit = kept * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
@@ -341,6 +339,61 @@ class Cohesive(Equilibria):
 
     def _merged(self, here: Point) -> Array | None:
         return None
+
+    # where contact ends -----------------------------------------------------------------------------------------------
+    def pull_off(self, here: Point) -> Point:
+        """Where the last zones come apart as the control falls: at a turning point, or where the last of them has shrunk to a point."""
+        self.last["point"], self.last["lost"] = here, False
+        try:
+            return super().pull_off(here)
+        except NotConverged:
+            if not self.last["lost"]:
+                raise
+        return self._touching(self.last["point"])
+
+    def _along(self, here: Point, tangent: Array, length: float, unit: float) -> Point | None:
+        if self.last["lost"] and length < _SHORTEST:
+            raise NotConverged("contact is lost before a turning point")
+        self.last["point"] = here
+        try:
+            ahead = super()._along(here, tangent, length, unit)
+        except Lost:
+            self.last["lost"] = True
+            ahead = None
+        if ahead is None:
+            self.last["point"] = here
+        return ahead
+
+    def _touching(self, here: CohesivePoint) -> CohesivePoint:
+        """The equilibrium beside one of hardly any contact in which the surfaces touch in one point, without pressure."""
+        table, at = here.table, float(here.zones.mean())
+        half = 0.02 * float(np.diff(table, axis=1).max())
+        for _ in range(_STEPS):
+            pulled = Pulled.of(self.problem, self.stress, table)
+            at, height = maximum(lambda x, pulled=pulled: -pulled.shape(np.asarray(x)), np.linspace(at - half, at + half, 65))
+            ends, tension = np.concatenate((table[:, 0], table[:, 1])), pulled.pulling
+            gap = pulled.shape(ends) + height
+            rates = self._explicit(pulled, ends, np.zeros(len(ends))) - self.stress / np.pi * tension.log(at - ends)
+            step = np.linalg.solve(rates, self.reach - gap)
+            table = table + np.column_stack((-step[: len(table)], step[len(table) :]))
+            if float(np.abs(step).max()) < 1e-14 * float(np.diff(table, axis=1).min()):
+                break
+        load, level = -pulled.pulling.total, height
+        value = load if self.kind is Load else -level
+        return replace(here, table=table, value=value, load=load, level=float(level), zones=np.array([[at, at]]))
+
+    def _explicit(self, pulled: Pulled, at: Array, transform: Array) -> Array:
+        """Rates of the gap at the ends of the tension by their outward motions, but for what the contact answers; transform: of q there."""
+        tension, count = pulled.pulling, len(at) // 2
+        table = tension.table
+        lag = at[:, None] - at
+        np.fill_diagonal(lag, 1.0)
+        between = self.stress / np.pi * tension.log(lag)
+        own = np.concatenate((tension.log(table[:, 1] - table[:, 0]),) * 2) * self.stress / np.pi
+        others = np.array([tension.others(j % count, float(x)) for j, x in enumerate(at)])
+        outward = np.concatenate((-np.ones(count), np.ones(count)))
+        np.fill_diagonal(between, own + outward * (pulled.own_slope(at) - transform + others))
+        return between
 
 
 # zones and intervals --------------------------------------------------------------------------------------------------
