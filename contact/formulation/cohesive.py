@@ -45,6 +45,8 @@ _FEWEST, _MOST, _FAR = 24, 20000, 1e3
 _TRIES = 6
 # Steps along the arc that are shorter, beside a state without contact, are not looked at for a turning point.
 _SHORTEST = 1e-6
+# Of the control, until the gap somewhere comes to the reach.
+_HALVINGS = 60
 # Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary faster.
 _SIGNS = 128
 
@@ -75,6 +77,24 @@ class CohesivePoint(Point):
         return self.zones
 
 
+@dataclass(frozen=True, eq=False)
+class Everywhere(Point):
+    """Under tension in all of a period: there are no ends of it."""
+
+    zones: Array
+
+    @classmethod
+    def of(cls, curve: Cohesive, fields: ZoneFields, value: float) -> Everywhere:
+        none = np.zeros(0)
+        load = fields.density.total - curve.everywhere.pulling.total
+        zones = fields.density.zones.table
+        return cls(np.zeros((0, 2)), value, none, np.zeros((0, 0)), none, load, float(fields.level), zones)
+
+    @property
+    def contact(self) -> Array:
+        return self.zones
+
+
 @dataclass(frozen=True)
 class Cohesive(Equilibria):
     """Those of a problem whose law has a tension and a reach, both scaled here."""
@@ -90,6 +110,11 @@ class Cohesive(Equilibria):
     @cached_property
     def reach(self) -> float:
         return self.problem.law.reach / self.problem.units.height
+
+    @property
+    def everywhere(self) -> Pulled:
+        """The problem under tension in all of a period."""
+        return Pulled.of(self.problem, self.stress, np.zeros((0, 2)), everywhere=True)
 
     # one state --------------------------------------------------------------------------------------------------------
     def at(self, table: Array, value: float, tolerance: float = 1e-13) -> CohesivePoint:
@@ -350,6 +375,40 @@ class Cohesive(Equilibria):
             if not self.last["lost"]:
                 raise
         return self._touching(self.last["point"])
+
+    def pull_off_from_all(self, zones: Array, value: float) -> Point:
+        """The same of a contact under tension everywhere: from where the gap somewhere comes to its reach, or to the last touch."""
+        problem, pulled = self.problem, self.everywhere
+        assert problem.period is not None
+        lost = -pulled.pulling.total if self.kind is Load else -self.stress * problem.compression
+        high, found, opened = value, self.contact(pulled, value, zones), False
+        low = lost
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            if middle in (low, high) or high - low < 1e-14 * (value - lost):
+                break
+            try:
+                here = self.contact(pulled, middle, found[0].density.zones.table)
+            except Lost:
+                low = middle
+                continue
+            if here[1][1].max() > self.reach:
+                low, opened = middle, True
+            else:
+                high, found = middle, here
+        fields, (x, gap) = found
+        state = Everywhere.of(self, fields, high)
+        if not opened:
+            return state
+        # At the place that comes to the reach first the tension lets go.
+        inside = fields.density.zones.table
+        table = below(inside, (x, np.where(gap == gap.max(), 2 * self.reach, gap)), self.reach, problem.period, wide=True)
+        try:
+            self.from_zones(table, high, fitted(inside, table, problem.period))
+        except Lost:
+            return state
+        rest = self.receded(table, high - 1e-9 * (value - lost))
+        return state if rest is None else self.pull_off(rest)
 
     def _along(self, here: Point, tangent: Array, length: float, unit: float) -> Point | None:
         if self.last["lost"] and length < _SHORTEST:

@@ -176,10 +176,10 @@ class ZoneFields(sie.Kept):
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
         return np.asarray(root[:, None] * matrix * root / wanted)
 
-    def equilibria(self, kind: type[Control]) -> tuple[Equilibria, Point]:
-        """The curve of equilibria that the solution lies on, where the law has several, and its place there."""
+    def pull_off(self, kind: type[Control]) -> Point:
+        """Where the contact comes apart as a control of this kind falls, under a law of several equilibria."""
         curve = Equilibria(self.problem, kind)
-        return curve, curve.at(self.density.zones.table, self.density.total if kind is Load else -self.level)
+        return curve.pull_off(curve.at(self.density.zones.table, self.density.total if kind is Load else -self.level))
 
     @cached_property
     def mean_gap(self) -> float:

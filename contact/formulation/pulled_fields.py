@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.controls import Approach, Control, Load
+from contact.formulation.equilibria import Point
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
@@ -48,12 +49,23 @@ class PulledFields(ZoneFields):
             return np.asarray(units.x(np.array([[first, first + tension.period]])))
         return np.asarray(units.x(tension.table))
 
-    def equilibria(self, kind: type[Control]) -> tuple[Cohesive, CohesivePoint]:
+    def _place(self, kind: type[Control]) -> tuple[Cohesive, CohesivePoint]:
         """The curve that the solution lies on, and its place there."""
+        curve = self._curve(kind)
+        return curve, curve.from_zones(self.tension.table, self._value(kind), self.density.zones.table)
+
+    def _curve(self, kind: type[Control]) -> Cohesive:
         assert self.law_problem is not None
-        curve = Cohesive(self.law_problem, kind)
-        value = self.density.total - self.tension.total if kind.name == "load" else -self.level
-        return curve, curve.from_zones(self.tension.table, value, self.density.zones.table)
+        return Cohesive(self.law_problem, kind)
+
+    def _value(self, kind: type[Control]) -> float:
+        return float(self.density.total - self.tension.total) if kind is Load else -self.level
+
+    def pull_off(self, kind: type[Control]) -> Point:
+        if self.tension.everywhere:
+            return self._curve(kind).pull_off_from_all(self.density.zones.table, self._value(kind))
+        curve, here = self._place(kind)
+        return curve.pull_off(here)
 
     # the shape is the profile's own, and the displacement the tension's, too
     def _shape(self, x: Array) -> Array:
@@ -107,7 +119,7 @@ class PulledFields(ZoneFields):
     def second_variation(self, held: str) -> Array:
         """d^2 energy/ds_i ds_j by outward motions of the ends of the tension, times the roots of their intervals' widths and over 2 w, at
         the held "load" or "approach"."""
-        _, here = self.equilibria(Approach if held == "approach" else Load)
+        _, here = self._place(Approach if held == "approach" else Load)
         root = np.sqrt(here.widths)
         return np.asarray(-0.5 * root[:, None] * here.rates * root)
 

@@ -82,6 +82,8 @@ def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol
 def _told_of_full(scene: Scene, least: float) -> str:
     if least >= 0.0 or not scene.law.pulls:
         return "full contact: the pressure is nowhere negative"
+    if scene.law.tension:
+        return "full contact, under tension in places: nowhere above what the surfaces pull with"
     return "full contact, under tension in places: what is closed stays closed, as an opening without width has no intensity"
 
 

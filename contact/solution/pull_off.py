@@ -32,8 +32,7 @@ def pull_off(scene: Scene, fields: ZoneFields) -> PullOff:
         what = f"the law {scene.law.name}" if scene.law.bare is None else "a given half width"
         raise SceneError(f"there is no pull-off under {what}: it is that of adhesion under a load or an approach", "pull_off")
     problem = fields.problem
-    curve, here = fields.equilibria(kind_of(scaled_control(scene, problem.units)))
-    last = curve.pull_off(here)
+    last = fields.pull_off(kind_of(scaled_control(scene, problem.units)))
     units = problem.units
     approach = -last.level * units.height if problem.operator.has_approach else None
     return PullOff(float(last.load * units.load), None if approach is None else float(approach), np.asarray(units.x(last.contact)))

@@ -17,15 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact.errors import NotConverged, OutOfRange
+from contact.errors import OutOfRange
 from contact.formulation.cohesive import Cohesive, CohesivePoint, Lost, below, fitted, united_about
 from contact.formulation.controls import Load
-from contact.formulation.equilibria import Closed, kind_of
+from contact.formulation.equilibria import Closed, Point, kind_of
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.pulled_fields import PulledFields, PulledGapFields
 from contact.formulation.tension import Pulled
+from contact.model.scene import Scene
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.shared import Shared
@@ -60,22 +61,40 @@ def followed_under_tension(task: Task) -> Outcome:
     scaled = frame(task, math.sqrt(scene.E_star * work / math.pi))
     problem, value = scaled.problem, scaled.control.value
     curve = Cohesive(problem, kind_of(scaled.control))
-    start: CohesivePoint | None = None
     try:
         with task.plan.timed("zone ends"):
             if task.branch == "receding":
                 rest = _receded_from_all(task, curve, value) if problem.period is not None else _receded(task, scaled, curve, value)
             else:
-                start = _advanced(task, scaled, curve, max(value, 0.0))
-                rest = start if value >= 0.0 else curve.receded(start.table, value)
+                rest = _lowered(task, scaled, curve, value)
     except Closed:
         return _everywhere(task, problem)
-    except Lost:
-        rest = None
     if rest is None:
-        start = start or _advanced(task, scaled, curve, max(value, 0.0))
-        raise OutOfRange(past(curve, curve.pull_off(start), task))
+        raise OutOfRange(past(curve, _pulled_off(task, scaled, curve), task))
     return _solved(task, curve, curve.settled(rest))
+
+
+def _lowered(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
+    """Advanced under the value, or under none and then lowered to it."""
+    try:
+        start = _advanced(task, scaled, curve, max(value, 0.0))
+    except Closed:
+        if value >= 0.0:
+            raise
+        return _receded_from_all(task, curve, value)
+    return start if value >= 0.0 else curve.receded(start.table, value)
+
+
+def _pulled_off(task: Task, scaled: ScaledScene, curve: Cohesive) -> Point:
+    """Where a contact comes apart that has advanced under no load."""
+    try:
+        return curve.pull_off(_advanced(task, scaled, curve, 0.0))
+    except Closed:
+        nothing = replace(task, scene=_under(task.scene, 0.0))
+        zones = _under_all(nothing, curve.problem)
+        if zones is None:
+            raise OutOfRange("the surfaces come apart from full contact") from None
+        return curve.pull_off_from_all(zones, 0.0)
 
 
 # starts ---------------------------------------------------------------------------------------------------------------
@@ -132,10 +151,11 @@ def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
     if problem.period is not None:
         x, f = x[:-1], f[:-1]
         first = int(np.argmax(f))
-        x, f = np.concatenate((x[first:], x[:first] + problem.period)), np.concatenate((f[first:], f[:first]))
+        if f[first] <= curve.reach:
+            raise Closed
+        x = np.concatenate((x[first:], x[:first] + problem.period, [x[first] + problem.period]))
+        f = np.concatenate((f[first:], f[: first + 1]))
     low = np.flatnonzero(f == 0.0)
-    if f.max() < curve.reach and problem.period is not None:
-        raise Closed
     table = below(np.column_stack((x[low], x[low])), (x, f), curve.reach, None)
     places, zones = x[low], []
     for a, b in table:
@@ -146,7 +166,7 @@ def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
     return table, np.array(zones)
 
 
-def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> CohesivePoint | None:
+def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
     """From an interval about a lone body's least contact so wide that its ends are driven inward, and those of wider ones."""
     here = _advanced(task, scaled, curve, max(value, 0.0))
     middle, half = 0.5 * float(here.table[0, 0] + here.table[-1, 1]), 0.5 * float(here.table[-1, 1] - here.table[0, 0])
@@ -160,33 +180,44 @@ def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
         if inward(half) and all(inward(half * wider) for wider in _WIDER):
             rest = curve.receded(np.array([[middle - half, middle + half]]), max(value, 0.0))
             if rest is None or value >= 0.0:
-                return rest  # type: ignore[return-value]
-            return curve.receded(rest.table, value)  # type: ignore[return-value]
+                return rest
+            return curve.receded(rest.table, value)
     raise OutOfRange("no interval of tension is so wide that its ends recede: there is no greatest contact")
 
 
-def _receded_from_all(task: Task, curve: Cohesive, value: float) -> CohesivePoint | None:
-    """From tension everywhere in a period; Closed where the gap stays below its reach."""
+def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None:
+    """From tension everywhere in a period; Closed where the gap stays below its reach, None where nothing is left."""
     problem = curve.problem
-    zones = _under_all(task, problem)
-    if zones is None:
-        raise Closed
-    _, look = curve.contact(Pulled.of(problem, curve.stress, np.zeros((0, 2)), everywhere=True), value, zones)
+    try:
+        zones = _under_all(task, problem)
+        if zones is None:
+            raise Closed
+        fields, look = curve.contact(curve.everywhere, value, zones)
+    except Lost:
+        return None
+    zones = fields.density.zones.table
     table = below(zones, look, curve.reach, problem.period, wide=True)
-    curve.from_zones(table, value, fitted(zones, table, problem.period))
-    return curve.receded(table, value)  # type: ignore[return-value]
+    try:
+        curve.from_zones(table, value, fitted(zones, table, problem.period))
+    except Lost:
+        return None
+    return curve.receded(table, value)
 
 
 def _under_all(task: Task, problem: Problem) -> Array | None:
     """Scaled zones under tension everywhere; None in full contact; Lost where there are none."""
+    scene, period = task.scene, task.scene.period
+    assert period is not None
+    if scene.given_load is not None and scene.given_load + scene.law.tension * period <= 0.0:
+        raise Lost
     scene = _bare_scene(task, problem)
-    if scene.given_load is not None and scene.given_load <= 0.0:
+    if scene.approach is not None and scene.approach <= 0.0:
         raise Lost
     found = task.under(scene, _BARE, None, None)
     return placed(problem, found.zones) if len(found.zones) else None
 
 
-def _bare_scene(task: Task, problem: Problem):  # type: ignore[no-untyped-def]
+def _bare_scene(task: Task, problem: Problem) -> Scene:
     """The scene with the tension everywhere put into its control, under the bare law."""
     scene, period = task.scene, task.scene.period
     assert period is not None and scene.law.bare is not None
@@ -194,12 +225,19 @@ def _bare_scene(task: Task, problem: Problem):  # type: ignore[no-untyped-def]
     if scene.given_load is not None:
         return replace(scene, law=scene.law.bare, mean_pressure=None, load=scene.given_load + stress * period)
     sunk = problem.compression * stress / problem.units.pressure * problem.units.height
+    assert scene.approach is not None
     return replace(scene, law=scene.law.bare, approach=scene.approach + sunk)
 
 
 # what was found -------------------------------------------------------------------------------------------------------
-def _solved(task: Task, curve: Cohesive, here: CohesivePoint) -> Found:
+def _under(scene: Scene, value: float) -> Scene:
+    """The scene under another value of its control."""
+    return replace(scene, **{scene.control[0]: value})
+
+
+def _solved(task: Task, curve: Cohesive, here: Point) -> Found:
     """The equilibrium as tightly as there is."""
+    assert isinstance(here, CohesivePoint)
     problem = curve.problem
     pulled = Pulled.of(problem, curve.stress, here.table)
     by_load = Cohesive(problem, Load)
