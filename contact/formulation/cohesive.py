@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 _STEPS, _ROUNDS = 80, 16
 # A zone's end moves at most by these parts of its width, and of the gap beside it; it comes so much nearer to the end of its interval.
 _INWARD, _OUTWARD, _INTO_GAP, _NEARER = 0.3, 0.5, 0.45, 0.25
+# So near to the end of its interval, over its width, a zone that goes on covers it.
+_COVERED = 1e-6
 # A zone narrower than this part of what it was, and a gap beside which both ends go on, are gone.
 _GONE = 1e-3
 # Of the overlap in which a new zone begins, and of the part of a gap below the reach in which a new interval does.
@@ -47,12 +49,22 @@ _TRIES = 6
 _SHORTEST = 1e-6
 # Of the control, until the gap somewhere comes to the reach.
 _HALVINGS = 60
+# Over the width of an interval, how far an end goes that contact covers as others advance.
+_FARTHER = 0.01
 # Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary faster.
 _SIGNS = 128
 
 
 class Lost(Exception):
     """No contact is left under a tension."""
+
+
+class Covered(Exception):
+    """Contact goes on to the ends of intervals of tension. ends: which (2m,)."""
+
+    def __init__(self, ends: NDArray[np.bool_]) -> None:
+        super().__init__("contact reaches the end of an interval of tension")
+        self.ends = ends
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,6 +185,13 @@ class Cohesive(Equilibria):
             least = np.minimum(width, np.where(shared, np.inf, np.maximum(room, 1e-300)))
             if float(np.abs(step / least).max()) < 1e-11:
                 return state
+            covers = ~shared & (room < _COVERED * width) & (step > 0.5 * room)
+            if covers.any():
+                i = _interval_of(zones, pulled.pulling.table)
+                ends = np.zeros((2, len(pulled.pulling.table)), dtype=bool)
+                for side in (0, 1):
+                    ends[side, i[covers[side]]] = True
+                raise Covered(ends.ravel())
             limit = np.minimum(_OUTWARD * width, np.where(shared, _INTO_GAP, 1 - _NEARER) * room)
             moved = np.clip(step, -_INWARD * width, limit)
             if float(np.abs(moved / least).max()) < 1e-9:
@@ -291,23 +310,31 @@ class Cohesive(Equilibria):
 
     def _step(self, here: Point, sign: float) -> tuple[Point, float]:
         limit, back = self._limits(here, sign)
-        lost = 0
+        lost, beyond = 0, np.zeros(len(limit))
         for _ in range(equilibria._MOST_TRIES):
-            step = equilibria._kept_step(here, sign, limit, back)
+            step = equilibria._kept_step(here, sign, limit, back) + beyond
             try:
                 ahead = self.at(here.moved(step), here.value)
             except Lost:
                 lost += 1
                 if lost > _TRIES:
                     raise
-                self.last["point"] = here
                 limit = 0.3 * np.minimum(limit, np.abs(step))
                 continue
+            except Covered as covered:
+                # What has gone too far inward goes less far; what others have pushed out goes farther.
+                if sign < 0:
+                    limit = np.where(covered.ends, 0.5, 0.9) * np.minimum(limit, np.abs(step))
+                else:
+                    beyond = np.where(covered.ends, 2 * beyond + _FARTHER * here.widths, beyond)
+                continue
+            finally:
+                self.last["point"] = here
             passed = equilibria._passed(here, ahead, step, sign)
             if not passed.any():
+                self.last["point"] = ahead
                 # Short of where contact is lost it is not at rest.
                 return ahead, float(np.abs(step / here.widths).max()) if lost == 0 else np.inf
-            self.last["point"] = here
             kept = np.where(passed | (here.growth >= 0.0), 0.5, 0.9)
             limit = kept * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
         raise NotConverged("no step of the ends keeps to the branch")
@@ -418,6 +445,8 @@ class Cohesive(Equilibria):
             ahead = super()._along(here, tangent, length, unit)
         except Lost:
             self.last["lost"] = True
+            ahead = None
+        except Covered:
             ahead = None
         if ahead is None:
             self.last["point"] = here

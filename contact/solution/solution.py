@@ -151,6 +151,8 @@ class Solution(sie.Kept):
         """Where the contact comes apart as its load (or its approach, where that is given) falls, under a law that bears tension; None
         for full contact, which does not open. Parts of it may come apart before: it is where the last do."""
         if not isinstance(self.fields, ZoneFields):
+            if self.scene.law.tension:
+                raise SceneError("pull-off is told of contact that is not nearly full: ask for it under a smaller load", "pull_off")
             return None
         return pull_off(self.scene, self.fields)
 

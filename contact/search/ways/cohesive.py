@@ -36,6 +36,7 @@ from contact.search.ways.branches import bare, frame, past
 from contact.search.ways.full_contact import Full
 from contact.search.ways.gaps import by_gaps
 from contact.search.ways.guesses import Outcome
+from contact.solution.made import mean_height
 from contact.verify.accuracy import Found
 from contact.verify.certificate import certify
 from contact.verify.cohesive import FoundBeside, certified, uncertain
@@ -48,6 +49,8 @@ _BARE = 1e-6
 _TOUCH = 1e-2
 # Adhesion on a strip below this part of a zone is nearly without range; of the intensity it would have, and how far ends go for it.
 _THIN, _PART, _FIRST = 0.02, 0.3, 0.3
+# Of the mean height of a profile: approaches above first touch.
+_PARTS = (0.5, 0.2, 0.05, 0.01, 1e-3, 1e-4)
 # Points at which the profile is looked at, and widenings of the window until the gap is above the reach at its border.
 _LOOKS, _WINDOWS = 2049, 60
 # The greatest contact is looked for in intervals ever wider by this, and is one that is driven inward, as those so many times as wide are.
@@ -64,7 +67,7 @@ def followed_under_tension(task: Task) -> Outcome:
     try:
         with task.plan.timed("zone ends"):
             if task.branch == "receding":
-                rest = _receded_from_all(task, curve, value) if problem.period is not None else _receded(task, scaled, curve, value)
+                rest = _greatest(task, scaled, curve, value)
             else:
                 rest = _lowered(task, scaled, curve, value)
     except Closed:
@@ -74,6 +77,22 @@ def followed_under_tension(task: Task) -> Outcome:
     return _solved(task, curve, curve.settled(rest))
 
 
+def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
+    """Receded under the value, or below first touch from where zones under tension everywhere are in contact, and then lowered to it."""
+    if curve.problem.period is None:
+        return _receded(task, scaled, curve, value)
+    if curve.kind is Load or value > 0.0:
+        return _receded_from_all(task, curve, value)
+    for part in _PARTS:
+        above = part * mean_height(task.scene) / curve.problem.units.height
+        try:
+            rest = _receded_from_all(replace(task, scene=_under(task.scene, above * curve.problem.units.height)), curve, above)
+        except Closed:
+            continue
+        return None if rest is None else curve.receded(rest.table, value)
+    return None
+
+
 def _lowered(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
     """Advanced under the value, or under none and then lowered to it."""
     try:
@@ -81,7 +100,7 @@ def _lowered(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
     except Closed:
         if value >= 0.0:
             raise
-        return _receded_from_all(task, curve, value)
+        return _greatest(task, scaled, curve, value)
     return start if value >= 0.0 else curve.receded(start.table, value)
 
 
