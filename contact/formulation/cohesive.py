@@ -34,8 +34,14 @@ Array = NDArray[np.float64]
 
 # Newton's steps of the zones under a given tension, and how often their number may change.
 _STEPS, _ROUNDS = 80, 16
+# After so many changes of their number the zones are left to the engine's search.
+_PLAIN = 3
 # A zone's end moves at most by these parts of its width, and of the gap beside it; it comes so much nearer to the end of its interval.
 _INWARD, _OUTWARD, _INTO_GAP, _NEARER = 0.3, 0.5, 0.45, 0.25
+# Of what an end was off by, from which on Newton's steps only take it to and fro.
+_AS_FAR = 0.3
+# What rounding may leave of a step, over the strip of tension beside an end.
+_ROUNDED = 1e-5
 # So near to the end of its interval, over its width, a zone that goes on covers it.
 _COVERED = 1e-6
 # A zone narrower than this part of what it was, and a gap beside which both ends go on, are gone.
@@ -155,8 +161,9 @@ class Cohesive(Equilibria):
         control = self.control(pulled, value)
         if control.load is not None and not control.load > 0.0:
             raise Lost
-        for _ in range(_ROUNDS):
-            state = self._settled(pulled, control, zones)
+        for done in range(_ROUNDS):
+            # Where narrow gaps close or open within an interval, their ends act on each other: the engine's own steps know how.
+            state = (self._settled if done < _PLAIN else self._searched)(pulled, control, zones)
             fields = ZoneFields(pulled, state)
             look = self._look(fields)
             found = _corrected(fields, look)
@@ -170,12 +177,20 @@ class Cohesive(Equilibria):
     def _settled(self, pulled: Pulled, control: Control, zones: Array) -> sie.State:
         """Newton on the ends of zones whose number is given, or falls."""
         equation, first = pulled.equation(control), np.diff(zones, axis=1)[:, 0]
+        before: tuple[Array, Array] | None = None
+        best, stuck = np.inf, 0
         for _ in range(_STEPS):
             state = sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-14)
             k, slope = np.array(state.density.intensities), np.array(state.density.edge_slopes)
             width, (room, shared) = np.diff(zones, axis=1)[:, 0], self._room(pulled, zones)
             with np.errstate(divide="ignore", invalid="ignore"):
                 step = np.where(slope > 0, 2 * k / slope, np.copysign(np.inf, k))
+            if before is not None and len(before[0]) == len(zones):
+                # An end that has gone too far, and nearly as far as it was off, is between its last two places.
+                back = np.array([zones[:, 0] - before[0][:, 0], before[0][:, 1] - zones[:, 1]])
+                turned = (k * before[1] < 0) & (np.abs(k) > _AS_FAR * np.abs(before[1]))
+                step = np.where(turned, back * k / np.where(turned, k - before[1], 1.0), step)
+            before = zones, k
             # Beside the end of an interval K goes with the root of the distance from there.
             alone = ~shared & np.isfinite(step) & (room > 0)
             own = np.where(alone, room, 1.0)
@@ -183,7 +198,10 @@ class Cohesive(Equilibria):
             rooted = np.where(alone, own * (1 - near**2), step)
             step = np.where(np.abs(step) < 0.1 * room, step, rooted)
             least = np.minimum(width, np.where(shared, np.inf, np.maximum(room, 1e-300)))
-            if float(np.abs(step / least).max()) < 1e-11:
+            miss = float(np.abs(step / least).max())
+            best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
+            # Of narrow strips rounding leaves more.
+            if miss < 1e-11 or (stuck > 2 and miss < _ROUNDED):
                 return state
             covers = ~shared & (room < _COVERED * width) & (step > 0.5 * room)
             if covers.any():
@@ -206,6 +224,27 @@ class Cohesive(Equilibria):
             zones = zones + np.column_stack((-moved[0], moved[1]))
             zones, first = self._joined(pulled, zones, first, step)
         raise NotConverged("the ends of zones under a given tension did not come to rest")
+
+    def _searched(self, pulled: Pulled, control: Control, zones: Array) -> sie.AnyState:
+        """The same by the engine's search, of zones that stay within their intervals."""
+        equation, table, everywhere = pulled.equation(control), pulled.pulling.table, pulled.pulling.everywhere
+        for _ in range(_ROUNDS):
+            free = sie.find_ends(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-10)
+            ended = free.density.zones.table
+            if len(free.lost):
+                if len(free.lost) == len(ended):
+                    raise Lost
+                zones = np.delete(ended, free.lost, axis=0)
+            elif len(free.met):
+                inner = [i for i in free.met if i + 1 < len(ended)]
+                begins, ends = np.ones(len(ended), dtype=bool), np.ones(len(ended), dtype=bool)
+                begins[[i + 1 for i in inner]], ends[inner] = False, False
+                zones = np.column_stack((ended[begins, 0], ended[ends, 1]))
+            else:
+                i = _interval_of(ended, table) if len(table) else np.zeros(len(ended), dtype=np.intp)
+                within = everywhere or len(table) == 0 or bool(np.all((ended[:, 0] > table[i, 0]) & (ended[:, 1] < table[i, 1])))
+                return free.state if free.converged and within else self._settled(pulled, control, zones)
+        raise NotConverged("the number of zones under a given tension did not settle")
 
     def _room(self, pulled: Pulled, zones: Array) -> tuple[Array, NDArray[np.bool_]]:
         """(how far each end (2, n) is from what is next to it, whether that is another zone: else the end of its interval)."""
@@ -342,6 +381,9 @@ class Cohesive(Equilibria):
     def _grown(self, here: CohesivePoint) -> Array | None:
         """The intervals with new ones, and with those as one between which the gap is below the reach; None if there are none."""
         (x, gap), table, period = here.look, here.table, self.problem.period
+        closed = super()._merged(here)
+        if closed is not None:
+            return closed
         new, joins = [], np.zeros(len(table), dtype=bool)
         for i, (a, b) in enumerate(self._outside(table)):
             inner = _within(x, a, b, period)
@@ -388,9 +430,6 @@ class Cohesive(Equilibria):
         if self.problem.period is not None:
             return list(zip(table[:, 1], np.append(table[1:, 0], table[0, 0] + self.problem.period), strict=True))
         return list(zip(np.append(-np.inf, table[:, 1]), np.append(table[:, 0], np.inf), strict=True))
-
-    def _merged(self, here: Point) -> Array | None:
-        return None
 
     # where contact ends -----------------------------------------------------------------------------------------------
     def pull_off(self, here: Point) -> Point:
