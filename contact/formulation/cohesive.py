@@ -61,6 +61,11 @@ _FARTHER = 0.01
 _SIGNS = 128
 
 
+TOO_NARROW = (
+    "the tension would act on strips narrower than a millionth of the zones beside them: under so large a stress adhesion is without range"
+)
+
+
 class Lost(Exception):
     """No contact is left under a tension."""
 
@@ -135,6 +140,12 @@ class Cohesive(Equilibria):
         return Pulled.of(self.problem, self.stress, np.zeros((0, 2)), everywhere=True)
 
     # one state --------------------------------------------------------------------------------------------------------
+    def advanced(self, table: Array, value: float) -> Point:
+        try:
+            return super().advanced(table, value)
+        except Covered as covered:
+            raise NotConverged(TOO_NARROW) from covered
+
     def at(self, table: Array, value: float, tolerance: float = 1e-13) -> CohesivePoint:
         """The contact under the tension on given intervals; zones are looked for from those of the last state."""
         before = self.last.get("point")
@@ -327,9 +338,22 @@ class Cohesive(Equilibria):
     # growing and shrinking --------------------------------------------------------------------------------------------
     def receded(self, table: Array, value: float) -> Point | None:
         try:
-            return self._flowed(table, value, -1.0)
+            return self._flowed(self._held(table, value), value, -1.0)
         except Lost:
             return None
+
+    def _held(self, table: Array, value: float) -> Array:
+        """The intervals, with ends that contact covers taken back to where they come from."""
+        before = self.last["point"].table
+        for _ in range(_TRIES):
+            try:
+                self.at(table, value)
+                break
+            except Covered as covered:
+                if len(before) != len(table):
+                    raise
+                table = np.where(covered.ends.reshape(2, -1).T, 0.5 * (table + before), table)
+        return table
 
     def _flowed(self, table: Array, value: float, sign: float) -> CohesivePoint | None:
         here = self.at(table, value)
@@ -437,6 +461,8 @@ class Cohesive(Equilibria):
         self.last["point"], self.last["lost"] = here, False
         try:
             return super().pull_off(here)
+        except Covered as covered:
+            raise NotConverged(TOO_NARROW) from covered
         except NotConverged:
             if not self.last["lost"]:
                 raise

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact.errors import OutOfRange
-from contact.formulation.cohesive import Cohesive, CohesivePoint, Lost, below, fitted, united_about
+from contact.errors import NotConverged, OutOfRange
+from contact.formulation.cohesive import TOO_NARROW, Cohesive, CohesivePoint, Covered, Lost, below, fitted, united_about
 from contact.formulation.controls import Load
 from contact.formulation.equilibria import Closed, Point, kind_of
 from contact.formulation.fields import ZoneFields
@@ -131,10 +131,25 @@ def _advanced(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
         zones = fields.density.zones.table
         table = united_about(below(zones, look, curve.reach, problem.period), _begun(curve, fields), problem.period)
         zones = fitted(zones, table, problem.period)
-    curve.from_zones(table, value, zones)
-    here = curve.advanced(table, value)
+    here = curve.advanced(_begun_wider(curve, table, value, zones), value)
     assert isinstance(here, CohesivePoint)
     return here
+
+
+def _begun_wider(curve: Cohesive, table: Array, value: float, zones: Array) -> Array:
+    """The intervals, or wider ones where contact covers these: what it covers is driven on."""
+    for _ in range(_WIDENINGS):
+        try:
+            curve.from_zones(table, value, fitted(zones, table, curve.problem.period))
+            return table
+        except Covered as covered:
+            width, gaps = np.diff(table, axis=1)[:, 0], curve._gaps(table)
+            left, right = covered.ends.reshape(2, -1)
+            out = 0.5 * (_WIDEN - 1) * width
+            table = table + np.column_stack((
+                -1.0 * left * np.minimum(out, 0.4 * np.roll(gaps, 1)), right * np.minimum(out, 0.4 * gaps)
+            ))
+    raise NotConverged(TOO_NARROW)
 
 
 def _begun(curve: Cohesive, fields: ZoneFields) -> Array:
