@@ -57,6 +57,8 @@ _SHORTEST = 1e-6
 _HALVINGS = 60
 # Over the width of an interval, how far an end goes that contact covers as others advance.
 _FARTHER = 0.01
+# States that are remembered.
+_KNOWN = 256
 # Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary faster.
 _SIGNS = 128
 
@@ -98,6 +100,16 @@ class CohesivePoint(Point):
     @property
     def contact(self) -> Array:
         return self.zones
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """Of a state, what first guesses of others come from."""
+
+    table: Array
+    value: float
+    zones: Array
+    by_ends: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,9 +160,13 @@ class Cohesive(Equilibria):
 
     def at(self, table: Array, value: float, tolerance: float = 1e-13) -> CohesivePoint:
         """The contact under the tension on given intervals; zones are looked for from those of the last state."""
-        before = self.last.get("point")
-        assert before is not None
-        return self.from_zones(table, value, _followed(before, table, value, self.problem.period))
+        return self.from_zones(table, value, _followed(self._nearest(table), table, value, self.problem.period))
+
+    def _nearest(self, table: Array) -> Known:
+        """Of the states known, the one of the nearest intervals as many as these; else the last."""
+        known = self.last["known"]
+        alike = [one for one in known if one.table.shape == table.shape]
+        return min(reversed(alike), key=lambda one: float(np.abs(one.table - table).max())) if alike else known[-1]
 
     def from_zones(self, table: Array, value: float, zones: Array) -> CohesivePoint:
         """The same from a first guess of the zones."""
@@ -161,6 +177,9 @@ class Cohesive(Equilibria):
         fields, look = self.contact(pulled, value, zones)
         point = self._point(table, value, fields, look)
         self.last["point"] = point
+        known = self.last.setdefault("known", [])
+        known.append(Known(table, value, point.zones, point.by_ends))
+        del known[:-_KNOWN]
         return point
 
     def control(self, pulled: Pulled, value: float) -> Control:
@@ -344,7 +363,7 @@ class Cohesive(Equilibria):
 
     def _held(self, table: Array, value: float) -> Array:
         """The intervals, with ends that contact covers taken back to where they come from."""
-        before = self.last["point"].table
+        before = self._nearest(table).table
         for _ in range(_TRIES):
             try:
                 self.at(table, value)
@@ -623,7 +642,7 @@ def below(zones: Array, look: tuple[Array, Array], reach: float, period: float |
     return np.array(out)
 
 
-def _followed(before: CohesivePoint, table: Array, value: float, period: float | None) -> Array:
+def _followed(before: Known, table: Array, value: float, period: float | None) -> Array:
     """Where the zones of a state are about to be after its intervals and the value have moved."""
     zones = before.zones
     if len(before.table) != len(table):
