@@ -381,7 +381,7 @@ class Cohesive(Equilibria):
             if new is not None:
                 if len(new) == 0:
                     return None
-                here = self.at(new, value)
+                here = self.from_zones(new, value, fitted(here.zones, new, self.problem.period))
                 continue
             ahead, move = self._step(here, sign)
             assert isinstance(ahead, CohesivePoint)

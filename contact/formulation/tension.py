@@ -85,7 +85,7 @@ class Tension(sie.Kept):
         out = np.zeros(np.shape(x))
         for left, right in self.table:
             out += self._primitive(x - left) - self._primitive(x - right)
-        if not self.plain:
+        if not self.plain and len(self.table):
             out += self._regular(np.asarray(x, dtype=float))
         return self.stress / np.pi * out
 
