@@ -45,8 +45,8 @@ def rough(count=30, seed=1):
 def agrees(solution, reference, tol=1e-10):
     a, c = reference.half_width, reference.cohesive_end
     ends = max(abs(solution.zones[0, 1] - a), abs(solution.zones[0, 0] + a)) / a
-    x = INSIDE * a
-    pressure = np.abs(solution.pressure(x) - reference.pressure(x)).max() / np.abs(reference.pressure(x)).max()
+    wanted = reference.pressure(INSIDE * a)
+    pressure = np.abs(solution.pressure_at(INSIDE) - wanted).max() / np.abs(wanted).max()
     assert max(ends, pressure, abs(solution.cohesive[0, 1] / c - 1)) < tol
     assert max(ends, pressure) < 2 * solution.error < 1e-8
     assert solution.load == pytest.approx(reference.load, rel=1e-9, abs=1e-15)
@@ -75,7 +75,7 @@ def test_the_wave_is_that_of_the_closed_form_on_either_branch(stress, load, bran
 def test_a_held_approach_is_another_control_with_another_pull_off(approach):
     solution, curve = wave(5e-3, approach=approach)
     agrees(solution, curve.at_approach(approach))
-    assert solution.pull_off.approach == pytest.approx(curve.pull_off(0.0).approach, rel=1e-9)
+    assert solution.pull_off.approach == pytest.approx(curve.pull_off(0.0).approach, rel=1e-7)
 
 
 @pytest.mark.parametrize("load", [1e-4, 0.0, -2e-5])
@@ -92,7 +92,7 @@ def test_pull_off_is_a_turning_point_or_where_contact_has_shrunk_to_a_point(tabo
     # The closed form begins at a half width of about 1e-9 of the tension's.
     assert solution.pull_off.load == pytest.approx(curve.pull_off().load, rel=1e-7)
     assert solution.pull_off.approach == pytest.approx(curve.pull_off().approach, rel=1e-7)
-    with pytest.raises(contact.OutOfRange, match=f"past pull-off.*{solution.pull_off.load:.6g}"[:26]):
+    with pytest.raises(contact.OutOfRange, match=f"past pull-off, which is at load {solution.pull_off.load:.4e}"[:38]):
         cylinder(tabor, load=1.01 * solution.pull_off.load)
 
 
@@ -111,9 +111,9 @@ def test_large_stresses_are_adhesion_without_range_at_the_rate_of_the_strips():
     jkr = exact.JKRCylinder(1.0, E, W_CYLINDER, datum=1.0).at_load(0.0)
     found = [cylinder(tabor, load=0.0)[0] for tabor in (20.0, 40.0)]
     off = [abs(s.zones[0, 1] / jkr.half_width - 1) for s in found]
-    # The strip, pi E* w/(8 s^2) wide, is what either end differs by.
+    # The strip, pi E* w/(4 s^2) wide, is what either end differs by.
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.02)
-    strip = [np.pi * E * W_CYLINDER / (8 * stress_of(tabor) ** 2) for tabor in (20.0, 40.0)]
+    strip = [np.pi * E * W_CYLINDER / (4 * stress_of(tabor) ** 2) for tabor in (20.0, 40.0)]
     assert [float(s.cohesive[0, 1] - s.zones[0, 1]) for s in found] == pytest.approx(strip, rel=0.02)
 
 
@@ -191,7 +191,7 @@ def test_the_work_of_the_load_is_elastic_and_surface_energy(load):
 @pytest.mark.parametrize("kind", [Load, Approach])
 def test_rates_are_those_of_moved_ends_and_symmetric(kind):
     scene = contact.Scene(
-        contact.Polynomial([0.0, 0.05, 0.5, 0.3]), E, contact.Isolated(datum=1.0), law=contact.Dugdale(1e-6, 5e-3), load=1e-4
+        contact.Polynomial([0.0, 0.05, 0.5, 0.3, 0.5]), E, contact.Isolated(datum=1.0), law=contact.Dugdale(1e-6, 5e-3), load=1e-4
     )
     scaled = scaled_scene_about(scene, 0.0, np.array([[-0.07, -0.03]]))
     curve = Cohesive(scaled.problem, Load)
@@ -210,9 +210,8 @@ def test_rates_are_those_of_moved_ends_and_symmetric(kind):
 
 
 def test_clausens_integral_and_the_potential_of_a_tension_have_their_slopes():
-    assert clausen(np.array([0.5, np.pi / 3, 2.0, 3.0])) == pytest.approx(
-        [0.848311869679, 1.014941606409654, 0.727146050863, 0.098026209391], rel=1e-10
-    )
+    known = [0.9159655941772190, 1.0149416064096537, 2 / 3 * 1.0149416064096537, -0.9159655941772190]
+    assert clausen(np.array([np.pi / 2, np.pi / 3, 2 * np.pi / 3, 1.5 * np.pi])) == pytest.approx(known, rel=1e-14)
     x, step = np.array([-0.41, 0.05, 0.3]), 1e-5
     for kernel in (sie.hilbert(1.0), sie.cauchy(0.7)):
         tension = Tension(2.0, np.array([[-0.2, -0.1], [0.1, 0.25]]), kernel, True)

@@ -45,6 +45,8 @@ Array = NDArray[np.float64]
 
 # Tolerance of solutions under the bare law, from which the branch is followed.
 _BARE = 1e-6
+# Zones under the tension that was found: as tightly as they come to rest.
+_TIGHT, _LOOSE = (1e-13, 1e-11), 1e-9
 # First zones over the intervals in which the surfaces touch.
 _TOUCH = 1e-2
 # Adhesion on a strip below this part of a zone is nearly without range; of the intensity it would have, and how far ends go for it.
@@ -74,7 +76,8 @@ def followed_under_tension(task: Task) -> Outcome:
         return _everywhere(task, problem)
     if rest is None:
         raise OutOfRange(past(curve, _pulled_off(task, scaled, curve), task))
-    return _solved(task, curve, curve.settled(rest))
+    here = curve.settled(rest)
+    return _solved(task, curve, curve.at(here.moved(-np.linalg.solve(here.rates, here.residual)), value))
 
 
 def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
@@ -157,7 +160,7 @@ def _begun(curve: Cohesive, fields: ZoneFields) -> Array:
     narrow strip: from there on the strip is not too narrow to be told, and the ends are still driven outward."""
     problem, zones = curve.problem, fields.density.zones.table
     wanted = math.sqrt(2 * curve.stress * curve.reach / math.pi)
-    strip, width = np.pi**2 / 8 * (wanted / curve.stress) ** 2, np.diff(zones, axis=1)
+    strip, width = np.pi**2 / 4 * (wanted / curve.stress) ** 2, np.diff(zones, axis=1)
     slope = np.maximum(np.array(fields.density.edge_slopes).T, 1e-300)
     out = np.where(strip < _THIN * width, np.minimum(2 * _PART * wanted / slope, _FIRST * width), 0.0)
     gaps = np.append(zones[1:, 0] - zones[:-1, 1], np.inf if problem.period is None else zones[0, 0] + problem.period - zones[-1, 1])
@@ -285,7 +288,9 @@ def _solved(task: Task, curve: Cohesive, here: Point) -> Found:
 def _tight(task: Task, pulled: Pulled, load: float, zones: Array) -> tuple[PulledFields, sie.Free, Load]:
     control = Load(load)
     kinds = sie.Zones.of(zones, pulled.end, pulled.end)
-    free = sie.find_ends(pulled.equation(control), kinds, max(min(task.tolerance, 1e-11), 1e-13))
+    free = next(
+        (found for tolerance in _TIGHT if (found := sie.find_ends(pulled.equation(control), kinds, tolerance)).converged), None
+    ) or sie.find_ends(pulled.equation(control), kinds, _LOOSE)
     if not free.converged:
         raise task.error(Missed(f"under the tension that was found {free.reason}", free), pulled)
     return PulledFields(pulled, free.state), free, control
