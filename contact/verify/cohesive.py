@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.formulation.cohesive import Cohesive, CohesivePoint
+from contact.formulation.controls import Load
 from contact.formulation.pulled_fields import PulledFields
 from contact.verify.accuracy import Found
 from contact.verify.certificate import Certificate
@@ -85,5 +86,7 @@ def uncertain(curve: Cohesive, here: CohesivePoint) -> float:
     rounding = here.fields.gap_rounding / 16 / curve.reach
     ends = np.abs(np.linalg.solve(here.rates, here.residual)) + np.abs(np.linalg.inv(here.rates)) @ np.full(len(here.residual), rounding)
     width = np.tile(np.diff(here.zones, axis=1)[:, 0], 2)
-    follow = np.abs(here.by_ends[:, :-1]) @ ends
+    # The load of q is the difference of the tension's and the given one.
+    load = 4.0 * np.finfo(np.float64).eps * (abs(here.load) + curve.stress * float(here.widths.sum()))
+    follow = np.abs(here.by_ends[:, :-1]) @ ends + np.abs(here.by_ends[:, -1]) * (load if curve.kind is Load else 0.0)
     return float(max((ends / here.widths).max(), (follow / width).max()))
