@@ -56,7 +56,8 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
-    "Biquadratic", "ContactError", "Dugdale", "E_star", "Event", "Flat", "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated", "JKR",
+    "Biquadratic", "ContactError", "Dugdale", "E_star", "Event", "Flat", "Fourier", "Frictionless", "HalfPlane", "Interaction",
+    "Isolated", "JKR",
     "Law", "Layer", "Localized", "MissingExtra",
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",

@@ -30,9 +30,9 @@ from sie.slits.system import AnyDensity, AnyState, solve_zones
 from sie.solver import NotConverged, Solution, solve
 
 __all__ = [
-    "Answers", "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End", "EndRates",
-    "EqualPotential", "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "NotConverged", "PiecewiseTransform",
-    "Pierced", "Rows", "SingularSystem", "Smooth", "Solution", "State", "Total",
-    "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_rates", "find_ends", "free_with_intensity", "hilbert",
-    "images", "moment", "solve", "solve_fixed", "solve_zones",
+    "Answers", "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End",
+    "EndRates", "EqualPotential", "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "NotConverged",
+    "PiecewiseTransform", "Pierced", "Rows", "SingularSystem", "Smooth", "Solution", "State", "Total", "TotalWidth", "Weighted",
+    "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_rates", "find_ends", "free_with_intensity", "hilbert", "images",
+    "moment", "solve", "solve_fixed", "solve_zones",
 ]

@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class PulledFields(ZoneFields):
-    """problem: `Pulled`; law_problem: the same with the scene's law; rate: d load/d approach, scaled, None where nothing is held by ends."""
+    """problem: `Pulled`; law_problem: the same with the scene's law; rate: d load/d approach, scaled, None under tension everywhere."""
 
     law_problem: Problem | None = None
     rate: float | None = None

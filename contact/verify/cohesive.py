@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.controls import Load
+from contact.formulation.pulled_contact import look_at
 from contact.formulation.pulled_fields import PulledFields
 from contact.verify.accuracy import Found
 from contact.verify.certificate import Certificate
@@ -47,7 +48,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
     held, name = plain.holds, curve.kind.name
     if here is None:
         assert fields is not None
-        _, gap = curve._look(fields)
+        _, gap = look_at(fields)
         inside = bool(np.all(gap < curve.reach * (1 + _REACH)))
         note = "the gap is below the reach of the tension everywhere: the frictionless contact, less the tension, and as stable"
         return replace(plain, smallest_pressure=least, holds=held and inside, note=note if inside else "the gap is above the reach")
@@ -75,8 +76,8 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
         held, note = False, f"not stable under a held {name}: the second variation of the energy is not positive"
     else:
         note = (
-            "one of several equilibria: pressure above minus the tension in contact, no overlap, balance, the gap below the reach where the "
-            f"tension acts, above it elsewhere and equal to it at its ends, locally stable under a held {name}"
+            "one of several equilibria: pressure above minus the tension in contact, no overlap, balance, the gap below the reach where "
+            f"the tension acts, above it elsewhere and equal to it at its ends, locally stable under a held {name}"
         )
     return replace(plain, smallest_pressure=least, holds=bool(held), note=note, intensity=missed, stability=stability)
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.zones import Zones
 from sie.collocation.fixed import State
 from sie.density.density import Density
 from sie.equation.conditions import of_levels, speaks_of_levels
@@ -36,6 +37,18 @@ class Answers:
         Of the levels of the zones; none where no condition speaks of levels.
     potentials : (P, J) array
         Of the density's potential at the places asked for.
+
+    Examples
+    --------
+    A unit source far to the right of a zone is the right side -1/(pi c) on it: K = w^(3/2)/(sqrt(2) pi c) at its right end.
+
+    >>> import numpy as np
+    >>> import sie
+    >>> still = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(0.0),))
+    >>> state = sie.solve_fixed(still, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
+    >>> found = sie.answers(state, np.array([1e9]), np.ones((1, 1)), np.zeros((1, 1)), np.zeros(0))
+    >>> (found.intensities[:, 0, 0] * np.pi * 1e9 * np.sqrt(2)).round(6).tolist()
+    [-1.0, 1.0]
     """
 
     intensities: Array
@@ -70,15 +83,15 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
 
     Examples
     --------
-    A unit source far to the right of a zone is the right side -1/(pi c) on it, and its tilt makes K = w^(3/2)/(sqrt(2) pi c).
+    The potential of a unit total on a zone, by a change of the condition: ln(1/2) within, and arcosh(x) more beyond, over pi.
 
     >>> import numpy as np
     >>> import sie
     >>> still = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(0.0),))
     >>> state = sie.solve_fixed(still, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
-    >>> found = sie.answers(state, np.array([1e9]), np.ones((1, 1)), np.zeros((1, 1)), np.zeros(0))
-    >>> (found.intensities[:, 0, 0] * np.pi * 1e9 * np.sqrt(2)).round(6).tolist()
-    [-1.0, 1.0]
+    >>> found = sie.answers(state, np.zeros(0), np.zeros((0, 1)), np.ones((1, 1)), np.array([2.0]))
+    >>> bool(np.isclose(found.potentials[0, 0] * np.pi, np.log(0.5) + np.arccosh(2.0)))
+    True
     """
     zones, kernel, layout, system = state.density.zones, state.density.kernel, state.system.layout, state.system
     if zones.symmetric:
@@ -129,7 +142,7 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     return Answers(intensities, levels, potentials)
 
 
-def _rho(zones, x: Array) -> Array:  # type: ignore[no-untyped-def]
+def _rho(zones: Zones, x: Array) -> Array:
     """rho of places (N, poles) outside the zones, seen from each: (Z, N, poles)."""
     right = x > zones.middle[:, None, None]
     past = np.where(right, x - zones.b[:, None, None], zones.a[:, None, None] - x) / zones.half[:, None, None]
@@ -159,7 +172,7 @@ def _solved(state: State, right: Array) -> Array:
     return np.column_stack([iteration(column, None, 0.0) for column in right.T])
 
 
-def _beyond_potential(zones, seen: Array, up: Array, m: Array) -> Array:  # type: ignore[no-untyped-def]
+def _beyond_potential(zones: Zones, seen: Array, up: Array, m: NDArray[np.intp]) -> Array:
     """Potential of (2/(pi w)) rho^l, l > m, of unit sources (Z, S, poles) at places (Z, P, poles): -(2/pi) sum_{l > m} (rho rho')^l / l."""
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(zones)):

@@ -18,14 +18,16 @@ from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged, OutOfRange
-from contact.formulation.cohesive import TOO_NARROW, Cohesive, CohesivePoint, Covered, Lost, below, fitted, united_about
+from contact.formulation.cohesive import TOO_NARROW, Cohesive, CohesivePoint
 from contact.formulation.controls import Load
 from contact.formulation.equilibria import Closed, Point, kind_of
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
+from contact.formulation.pulled_contact import Covered, Lost
 from contact.formulation.pulled_fields import PulledFields, PulledGapFields
 from contact.formulation.tension import Pulled
+from contact.formulation.tension_intervals import below, fitted, united_about
 from contact.model.scene import Scene
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
@@ -77,7 +79,11 @@ def followed_under_tension(task: Task) -> Outcome:
     if rest is None:
         raise OutOfRange(past(curve, _pulled_off(task, scaled, curve), task))
     here = curve.settled(rest)
-    return _solved(task, curve, curve.at(here.moved(-np.linalg.solve(here.rates, here.residual)), value))
+    return _solved(task, curve, curve.at(here.moved(_newton(here)), value))
+
+
+def _newton(here: Point) -> Array:
+    return np.asarray(-np.linalg.solve(here.rates, here.residual), dtype=np.float64)
 
 
 def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
@@ -130,7 +136,7 @@ def _advanced(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
         if len(found.zones) == 0:
             raise Closed
         zones = placed(problem, found.zones)
-        fields, look = curve.contact(Pulled.of(problem, 0.0, np.zeros((0, 2))), value, zones)
+        fields, look = curve.contact_under(Pulled.of(problem, 0.0, np.zeros((0, 2))), value, zones)
         zones = fields.density.zones.table
         table = united_about(below(zones, look, curve.reach, problem.period), _begun(curve, fields), problem.period)
         zones = fitted(zones, table, problem.period)
@@ -229,7 +235,7 @@ def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None
         zones = _under_all(task, problem)
         if zones is None:
             raise Closed
-        fields, look = curve.contact(curve.everywhere, value, zones)
+        fields, look = curve.contact_under(curve.everywhere, value, zones)
     except Lost:
         return None
     zones = fields.density.zones.table
@@ -269,7 +275,7 @@ def _bare_scene(task: Task, problem: Problem) -> Scene:
 # what was found -------------------------------------------------------------------------------------------------------
 def _under(scene: Scene, value: float) -> Scene:
     """The scene under another value of its control."""
-    return replace(scene, **{scene.control[0]: value})
+    return replace(scene, **{scene.control[0]: value})  # type: ignore[arg-type]
 
 
 def _solved(task: Task, curve: Cohesive, here: Point) -> Found:
