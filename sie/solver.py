@@ -29,7 +29,7 @@ class Solution:
 
     Parameters
     ----------
-    density : Density or Pierced
+    density : Density or SlitDensity
         The wanted function: call it at points of the line, see `Density`.
     zones : Zones
         The zones, n of them, free ends where they have come to rest; `zones.table` is the (n, 2) array of ends.
@@ -229,8 +229,8 @@ def _told(free: Free) -> Solution:
 
 def _of_density(state: AnyState) -> float:
     """The density's error on the zones as they are: with the rounding of what is subtracted for jumps, which may cancel."""
-    steps = state.density.steps
-    jumps = float((np.abs(steps.height) * steps.sine).max(initial=0.0)) / max(state.size, 1e-300)
+    carried = state.density.jumps
+    jumps = float((np.abs(carried.height) * carried.sine).max(initial=0.0)) / max(state.size, 1e-300)
     return state.density_error + 2 * _EPS * jumps
 
 

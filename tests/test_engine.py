@@ -22,10 +22,11 @@ def run(name: str) -> ModuleType:
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda f: f.stem)
-def test_an_example_of_the_engine_is_short_and_on_its_page_and_needs_no_contact(script: Path) -> None:
+def test_an_example_of_the_engine_is_short_has_a_picture_and_needs_no_contact(script: Path) -> None:
     text = script.read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 40 and "contact" not in text
     assert f"examples/engine/{script.name}" in (ROOT / "docs" / "engine.md").read_text(encoding="utf-8")
+    assert 0 < (ROOT / "docs" / "gallery" / f"{script.stem}.png").stat().st_size <= 60_000
 
 
 def test_cracks_have_the_stress_intensity_factors_of_their_closed_forms() -> None:

@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+import sie
+
 ROOT = Path(__file__).parents[1]
 
 # From the ground up: what stands in a room, or in a file beside the rooms, imports from its own room and those to its left only.
@@ -17,13 +19,13 @@ ORDER = {
     "sie": "basis fast jumps equation density collocation slits free_ends solver __init__",
     "contact": """
         errors interrupts extras model testing reference exact inverse axisymmetric
-        formulation verify solution search solver sweeps __init__ paper studies commands __main__
+        formulation verify solution search solver sweeps explorer __init__ paper studies commands __main__
     """,
-    "contact.search": "topology grid shared task feasibility ways find refine __init__",
+    "contact.search": "topology grid equilibria shared task feasibility ways find refine __init__",
 }
 # The only files that import by name: what is heavy, where a scene needs it.
 ON_DEMAND = {"contact.extras", "sie.fast.lazy"}
-HEAVY = ("numba", "matplotlib", "xarray", "click", "rich", "pydantic", "scipy.interpolate", "scipy.optimize", "pandas")
+HEAVY = ("numba", "matplotlib", "xarray", "click", "rich", "pydantic", "scipy.interpolate", "scipy.optimize", "pandas", "panel", "bokeh")
 
 
 def modules(package: str) -> dict[str, Path]:
@@ -170,9 +172,9 @@ def test_few_files_import_by_name() -> None:
                 assert "import_module" not in text and "__import__" not in text, f"{package}.{name}"
 
 
-def loaded_after(code: str) -> set[str]:
-    """Heavy packages that are in sys.modules after the code has run in a fresh interpreter."""
-    report = f"\nimport sys; print(*[m for m in {HEAVY!r} if m in sys.modules])"
+def loaded_after(code: str, names: tuple[str, ...] = HEAVY) -> set[str]:
+    """Those of the modules, heavy ones if none are named, that are in sys.modules after the code has run in a fresh interpreter."""
+    report = f"\nimport sys; print(*[m for m in {names!r} if m in sys.modules])"
     command = [sys.executable, "-c", code + report]
     run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, stdin=subprocess.DEVNULL)
     return set(run.stdout.split())
@@ -196,3 +198,18 @@ def test_contact_asks_no_type_of_the_engine_s_states_and_densities() -> None:
         if not name.startswith("studies."):
             text = file.read_text(encoding="utf-8")
             assert not any(f"sie.{kind})" in text for kind in ("State", "Density", "Pierced")), name
+
+
+def test_every_name_of_the_engine_is_found_where_it_is_said_to_be() -> None:
+    homes = {name: module for module, names in sie._HOMES.items() for name in names.split()}
+    assert set(homes) == set(sie.__all__) <= set(dir(sie))
+    tree = ast.parse((ROOT / "sie" / "__init__.py").read_text(encoding="utf-8"))
+    assert {name: module for module, name in imports(tree) if name in homes} == homes
+    assert all(getattr(sie, name) is getattr(sys.modules[module], name) for name, module in homes.items())
+
+
+def test_a_wave_is_solved_without_the_search_for_ends() -> None:
+    scene = "contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e8)"
+    engine = ("sie.solver", "sie.collocation.fixed", "sie.free_ends.newton", "sie.slits.system")
+    assert loaded_after(f"import contact; contact.solve({scene}).gap(0.0)", engine)
+    assert loaded_after(f"import contact; contact.solve({scene}).max_pressure", engine) == set()

@@ -146,3 +146,30 @@ def test_what_they_start_from_solves() -> None:
     found = sie.solve(left, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR))
     assert found.density.intensities[0] == pytest.approx([2.0])
     assert names["Load"](3.0).conditions()[0][0] == sie.Total(3.0)
+
+
+# Rows of a table of measured figures that name their page of docs.
+MEASURED = re.compile(r"^\|.*\]\((docs/[\w-]+\.md)(?:#[\w-]+)?\).*\|$", re.MULTILINE)
+# A figure: a time with its unit, an error as a power of ten, a count of thousands.
+FIGURE = re.compile(r"\d+(?:\.\d+)? (?:µs|ms|s)\b|\d(?:\.\d+)?e-\d+|\d{1,3}(?:,\d{3})+")
+
+
+def unfounded(text: str) -> list[tuple[str, str]]:
+    """(page, figure) of every figure in a row of a table that does not stand on the page which the row names."""
+    rows = [(found[1], found[0]) for found in MEASURED.finditer(text)]
+    return [
+        (page, figure) for page, row in rows for figure in FIGURE.findall(re.sub(r"`[^`]*`", "", row))
+        if figure not in (ROOT / page).read_text(encoding="utf-8")
+    ]
+
+
+def test_a_figure_of_the_readme_stands_on_the_page_it_is_taken_from() -> None:
+    assert unfounded(README) == []
+
+
+def test_a_figure_that_its_page_does_not_have_is_noticed() -> None:
+    row = "| rough | {} | [measured](docs/benchmarks.md#cost-against-size) |\n"
+    assert unfounded(row.format("123456.7 s, 9e-99, 987,654,321")) == [
+        ("docs/benchmarks.md", figure) for figure in ("123456.7 s", "9e-99", "987,654,321")
+    ]
+    assert unfounded(row.format("2187 zones")) == [] and unfounded("| no page | 123456.7 s |\n") == []

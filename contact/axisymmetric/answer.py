@@ -34,8 +34,66 @@ _TENSION = 1e-9  # relative to the mean pressure, or to the height met: rounding
 
 @dataclass(frozen=True)
 class Spot(sie.Kept):
-    """One round spot of contact, and its surroundings. `error` bounds the relative error of load, radius and pressure
-    (to the mean pressure of the spot) as a solution of the equations of its model; it does not know the model's own."""
+    """One solved round spot of contact and its surroundings, as `solve_spot` and `solve_levels` give it.
+
+    Equations: the head of this module. `error` bounds the relative error of load, radius and pressure (to the mean pressure of the
+    spot) as a solution of the equations of its model; it does not know the model's own.
+
+    Parameters
+    ----------
+    profile : AxisymmetricProfile
+        The shape.
+    E_star : float
+        Reduced modulus [Pa].
+    radius : float
+        Radius a of the spot [m].
+    load : float
+        P of the spot [N].
+    depth : float
+        How far its tip stands below the highest ones [m].
+    approach : float
+        By how much the body has come down from first touch, to the mean plane of the surface (alone: to the surface at infinity) [m].
+    density : float
+        Such spots per unit area [1/m^2]; 0 for a spot alone.
+    rings : float
+        Rings of neighbours kept in their places, up to inf.
+    surface : Surface
+        What the other spots do to this one.
+    reach : float
+        Where the neighbours begin [m]; inf for a spot alone.
+    error : float
+        Bound of the relative error.
+
+    Attributes
+    ----------
+    nominal_pressure, contact_fraction : float or None
+        Load and area of contact over the area [Pa, 1]; None for a spot alone.
+    mean_pressure, max_pressure : float
+        Over the spot, and its peak [Pa]; inf under a point or an edge.
+    circle : float
+        A = (pi N)^(-1/2), the circle whose area is a spot's share [m]; inf for a spot alone.
+    pressure, gap, displacement : callable
+        p [Pa], gap [m] and u [m] at radii r [m] of any shape, in the mean over the angle; the last two up to `reach`.
+    balance : callable
+        int p dA over the load, less one.
+
+    Raises
+    ------
+    SceneError
+        From `gap` and `displacement`, beyond `reach`.
+    OutOfRange
+        From `check`, if contact is not one full circle.
+
+    Examples
+    --------
+    Hertz: the peak is 3/2 of the mean pressure, and the approach a^2/R.
+
+    >>> import numpy as np
+    >>> from contact.axisymmetric import Sphere, solve_spot
+    >>> spot = solve_spot(Sphere(radius=1e-3), 1e11, load=1.0)
+    >>> bool(np.isclose(spot.max_pressure / spot.mean_pressure, 1.5)), bool(np.isclose(spot.approach, spot.radius**2 / 1e-3))
+    (True, True)
+    """
 
     profile: AxisymmetricProfile
     E_star: float

@@ -23,7 +23,33 @@ _SAME = 1e-9  # distances that differ by less, relative to the spacing, are one 
 
 @dataclass(frozen=True)
 class Density:
-    """So many spots per unit area [1/m^2], their places unknown: the first step of the localization only."""
+    """So many spots per unit area, their places unknown: the first step of the localization only.
+
+    Parameters
+    ----------
+    value : float
+        Spots per unit area [1/m^2].
+
+    Attributes
+    ----------
+    density, nearest : float
+        The value [1/m^2], and inf: no neighbour is known.
+
+    Raises
+    ------
+    SceneError
+        If the value is not positive and finite.
+
+    Examples
+    --------
+    Without neighbours in their places a lattice says no more than its density.
+
+    >>> import numpy as np
+    >>> from contact.axisymmetric import Density, Sphere, Square, solve_spot
+    >>> spots = [solve_spot(Sphere(1e-3), 1e11, place, load=0.01) for place in (Density(1e8), Square(1e-4))]
+    >>> bool(np.isclose(spots[0].radius, spots[1].radius))
+    True
+    """
 
     value: float
 
@@ -32,6 +58,7 @@ class Density:
 
     @property
     def density(self) -> float:
+        """Spots per unit area [1/m^2]."""
         return self.value
 
     @property
@@ -42,7 +69,41 @@ class Density:
 
 @dataclass(frozen=True)
 class Lattice:
-    """Base of the lattices: a subclass names its two unit vectors, in units of the spacing l."""
+    """Spots that repeat in the plane; the base of the lattices: a subclass names its two unit vectors.
+
+    Parameters
+    ----------
+    spacing : float
+        Distance l of the nearest spots [m].
+
+    Attributes
+    ----------
+    unit_basis : array, (2, 2)
+        The unit vectors as rows, in units of l; what a subclass defines.
+    unit_area : float
+        Area of the cell over l^2.
+    density : float
+        Spots per unit area [1/m^2].
+    nearest : float
+        Distance of the nearest spot [m].
+    neighbours, distances : callable
+        Radii [m] and numbers of spots of the first rings; distances over l up to a reach.
+
+    Raises
+    ------
+    SceneError
+        If the spacing is not positive and finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.axisymmetric import Lattice
+    >>> class Bricks(Lattice):
+    ...     unit_basis = np.array([[1.0, 0.0], [0.5, 2.0]])
+    >>> radii, counts = Bricks(1e-4).neighbours(2)
+    >>> bool(np.allclose(radii, [1e-4, 2e-4])), counts.tolist(), Bricks(1e-4).unit_area
+    (True, [2, 2], 2.0)
+    """
 
     spacing: float
 
@@ -51,6 +112,7 @@ class Lattice:
 
     @property
     def unit_basis(self) -> Array:
+        """The unit vectors as rows, in units of the spacing."""
         raise NotImplementedError(f"{type(self).__name__} must define unit_basis")
 
     @property
@@ -98,7 +160,35 @@ class Lattice:
 
 @dataclass(frozen=True)
 class Hexagonal(Lattice):
-    """Spots at the corners of equal triangles of side l: 2/(sqrt(3) l^2) of them per unit area."""
+    """Spots at the corners of equal triangles of side l: 2/(sqrt(3) l^2) of them per unit area.
+
+    Parameters
+    ----------
+    spacing : float
+        l [m].
+
+    Attributes
+    ----------
+    density : float
+        Spots per unit area [1/m^2].
+    nearest : float
+        Distance of the nearest spot [m].
+    neighbours : callable
+        Radii [m] and numbers of spots of the first rings.
+
+    Raises
+    ------
+    SceneError
+        If the spacing is not positive and finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.axisymmetric import Hexagonal
+    >>> radii, counts = Hexagonal(spacing=1.0).neighbours(3)
+    >>> bool(np.allclose(radii, [1.0, np.sqrt(3), 2.0])), counts.tolist()
+    (True, [6, 6, 6])
+    """
 
     @property
     def unit_basis(self) -> Array:
@@ -107,7 +197,35 @@ class Hexagonal(Lattice):
 
 @dataclass(frozen=True)
 class Square(Lattice):
-    """Spots at the corners of squares of side l: 1/l^2 of them per unit area."""
+    """Spots at the corners of squares of side l: 1/l^2 of them per unit area.
+
+    Parameters
+    ----------
+    spacing : float
+        l [m].
+
+    Attributes
+    ----------
+    density : float
+        Spots per unit area [1/m^2].
+    nearest : float
+        Distance of the nearest spot [m].
+    neighbours : callable
+        Radii [m] and numbers of spots of the first rings.
+
+    Raises
+    ------
+    SceneError
+        If the spacing is not positive and finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.axisymmetric import Square
+    >>> radii, counts = Square(spacing=1.0).neighbours(4)
+    >>> bool(np.allclose(radii, np.sqrt([1, 2, 4, 5]))), counts.tolist()
+    (True, [4, 4, 4, 8])
+    """
 
     @property
     def unit_basis(self) -> Array:
@@ -121,7 +239,25 @@ def group(distances: Array) -> tuple[Array, NDArray[np.int64]]:
 
 
 def own_radius(density: float) -> float:
-    """A = (pi N)^(-1/2), the circle whose area is a spot's share."""
+    """A = (pi N)^(-1/2), the circle whose area is a spot's share.
+
+    Parameters
+    ----------
+    density : float
+        N spots per unit area [1/m^2].
+
+    Returns
+    -------
+    float
+        [m].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.axisymmetric import Hexagonal, own_radius
+    >>> bool(np.isclose(np.pi * own_radius(Hexagonal(1e-4).density) ** 2, np.sqrt(0.75) * 1e-8))
+    True
+    """
     return 1.0 / sqrt(pi * density)
 
 

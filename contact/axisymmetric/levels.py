@@ -34,10 +34,30 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Level:
-    """Asperities of one shape and height: `depth` [m] is how far their tips stand below the highest ones.
+    """Asperities of one shape and height.
 
-    Either a `density` [1/m^2], or `sites` in fractions of the lattice's unit vectors; all sites of a level must see
-    the same surroundings.
+    Parameters
+    ----------
+    profile : AxisymmetricProfile or callable
+        The shape, or f(r) [m].
+    depth : float
+        How far the tips stand below the highest ones [m]; 0 for the highest level.
+    density : float or None
+        Asperities per unit area [1/m^2], where there is no lattice.
+    sites : sequence of pairs or None
+        Places in fractions of the lattice's unit vectors; all sites of a level must see the same surroundings.
+
+    Raises
+    ------
+    SceneError
+        If the depth is negative, a density or site is refused, or not exactly one of `density` and `sites` is given.
+
+    Examples
+    --------
+    >>> from contact.axisymmetric import Level, Sphere
+    >>> low = Level(Sphere(1e-3), depth=1e-8, sites=[(0.5, 0.5)])
+    >>> low.depth, low.sites, low.density
+    (1e-08, ((0.5, 0.5),), None)
     """
 
     profile: Any
@@ -58,7 +78,39 @@ class Level:
 
 @dataclass(frozen=True)
 class LevelsSolution:
-    """All levels at one nominal pressure; `spots` has None for a level that does not touch."""
+    """All levels at one nominal pressure, as `solve_levels` gives it.
+
+    Parameters
+    ----------
+    nominal_pressure : float
+        Load over area [Pa].
+    approach : float
+        By how much the body has come down from first touch of the highest level, to the mean plane of the surface [m].
+    spots : tuple of Spot or None
+        The spot of every level; None for a level that does not touch.
+    touch_pressures, touch_approaches : array, (levels,)
+        Nominal pressure [Pa] and approach [m] at which each level begins to touch; inf where spots would merge before it does.
+
+    Attributes
+    ----------
+    touching : tuple of bool
+        Which levels are in contact.
+    radii, loads : array, (levels,)
+        Radius [m] and load [N] of one spot of each level; 0 without contact.
+    shares : array, (levels,)
+        The part of the nominal pressure each level carries; their sum is one.
+    error : float
+        Bound of the relative error, the largest of the spots.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.axisymmetric import Level, Sphere, solve_levels
+    >>> levels = [Level(Sphere(1e-3), density=1e8), Level(Sphere(1e-3), depth=1e-8, density=1e8)]
+    >>> found = solve_levels(levels, 1e11, nominal_pressure=1e7)
+    >>> found.touching, bool(np.isclose(np.sum(found.shares), 1.0)), bool(found.radii[0] > found.radii[1])
+    ((True, True), True, True)
+    """
 
     nominal_pressure: float
     approach: float
@@ -68,10 +120,12 @@ class LevelsSolution:
 
     @property
     def touching(self) -> tuple[bool, ...]:
+        """Which levels are in contact."""
         return tuple(spot is not None for spot in self.spots)
 
     @property
     def radii(self) -> Array:
+        """Radius of the spots of each level [m], 0 without contact."""
         return np.array([0.0 if s is None else s.radius for s in self.spots])
 
     @property
@@ -86,6 +140,7 @@ class LevelsSolution:
 
     @property
     def error(self) -> float:
+        """Bound of the relative error, the largest of the spots."""
         return max(s.error for s in self.spots if s is not None)
 
 
@@ -163,7 +218,43 @@ def solve_levels(
 def touch_pressures(
     levels: Sequence[Level], E_star: float, lattice: Lattice | None = None, *, rings: float = 0, tol: float = 1e-10
 ) -> Array:
-    """The nominal pressure [Pa] at which each level begins to touch; inf where spots would merge before it does."""
+    """The nominal pressure at which each level begins to touch; inf where spots would merge before it does.
+
+    Parameters
+    ----------
+    levels : sequence of Level
+        Shape, depth of the tips below the highest, and sites of each.
+    E_star : float
+        Reduced modulus [Pa].
+    lattice : Lattice or None
+        What the sites repeat with.
+    rings : float
+        Rings of neighbours kept in their places, up to inf; 0: the first step of the localization.
+    tol : float
+        Largest relative error of the solution of that model.
+
+    Returns
+    -------
+    array, (levels,)
+        [Pa]; 0 for the highest level.
+
+    Raises
+    ------
+    SceneError
+        If the input is bad.
+    NotConverged
+        If the radii of the spots were not found.
+
+    Examples
+    --------
+    Just above that pressure the low level is in contact, just below it is not.
+
+    >>> from contact.axisymmetric import Level, Sphere, solve_levels, touch_pressures
+    >>> levels = [Level(Sphere(1e-3), density=1e8), Level(Sphere(1e-3), depth=1e-8, density=1e8)]
+    >>> highest, low = touch_pressures(levels, 1e11)
+    >>> [solve_levels(levels, 1e11, nominal_pressure=share * low).touching[1] for share in (0.99, 1.01)]
+    [False, True]
+    """
     E, tol = positive("E_star", E_star), positive("tol", tol)
     kinds, around, _ = _system(levels, lattice, rings)
     pressures = np.full(len(kinds), inf)

@@ -31,7 +31,39 @@ Array = NDArray[np.float64]
 
 
 class AxisymmetricProfile(sie.Kept):
-    """Base of all shapes: subclasses are frozen dataclasses that define `slope` and, if they can, closed forms."""
+    """An axisymmetric asperity f(r), f(0) = 0; the base of all shapes.
+
+    A subclass is a frozen dataclass that defines `slope`, and closed forms of the rest where it has them. Equations: the head of this
+    module (I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4).
+
+    Attributes
+    ----------
+    height, slope, r_laplacian : callable
+        f [m], f' and (r f')' at radii r >= 0 [m] of any shape.
+    line, line_slope : callable
+        g(x) [m], the equivalent plane profile (the penetration of a spot of radius x alone), and g'(x).
+    load_integral : callable
+        P/E* of a spot of radius a alone [m^2].
+    pressure_shape : callable
+        p/E* at radii r in a spot of radius a alone.
+    breakpoints, jumps : array
+        Radii > 0 where f is not smooth, ascending [m], and by how much f' jumps there.
+
+    Raises
+    ------
+    NotImplementedError
+        From the calls, if the subclass does not define `slope`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.axisymmetric import AxisymmetricProfile, PowerLaw
+    >>> class Quartic(AxisymmetricProfile):
+    ...     def slope(self, r):
+    ...         return 4 * np.asarray(r) ** 3
+    >>> bool(np.isclose(Quartic().load_integral(0.5), PowerLaw(exponent=4, scale=1.0).load_integral(0.5)))
+    True
+    """
 
     def slope(self, r: ArrayLike) -> Array:
         """f'(r), r >= 0."""
@@ -124,7 +156,32 @@ def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
 
 @dataclass(frozen=True)
 class Sphere(AxisymmetricProfile):
-    """f = r^2/(2 radius), the paraboloid of Hertz: g = x^2/R, P = 4 E* a^3/(3R), p = (2 E*/(pi R)) sqrt(a^2 - r^2)."""
+    """A paraboloid f = r^2/(2 radius), the contact of Hertz: g = x^2/R, P = 4 E* a^3/(3R), p = (2 E*/(pi R)) sqrt(a^2 - r^2).
+
+    I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of curvature R [m].
+
+    Attributes
+    ----------
+    height, slope, line, load_integral, pressure_shape : as in `AxisymmetricProfile`
+        What every shape has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.axisymmetric import Sphere
+    >>> bool(np.isclose(Sphere(radius=1e-3).load_integral(1e-5), 4e-15 / 3e-3))
+    True
+    """
 
     radius: float
 
@@ -159,7 +216,35 @@ class Sphere(AxisymmetricProfile):
 
 @dataclass(frozen=True)
 class Cone(AxisymmetricProfile):
-    """f = slope r (Sneddon): g = pi slope x/2, P = pi E* slope a^2/2, p = (E* slope/2) arcosh(a/r)."""
+    """A cone f = slope r (Sneddon): g = pi slope x/2, P = pi E* slope a^2/2, p = (E* slope/2) arcosh(a/r).
+
+    I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4.
+
+    Parameters
+    ----------
+    steepness : float
+        The slope of the flank.
+
+    Attributes
+    ----------
+    height, slope, line, load_integral, pressure_shape : as in `AxisymmetricProfile`
+        What every shape has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+
+    Examples
+    --------
+    The mean pressure is E* slope/2 at any load.
+
+    >>> import numpy as np
+    >>> from contact.axisymmetric import Cone, solve_spot
+    >>> spots = [solve_spot(Cone(steepness=0.01), 1e9, load=load) for load in (1.0, 10.0)]
+    >>> bool(np.allclose([spot.mean_pressure for spot in spots], 5e6))
+    True
+    """
 
     steepness: float
 
@@ -192,9 +277,36 @@ class Cone(AxisymmetricProfile):
 
 @dataclass(frozen=True)
 class PowerLaw(AxisymmetricProfile):
-    """f = scale r^exponent, exponent >= 1 (scale in m^(1 - exponent)): g = k scale x^n, P = 2 E* n/(n+1) a g(a).
+    """A shape f = scale r^exponent, exponent n >= 1: g = k scale x^n, P = 2 E* n/(n+1) a g(a).
 
-    k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2) (Galin; Popov 2013).
+    k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2). Galin; Popov 2013; I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4.
+
+    Parameters
+    ----------
+    exponent : float
+        n, from 1 to 300.
+    scale : float
+        The factor [m^(1 - n)].
+
+    Attributes
+    ----------
+    height, slope, line, load_integral, pressure_shape : as in `AxisymmetricProfile`
+        What every shape has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If the exponent is not from 1 to 300, or the scale not positive and finite.
+
+    Examples
+    --------
+    n = 2 is the paraboloid.
+
+    >>> import numpy as np
+    >>> from contact.axisymmetric import PowerLaw, Sphere
+    >>> r = np.linspace(0.0, 0.9, 4)
+    >>> bool(np.allclose(PowerLaw(exponent=2.0, scale=0.5).pressure_shape(r, 1.0), Sphere(1.0).pressure_shape(r, 1.0)))
+    True
     """
 
     exponent: float
@@ -238,8 +350,34 @@ class PowerLaw(AxisymmetricProfile):
 class Revolved(AxisymmetricProfile):
     """Any shape of revolution, from a callable f(r), or f'(r), or both, of arrays r >= 0.
 
-    `second` is f'' if known, else it is derived (exactly, by a complex step, where the slope takes complex numbers).
-    `breaks`: radii where f is not smooth, an edge for instance; with them both derivatives must be given.
+    Parameters
+    ----------
+    height_of, slope_of : callable or None
+        f(r) [m] and f'(r); one of them may be left out.
+    second : callable or None
+        f''(r) [1/m]; else it is derived (exactly, by a complex step, where the slope takes complex numbers).
+    breaks : sequence of float
+        Radii where f is not smooth, an edge for instance [m]; with them `slope_of` and `second` must be given.
+
+    Attributes
+    ----------
+    height, slope, line, load_integral, pressure_shape : as in `AxisymmetricProfile`
+        What every shape has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If neither f nor f' is given, one is no function of an array that returns as many real numbers, or a break lacks its derivatives.
+
+    Examples
+    --------
+    A bare height is enough.
+
+    >>> import numpy as np
+    >>> from contact.axisymmetric import Revolved, Sphere
+    >>> shape = Revolved(height_of=lambda r: r**2 / 2e-3)
+    >>> bool(np.isclose(shape.load_integral(1e-5), Sphere(1e-3).load_integral(1e-5), rtol=1e-9))
+    True
     """
 
     height_of: Callable[[Any], Any] | None = None

@@ -105,14 +105,72 @@ def solve_spot(
 
 
 def correction_share(ratio: float) -> float:
-    """F(a/A), the part of P_s that the nominal pressure around brings to the spot in the first step."""
+    """F(a/A), the part of P_s that the nominal pressure around brings to the spot in the first step: (2/pi)(arcsin q - q sqrt(1 - q^2)).
+
+    Parameters
+    ----------
+    ratio : float
+        q = a/A, from 0 to 1: radius of the spot over that of the circle whose area is its share.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    SceneError
+        If the ratio is not from 0 to 1.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.axisymmetric import correction_share
+    >>> correction_share(0.0), bool(np.isclose(correction_share(1.0), 1.0))
+    (0.0, True)
+    >>> bool(np.isclose(correction_share(0.5), 1 / 3 - np.sqrt(0.75) / np.pi))
+    True
+    """
     if not 0.0 <= ratio <= 1.0:
         raise SceneError.of("ratio", ratio, "a number from 0 to 1")
     return 2.0 / pi * (asin(ratio) - ratio * sqrt((1.0 - ratio) * (1.0 + ratio)))
 
 
 def first_step_load(profile: Any, E_star: float, density: float, spot_radius: float) -> float:
-    """P_s = P_f(a)/(1 - F(a/A)) [N], the closed form of (1) with (4)."""
+    """The load of a spot on a lattice in the first step of the localization, P_s = P_f(a)/(1 - F(a/A)): the closed form of (1) with (4).
+
+    Parameters
+    ----------
+    profile : AxisymmetricProfile or callable
+        The shape, or f(r) [m].
+    E_star : float
+        Reduced modulus [Pa].
+    density : float
+        Spots per unit area [1/m^2].
+    spot_radius : float
+        Radius a of the spot, below A = (pi N)^(-1/2) [m].
+
+    Returns
+    -------
+    float
+        [N].
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+    OutOfRange
+        If the spot is as wide as its share.
+
+    Examples
+    --------
+    The solver without neighbours in their places gives the same.
+
+    >>> import numpy as np
+    >>> from contact.axisymmetric import Density, Sphere, first_step_load, solve_spot
+    >>> spot = solve_spot(Sphere(1e-3), 1e11, Density(1e8), spot_radius=2e-5)
+    >>> bool(np.isclose(spot.load, first_step_load(Sphere(1e-3), 1e11, 1e8, 2e-5)))
+    True
+    """
     A = own_radius(positive("density", density))
     a = positive("spot_radius", spot_radius)
     if not a < A:

@@ -1,4 +1,5 @@
-"""The command line: `contact solve | plan | compare | trace | figures | bench | stability | profiles | interactions | substrates | laws`.
+"""The command line: `contact solve | plan | compare | path | sweep | explore | trace | figures | bench | stability`, and lists of what a
+scene may name, `contact profiles | interactions | substrates | laws`.
 
 Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but 0 stderr has one line, after a
 line for each warning.
@@ -20,30 +21,40 @@ import click
 import numpy as np
 
 from contact import interrupts
-from contact.commands.outputs import checked, checked_figure
+from contact.commands.explore import explore_command
+from contact.commands.options import QUIET, SCENE, TOL, scene_of
+from contact.commands.outputs import OVERWRITE, checked, checked_figure
+from contact.commands.path import path_command
+from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command
-from contact.errors import ContactError, ModelWarning, NotConverged
-from contact.extras import require
+from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
+from contact.extras import other_package, owners, require, version
 from contact.model.interactions.base import TURNING
 from contact.model.registry import interactions, laws, profiles, substrates
-from contact.model.scene_file import load_scene
-from contact.model.units import quantity
+from contact.model.units import column, quantity
 from contact.solution.answer import Answer
-from contact.solution.export import ZONE_COLUMNS, to_json, write_csv, write_netcdf, zone_table
+from contact.solution.export import (
+    ZONE_COLUMNS,
+    ZONE_UNITS,
+    to_json,
+    write_csv,
+    write_fields,
+    write_json,
+    write_netcdf,
+    zone_table,
+)
 from contact.solution.plan import plan
 from contact.solution.plotting import plot
 from contact.solution.terminal import Progress, show_table
 from contact.solver import solve
-from contact.sweeps.compare import compare, refusals, table, total_width
+from contact.sweeps.compare import compare, refusals, tables
 from contact.sweeps.compare_plot import plot_comparison
+from contact.sweeps.points import total_width
 
 BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 2, 3, interrupts.STATUS
 
 # A table of more zones than this is for a file.
 _ZONES_SHOWN = 20
-
-_SCENE = click.argument("scene", type=click.Path(path_type=Path))
-_TOL = click.option("--tol", type=float, default=1e-8, show_default=True, help="Largest relative error.")
 
 
 class Commands(click.Group):
@@ -92,38 +103,59 @@ def _stop(status: int, message: str) -> NoReturn:
     sys.exit(status)
 
 
+def _say_version(context: click.Context, _: click.Parameter, asked: bool) -> None:
+    if not asked:
+        return
+    click.echo(f"contact {version()}")
+    others = ", ".join(owners())
+    if others:
+        click.echo(f"contact: warning: {others} is imported as `contact` too: keep one of them in an environment", err=True)
+    context.exit()
+
+
 @click.group(cls=Commands, invoke_without_command=True, context_settings={"help_option_names": ["-h", "--help"]})
-@click.version_option(package_name="sie-contact", prog_name="contact", message="%(prog)s %(version)s")
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_say_version,
+              help="Show the version, and whether another package takes the name.")
 @click.pass_context
 def main(context: click.Context) -> None:
-    """Exact elastic contact of rough and wavy bodies, from scene files in TOML."""
+    """Exact elastic contact of rough and wavy bodies, from scene files in TOML; - for SCENE reads it from standard input.
+
+    Exit status: 0 solved; 1 the reader of a pipe left; 2 bad input or out of range; 3 not converged; 130 interrupted.
+    """
+    if told := other_package():
+        click.echo(f"contact: warning: {told}", err=True)
     if context.invoked_subcommand is None:
         click.echo(context.get_help())
 
 
 @main.command("solve")
-@_SCENE
+@SCENE
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
-@click.option("--save", type=click.Path(path_type=Path), metavar="OUT.nc", help="Write zones and fields as netCDF.")
+@click.option("--save", type=click.Path(path_type=Path), metavar="OUT.nc", help="Write zones and fields as netCDF, or OUT.json.")
 @click.option("--csv", "table", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write the zones as CSV.")
+@click.option("--fields", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write pressure and gap over x as CSV.")
 @click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw the surfaces, p.")
 @click.option("--branch", type=click.Choice(("advancing", "receding")), default="advancing", show_default=True,
               help="Of several equilibria under adhesion: by raising, or by lowering the control.")
-@_TOL
+@OVERWRITE
+@QUIET
+@TOL
 def solve_command(
-    scene: Path, as_json: bool, save: Path | None, table: Path | None, figure: Path | None, branch: str, tol: float
+    scene: Path, as_json: bool, save: Path | None, table: Path | None, fields: Path | None, figure: Path | None, branch: str,
+    overwrite: bool, quiet: bool, tol: float,
 ) -> None:
     """Solve a SCENE and print its zones, loads and what was checked."""
-    problem = load_scene(scene)
-    outputs = _outputs(save, table, figure)
+    problem = scene_of(scene)
+    outputs = _outputs(save, table, fields, figure, overwrite)
     start = time.perf_counter()
-    with Progress() as progress:
+    with Progress(wanted=not quiet) as progress:
         solution = solve(problem, tol=tol, progress=progress, branch=branch)
     seconds = time.perf_counter() - start
     for path, write in outputs.items():
-        write(solution, path)
+        write(solution, path, overwrite)
     if as_json:
         click.echo(to_json(solution))
+    if as_json or quiet:
         return
     show_profile(problem.profile)
     _show_solution(solution, seconds)
@@ -132,21 +164,22 @@ def solve_command(
 
 
 @main.command("plan")
-@_SCENE
+@SCENE
 @click.option("--solve", "run", is_flag=True, help="Solve it, and say what each part took.")
-@_TOL
+@TOL
 def plan_command(scene: Path, run: bool, tol: float) -> None:
     """Say what a SCENE needs and what it leaves out, without solving it.
 
     With --solve also the sizes, and where the time went.
     """
-    problem = load_scene(scene)
+    problem = scene_of(scene)
     if not run:
         rows = [(row.name, "yes" if row.used else "no", row.reason, row.detail) for row in plan(problem).rows]
         show_table("plan", ("part", "used", "reason", "detail"), rows)
         return
     with Progress() as progress:
         done = solve(problem, tol=tol, progress=progress).plan
+    show_profile(problem.profile)
     timed = [
         (row.name, "yes" if row.used else "no", row.reason, row.detail, *_took(row.seconds, done.share(row))) for row in done.rows
     ]
@@ -160,18 +193,19 @@ def _took(seconds: float | None, share: float | None) -> tuple[str, str]:
 
 
 @main.command("compare")
-@_SCENE
-@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw pressures and errors.")
-@_TOL
+@SCENE
+@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw the differences.")
+@TOL
 def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
     """Solve a SCENE as isolated, localized (with and without explicit neighbours) and exact contact, side by side."""
-    problem = load_scene(scene)
+    problem = scene_of(scene)
     if figure is not None:
         checked_figure(figure)
     with Progress() as progress:
         attempts = compare(problem, tol, progress)
     show_profile(problem.profile)
-    show_table("models", ("", *(a.name for a in attempts)), table(attempts), numeric=range(1, len(attempts) + 1))
+    for table in tables(attempts):
+        show_table(table.title, table.columns, table.rows, numeric=range(1, len(table.columns)))
     for line in refusals(attempts):
         click.echo(line)
     if all(attempt.solution is None for attempt in attempts):
@@ -182,7 +216,10 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
         click.echo(f"written: {figure}")
 
 
+main.add_command(path_command)
+main.add_command(sweep_command)
 main.add_command(trace_command)
+main.add_command(explore_command)
 
 
 @main.command("figures")
@@ -267,23 +304,35 @@ def laws_command() -> None:
     show_table("laws", ("model", "parameters", "controls", "what it is"), rows)
 
 
-Write = Callable[[Answer, Path], None]
+Write = Callable[[Answer, Path, bool], None]
 
 
-def _outputs(save: Path | None, table: Path | None, figure: Path | None) -> dict[Path, Write]:
+def _outputs(
+    save: Path | None, table: Path | None, fields: Path | None, figure: Path | None, overwrite: bool
+) -> dict[Path, Write]:
     """The files asked for and how each is written; what cannot be written is refused before anything is solved."""
     outputs: dict[Path, Write] = {}
     if save is not None:
-        outputs[checked("--save", save, (".nc",))] = write_netcdf
-        require("xarray"), require("h5netcdf"), require("h5py")
+        outputs[checked("--save", save, (".nc", ".json"), overwrite)] = write_json if save.suffix.lower() == ".json" else write_netcdf
+        if save.suffix.lower() == ".nc":
+            for needed in ("xarray", "h5netcdf", "h5py"):
+                require(needed)
     if table is not None:
-        outputs[checked("--csv", table, (".csv",))] = write_csv
+        outputs[checked("--csv", table, (".csv",), overwrite)] = write_csv
+    if fields is not None:
+        _distinct("--fields", fields, outputs)
+        outputs[checked("--fields", fields, (".csv",), overwrite)] = write_fields
     if figure is not None:
         outputs[checked_figure(figure)] = _write_figure
     return outputs
 
 
-def _write_figure(solution: Answer, path: Path) -> None:
+def _distinct(option: str, path: Path, outputs: Mapping[Path, Write]) -> None:
+    if path in outputs:
+        raise SceneError.of(option, str(path), "another file than the other options name")
+
+
+def _write_figure(solution: Answer, path: Path, overwrite: bool) -> None:
     plot(solution).savefig(path, dpi=200)
 
 
@@ -312,13 +361,13 @@ def _show_solution(solution: Answer, seconds: float) -> None:
     rows = zone_table(solution)
     if not rows:
         return
-    units = ("m", "m", "m", "N/m", "Pa")
-    shown = [
-        (str(place), *(quantity(value, unit, 10) for value, unit in zip(row, units, strict=True)))
-        for place, row in enumerate(rows[:_ZONES_SHOWN], start=1)
-    ]
-    names = ("zone", *(name.replace("_", " ") for name in ZONE_COLUMNS))
-    show_table("zones", names, shown, numeric=range(len(names)))
+    shown = rows[:_ZONES_SHOWN]
+    names, columns = ["zone"], [[str(place) for place in range(1, len(shown) + 1)]]
+    for name, unit, values in zip(ZONE_COLUMNS, ZONE_UNITS, zip(*shown, strict=True), strict=True):
+        prefixed, told = column(values, unit, 9 if name in ("left", "right") else 7)
+        names.append(f"{name.replace('_', chr(10))}\n[{prefixed}]")
+        columns.append(told)
+    show_table("zones", names, list(zip(*columns, strict=True)), numeric=range(len(names)))
     if len(rows) > _ZONES_SHOWN:
         click.echo(f"{len(rows) - _ZONES_SHOWN} more zones: --csv writes them all")
 

@@ -10,9 +10,9 @@ from typing import Any
 
 import click
 
-from contact.commands.outputs import checked, checked_figure
+from contact.commands.outputs import OVERWRITE, checked, checked_figure
 from contact.commands.trace_plot import plot_trace
-from contact.errors import SceneError, warn
+from contact.errors import warn
 from contact.extras import require
 from contact.model.profiles.base import Profile
 from contact.model.profiles.sampled import Sampled
@@ -85,17 +85,15 @@ def _with_keys(command: Callable[..., None]) -> Callable[..., None]:
 @_with_keys
 @click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw the preparation, heights and spectrum.")
 @click.option("--scene", type=click.Path(path_type=Path), metavar="OUT.toml", help="Write a scene file to start from.")
-@click.option("--force", is_flag=True, help="Write over a scene file that is there.")
+@OVERWRITE
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
-def trace_command(file: Path, figure: Path | None, scene: Path | None, force: bool, as_json: bool, **options: str | None) -> None:
+def trace_command(file: Path, figure: Path | None, scene: Path | None, overwrite: bool, as_json: bool, **options: str | None) -> None:
     """Read a trace from a FILE and print its length, pitch, heights and roughness, and what was done to it."""
     keys = {name: KEYS[name][0](text) for name, text in options.items() if text is not None}
     if figure is not None:
         checked_figure(figure)
     if scene is not None:
-        checked("--scene", scene, (".toml",))
-        if scene.exists() and not force:
-            raise SceneError.of("--scene", str(scene), "a file that is not there yet, or --force given")
+        checked("--scene", scene, (".toml",), overwrite)
     trace = load_trace(file, **keys)
     warn(trace.warnings)
     profile = Sampled(trace.x, trace.height, trace.period)

@@ -4,6 +4,7 @@ Each control knows the side conditions that fix it, where the pressure is the un
 
     load        int p = P, one level on all zones                      mean pressure P / period
     approach    the level -approach on every zone                      mean gap = mean f - approach
+    machine     level - give int p = -value on every zone
     half width  the ends themselves, which stand where they are given
     width       int p unknown, one level; ends with a total width      mean pressure unknown; ends likewise
 
@@ -50,6 +51,11 @@ class Control:
 
     @property
     def width(self) -> float | None:
+        return None
+
+    @property
+    def yields(self) -> float | None:
+        """d(approach)/d(load) of what holds the contact: 0 where that holds the approach, None where it holds the load."""
         return None
 
     def conditions(self) -> Conditions:
@@ -100,6 +106,10 @@ class Approach(Control):
     def approach(self) -> float:
         return self.value
 
+    @property
+    def yields(self) -> float:
+        return 0.0
+
     def conditions(self) -> Conditions:
         return (sie.Level(-self.value),), ()
 
@@ -107,6 +117,24 @@ class Approach(Control):
         # min f = 0, and u has the mean of the compression: the mean of f less the mean gap, and that.
         opened = sie.ZoneMoments((self.value - mean_height()) * period)
         return (opened if compression == 0.0 else _OpenedAndSunk(opened, compression * period), sie.ZoneTotals(0.0)), ()
+
+    def unit(self, units: Units) -> float:
+        return units.height
+
+
+@dataclass(frozen=True)
+class Machine(Control):
+    """The approach of the far end of a spring: that of the contact and `give` times the load, give > 0."""
+
+    give: float
+    name: ClassVar[str] = "machine"
+
+    @property
+    def yields(self) -> float:
+        return self.give
+
+    def conditions(self) -> Conditions:
+        return (_Sprung(-self.value, self.give),), ()
 
     def unit(self, units: Units) -> float:
         return units.height
@@ -147,6 +175,24 @@ class Width(Control):
 
     def unit(self, units: Units) -> float:
         return units.length
+
+
+@dataclass(frozen=True)
+class _Sprung(sie.Condition):
+    """The level of every zone, less `give` times the total, has a value."""
+
+    value: float
+    give: float
+    levels = True
+
+    def count(self, zones: sie.Zones) -> int:
+        return len(zones.solved)
+
+    def rows(self, system: sie.Rows) -> tuple[Array, Array, Array]:
+        matrix, constants = system.levels()
+        totals, known = system.totals()
+        weight = system.multiplicity()
+        return matrix - self.give * (weight @ totals), constants - self.give * (weight @ known), np.full(len(constants), self.value)
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import sie
-from contact.formulation.controls import Control, Load
-from contact.formulation.equilibria import Equilibria, Point
+from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
 
@@ -110,7 +109,7 @@ class ZoneFields(sie.Kept):
         zones = self.density.zones
         if len(zones) == 1:
             end = zones.b
-            return -(self._sunk(end) + self._shape(end))
+            return -(self._sunk(end) + self.standing_shape(end))
         return self.state.levels
 
     @cached_property
@@ -159,27 +158,27 @@ class ZoneFields(sie.Kept):
         assert wanted
         return float((np.abs(self.density.coefficients).max(axis=1) * np.sqrt(zones.half / 2)).max()) / abs(wanted)
 
-    def second_variation(self, held: str) -> Array:
+    def second_variation(self, yields: float | None = None) -> Array:
         """d^2 energy / ds_i ds_j by outward motions of the left and the right ends, times the roots of their zones' widths and over
-        2 w (2 Z, 2 Z): of dG_i/ds_j, G = w (K/K*)^2, at the held "load" or "approach"."""
+        2 w (2 Z, 2 Z): of dG_i/ds_j, G = w (K/K*)^2. yields: d(approach)/d(load) of what holds the contact, None: the load is held."""
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
         whole = sie.Zones.of(zones.table, self.problem.end, self.problem.end)
         state = sie.solve_zones(self.problem.equation(Load(self.density.total)), whole, 1e-13).whole
         rates = sie.end_rates(state)
         matrix = rates.intensities
-        if held == "approach":
+        if yields is not None:
             values = np.zeros(len(state.condition_scale))
             values[state.condition_index[0]] = 1.0
             by_load = np.concatenate(state.response(values).intensities)
-            matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / float(state.level_rates(values).mean())
+            matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / (float(state.level_rates(values).mean()) - yields)
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
         return np.asarray(root[:, None] * matrix * root / wanted)
 
-    def pull_off(self, kind: type[Control]) -> Point:
-        """Where the contact comes apart as a control of this kind falls, under a law of several equilibria."""
-        curve = Equilibria(self.problem, kind)
-        return curve.pull_off(curve.at(self.density.zones.table, self.density.total if kind is Load else -self.level))
+    @property
+    def borne_beside(self) -> float:
+        """Scaled int p (F - gap) dx beside the zones, of what acts there."""
+        return 0.0
 
     @cached_property
     def mean_gap(self) -> float:
@@ -237,7 +236,7 @@ class ZoneFields(sie.Kept):
 
     def formal_gap(self, x: Array) -> Array:
         """F - V + lambda C + level everywhere, rounding left as it is on the zones."""
-        gap = np.asarray(self._shape(x) + self.level + self._sunk(x))
+        gap = np.asarray(self.standing_shape(x) + self.level + self._sunk(x))
         # In a narrow gap what opens it keeps digits that the difference has lost.
         narrow, opening = self.density.opening(x)
         return np.where(narrow, opening, gap) if narrow.any() else gap
@@ -251,9 +250,9 @@ class ZoneFields(sie.Kept):
         potential = self.density.potential_on(lo, hi) if len(self.density.zones) >= _MANY else None
         if potential is None:
             return self.scaled_gap
-        return lambda x: self._shape(x) + self.level + self._raised(x, potential(x))
+        return lambda x: self.standing_shape(x) + self.level + self._raised(x, potential(x))
 
-    def _shape(self, x: Array) -> Array:
+    def standing_shape(self, x: Array) -> Array:
         """F of the profile as it stands: turned on by what the first guess of the tilt missed."""
         shape = self.problem.shape(x)
         return shape if self.problem.moment is None else shape - self._missing_tilt * (x + self.problem.units.lever)
@@ -387,6 +386,16 @@ class ZoneFields(sie.Kept):
         return self.density.totals * self.problem.units.load
 
     @property
+    def zone_table(self) -> Array:
+        """Ends of the zones [m] (n, 2)."""
+        return np.asarray(self.problem.units.x(self.density.zones.table))
+
+    @property
+    def spreading(self) -> Array:
+        """How far the ends move outward as the load grows by a factor of e [m] (n, 2)."""
+        return moved_ends(self.state).T * self.problem.units.length * self.density.total
+
+    @property
     def tilt(self) -> float:
         """By how much the body is turned [rad]."""
         if self.problem.moment is None:
@@ -440,7 +449,7 @@ class ZoneFields(sie.Kept):
             left, right = density.intensities
             if max(left.max(), right.max()) > 1e-12 * np.abs(density.coefficients).max():
                 return np.inf
-        if np.any((density.steps.height > 0) & (density.steps.order == 0)):
+        if np.any((density.jumps.height > 0) & (density.jumps.order == 0)):
             return np.inf
         counts, reach, peak = density.sampling, np.empty(len(density.zones)), -np.inf
         for n in np.unique(counts):
@@ -473,7 +482,7 @@ class ZoneFields(sie.Kept):
     def displacement(self, x: ArrayLike) -> Array:
         scaled = self._scaled(x)
         inside = self.inside(scaled)
-        shape = np.where(inside, self._shape(np.where(inside, scaled, self.density.zones.middle[0])), 0.0)
+        shape = np.where(inside, self.standing_shape(np.where(inside, scaled, self.density.zones.middle[0])), 0.0)
         zero = self.level if self.approach is None else 0.0
         u = np.where(inside, -self.level - shape, self._sunk(scaled)) + zero
         return np.asarray(u * self.problem.units.height)

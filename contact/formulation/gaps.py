@@ -95,6 +95,18 @@ class GapFields(sie.Kept):
         return np.asarray(self.bearing(x) * np.sqrt(nearer / np.where(kept > 0, kept, np.inf)))
 
     # SI ---------------------------------------------------------------------------------------------------------------
+    @property
+    def zone_table(self) -> Array:
+        """Ends of the zones [m] (n, 2)."""
+        return np.asarray(self.problem.units.x(self.zones))
+
+    @property
+    def spreading(self) -> Array:
+        """How far the ends of the zones move outward as the load grows by a factor of e [m] (n, 2)."""
+        rates = moved_ends(self.state)
+        # A gap loses on its left what the zone before it gains on its right.
+        return -np.column_stack((rates[1], np.roll(rates[0], -1))) * self.problem.units.length * self.mean
+
     def pressure(self, x: ArrayLike) -> Array:
         return self.scaled_pressure(self.problem.units.scaled(np.asarray(x, dtype=float))) * self.problem.units.pressure
 
@@ -111,6 +123,10 @@ class GapFields(sie.Kept):
         """u = approach - f + gap."""
         height = np.asarray(self.problem.profile.height(x)) - self.problem.lowest
         return np.asarray(self.approach - height + self.gap(x))
+
+    @property
+    def borne_beside(self) -> float:
+        return 0.0
 
     @property
     def cohesive(self) -> Array:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 import sie
 from contact.errors import NotConverged
 from contact.formulation.controls import Control
+from contact.formulation.equilibria import NoState
 from contact.formulation.fields import ZoneFields
 from contact.formulation.tension import Pulled
 from contact.formulation.tension_intervals import fitted, interval_of, places, runs_of
@@ -40,11 +41,11 @@ _FAR = 1e3
 _SIGNS = 128
 
 
-class Lost(Exception):
+class Lost(NoState):
     """No contact is left under a tension."""
 
 
-class Covered(Exception):
+class Covered(NoState):
     """Contact goes on to the ends of intervals of tension. ends: which (2m,)."""
 
     def __init__(self, ends: NDArray[np.bool_]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -10,14 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.formulation.cohesive import Cohesive, CohesivePoint
-from contact.formulation.controls import Approach, Control, Load
-from contact.formulation.equilibria import Point
+from contact.formulation.controls import Approach, Load, Machine
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.tension import Pulled, Tension
 
 Array = NDArray[np.float64]
+
+# Nodes on a part of an interval.
+_NODES = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,26 +52,8 @@ class PulledFields(ZoneFields):
             return np.asarray(units.x(np.array([[first, first + tension.period]])))
         return np.asarray(units.x(tension.table))
 
-    def _place(self, kind: type[Control]) -> tuple[Cohesive, CohesivePoint]:
-        """The curve that the solution lies on, and its place there."""
-        curve = self._curve(kind)
-        return curve, curve.from_zones(self.tension.table, self._value(kind), self.density.zones.table)
-
-    def _curve(self, kind: type[Control]) -> Cohesive:
-        assert self.law_problem is not None
-        return Cohesive(self.law_problem, kind)
-
-    def _value(self, kind: type[Control]) -> float:
-        return float(self.density.total - self.tension.total) if kind is Load else -self.level
-
-    def pull_off(self, kind: type[Control]) -> Point:
-        if self.tension.everywhere:
-            return self._curve(kind).pull_off_from_all(self.density.zones.table, self._value(kind))
-        curve, here = self._place(kind)
-        return curve.pull_off(here)
-
     # the shape is the profile's own, and the displacement the tension's, too
-    def _shape(self, x: Array) -> Array:
+    def standing_shape(self, x: Array) -> Array:
         return self.pulled.own_shape(x)
 
     def _raised(self, x: Array, potential: Array) -> Array:
@@ -116,12 +101,65 @@ class PulledFields(ZoneFields):
         q = self.density(scaled)
         return np.asarray(q - self.tension.stress * self.tension.holds(scaled)) * self.problem.units.pressure
 
-    def second_variation(self, held: str) -> Array:
-        """d^2 energy/ds_i ds_j by outward motions of the ends of the tension, times the roots of their intervals' widths and over 2 w, at
-        the held "load" or "approach"."""
-        _, here = self._place(Approach if held == "approach" else Load)
-        root = np.sqrt(here.widths)
-        return np.asarray(-0.5 * root[:, None] * here.rates * root)
+    def second_variation(self, yields: float | None = None) -> Array:
+        """d^2 energy/ds_i ds_j by outward motions of the ends of the tension, times the roots of their intervals' widths and over 2 w.
+        yields: see `contact.formulation.controls.Control`."""
+        assert self.law_problem is not None
+        total = float(self.density.total - self.tension.total)
+        held = Load(total) if yields is None else Approach(-self.level) if yields == 0.0 else Machine(-self.level + yields * total, yields)
+        here = Cohesive(self.law_problem, held).from_zones(self.tension.table, held.value, self.density.zones.table)
+        return scaled_second_variation(here)
+
+    def _beside(self, function: Callable[[Array], Array]) -> float:
+        """Scaled integral of a function over the intervals, without the zones: by Gauss's rule in the angle on every part."""
+        zones, tension, total = self.density.zones.table, self.tension, 0.0
+        table = tension.table
+        if tension.everywhere:
+            assert tension.period is not None
+            table = np.array([[zones[0, 1], zones[0, 1] + tension.period]])
+        t, weights = np.polynomial.legendre.leggauss(_NODES)
+        angle = 0.5 * np.pi * (1 + t)
+        for lo, hi in table:
+            shifts = (0.0,) if tension.period is None else (-tension.period, 0.0, tension.period)
+            inner = sorted(tuple(row + shift) for row in zones for shift in shifts if row[1] + shift > lo and row[0] + shift < hi)
+            starts, ends = [lo, *(b for _, b in inner)], [*(a for a, _ in inner), hi]
+            for a, b in zip(starts, ends, strict=True):
+                if b <= a:
+                    continue
+                parts = max(1, int(np.ceil((b - a) / self.spacing)))
+                cuts = np.linspace(a, b, parts + 1)
+                half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
+                x = middle - half * np.cos(angle)
+                total += float(np.sum(function(x.ravel()).reshape(x.shape) * half * np.sin(angle) * 0.5 * np.pi * weights))
+        return total
+
+    @cached_property
+    def borne_beside(self) -> float:
+        stress, width = self.tension.stress, self.density.zones.table
+        beside = self._beside(lambda x: self.standing_shape(x) - self.scaled_gap(x))
+        return -stress * beside - stress * self._on_zones(width)
+
+    def _on_zones(self, table: Array) -> float:
+        """int F dx over the zones, scaled."""
+        t, weights = np.polynomial.legendre.leggauss(_NODES)
+        total = 0.0
+        for a, b in table:
+            cuts = np.linspace(a, b, max(1, int(np.ceil((b - a) / self.spacing))) + 1)
+            half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
+            total += float(np.sum(self.standing_shape((middle + half * t).ravel()).reshape(-1, _NODES) * half * weights))
+        return total
+
+    @cached_property
+    def opened(self) -> float:
+        """int gap dx over the intervals of tension [m^2]."""
+        units = self.problem.units
+        return self._beside(self.scaled_gap) * units.length * units.height
+
+
+def scaled_second_variation(here: CohesivePoint) -> Array:
+    """See `PulledFields.second_variation`."""
+    root = np.sqrt(here.widths)
+    return np.asarray(-0.5 * root[:, None] * here.rates * root)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +167,17 @@ class PulledGapFields(GapFields):
     """Nearly full contact under tension everywhere, by its gaps: the bare contact less the tension (scaled)."""
 
     stress: float = 0.0
+
+    @property
+    def opened(self) -> float:
+        """int gap dx over the period [m^2]."""
+        return self.mean_gap * self.period * self.problem.units.length
+
+    @property
+    def borne_beside(self) -> float:
+        # Of q the whole of it is borne by the zones; less the tension on all of the period.
+        own = mean_shape(self.problem) - self.mean_gap / self.problem.units.height
+        return -self.stress * self.period * own
 
     def __getstate__(self) -> dict[str, Any]:
         return super().__getstate__() | {"stress": self.stress}

@@ -190,7 +190,7 @@ class Pulled(Problem):
     def forcing(self) -> sie.Forcing:
         ends = self.pulling.table
         # Between zones the ends of the intervals lie.
-        return replace(super().forcing, resolution=None, spline=self.own_slope, apart=len(ends) > 0)
+        return replace(super().forcing, resolution=None, spline=self.own_slope, singular_between=len(ends) > 0)
 
     def slope(self, x: Array) -> Array:
         return super().slope(x) + self.pulling.slope(x)

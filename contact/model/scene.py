@@ -148,6 +148,13 @@ class Scene(sie.Kept):
 
         for turning in TURNING:
             object.__setattr__(self, turning, finite_or_none(turning, getattr(self, turning)))
+        self._check_period()
+        self._check_body()
+        self._check_control()
+        self._check_turning(self.control[0])
+
+    def _check_control(self) -> None:
+        """The one control: its value, and whether it goes with all else."""
         name, value = self._the_one_control()
         # A turned body touches at some other place than its lowest: there the approach counts from there. Adhesion bears tension.
         signed = (name == "approach" and self.turned) or (self.law.pulls and name in ("load", "mean_pressure", "approach"))
@@ -156,15 +163,21 @@ class Scene(sie.Kept):
         if name == "contact_fraction" and value > 1.0:
             raise SceneError.of(name, value, "above 0 and at most 1")
 
-        self._check_period()
-        self._check_body()
         self._check_control_suits_interaction(name)
         self._check_law(name)
-        self._check_turning(name)
         if name == "half_width":
             self._check_half_width()
         if name == "contact_fraction" or self.interaction.follows_isolated:
             self._check_zone_tells_load(name)
+
+    def under(self, name: str, value: float) -> Scene:
+        """The same under another value of a control, or another control: of all else nothing is looked at again."""
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__)
+        other.__dict__.update(dict.fromkeys(CONTROLS))
+        other.__dict__[name] = value
+        other._check_control()
+        return other
 
     @property
     def control(self) -> tuple[str, float]:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+
+_INFINITE = {True: "infinite", False: "-infinite"}
 
 
 def prefix(magnitude: float) -> tuple[float, str]:
@@ -25,3 +28,10 @@ def quantity(value: float | None, unit: str, digits: int = 4) -> str:
         return "infinite" if value > 0 else str(value)
     factor, letter = prefix(abs(value))
     return f"{value * factor:.{digits}g} {letter}{unit}"
+
+
+def column(values: Sequence[float | None], unit: str, digits: int = 6) -> tuple[str, list[str]]:
+    """The prefixed unit that a whole column of a table is in, and its values as numbers alone; '-' for what is not there."""
+    finite = [abs(value) for value in values if value is not None and math.isfinite(value)]
+    factor, letter = prefix(max(finite, default=0.0))
+    return f"{letter}{unit}", ["-" if v is None else f"{v * factor:.{digits}g}" if math.isfinite(v) else _INFINITE[v > 0] for v in values]

@@ -5,74 +5,123 @@
     the last ones on a curve of its values        Newton from their zones, carried on to here
     a solution near by that knows the tilt        Newton from its zones
     the scene's own control                       first guesses (contact.search.ways.guesses), in a strip or not
-    an approach by loads                          where both load and tilt are unknown, or the grid did not find it
+    loads                                         an approach where load and tilt are unknown, or that the grid did not find
+
+A way leads to the contact, or is left with the reason; the first refusal is raised where none leads on, or a later one that tells why
+there is no contact at all.
 """
 
 from __future__ import annotations
 
-from contact.errors import NotConverged, OutOfRange
+from contact.errors import OutOfRange
 from contact.search.feasibility import refuse_below_plateau, refuse_unbounded
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
 from contact.search.task import Task
-from contact.search.topology.missed import Missed
-from contact.search.ways.along import NOT_ALONG, from_last
+from contact.search.topology.missed import NOT_MINE, Missed, attempted
+from contact.search.ways.along import from_last
 from contact.search.ways.branches import followed
 from contact.search.ways.cohesive import followed_under_tension
 from contact.search.ways.full_contact import smallest_full
 from contact.search.ways.guesses import Outcome, search
 from contact.search.ways.loads import NEAR_LOAD, at_approach, at_level
 from contact.search.ways.strips import centred, first_order
-from contact.verify.accuracy import Found
 
 
 def found(task: Task) -> Outcome:
     """The contact of the task's scene; raises OutOfRange where there is none, NotConverged where no way led to it."""
     scene = task.scene
-    if scene.contact_fraction == 1.0:
-        return smallest_full(task)
-    if task.operator.is_plain and scene.law.convex:
+    if task.operator.is_plain and scene.law.convex and scene.contact_fraction != 1.0:
         refuse_below_plateau(scene)
     refuse_unbounded(scene)
-    if scene.law.bare is not None and scene.half_width is None:
-        return (followed_under_tension if scene.law.tension else followed)(task)
-    if scene.turned and scene.moment is not None and scene.approach is not None:
-        return _by_loads(task)
-    carried = from_last(task)
-    if not isinstance(carried, Missed):
-        return carried
-    if carried is not NOT_ALONG:
-        task.left("the last zones, carried on", carried)
-        # From the same zones once more it would be no shorter.
-        task = task.beside(None)
-    beside = _at_known_tilt(task)
-    if isinstance(beside, Found):
-        return beside
-    try:
-        return _as_given(task)
-    except (OutOfRange, NotConverged) as failure:
-        if not _loads_may_tell(task, failure):
-            raise
-        task.left("the approach itself", Missed(str(failure)))
-        try:
-            return _by_loads(task)
-        except NotConverged:
-            raise failure from None
+    refused: Missed | None = None
+    for name, way in WAYS:
+        outcome = way(task, refused)
+        if not isinstance(outcome, Missed):
+            return outcome
+        if outcome is NOT_MINE:
+            continue
+        task.left(name, outcome)
+        if outcome.refusal is not None and (refused is None or isinstance(outcome.refusal, OutOfRange)):
+            refused = outcome
+        if way is _along:
+            # From the same zones once more it would be no shorter.
+            task = task.beside(None)
+    assert refused is not None and refused.refusal is not None
+    raise refused.refusal
 
 
-def _at_known_tilt(task: Task) -> Found | Missed:
+def _full(task: Task, refused: Missed | None) -> Outcome | Missed:
+    """All of the period."""
+    return smallest_full(task) if task.scene.contact_fraction == 1.0 else NOT_MINE
+
+
+def _branch(task: Task, refused: Missed | None) -> Outcome | Missed:
+    """One of several equilibria."""
+    if not task.follows_branch:
+        return NOT_MINE
+    return (followed_under_tension if task.scene.law.tension else followed)(task)
+
+
+def _along(task: Task, refused: Missed | None) -> Outcome | Missed:
+    """From the last ones on a curve."""
+    return NOT_MINE if _of_unknown_tilt(task) else from_last(task)
+
+
+def _at_known_tilt(task: Task, refused: Missed | None) -> Outcome | Missed:
     """A body of unknown tilt, from a solution at hand: its tilt need not be searched for."""
     near, scene = task.near, task.scene
-    if near is None or len(near.zones) == 0 or scene.moment is None or not scene.turned:
-        return Missed("no solution that knows the tilt")
+    if near is None or len(near.zones) == 0 or scene.moment is None or not scene.turned or scene.approach is not None:
+        return NOT_MINE
     scaled = scaled_scene_about(scene, near.tilt or 0.0, near.zones)
     return task.refine_topology(scaled.problem, scaled.control, placed(scaled.problem, near.zones))
 
 
-def _as_given(task: Task) -> Outcome:
-    """Under the scene's own control."""
+def _as_given(task: Task, refused: Missed | None) -> Outcome | Missed:
+    """Under the scene's own control; what it refuses is a value where loads may tell more."""
+    if _of_unknown_tilt(task):
+        return NOT_MINE
     tilt = None if task.near is None else task.near.tilt
-    return _of_scaled(task, scaled_scene(task.scene, task.single, tilt or 0.0))
+    if not _loads_may_tell(task):
+        return _of_scaled(task, scaled_scene(task.scene, task.single, tilt or 0.0))
+    outcome: Outcome | Missed = attempted(lambda: _of_scaled(task, scaled_scene(task.scene, task.single, tilt or 0.0)))
+    if isinstance(outcome, Missed) and task.scene.interaction.needs_period and isinstance(outcome.refusal, OutOfRange):
+        # A period has one lowest place, which the grid has found.
+        raise outcome.refusal
+    return outcome
+
+
+def _by_loads(task: Task, refused: Missed | None) -> Outcome | Missed:
+    """An approach from a solution under about the load that has it."""
+    if _of_unknown_tilt(task):
+        return _under_loads(task)
+    if refused is None:
+        return NOT_MINE
+    outcome: Outcome | Missed = attempted(lambda: _under_loads(task))
+    return outcome
+
+
+WAYS = (
+    ("full contact", _full),
+    ("the branch", _branch),
+    ("the last zones, carried on", _along),
+    ("zones near by, at their tilt", _at_known_tilt),
+    ("the control itself", _as_given),
+    ("loads", _by_loads),
+)
+
+
+def _of_unknown_tilt(task: Task) -> bool:
+    """Whether neither tilt nor load is known."""
+    scene = task.scene
+    return scene.turned and scene.moment is not None and scene.approach is not None
+
+
+def _loads_may_tell(task: Task) -> bool:
+    """Whether loads may lead to an approach that the grid does not find: its lowest point may lie above the profile's by more than the
+    approach of a lone body, and narrow gaps between its points."""
+    scene = task.scene
+    return task.near is None and not scene.turned and scene.approach is not None and scene.interaction.exact
 
 
 def _of_scaled(task: Task, scaled: ScaledScene) -> Outcome:
@@ -85,17 +134,7 @@ def _of_scaled(task: Task, scaled: ScaledScene) -> Outcome:
     return centred(task, scaled, start) if model.strip else search(task, scaled, start)
 
 
-def _loads_may_tell(task: Task, failure: OutOfRange | NotConverged) -> bool:
-    """Whether loads may lead to an approach that the grid did not find: its lowest point may lie above the profile's by more than the
-    approach of a lone body, and narrow gaps between its points."""
-    scene = task.scene
-    if task.near is not None or scene.turned or scene.approach is None or not scene.interaction.exact:
-        return False
-    return not (scene.interaction.needs_period and isinstance(failure, OutOfRange))
-
-
-def _by_loads(task: Task) -> Outcome:
-    """An approach from a solution under about the load that has it."""
+def _under_loads(task: Task) -> Outcome:
     if not task.scene.interaction.needs_period:
         return at_level(task)
     # Grids are searched by load: the zones are about those of the load that has the approach.

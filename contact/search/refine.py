@@ -7,11 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from contact.errors import NotConverged, OutOfRange
 from contact.search.grid.proposals import about, placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.task import Task
-from contact.search.topology.missed import Missed
+from contact.search.topology.missed import Missed, attempted
 from contact.search.ways.full_contact import Full
 from contact.search.ways.gaps import tightened_gaps
 from contact.search.ways.guesses import Outcome
@@ -48,7 +47,7 @@ def _counted_from_there(task: Task, found: Found) -> Found:
         return found
     table = np.asarray(found.fields.problem.units.x(zones.table))
     scaled = scaled_scene_about(scene, 0.0, table)
-    there = task.refine_topology(scaled.problem, scaled.control, placed(scaled.problem, table))
+    there = task.refine_topology(scaled.problem, task.control(scaled.problem), placed(scaled.problem, table))
     return found if isinstance(there, Missed) else there
 
 
@@ -69,11 +68,12 @@ def _tightened(task: Task, found: Found, whole: Callable[[Task], Outcome]) -> Fo
 
     def again(here: Found | FoundByGaps, tolerance: float) -> Found | FoundByGaps | Missed:
         sharper = task.to(tolerance)
-        try:
+
+        def better_found() -> Outcome:
             same = _from_the_same(sharper, here) if isinstance(here, Found) else None
-            better = same or whole(sharper)
-        except (NotConverged, OutOfRange) as failure:
-            return Missed(str(failure))
+            return same or whole(sharper)
+
+        better: Outcome | Missed = attempted(better_found)
         return Missed("full contact, as the whole search says") if isinstance(better, Full) else better
 
     def at_rest(here: Found | FoundByGaps, tolerance: float) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import ContactError, NotConverged, OutOfRange
-from contact.formulation.controls import Control, scaled_control
+from contact.formulation.controls import Control, Machine, scaled_control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full import FullLimit
 from contact.formulation.problem import Problem
@@ -39,7 +39,8 @@ LEAST = 2e-15
 class Task:
     """One solve. branch: which of several equilibria; tolerance: of the ends and of the density; shared: what it has in common with others
     of the scene; near: a solution of the same profile and model; under: the solver itself, for a control that is found by loads; along: the
-    last solutions of the scene on a curve of its control's values, the nearest last."""
+    last solutions of the scene on a curve of its control's values, the nearest last; give: of a spring, whose far end the scene's
+    approach is then [m per N/m]."""
 
     scene: Scene
     tol: float
@@ -51,6 +52,7 @@ class Task:
     near: Solution | None = None
     branch: str = "advancing"
     along: tuple[Solution, ...] = ()
+    give: float | None = None
 
     @classmethod
     def of(
@@ -72,6 +74,11 @@ class Task:
         """Whether the contact begins as one zone about x = 0."""
         return self.shared.single
 
+    @property
+    def follows_branch(self) -> bool:
+        """Whether there are several equilibria, of which a branch is followed."""
+        return self.scene.law.bare is not None and self.scene.half_width is None
+
     def to(self, tolerance: float) -> Task:
         """The same, more or less tightly."""
         return replace(self, tolerance=tolerance)
@@ -81,7 +88,8 @@ class Task:
 
     def control(self, problem: Problem) -> Control:
         """The scene's own control, scaled."""
-        return scaled_control(self.scene, problem.units)
+        control, units = scaled_control(self.scene, problem.units), problem.units
+        return control if self.give is None else Machine(control.value, self.give * units.load / units.height)
 
     def refine_topology(
         self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 0,

@@ -1,7 +1,7 @@
-"""Solutions as data: plain dictionaries and JSON, a CSV table of the zones, and netCDF with the fields.
+"""Solutions as data: plain dictionaries and JSON, tables of the zones and of the fields as CSV, and netCDF with both.
 
 SI units everywhere. What a scene does not define (None) and what is infinite, as the peak pressure under a sharp
-corner, is null in JSON, which has no infinities.
+corner, is null in JSON, which has no infinities. A file that is there is written over only when that is asked for.
 """
 
 from __future__ import annotations
@@ -11,20 +11,29 @@ import dataclasses
 import io
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contact.extras import require
+from contact.errors import MissingExtra, SceneError
+from contact.extras import require, version
 from contact.model.interactions.base import TURNING
 from contact.model.scene import Scene
 from contact.solution.answer import Answer
 from contact.solution.sampling import positions, window
 
-ZONE_COLUMNS = ("left", "right", "width", "load", "mean_pressure")
+ZONE_COLUMNS = ("left", "right", "width", "load", "mean_pressure", "max_pressure")
+ZONE_UNITS = ("m", "m", "m", "N/m", "Pa", "Pa")
+FIELD_COLUMNS = ("x", "pressure", "gap", "displacement", "profile")
+
+UNITS = {
+    "zones": "m", "zone_widths": "m", "zone_loads": "N/m", "zone_peaks": "Pa", "load": "N/m", "mean_pressure": "Pa",
+    "max_pressure": "Pa", "approach": "m", "contact_fraction": "1", "stiffness": "N/m^2", "mean_gap": "m", "tilt": "rad",
+    "moment": "N", "rotational_stiffness": "N", "error": "1",
+}
 
 # HDF5 keeps the attributes of an object in one header of 64 KiB: longer arrays are told by their shape.
 _LONGEST_ARRAY = 64
@@ -48,6 +57,7 @@ def to_dict(solution: Answer) -> dict[str, Any]:
         "contact_fraction": solution.contact_fraction,
         "zone_loads": solution.zone_loads,
         "zone_widths": solution.zone_widths,
+        "zone_peaks": solution.zone_peaks,
         "stiffness": solution.stiffness,
         "mean_gap": solution.mean_gap,
         "tilt": solution.tilt,
@@ -58,6 +68,10 @@ def to_dict(solution: Answer) -> dict[str, Any]:
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
         "warnings": solution.warnings,
+        "scene": describe(solution.scene),
+        "trace": solution.scene.profile.trace_summary(),
+        "units": UNITS,
+        "version": version(),
     }
     return {key: plain(value) for key, value in values.items()}
 
@@ -91,52 +105,104 @@ def plain(value: Any) -> Any:
 
 
 def zone_table(solution: Answer) -> list[tuple[float, ...]]:
-    """A row a zone, from left to right, of ZONE_COLUMNS [m, m, m, N/m, Pa]."""
-    loads, widths = np.asarray(solution.zone_loads), np.asarray(solution.zone_widths)
+    """A row a zone, from left to right, of ZONE_COLUMNS in ZONE_UNITS."""
+    loads, widths, peaks = (np.asarray(a) for a in (solution.zone_loads, solution.zone_widths, solution.zone_peaks))
     return [
-        (float(left), float(right), float(width), float(load), float(load / width))
-        for (left, right), width, load in zip(solution.zones, widths, loads, strict=True)
+        (float(left), float(right), float(width), float(load), float(load / width), float(peak))
+        for (left, right), width, load, peak in zip(solution.zones, widths, loads, peaks, strict=True)
     ]
+
+
+def zone_frame(solution: Answer) -> Any:
+    """The zone table as a pandas.DataFrame; where pandas is not installed, a dictionary of an array for each column."""
+    table = np.reshape(zone_table(solution), (-1, len(ZONE_COLUMNS)))
+    columns = dict(zip(ZONE_COLUMNS, table.T, strict=True))
+    try:
+        frame = require("pandas").DataFrame(columns)
+    except MissingExtra:
+        return columns
+    frame.attrs["units"] = dict(zip(ZONE_COLUMNS, ZONE_UNITS, strict=True))
+    return frame
 
 
 def to_csv(solution: Answer) -> str:
     """The zone table with a header line, every number in full precision; at full contact the header alone."""
+    return _csv(ZONE_COLUMNS, zone_table(solution))
+
+
+def fields_to_csv(solution: Answer) -> str:
+    """FIELD_COLUMNS [m, Pa, m, m, m] on positions closer at the zones' ends, with a header line, in full precision."""
+    fields = _fields(solution)
+    return _csv(FIELD_COLUMNS, np.column_stack([fields[name] for name in FIELD_COLUMNS]).tolist())
+
+
+def _csv(columns: Sequence[str], rows: Iterable[Sequence[float]]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(ZONE_COLUMNS)
-    writer.writerows([repr(value) for value in row] for row in zone_table(solution))
+    writer.writerow(columns)
+    writer.writerows([repr(value) for value in row] for row in rows)
     return text.getvalue()
 
 
-def write_csv(solution: Answer, path: str | PathLike[str]) -> None:
+def write_csv(solution: Answer, path: str | PathLike[str], overwrite: bool = False) -> None:
     """Write the zone table."""
-    Path(path).write_text(to_csv(solution), encoding="utf-8")
+    new_file(path, overwrite).write_text(to_csv(solution), encoding="utf-8")
 
 
-def to_xarray(solution: Answer) -> Any:
-    """An xarray.Dataset: zones and their loads, the fields on positions closer at the zones' ends, the scene."""
+def write_fields(solution: Answer, path: str | PathLike[str], overwrite: bool = False) -> None:
+    """Write the table of the fields."""
+    new_file(path, overwrite).write_text(fields_to_csv(solution), encoding="utf-8")
+
+
+def write_json(solution: Answer, path: str | PathLike[str], overwrite: bool = False) -> None:
+    """Write the object of `to_json`."""
+    new_file(path, overwrite).write_text(to_json(solution) + "\n", encoding="utf-8")
+
+
+def new_file(path: str | PathLike[str], overwrite: bool) -> Path:
+    """The path of a file that may be written: one that is not there, or may be written over."""
+    if not isinstance(path, (str, PathLike)):
+        raise SceneError.of("path", path, "the name of a file")
+    path = Path(path)
+    if path.is_dir() or not path.parent.is_dir():
+        raise SceneError.of("path", str(path), "a file in a folder that exists")
+    if path.exists() and not overwrite:
+        raise SceneError.of("path", str(path), "a file that is not there yet, or overwrite=True given")
+    return path
+
+
+def _fields(solution: Answer) -> dict[str, Any]:
     x = positions(solution, *window(solution))
-    fields = {
-        "profile": solution.scene.profile.height(x),
+    return {
+        "x": x,
+        "profile": np.asarray(solution.scene.profile.height(x)),
         "displacement": solution.displacement(x),
         "gap": solution.gap(x),
         "pressure": solution.pressure(x),
     }
+
+
+def to_xarray(solution: Answer) -> Any:
+    """An xarray.Dataset: zones, their loads and peaks, the fields on positions closer at the zones' ends, the scene."""
+    fields = _fields(solution)
+    x = fields["x"]
     data: dict[str, Any] = {
         name: ("x", np.asarray(fields[name]), {"units": units, "long_name": label})
         for name, (units, label) in _FIELDS.items()
     }
     data["zones"] = (("zone", "end"), np.asarray(solution.zones), {"units": "m", "long_name": "zone ends"})
     data["zone_load"] = ("zone", np.asarray(solution.zone_loads), {"units": "N/m", "long_name": "load of a zone"})
+    data["zone_peak"] = ("zone", np.asarray(solution.zone_peaks), {"units": "Pa", "long_name": "highest pressure of a zone"})
     coordinates = {"x": ("x", x, {"units": "m", "long_name": "position"}), "end": ["left", "right"]}
     return require("xarray").Dataset(data, coords=coordinates, attrs=_attributes(solution))
 
 
-def write_netcdf(solution: Answer, path: str | PathLike[str]) -> None:
+def write_netcdf(solution: Answer, path: str | PathLike[str], overwrite: bool = False) -> None:
     """Write the data set of `to_xarray` as netCDF-4."""
+    path = new_file(path, overwrite)
     require("h5netcdf")
     require("h5py")
-    to_xarray(solution).to_netcdf(Path(path), engine="h5netcdf")
+    to_xarray(solution).to_netcdf(path, engine="h5netcdf")
 
 
 def describe(scene: Scene) -> dict[str, Any]:
@@ -183,11 +249,16 @@ def _attributes(solution: Answer) -> dict[str, Any]:
         "contact_fraction": solution.contact_fraction,
         "tilt": solution.tilt,
         "moment": solution.moment,
+        "stiffness": solution.stiffness,
+        "mean_gap": solution.mean_gap,
         "error": solution.error,
     }
     numbers = {name: float(value) for name, value in values.items() if value is not None}
     certificate = json.dumps(plain(solution.certificate.to_dict()))
+    trace = solution.scene.profile.trace_summary()
+    read = {} if trace is None else {"trace": json.dumps(plain(trace))}
     return {
-        "title": "elastic contact", "units": "SI", "scene": json.dumps(describe(solution.scene)),
-        **numbers, "certificate": certificate,
+        "title": "elastic contact", "source": f"sie-contact {version()}", "version": version(),
+        "units": json.dumps({name: UNITS[name] for name in numbers}), "scene": json.dumps(describe(solution.scene)),
+        **read, **numbers, "certificate": certificate,
     }

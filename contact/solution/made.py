@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged
+from contact.formulation.apart import ApartFields
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
 from contact.model.scene import Scene
+from contact.model.units import quantity
 from contact.solution.plan import Plan
+from contact.solution.pull_off import PullOff
 from contact.solution.solution import Solution, limit_of_approach
 from contact.verify.accuracy import Found, limit, of_positions, too_thin
 from contact.verify.certificate import Certificate
@@ -23,8 +28,10 @@ from contact.verify.gap_accuracy import FoundByGaps
 Array = NDArray[np.float64]
 
 
-def of_zones(scene: Scene, found: Found, plan: Plan, tol: float) -> Solution:
-    """The solution of zones; NotConverged with it where its error is above the tolerance."""
+def of_zones(
+    scene: Scene, found: Found, plan: Plan, tol: float, branch: str | None = None, parting: Callable[[ZoneFields], PullOff] | None = None
+) -> Solution:
+    """The solution of zones; NotConverged with it where its error is above the tolerance. branch, parting: see `Solution`."""
     density, problem = found.fields.density, found.fields.problem
     zones = density.zones
     plan["symmetry"].used = zones.symmetric
@@ -32,17 +39,18 @@ def of_zones(scene: Scene, found: Found, plan: Plan, tol: float) -> Solution:
         plan["symmetry"].reason = "the zones straddle the border of the cell"
     plan["zone ends"].detail = f"{len(found.free.trace)} Newton steps, {found.rounds} rounds"
     plan["certificate"].detail = f"{found.certificate.points} points"
-    plan["kinks"].used = len(density.steps) > 0
+    plan["kinks"].used = len(density.jumps) > 0
     if plan["kinks"].used:
-        plan["kinks"].reason = f"{len(density.steps)} jumps of the slope or its derivatives inside zones"
-    if density.slits:
+        plan["kinks"].reason = f"{len(density.jumps)} jumps of the slope or its derivatives inside zones"
+    if density.slit_count:
         plan["holes"].used, plan["holes"].reason = True, "narrow gaps between zones"
-        plan["holes"].detail = f"{density.slits} in {len(zones) - density.slits} wide zones"
+        plan["holes"].detail = f"{density.slit_count} in {len(zones) - density.slit_count} wide zones"
     else:
         plan["holes"].reason = "no narrow gaps between zones"
     _tell_sizes(plan, len(zones), found.free.state)
     table = in_cell(scene, np.asarray(problem.units.x(zones.table)))
     solution = Solution(scene, table, found.fields, found.error, found.certificate, plan, found.free.trace)
+    solution = replace(solution, branch=branch, parting=parting)
     return _within(tol, solution, found.free, "zone", of_positions(found))
 
 
@@ -58,7 +66,7 @@ def of_gaps(scene: Scene, found: FoundByGaps, plan: Plan, tol: float) -> Solutio
     return _within(tol, solution, found.free, "gap")
 
 
-def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol: float) -> Solution:
+def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol: float, branch: str | None = None) -> Solution:
     """Full contact; NotConverged with it where rounding of the heights leaves an error above the tolerance."""
     profile = scene.profile
     fields = FullFields(of_period(scene), mean_pressure, full.relief, mean_height(scene))
@@ -72,11 +80,22 @@ def of_full(scene: Scene, full: FullLimit, mean_pressure: float, plan: Plan, tol
     # Rounding of the closed form, in terms of the peak pressure, or of the mean where the peak is infinite.
     peak = max(abs(fields.max_pressure), abs(least)) if math.isfinite(fields.max_pressure) else abs(mean_pressure)
     error = 1e-13 + full.rounding / peak
-    solution = Solution(scene, np.zeros((0, 2)), fields, error, certificate, plan)
+    solution = Solution(scene, np.zeros((0, 2)), fields, error, certificate, plan, branch=branch)
     if error > tol:
         why = f"rounding of the heights leaves an error of {error:.1e} in full contact, above the tolerance {tol:.1e}"
         raise NotConverged(why, (), solution)
     return solution
+
+
+def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan) -> Solution:
+    """Surfaces that do not touch, at an approach [m] or where none is held."""
+    for name in ("zone ends", "coarse search"):
+        plan[name].used, plan[name].reason = False, "the surfaces are apart"
+    certificate = Certificate(
+        smallest_pressure=0.0, smallest_gap=None if approach is None else -approach, gap_rounding=0.0, load_balance=0.0, level_spread=0.0,
+        points=0, holds=approach is None or approach <= 0.0, note="the surfaces are apart",
+    )
+    return Solution(scene, np.zeros((0, 2)), ApartFields(problem, approach), 0.0, certificate, plan, branch="receding")
 
 
 def _told_of_full(scene: Scene, least: float) -> str:
@@ -84,7 +103,10 @@ def _told_of_full(scene: Scene, least: float) -> str:
         return "full contact: the pressure is nowhere negative"
     if scene.law.tension:
         return "full contact, under tension in places: nowhere above what the surfaces pull with"
-    return "full contact, under tension in places: what is closed stays closed, as an opening without width has no intensity"
+    # Half width c of a flaw under a tension s, K = s sqrt(c/2), that releases the work of adhesion w = (pi/E*) K^2.
+    flaw = 2 * (scene.law.intensity(scene.E_star) / least) ** 2
+    told = "full contact, under tension in places: what is closed stays closed"
+    return f"{told}; a flaw there of half width {quantity(flaw, 'm', 3)} would open"
 
 
 def of_period(scene: Scene) -> Problem:

@@ -139,6 +139,7 @@ def plan(scene: Scene) -> Plan:
             not (given or single),
             "zones are given" if given else "one symmetric asperity" if single else "number of zones unknown",
         ),
+        _branch(scene),
         _symmetry(scene),
         _tilt(scene),
         Part(
@@ -180,6 +181,15 @@ def _inverse(scene: Scene) -> Part:
         body = "half-plane" if operator.is_half_plane else f"{name} has a symbol"
         return Part("inverse operator", True, f"{body}: full contact, and gaps where contact is nearly full")
     return Part("inverse operator", False, f"{name} declares no symbol: by its zones alone, no full contact")
+
+
+def _branch(scene: Scene) -> Part:
+    """Which of several equilibria: filled in as it is followed."""
+    if scene.law.bare is None:
+        return Part("branch", False, f"{scene.law.name}: one equilibrium" if scene.law.convex else f"{scene.law.name}: followed by none")
+    if scene.half_width is not None:
+        return Part("branch", False, "half width given")
+    return Part("branch", True, f"{scene.law.name}: several equilibria")
 
 
 def _symmetry(scene: Scene) -> Part:

@@ -1,8 +1,9 @@
 """One figure of a solution: the surfaces above, the pressure below, both over the same positions.
 
 Above, the profile is drawn where the approach has put it, touching the deformed surface along the zones. Heights are
-measured from the undeformed surface where the displacement is known absolutely. A scene of many zones, or of zones
-narrow beside the stretch shown, has a second column: the same two panels close to the highest pressure.
+measured from the undeformed surface where the displacement is known absolutely. The body is above, its asperities pointing
+down; the counter-face below is given the displacement of both. A scene of many zones, or of zones narrow beside the stretch
+shown, has a second column: the same two panels close to the highest pressure.
 
 The figure is matplotlib's own object, drawn by Agg without pyplot: no window, no backend and no setting is touched.
 """
@@ -81,7 +82,7 @@ def _draw(top: Any, bottom: Any, solution: Answer, lo: float, hi: float) -> None
     for axes in (top, bottom):
         axes.tick_params(direction="in", top=True, right=True)
         for left, right in zones * along if len(zones) <= _ZONES_READABLE else ():
-            axes.axvspan(left, right, facecolor=_ZONE, alpha=0.18, edgecolor="none")
+            axes.axvspan(left, right, facecolor=_ZONE, alpha=0.18, edgecolor="none", zorder=0)
 
 
 def _draw_surfaces(axes: Any, solution: Answer, x: Array, zones: Array, along: float) -> None:
@@ -93,17 +94,26 @@ def _draw_surfaces(axes: Any, solution: Answer, x: Array, zones: Array, along: f
     up, letter = prefix(max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach)
     # A sharp-cornered body rises without end beside its support; its flanks leave the panel.
     outline = np.where(seen, body, high + reach)
-    ceiling = high + (0.12 if seen.all() else 0.6) * reach
+    ceiling = high + (0.22 if seen.all() else 0.6) * reach
+    floor = low - 0.24 * reach
     axes.fill_between(x * along, outline * up, ceiling * up, color=_BODY, alpha=0.22, linewidth=0)
-    axes.fill_between(x * along, (low - 0.18 * reach) * up, surface * up, color=_SURFACE, alpha=0.10, linewidth=0)
+    axes.fill_between(x * along, floor * up, surface * up, color=_SURFACE, alpha=0.10, linewidth=0)
     axes.plot(x * along, outline * up, color=_BODY, linewidth=1.2, label="profile")
     axes.plot(x * along, surface * up, color=_SURFACE, linewidth=1.4, label="deformed surface")
     # Not a number between the zones: one line, broken there, shows them all.
     touching = np.where(_within(x, zones), surface, np.nan)
     weight = 2.6 if len(zones) <= _ZONES_READABLE else 1.8
     axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")
-    axes.set_ylim((low - 0.18 * reach) * up, ceiling * up)
+    axes.set_ylim(floor * up, ceiling * up)
     axes.set_ylabel(f"height [{letter}m]")
+    # Above a place in contact there is body, whatever its outline.
+    middle = float(zones[len(zones) // 2].mean()) if len(zones) else float(0.5 * (x[0] + x[-1]))
+    where = float(np.clip((middle - x[0]) / (x[-1] - x[0]), 0.06, 0.94))
+    for place, height, side, style in (
+        (where, 0.96, "body", {"ha": "center", "va": "top", "color": _BODY}),
+        (0.015, 0.04, "counter-face", {"va": "bottom", "color": _SURFACE}),
+    ):
+        axes.text(place, height, side, transform=axes.transAxes, fontsize=8, fontweight="bold", **style)
 
 
 def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: float) -> None:
@@ -155,10 +165,15 @@ def _close_up(solution: Answer, lo: float, hi: float) -> tuple[float, float] | N
 
 
 def _mark_close_up(axes: Any, solution: Answer, lo: float, hi: float) -> None:
-    """Shade on the full width what the second column shows."""
+    """Say on the full width what the second column shows: by a pointer above the panels, and shade behind what is drawn.
+
+    Nothing is drawn over the stretch itself: on the full width it may be no wider than the line of the spike it holds.
+    """
     along, _ = prefix(max(abs(end) for end in window(solution)))
     for whole in axes[:, 0]:
-        whole.axvspan(lo * along, hi * along, facecolor=_CLOSE, alpha=0.22, edgecolor="none")
-        for end in (lo, hi):
-            whole.axvline(end * along, color=_CLOSE, linewidth=0.8, linestyle=(0, (1, 1)))
-    axes[0, 1].set_title("around the highest pressure", fontsize=9)
+        whole.axvspan(lo * along, hi * along, facecolor=_CLOSE, alpha=0.22, edgecolor="none", zorder=0)
+        whole.plot(
+            0.5 * (lo + hi) * along, 1.0, marker=11, markersize=7, color=_CLOSE, linestyle="none", clip_on=False,
+            transform=whole.get_xaxis_transform(), label="_close-up",
+        )
+    axes[0, 1].set_title("around the highest pressure", fontsize=9, color=_CLOSE)

@@ -18,14 +18,15 @@ _KINK_LADDER = 10.0 ** -np.arange(1.0, 7.0)
 
 
 def window(solution: Answer) -> tuple[float, float]:
-    """The stretch of x that shows the solution: the period, or the zones and once their span on either side."""
+    """The stretch of x that shows the solution: the period, all of a trace, or the zones and once their span on either side."""
     profile, period = solution.scene.profile, solution.scene.period
     if period is not None:
         return profile.x0, profile.x0 + period
-    lo, hi = float(solution.zones.min()), float(solution.zones.max())
-    lo, hi = lo - (hi - lo), hi + (hi - lo)
     known = profile.extent if profile.period is None else (profile.x0, profile.x0 + profile.period)
-    return (lo, hi) if known is None else (max(lo, known[0]), min(hi, known[1]))
+    if known is not None:
+        return known
+    lo, hi = float(solution.zones.min()), float(solution.zones.max())
+    return lo - (hi - lo), hi + (hi - lo)
 
 
 def zones_within(solution: Answer, lo: float, hi: float) -> Array:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,12 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 
 import sie
 from contact.errors import SceneError
+from contact.formulation.energy import elastic_energy
 from contact.formulation.fields import Fields, ZoneFields
 from contact.model.checks import real
 from contact.model.scene import Scene
 from contact.solution import export, html, plotting
+from contact.solution.energy import Energy
+from contact.solution.peaks import peaks
 from contact.solution.plan import Plan
-from contact.solution.pull_off import PullOff, pull_off
+from contact.solution.pull_off import PullOff
 from contact.solution.validity import everything
 from contact.verify.certificate import Certificate
 
@@ -48,6 +54,11 @@ class Solution(sie.Kept):
         What ran, what was left out and why, and the times.
     trace : tuple
         The Newton steps.
+    branch : str or None
+        Where a law has several equilibria, how this one was come by: "advancing", the control raised to its value, or "receding", it was
+        lowered to it; the plan says from where. None under other laws, and where the zones are given.
+    parting : callable or None
+        What tells where such a contact comes apart.
 
     Examples
     --------
@@ -67,6 +78,30 @@ class Solution(sie.Kept):
     certificate: Certificate = field(repr=False)
     plan: Plan = field(repr=False)
     trace: tuple[Any, ...] = field(default=(), repr=False)
+    branch: str | None = None
+    parting: Callable[[ZoneFields], PullOff] | None = field(default=None, repr=False)
+
+    @classmethod
+    def unfolding(cls, scene: Scene, zones: Array, fields: Fields, error: float, made: Mapping[str, Callable[[], Any]]) -> Solution:
+        """A solution whose certificate and plan are written down when they are asked for. made: how, by name."""
+        self = cls.__new__(cls)
+        self.__dict__.update(scene=scene, zones=zones, fields=fields, error=error, trace=(), _made=made)
+        return self
+
+    def __getattr__(self, name: str) -> Any:
+        # Reached by what is not there yet.
+        made = self.__dict__.get("_made")
+        if made is None or name not in made:
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        self.__dict__[name] = made[name]()
+        return self.__dict__[name]
+
+    def __getstate__(self) -> Any:
+        for name in self.__dict__.get("_made", ()):
+            getattr(self, name)
+        kept = super().__getstate__()
+        kept.pop("_made", None)
+        return kept
 
     # fields -----------------------------------------------------------------------------------------------------------
     def pressure(self, x: ArrayLike) -> Array:
@@ -76,7 +111,7 @@ class Solution(sie.Kept):
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
         """Contact pressure [Pa] at normalised positions t in [-1, 1] of one zone, without loss of digits at its ends."""
         if len(self.zones) == 0:
-            raise SceneError.of("zone", zone, "left alone: full contact has no zones, use pressure(x)")
+            raise SceneError.of("zone", zone, "left alone: full contact, or surfaces apart, have no zones, use pressure(x)")
         count = len(self.zones)
         if not isinstance(zone, Integral) or not -count <= zone < count:
             raise SceneError.of("zone", zone, f"a whole number from 0 to {count - 1}, there being {count} zone{'s' * (count > 1)}")
@@ -123,6 +158,11 @@ class Solution(sie.Kept):
         """Width of each zone (n,) [m], off by at most 2 error of itself."""
         return np.asarray(self.zones[:, 1] - self.zones[:, 0])
 
+    @cached_property
+    def zone_peaks(self) -> Array:
+        """Highest pressure of each zone (n,) [Pa], off by at most error p; inf under a sharp corner or a tip with a kink."""
+        return peaks(self.scene, self.zones, self.pressure_at)
+
     @property
     def max_pressure(self) -> float:
         """Highest pressure [Pa], off by at most error of itself; inf under a sharp corner or a tip with a kink."""
@@ -140,6 +180,16 @@ class Solution(sie.Kept):
             return None
         return self.fields.contact_fraction
 
+    @cached_property
+    def energy(self) -> Energy | None:
+        """Elastic energy and that of the interface [J/m], per period where there is one; None where there is no approach, and for localized
+        contact, whose strip is not all of the body."""
+        elastic, period = elastic_energy(self.fields), self.scene.period
+        if elastic is None:
+            return None
+        width = float(np.sum(self.zone_widths)) if period is None else self.fields.contact_fraction * period
+        return Energy(elastic, self.scene.law.surface_energy(self.fields, width) + 0.0)
+
     @property
     def stiffness(self) -> float | None:
         """d load / d approach [N/m^2], at the given moment where one is given, else at the tilt; inf in full contact, None where
@@ -149,12 +199,18 @@ class Solution(sie.Kept):
     @cached_property
     def pull_off(self) -> PullOff | None:
         """Where the contact comes apart as its load (or its approach, where that is given) falls, under a law that bears tension; None
-        for full contact, which does not open. Parts of it may come apart before: it is where the last do."""
+        for full contact, which does not open, and for surfaces apart. Parts of it may come apart before: it is where the last do."""
+        law = self.scene.law
+        if law.bare is None or self.scene.half_width is not None:
+            what = f"the law {law.name}" if law.bare is None else "a given half width"
+            raise SceneError(f"there is no pull-off under {what}: it is that of adhesion under a load or an approach", "pull_off")
         if not isinstance(self.fields, ZoneFields):
-            if self.scene.law.tension:
+            if law.tension:
                 raise SceneError("pull-off is told of contact that is not nearly full: ask for it under a smaller load", "pull_off")
             return None
-        return pull_off(self.scene, self.fields)
+        if self.parting is None:
+            raise SceneError("there is no pull-off of a state that did not converge", "pull_off")
+        return self.parting(self.fields)
 
     @property
     def cohesive(self) -> Array:
@@ -206,6 +262,33 @@ class Solution(sie.Kept):
 
     def _repr_html_(self) -> str:
         return html.to_html(self)
+
+    def zone_table(self) -> Any:
+        """left, right, width [m], load [N/m], mean_pressure, max_pressure [Pa] of each zone: a pandas.DataFrame where pandas is
+        installed, else a dictionary of an array for each column."""
+        return export.zone_frame(self)
+
+    def save(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write zones, numbers and scene as JSON, or those and the fields as netCDF: .json or .nc says which.
+
+        Raises
+        ------
+        SceneError
+            If the name ends otherwise, or the file is there and `overwrite` is not given.
+        """
+        known = {".json": export.write_json, ".nc": export.write_netcdf}
+        ending = Path(path).suffix.lower() if isinstance(path, (str, PathLike)) else ""
+        if ending not in known:
+            raise SceneError.of("path", path, f"the name of a file that ends in {' or '.join(known)}")
+        known[ending](self, path, overwrite)
+
+    def save_zones(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write the zone table as CSV, SI, in full precision; a file that is there only with `overwrite`."""
+        export.write_csv(self, path, overwrite)
+
+    def save_fields(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write x, pressure, gap, displacement, profile as CSV, SI, in full precision; a file that is there only with `overwrite`."""
+        export.write_fields(self, path, overwrite)
 
     def to_dict(self) -> dict[str, Any]:
         """All of it in plain types; None for what is infinite or undefined."""

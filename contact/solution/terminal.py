@@ -16,11 +16,12 @@ _WIDTH_OF_A_FILE = 200
 
 
 def show_table(
-    title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], numeric: Iterable[int] = ()
+    title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], numeric: Iterable[int] = (), close: bool = False
 ) -> None:
-    """One table on stdout; `numeric` are the columns that align to the right."""
+    """One table on stdout; `numeric` are the columns that align to the right; `close`: one blank between two, of three otherwise."""
     right = set(numeric)
-    table = require("rich.table").Table(title=title, title_justify="left", box=require("rich.box").SIMPLE_HEAD)
+    padding = (0, 0) if close else (0, 1)
+    table = require("rich.table").Table(title=title, title_justify="left", box=require("rich.box").SIMPLE_HEAD, padding=padding)
     for place, name in enumerate(columns):
         table.add_column(name, justify="right" if place in right else "left", overflow="fold")
     for row in rows:
@@ -33,10 +34,10 @@ def show_table(
 class Progress:
     """What `contact.solve(progress=...)` calls: a bar on stderr, on a terminal, once the work has lasted a second."""
 
-    def __init__(self, patience: float = 1.0, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, patience: float = 1.0, clock: Callable[[], float] = time.monotonic, wanted: bool = True) -> None:
         self._due = clock() + patience
         self._clock = clock
-        self._wanted = sys.stderr.isatty()
+        self._wanted = wanted and sys.stderr.isatty()
         self._bar: Any = None
         self._task: Any = None
         self._stage = ""
@@ -53,6 +54,13 @@ class Progress:
                 self._bar.remove_task(self._task)
             self._task, self._stage = self._bar.add_task(stage, total=total), stage
         self._bar.update(self._task, completed=done, total=total)
+
+    def say(self, line: str) -> None:
+        """A result on the way, on stderr and above the bar."""
+        if self._bar is None:
+            print(line, file=sys.stderr, flush=True)
+        else:
+            self._bar.console.print(line, markup=False, highlight=False)
 
     def _start(self) -> None:
         try:

@@ -21,7 +21,7 @@ HIGHEST = 0.1  # of E*
 _SOFTEST, _STIFFEST = 1e3, 2e12
 # [m]: bodies this long are not given in micrometres, and with so low a modulus their scene has units of its own.
 _OF_NO_UNIT = 1e-2
-# Places a period at which slopes are read, and in a zone.
+# Places a period in full contact, and in a zone.
 _PLACES = 1024
 _T = np.cos((np.arange(8) + 0.5) * np.pi / 8)
 # In a few zones the pressure is nowhere so many times its mean over them, but at what is sharp.
@@ -52,24 +52,18 @@ def everything(solution: Answer) -> list[str]:
 
 
 def _of_slopes(solution: Answer) -> tuple[str, ...]:
-    places, everywhere = _inside(solution), _everywhere(solution.scene)
+    profile, tilt = solution.scene.profile, solution.tilt or 0.0
     with np.errstate(all="ignore"):
-        slopes = np.asarray(solution.scene.profile.slope(np.concatenate((places, everywhere))), dtype=float)
-    inside, whole = (part[np.isfinite(part)] for part in np.split(slopes - (solution.tilt or 0.0), [places.size]))
-    steepest, rms = float(np.abs(inside).max(initial=0.0)), float(np.sqrt(np.mean(whole**2))) if whole.size else 0.0
+        inside = np.abs(np.asarray(profile.slope(_inside(solution)), dtype=float) - tilt)
+    steepest = float(inside.max(initial=0.0, where=np.isfinite(inside)))
+    largest, rms = profile.slope_sizes
+    if tilt and profile.slopes_seen.size:
+        whole = profile.slopes_seen - tilt
+        largest, rms = float(np.abs(whole).max()), float(np.sqrt(np.mean(whole**2)))
     if max(steepest, rms) <= STEEPEST:
         return ()
-    told = f"slopes up to {steepest:.2g} in contact" if rms <= STEEPEST else f"slopes up to {np.abs(whole).max():.2g}, {rms:.2g} on average"
+    told = f"slopes up to {steepest:.2g} in contact" if rms <= STEEPEST else f"slopes up to {largest:.2g}, {rms:.2g} on average"
     return (f"{told}: a surface steeper than about {STEEPEST} is not the nearly plane one of the model",)
-
-
-def _everywhere(scene: Scene) -> Array:
-    """Places over the period, or where the profile is known; none of a body without either."""
-    extent, period = scene.profile.extent, scene.profile.period
-    if extent is None and period is None:
-        return np.zeros(0)
-    lo, hi = extent or (scene.profile.x0, scene.profile.x0 + (period or 0.0))
-    return np.asarray(lo + (hi - lo) * (np.arange(_PLACES) + 0.5) / _PLACES)
 
 
 def _of_pressure(solution: Answer) -> tuple[str, ...]:
@@ -93,7 +87,8 @@ def _inside(solution: Answer) -> Array:
     """Places in every zone; in full contact over the period."""
     zones, profile = np.asarray(solution.zones), solution.scene.profile
     if not len(zones):
-        assert profile.period is not None
+        if profile.period is None:  # surfaces apart
+            return np.zeros(0)
         return profile.x0 + profile.period * (np.arange(_PLACES) + 0.25) / _PLACES
     middle, half = zones.mean(axis=1), 0.5 * (zones[:, 1] - zones[:, 0])
     return np.asarray((middle[:, None] + half[:, None] * _T).ravel())

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 import contact
 from contact.search.grid.coarse import grid_height, propose
+from contact.search.grid.conjugate_gradient import Response
 from contact.studies import own_models
 from contact.studies.scene_families import FAMILIES
 
@@ -214,7 +215,7 @@ def _against_grid(scene: contact.Scene, solution: contact.Solution) -> str:
         return ""
     cell = (scene.profile.x0, scene.profile.x0 + period)
     found = propose(
-        lambda x: grid_height(scene.profile, x), cell, E=scene.E_star, periodic=True,
+        lambda x: grid_height(scene.profile, x), cell, Response(scene.E_star),
         resolution=scene.profile.resolution, points=8192, load=solution.load,
     )
     h = period / found.points

@@ -8,7 +8,7 @@ One that has no solution says why and does not stop the rest.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,10 +17,11 @@ from contact.errors import ContactError, SceneError, unwarned, warn
 from contact.model.interactions.base import Interaction
 from contact.model.registry import interaction
 from contact.model.scene import Scene
-from contact.model.units import quantity
+from contact.model.units import column
 from contact.solution.answer import Answer
 from contact.solution.validity import of_solution
 from contact.solver import solve
+from contact.sweeps.points import total_width
 
 Report = Callable[[str, int, int | None], None]
 
@@ -28,6 +29,11 @@ NEIGHBOURS = (1, 2, 4, 8)
 
 # A table of more zones than this is for a file.
 _ZONES_SHOWN = 4
+# So many zones' ends stand side by side on 80 columns.
+_ZONES_ABREAST = 2
+
+# A relative difference of rounding.
+_NOTHING = 1e-13
 
 # Normalised positions in a zone at which pressures are compared: inside, closer at the ends.
 _T = np.cos((np.arange(41) + 0.5) * np.pi / 41)
@@ -94,35 +100,65 @@ def pressure_apart(attempt: Attempt, exact: Attempt) -> float | None:
     return float(np.max(np.abs(ours - theirs)) / scale)
 
 
-def total_width(solution: Answer) -> float:
-    """Length in contact: of all zones, or the period at full contact."""
-    if len(solution.zones) == 0 and solution.scene.period is not None:
-        return solution.scene.period
-    return float(np.sum(solution.zone_widths))
+@dataclass(frozen=True)
+class Table:
+    """Rows of text, one for each model, and what the columns are, each in one unit."""
+
+    title: str
+    columns: tuple[str, ...]
+    rows: list[tuple[str, ...]]
 
 
-def table(attempts: list[Attempt]) -> list[tuple[str, ...]]:
-    """Rows of text, the first column the quantity, then one for each model."""
+def tables(attempts: list[Attempt]) -> list[Table]:
+    """What the models give, how far that is from the exact one, and the ends of the first zones; none wider than 80 columns."""
+    return [_given(attempts), _apart(attempts), *_ends(attempts)]
+
+
+def _given(attempts: list[Attempt]) -> Table:
+    columns = (
+        _column(attempts, "load", "N/m", lambda s: s.load),
+        _column(attempts, "mean\npressure", "Pa", lambda s: s.mean_pressure),
+        _column(attempts, "max\npressure", "Pa", lambda s: s.max_pressure),
+        _column(attempts, "contact\nfraction", "", lambda s: s.contact_fraction),
+        _column(attempts, "total\nwidth", "m", total_width),
+        ("zones", ["-" if a.solution is None else str(len(a.solution.zones)) if len(a.solution.zones) else "full" for a in attempts]),
+    )
+    return _table("models", attempts, columns)
+
+
+def _apart(attempts: list[Attempt]) -> Table:
     exact = attempts[-1]
-    lines: list[tuple[str, Callable[[Answer], str]]] = [
-        ("load", lambda s: quantity(s.load, "N/m", 6)),
-        ("mean pressure", lambda s: quantity(s.mean_pressure, "Pa", 6)),
-        ("max pressure", lambda s: quantity(s.max_pressure, "Pa", 6)),
-        ("contact fraction", lambda s: "-" if s.contact_fraction is None else f"{s.contact_fraction:.6g}"),
-        ("total width", lambda s: quantity(total_width(s), "m", 6)),
-        ("zones", lambda s: str(len(s.zones)) if len(s.zones) else "full contact"),
-    ]
-    most = max((len(a.solution.zones) for a in attempts if a.solution is not None), default=0)
-    for zone in range(min(most, _ZONES_SHOWN)):
-        lines += [(f"zone {zone + 1}, {side}", _end(zone, place)) for place, side in enumerate(("left", "right"))]
-    rows = [(label, *("-" if a.solution is None else tell(a.solution) for a in attempts)) for label, tell in lines]
+    columns: list[tuple[str, list[str]]] = []
     for name in ("load", "max_pressure", "total_width"):
-        apart = [difference(attempt, exact, name) for attempt in attempts]
-        rows.append((f"{name.replace('_', ' ')} to exact", *(_percent(value, "+.3g") for value in apart)))
-    rows.append(("zone ends to exact", *(_percent(ends_apart(attempt, exact)) for attempt in attempts)))
-    rows.append(("pressure to exact", *(_percent(pressure_apart(attempt, exact)) for attempt in attempts)))
-    rows.append(("time", *(quantity(attempt.seconds, "s", 3) for attempt in attempts)))
-    return rows
+        columns.append((name.replace("_", "\n"), [_percent(difference(a, exact, name), "+.3g") for a in attempts]))
+    columns.append(("zone\nends", [_percent(ends_apart(a, exact)) for a in attempts]))
+    columns.append(("pressure", [_percent(pressure_apart(a, exact)) for a in attempts]))
+    columns.append(("time\n[ms]", [f"{1e3 * a.seconds:.1f}" for a in attempts]))
+    return _table("from the exact one, in %, and time", attempts, columns)
+
+
+def _ends(attempts: list[Attempt]) -> Iterator[Table]:
+    most = min(max((len(a.solution.zones) for a in attempts if a.solution is not None), default=0), _ZONES_SHOWN)
+    for first in range(0, most, _ZONES_ABREAST):
+        columns = [
+            _column(attempts, f"zone {zone + 1}\n{side}", "m", _end(zone, place))
+            for zone in range(first, min(first + _ZONES_ABREAST, most))
+            for place, side in enumerate(("left", "right"))
+        ]
+        yield _table("zone ends", attempts, columns)
+
+
+def _column(attempts: list[Attempt], name: str, unit: str, tell: Callable[[Answer], float | None]) -> tuple[str, list[str]]:
+    values = [None if a.solution is None else tell(a.solution) for a in attempts]
+    if not unit:
+        return name, ["-" if value is None else f"{value:.6g}" for value in values]
+    prefixed, told = column(values, unit)
+    return f"{name}\n[{prefixed}]", told
+
+
+def _table(title: str, attempts: list[Attempt], columns: Sequence[tuple[str, list[str]]]) -> Table:
+    rows = zip((a.name for a in attempts), *(values for _, values in columns), strict=True)
+    return Table(title, ("model", *(name for name, _ in columns)), list(rows))
 
 
 def refusals(attempts: list[Attempt]) -> list[str]:
@@ -134,12 +170,14 @@ def refusals(attempts: list[Attempt]) -> list[str]:
     return [f"{', '.join(names)}: no solution: {reason}" for reason, names in reasons.items()]
 
 
-def _end(zone: int, place: int) -> Callable[[Answer], str]:
-    return lambda s: quantity(float(s.zones[zone, place]), "m", 6) if zone < len(s.zones) else "-"
+def _end(zone: int, place: int) -> Callable[[Answer], float | None]:
+    return lambda s: float(s.zones[zone, place]) if zone < len(s.zones) else None
 
 
 def _percent(value: float | None, form: str = ".3g") -> str:
-    return "-" if value is None else f"{100.0 * value:{form}} %"
+    if value is None:
+        return "-"
+    return "0" if abs(value) < _NOTHING else f"{100.0 * value:{form}}"
 
 
 def _within(zones: np.ndarray) -> np.ndarray:

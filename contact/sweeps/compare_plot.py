@@ -1,4 +1,7 @@
-"""One figure of a comparison: the pressures the models give, and how far each is from the exact model and how long it took."""
+"""One figure of a comparison: the exact pressure, how far that of each model is from it, and how long each took.
+
+The models' pressures lie on each other where they are of any use, so what is drawn of them is the difference, on a logarithmic axis.
+"""
 
 from __future__ import annotations
 
@@ -23,44 +26,87 @@ _FLOOR = 1e-10
 
 
 def plot_comparison(attempts: list[Attempt]) -> Any:
-    """A matplotlib Figure: pressures above, errors against the exact model and times below."""
-    figure = require("matplotlib.figure").Figure(figsize=(8.4, 7.0), layout="constrained")
+    """A matplotlib Figure: the exact pressure, differences from it, and below them errors and times."""
+    figure = require("matplotlib.figure").Figure(figsize=(8.4, 9.0), layout="constrained")
     require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
-    top, errors, times = figure.subplot_mosaic([["p", "p"], ["e", "t"]], width_ratios=[1.8, 1.0]).values()
+    panels = [["p", "p"], ["d", "d"], ["e", "t"]]
+    top, apart, errors, times = figure.subplot_mosaic(panels, width_ratios=[1.8, 1.0], height_ratios=[0.7, 1.2, 1.2]).values()
     colours = dict(zip((a.name for a in attempts[:-1]), _COLOURS, strict=False)) | {attempts[-1].name: _COLOURS[-1]}
-    _draw_pressures(top, attempts, colours)
-    _draw_errors(errors, attempts)
-    times.barh([a.name for a in attempts], [1e3 * a.seconds for a in attempts], color=[colours.get(a.name) for a in attempts])
-    times.set_xscale("log")
-    times.invert_yaxis()
-    times.set_xlabel("time [ms]")
+    if attempts[-1].solution is None:
+        # Nothing to differ from: the pressures themselves.
+        _draw_pressures(top, [a for a in attempts if a.solution is not None], colours)
+        for axes in (apart, errors):
+            axes.set_axis_off()
+            axes.text(0.5, 0.5, "no exact solution to differ from", ha="center", transform=axes.transAxes)
+    else:
+        _draw_pressures(top, attempts[-1:], colours)
+        _draw_differences(apart, attempts, colours)
+        _draw_errors(errors, attempts)
+    _draw_times(times, attempts, colours)
     missing = refusals(attempts)
     if missing:
         figure.supxlabel("\n".join(line if len(line) < 120 else f"{line[:117]}..." for line in missing), fontsize=7)
     return figure
 
 
-def _draw_pressures(axes: Any, attempts: list[Attempt], colours: dict[str, str]) -> None:
-    solved = [a for a in attempts if a.solution is not None]
+def _draw_pressures(axes: Any, solved: list[Attempt], colours: dict[str, str]) -> None:
     if not solved:
         axes.set_axis_off()
         return
-    lo, hi = _stretch(solved[-1].solution)  # the exact one if it is there
-    along, letter = prefix(max(abs(lo), abs(hi)))
+    lo, hi = _stretch(solved[-1].solution)
+    along = _scale_positions(axes, lo, hi)
     highest = max(_top(a.solution) for a in solved)
     up, unit = prefix(highest)
     for attempt in solved:
         assert attempt.solution is not None
         x = positions(attempt.solution, lo, hi, _POINTS)
         p = np.minimum(attempt.solution.pressure(x), 2.0 * highest)
-        last = attempt is attempts[-1]
-        axes.plot(x * along, p * up, label=attempt.name, color=colours.get(attempt.name), linewidth=1.8 if last else 1.1,
-                  linestyle="--" if last else "-", zorder=3 if last else 2)
-    axes.set_xlim(lo * along, hi * along)
+        axes.plot(x * along, p * up, label=attempt.name, color=colours[attempt.name], linewidth=1.4)
     axes.set_ylim(0.0, 1.08 * highest * up)
-    axes.set_xlabel(f"$x$ [{letter}m]")
     axes.set_ylabel(f"pressure [{unit}Pa]")
-    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    _name_lines(axes)
+
+
+def _draw_differences(axes: Any, attempts: list[Attempt], colours: dict[str, str]) -> None:
+    """|p - exact p| over the peak, on the positions of both."""
+    exact = attempts[-1].solution
+    assert exact is not None
+    lo, hi = _stretch(exact)
+    along, scale = _scale_positions(axes, lo, hi), _top(exact)
+    for attempt in attempts[:-1]:
+        if attempt.solution is None:
+            continue
+        x = np.union1d(positions(exact, lo, hi, _POINTS), positions(attempt.solution, lo, hi, _POINTS))
+        with np.errstate(invalid="ignore"):
+            apart = np.abs(attempt.solution.pressure(x) - exact.pressure(x)) / scale
+        # Where neither is in contact there is no difference, and no place for it on this axis.
+        shown = np.where(np.isfinite(apart) & (apart > _FLOOR), apart, np.nan)
+        if np.isfinite(shown).any():
+            axes.plot(x * along, shown, label=attempt.name, color=colours[attempt.name], linewidth=1.1)
+    axes.set_yscale("log")
+    axes.set_ylabel("|pressure - exact| / peak")
+    axes.grid(axis="y", alpha=0.3)
+    _name_lines(axes)
+
+
+def _draw_times(axes: Any, attempts: list[Attempt], colours: dict[str, str]) -> None:
+    bars = axes.barh([a.name for a in attempts], [1e3 * a.seconds for a in attempts], color=[colours[a.name] for a in attempts])
+    axes.bar_label(bars, fmt="%.3g", fontsize=8, padding=2)
+    axes.margins(x=0.28)
+    axes.invert_yaxis()
+    axes.set_xlabel("time [ms]")
+
+
+def _scale_positions(axes: Any, lo: float, hi: float) -> float:
+    along, letter = prefix(max(abs(lo), abs(hi)))
+    axes.set_xlim(lo * along, hi * along)
+    axes.set_xlabel(f"$x$ [{letter}m]")
+    return along
+
+
+def _name_lines(axes: Any) -> None:
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
 
 
 def _stretch(solution: Answer | None) -> tuple[float, float]:

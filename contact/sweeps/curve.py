@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import SceneError, unwarned, warn
 from contact.model.checks import finite_array
 from contact.model.scene import Scene
 from contact.search.shared import Shared
 from contact.search.topology.loop import Progress
+from contact.search.ways.direct import all_directly
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solved_along, tolerance
+
+Array = NDArray[np.float64]
 
 CONTROLS = ("load", "mean_pressure", "approach", "half_width", "contact_fraction")
 # Zones are carried on from so many solutions.
@@ -31,10 +32,17 @@ class Curve:
         self.scene, self.control, self.tol, self.progress = scene, control, tol, progress
         self.shared = Shared(scene)
         self.last: tuple[Solution, ...] = ()
+        self.known: dict[float, Solution] = {}
+
+    def look_at(self, values: Array) -> None:
+        """Solve those of the values at once that need no coupled system."""
+        scenes = [self._scene(float(value)) for value in values]
+        found = all_directly(scenes, self.tol)
+        self.known = {float(value): solution for value, solution in zip(values, found, strict=True) if solution is not None}
 
     def at(self, value: float) -> Solution:
         """The next solution, from the last ones."""
-        solution = self.beside(value, self.last)
+        solution = self.known.get(value) or self.beside(value, self.last)
         self.last = (*self.last, solution)[-_MOST:]
         return solution
 
@@ -43,8 +51,7 @@ class Curve:
         return solved_along(self._scene(value), self.tol, self.progress, self.shared, known)
 
     def _scene(self, value: float) -> Scene:
-        controls: dict[str, float | None] = {**dict.fromkeys(CONTROLS), self.control: value}
-        return replace(self.scene, **controls)  # type: ignore[arg-type]
+        return self.scene.under(self.control, value)
 
 
 def solve_many(
@@ -95,6 +102,7 @@ def solve_many(
     given = finite_array("values", values)
     curve = Curve(scene, name, tolerance(tol), progress)
     found: dict[int, Solution] = {}
+    curve.look_at(given)
     with unwarned():
         for done, k in enumerate(np.argsort(given, kind="stable")):
             if progress is not None:

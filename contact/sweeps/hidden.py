@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.formulation.fields import ZoneFields, moved_ends
+from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.solution.solution import Solution
 
@@ -52,10 +52,4 @@ def _ends(solution: Solution) -> tuple[Array, Array] | None:
     fields = solution.fields
     if not isinstance(fields, ZoneFields | GapFields):
         return None
-    units = fields.problem.units
-    rates = moved_ends(fields.state).T
-    if isinstance(fields, ZoneFields):
-        return np.asarray(units.x(fields.density.zones.table)), rates * units.length * solution.load / units.load
-    # A gap loses on its left what the zone before it gains on its right.
-    rates = -np.column_stack((rates[:, 1], np.roll(rates[:, 0], -1)))
-    return np.asarray(units.x(fields.zones)), rates * units.length * fields.mean
+    return fields.zone_table, fields.spreading

@@ -15,27 +15,32 @@ not a half-plane, on which alone contact is known to grow with the load.
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from contact.errors import NotConverged, SceneError, unwarned, warn
 from contact.formulation.maxima import maximum
 from contact.formulation.roots import bracketed
-from contact.model.checks import finite_array
 from contact.model.scene import Scene
 from contact.search.topology.formulations import formulation_of
 from contact.search.topology.loop import Progress
 from contact.search.topology.missed import WrongTopology
+from contact.solution.export import new_file
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
-from contact.solver import solved_along, tolerance
+from contact.solver import solved_along
+from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
 from contact.sweeps.hidden import may_hide
+from contact.sweeps.path_plot import plot_path
 
 Array = NDArray[np.float64]
 
@@ -87,6 +92,10 @@ class Event:
     before: Array
     after: Array
 
+    def change(self) -> str:
+        """How many zones there are before and after it, in words."""
+        return f"{len(self.before) or 'full contact'} to {len(self.after) or 'full contact'}"
+
 
 @dataclass(frozen=True, eq=False)
 class Path:
@@ -96,8 +105,8 @@ class Path:
     ----------
     solutions : tuple of Solution
         One for each load.
-    events : tuple of Event
-        Changes of the number of zones, in order.
+    passed : tuple of tuple of Event
+        For each load the changes of the number of zones since the load before, in order.
 
     Examples
     --------
@@ -109,67 +118,75 @@ class Path:
     """
 
     solutions: tuple[Solution, ...]
-    events: tuple[Event, ...]
+    passed: tuple[tuple[Event, ...], ...]
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """All events, in order."""
+        return tuple(event for events in self.passed for event in events)
 
     @property
     def loads(self) -> Array:
+        """Loads of the solutions (n,) [N/m]."""
         return np.array([solution.load for solution in self.solutions])
 
+    def plot(self, ax: Any = None) -> Any:
+        """Contact and approach over the load, with the events marked: a matplotlib figure of its own, or of the axes given.
 
-def path(scene: Scene, loads: ArrayLike, tol: float = 1e-8, progress: Progress | None = None) -> Path:
-    """Solve a scene along loads [N/m] (per period where there is one), each from the zones of the last, with all events.
+        Parameters
+        ----------
+        ax : matplotlib Axes, or two of them, or None
+            Where contact over the load is drawn, and approach over the load; None: in a new figure.
 
-    The scene's own control is replaced by each load in turn; its tilt or its moment stays.
+        Returns
+        -------
+        matplotlib.figure.Figure
 
-    Parameters
-    ----------
-    scene : Scene
-        What is pressed, under any control.
-    loads : array_like
-        One or more loads [N/m], (n,), positive, in any order.
-    tol : float
-        Largest stated error of each solution.
-    progress : callable or None
-        Called with (stage, done, total or None).
+        Raises
+        ------
+        MissingExtra
+            Without matplotlib.
+        SceneError
+            If `ax` is no axes, or two of them where the scene has no approach.
+        """
+        return plot_path(self.solutions, self.passed, ax)
 
-    Returns
-    -------
-    Path
+    def to_dict(self) -> dict[str, Any]:
+        """Numbers of each load, events, scene and units in plain types; None for what is infinite or undefined."""
+        return path_table.to_dict(self.solutions, self.passed)
 
-    Raises
-    ------
-    SceneError, OutOfRange, NotConverged
-        As `contact.solve`; SceneError also if the law is one under which contact may not grow with the load.
+    def save(self, path: str | PathLike[str], overwrite: bool = False) -> None:
+        """Write a row for each load as CSV, or all of `to_dict` as JSON: .csv or .json says which.
 
-    Examples
-    --------
-    >>> import contact
-    >>> wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), load=1.0)
-    >>> found = contact.path(wave, [1e3, 2e3, 4e3])
-    >>> [event.kind for event in found.events], len(found.solutions)
-    (['full'], 3)
-    """
-    if not isinstance(scene, Scene):
-        raise SceneError.of("scene", scene, "a contact.Scene")
-    if not scene.law.convex:
-        raise SceneError.of("law", scene.law.name, "one under which contact only grows with the load: a path under others is not followed")
-    values = finite_array("loads", loads)
-    if np.any(values <= 0):
-        raise SceneError.of("loads", loads, "positive")
-    run = _Path(scene, tolerance(tol))
+        Raises
+        ------
+        SceneError
+            If the name ends otherwise, or the file is there and `overwrite` is not given.
+        """
+        ending = os.path.splitext(path)[1].lower() if isinstance(path, (str, PathLike)) else ""
+        if ending not in (".csv", ".json"):
+            raise SceneError.of("path", path, "the name of a file that ends in .csv or .json")
+        csv = ending == ".csv"
+        text = path_table.to_csv(self.solutions, self.passed) if csv else json.dumps(self.to_dict(), allow_nan=False) + "\n"
+        new_file(path, overwrite).write_text(text, encoding="utf-8")
+
+
+def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:
+    """Along loads [N/m], under a law by which contact only grows with the load; see `contact.path`."""
+    run = _Path(scene, tol)
+    run.curve.look_at(values)
     solutions: list[Solution] = []
-    events: list[Event] = []
+    passed: list[tuple[Event, ...]] = []
     with unwarned():
         for k, load in enumerate(values):
             if progress is not None:
                 progress("load", k, len(values))
             here = run.curve.at(float(load))
-            if solutions:
-                events += run.between(solutions[-1], here)
+            passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
     # Of the highest load, where slopes and pressures are.
     warn(of_solution(max(solutions, key=lambda solution: solution.load)))
-    return Path(tuple(solutions), tuple(events))
+    return Path(tuple(solutions), tuple(passed))
 
 
 @dataclass(frozen=True)

@@ -67,7 +67,7 @@ def _of_body(found: Found) -> float:
     """What a body that is no half-plane adds: its smooth part, where it nearly cancels the line load of the half-plane, as that of a thin
     layer does, leaves rounding and neglected modes that are large beside the little that remains."""
     operator, units = found.fields.problem.operator, found.fields.problem.units
-    if operator.is_plain or operator.is_own or found.fields.state.density.slits:
+    if operator.is_plain or operator.is_own or found.fields.state.density.slit_count:
         return 0.0
     state = found.fields.state.whole
     zones = state.density.zones
@@ -98,7 +98,7 @@ def of_positions(found: Found) -> float:
 def _of_jumps(density: sie.AnyDensity) -> float:
     """Rounding of the logarithms at kinks, which may cancel to a pressure far below the height of the kinks. Beside an end they
     are small themselves."""
-    steps = density.steps
+    steps = density.jumps
     return 2 * _EPS * float((np.abs(steps.height) * steps.sine).max(initial=0.0))
 
 
@@ -117,7 +117,7 @@ def _reference(density: sie.AnyDensity) -> float:
         angle = (np.arange(_LOOKS) + 0.5) * np.pi / _LOOKS
         left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
         return float(np.abs(density.at(np.arange(len(density.zones))[:, None], left, right) * np.sin(angle)).max())
-    if _is_singular(density) or np.any((density.steps.height > 0) & (density.steps.order == 0)):
+    if _is_singular(density) or np.any((density.jumps.height > 0) & (density.jumps.order == 0)):
         return abs(density.total) / float((density.zones.b - density.zones.a).sum())
     return float(density.sensitivity[0].max())
 

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.verify.minima import DIP_ROUNDING, follow, may_be_negative
 
@@ -82,9 +83,26 @@ class Certificate:
 NOT_CHECKED = Certificate(np.nan, None, 0.0, np.nan, np.nan, 0, False, note="a formal solution: its signs were not checked")
 
 
-def certify(fields: ZoneFields, load: float | None, held: str = "load") -> Certificate:
+class Openings(NamedTuple):
+    """Between the zones, scaled: the least gap, where surfaces overlap (n, 2), rounding of the gap, how many points were looked at; and
+    what the gap comes to on the zones, where it is zero."""
+
+    least: float | None
+    overlaps: Array
+    rounding: float
+    points: int
+    on_zones: float
+
+
+def openings(fields: ZoneFields) -> Openings:
+    """The gap, looked at everywhere."""
+    on_zones = float(np.abs(fields.formal_gap(_on_zones(fields))).max())
+    return Openings(*_gaps(fields, fields.gap_rounding + 2 * on_zones), on_zones)
+
+
+def certify(fields: ZoneFields, load: float | None, held: Control | None = None) -> Certificate:
     """Check the solution everywhere; `negative` and `overlaps` are the scaled intervals where it fails. held: the control under which
-    the contact has to be stable, where there are several equilibria; "half_width": it need not be."""
+    the contact has to be stable, where there are several equilibria, the load if left out; under a half width it need not be."""
     law = fields.problem.law
     pressures, least, dip, inside = _pressures(fields)
     valleys, left_out = _valleys(fields)
@@ -92,8 +110,7 @@ def certify(fields: ZoneFields, load: float | None, held: str = "load") -> Certi
         pressures, valleys, left_out, dip = np.zeros((0, 2)), [], 0, np.inf
     new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in pressures)]
     pressures = np.array(sorted([*map(tuple, pressures), *new])).reshape(-1, 2)
-    on_zones = float(np.abs(fields.formal_gap(_on_zones(fields))).max())
-    gaps, overlaps, rounding, outside = _gaps(fields, fields.gap_rounding + 2 * on_zones)
+    gaps, overlaps, rounding, outside, on_zones = openings(fields)
     units = fields.problem.units
     density = fields.density
     balance = 0.0 if load is None else abs(density.total - load) / max(abs(load), fields.load_size if law.pulls else 0.0)
@@ -108,14 +125,16 @@ def certify(fields: ZoneFields, load: float | None, held: str = "load") -> Certi
     missed = stability = None
     if law.bare is not None:
         missed = _missed(fields)
-        if held != "half_width":
-            stability = float(np.linalg.eigvalsh(_symmetric(fields.second_variation(held))).min())
+        name = "load" if held is None else held.name
+        if held is None or held.half_width is None:
+            matrix = fields.second_variation(None if held is None else held.yields)
+            stability = float(np.linalg.eigvalsh(_symmetric(matrix)).min())
         if missed > _INTENSITY * max(1.0, fields.bending):
             holds, note = False, f"an end misses its intensity by {missed:.1e}"
         elif stability is not None and not stability > 0.0:
-            holds, note = False, f"not stable under a held {held}: the second variation of the energy is not positive"
+            holds, note = False, f"not stable under a held {name}: the second variation of the energy is not positive"
         else:
-            told = "its ends are given" if stability is None else f"locally stable under a held {held}"
+            told = "its ends are given" if stability is None else f"locally stable under a held {name}"
             note = f"one of several equilibria: intensities at the ends, no overlap, balance, {told}{'; ' + note if note else ''}"
     broken = law.fault(fields, load)
     if broken:

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.formulation.cohesive import Cohesive, CohesivePoint
-from contact.formulation.controls import Load
 from contact.formulation.pulled_contact import look_at
-from contact.formulation.pulled_fields import PulledFields
+from contact.formulation.pulled_fields import PulledFields, scaled_second_variation
 from contact.verify.accuracy import Found
 from contact.verify.certificate import Certificate
 
@@ -45,7 +44,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
     """The certificate of the frictionless part, with what the tension adds; here: None where it acts everywhere, on these fields."""
     stress = curve.stress * curve.problem.units.pressure
     least = plain.smallest_pressure - stress
-    held, name = plain.holds, curve.kind.name
+    held, name = plain.holds, curve.held.name
     if here is None:
         assert fields is not None
         _, gap = look_at(fields)
@@ -59,11 +58,10 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
     next_one = np.append(table[1:, 0], np.inf if period is None else table[0, 0] + period)
     away = np.minimum(np.minimum(np.abs(place - table[i, 0]), np.abs(place - table[i, 1])), np.abs(next_one[i] - place))
     told = away > _BESIDE * (table[i, 1] - table[i, 0])
-    rounding = here.fields.gap_rounding
+    rounding = here.q.gap_rounding
     wrong = told & np.where(within, gap > curve.reach + rounding, gap < curve.reach - rounding)
     missed = float(np.abs(here.residual).max())
-    root = np.sqrt(here.widths)
-    matrix = -0.5 * root[:, None] * here.rates * root
+    matrix = scaled_second_variation(here)
     stability = float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min())
     if not held:
         note = plain.note or "a sign or the balance fails"
@@ -84,10 +82,10 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
 
 def uncertain(curve: Cohesive, here: CohesivePoint) -> float:
     """What the ends of the tension may be off by, and the zones by it, over the width of either."""
-    rounding = here.fields.gap_rounding / 16 / curve.reach
+    rounding = here.q.gap_rounding / 16 / curve.reach
     ends = np.abs(np.linalg.solve(here.rates, here.residual)) + np.abs(np.linalg.inv(here.rates)) @ np.full(len(here.residual), rounding)
     width = np.tile(np.diff(here.zones, axis=1)[:, 0], 2)
     # The load of q is the difference of the tension's and the given one.
     load = 4.0 * np.finfo(np.float64).eps * (abs(here.load) + curve.stress * float(here.widths.sum()))
-    follow = np.abs(here.by_ends[:, :-1]) @ ends + np.abs(here.by_ends[:, -1]) * (load if curve.kind is Load else 0.0)
+    follow = np.abs(here.by_ends[:, :-1]) @ ends + np.abs(here.by_ends[:, -1]) * curve.yields * load
     return float(max((ends / here.widths).max(), (follow / width).max()))

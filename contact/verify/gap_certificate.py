@@ -40,7 +40,7 @@ def _openings(fields: GapFields) -> tuple[float, list[tuple[float, float]], int]
     gaps, counts = density.zones, density.sampling
     smallest, points = np.inf, 0
     overlaps: list[tuple[float, float]] = []
-    size = np.abs(density.coefficients).sum(axis=1) + np.bincount(density.steps.zone, np.abs(density.steps.height), len(gaps))
+    size = np.abs(density.coefficients).sum(axis=1) + np.bincount(density.jumps.zone, np.abs(density.jumps.height), len(gaps))
     for n in np.unique(counts):
         group = np.flatnonzero(counts == n)
         theta = (np.arange(n) + 0.5) * np.pi / n

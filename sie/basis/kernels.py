@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import gammaln, loggamma, psi
 
+from sie.basis.interval import fall
 from sie.basis.kept import Kept
 
 Array = NDArray[np.float64]
@@ -302,6 +303,4 @@ def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
     """Quadrature nodes a zone needs for the regular part: until the kernel's own coefficients have decayed."""
     if not kernel.sure:
         return m + 2
-    z = max(kernel.reach / half_width, 1.05)
-    rho = 1 / (z + math.sqrt(z * z - 1))
-    return max(4, math.ceil(math.log(1e-17) / math.log(rho)))
+    return max(4, math.ceil(-math.log(1e-17) / float(fall(max(kernel.reach / half_width - 1, 0.05)))))

@@ -12,19 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack, lu_factor, lu_solve
 
+from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 from sie.collocation import modes
-from sie.collocation.iterative import Iterative, ManySystem, Punches, unfit
+from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem, unfit
 from sie.collocation.rounding import density_rounding, intensity_rounding
-from sie.collocation.symmetry import Folding
+from sie.collocation.symmetry import MirrorSymmetry
 from sie.collocation.system import Layout, System
 from sie.density.density import Density
 from sie.density.field import panels_over
 from sie.equation.checks import look_at
 from sie.equation.conditions import asked
 from sie.equation.equation import Equation
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -85,7 +86,7 @@ class Sizes:
     carried: Carried | None = None
     primitive_rounding: float | None = None
     wide: Sizes | None = None
-    """Those of the wide zones, where narrow gaps are holes."""
+    """Those of the wide zones, where narrow gaps are slits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,29 +94,36 @@ class Carried:
     """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, unknown coefficients (zones, max m + 1)
     of m, amplitudes."""
 
-    punches: Punches | None
+    coarse: CoarseOperator | None
     coefficients: Array
     m: Index
     amplitudes: Array
 
     @classmethod
-    def of(cls, punches: Punches | None, layout: Layout, y: Array) -> Carried:
-        return cls(punches, layout.padded(y), layout.m, y[layout.coefficients :])
+    def of(cls, coarse: CoarseOperator | None, layout: Layout, y: Array) -> Carried:
+        return cls(coarse, layout.padded(y), layout.m, y[layout.coefficients :])
 
-    def near(self, system: ManySystem) -> Array:
+    def near(self, system: IterativeSystem) -> Array:
         """Unknowns of another system to start from: those of modes that had none are what the right side makes of them."""
         count = max(self.coefficients.shape[1], system.lowest.shape[1])
         table, right = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self.coefficients, system.lowest))
         y = system.layout.flat(np.where(np.arange(count) <= self.m[:, None], table, -right))
         y[system.layout.coefficients :] = self.amplitudes
-        return y if system.folding.keep is None else y[system.folding.keep]
+        return y if system.symmetry.keep is None else y[system.symmetry.keep]
 
 
 class Solver(Protocol):
-    """Solves the assembled rows for further right sides. size: of the unknowns that are kept."""
+    """Solves the assembled rows for further right sides. size: of the unknowns that are kept; direct, iteration: itself, where it has a
+    matrix, and where it iterates."""
 
     @property
     def size(self) -> int: ...
+
+    @property
+    def direct(self) -> Factored | None: ...
+
+    @property
+    def iteration(self) -> Iterative | None: ...
 
     def __call__(self, right: Array) -> Array: ...
 
@@ -129,6 +137,12 @@ class Factored:
     pivots: Index
     size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
     rows: Array | None = field(default=None, repr=False)
+
+    iteration = None
+
+    @property
+    def direct(self) -> Factored:
+        return self
 
     @property
     def size(self) -> int:
@@ -198,7 +212,7 @@ class State(Kept):
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
         iteration = self.iteration
-        return self.folding.unfold(self.solver(right) if iteration is None else iteration(right, None, tolerance))
+        return self.symmetry.unfold(self.solver(right) if iteration is None else iteration(right, None, tolerance))
 
     def with_value(self, condition: int, change: float) -> State:
         """The state after the value of one side condition has changed."""
@@ -207,20 +221,20 @@ class State(Kept):
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
         folded = self.folded_unknowns + self.solver(right)
-        unknowns = self.folding.unfold(folded)
+        unknowns = self.symmetry.unfold(folded)
         return replace(self, folded_unknowns=folded, unknowns=unknowns, density=density_of(self.system, unknowns))
 
     def homogeneous(self, right: Array) -> Density:
-        """The density for another right side of the assembled rows, no forcing and no steps."""
-        return self._homogeneous_density(self.folding.unfold(self.solver(right)))
+        """The density for another right side of the assembled rows, no forcing and no jumps."""
+        return self._homogeneous_density(self.symmetry.unfold(self.solver(right)))
 
     @property
-    def folding(self) -> Folding:
-        return Folding.of(self.system.zones, self.system.layout)
+    def symmetry(self) -> MirrorSymmetry:
+        return MirrorSymmetry.of(self.system.zones, self.system.layout)
 
-    def settled(self) -> State:
-        """The same state with its density settled (`Density.settled`)."""
-        return replace(self, density=self.density.settled())
+    def with_bounded_ends(self) -> State:
+        """The same state with the density of `Density.with_bounded_ends`."""
+        return replace(self, density=self.density.with_bounded_ends())
 
     @property
     def equation(self) -> Equation:
@@ -243,12 +257,12 @@ class State(Kept):
     @property
     def direct(self) -> Factored | None:
         """The solver, where it has a matrix."""
-        return self.solver if isinstance(self.solver, Factored) else None
+        return self.solver.direct
 
     @property
     def iteration(self) -> Iterative | None:
         """The solver, where it iterates."""
-        return self.solver if isinstance(self.solver, Iterative) else None
+        return self.solver.iteration
 
     @property
     def whole(self) -> State:
@@ -267,7 +281,7 @@ class State(Kept):
     @cached_property
     def coefficient_noise(self) -> Array:
         """Rounding of what each zone's coefficients add up to."""
-        return np.asarray(self.intensity_noise.max(axis=0) / np.sqrt(self.density.zones.half / 2))
+        return np.asarray(self.intensity_noise.max(axis=0) / edge_scale(self.density.zones.half))
 
     @property
     def field_tail(self) -> float:
@@ -292,7 +306,7 @@ class State(Kept):
     def _homogeneous_density(self, y: Array) -> Density:
         layout = self.system.layout
         density = self.density
-        return Density(density.zones, density.kernel, layout.padded(y), Steps.none(), y[layout.coefficients :])
+        return Density(density.zones, density.kernel, layout.padded(y), ForcingJumps.none(), y[layout.coefficients :])
 
     @cached_property
     def size(self) -> float:
@@ -329,7 +343,7 @@ class State(Kept):
         missing[solved] += 3 * np.maximum(self._residual - rounding[solved], 0.0)
         moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
         slopes = np.where(moves, np.abs(self.density.edge_slopes), np.inf)
-        return np.asarray(np.sqrt(zones.half / 2) * missing / np.maximum(slopes, 1e-300) / zones.half).T
+        return np.asarray(edge_scale(zones.half) * missing / np.maximum(slopes, 1e-300) / zones.half).T
 
     @cached_property
     def zone_sizes(self) -> Array:
@@ -340,7 +354,7 @@ class State(Kept):
     @cached_property
     def jumps_rounding(self) -> Array:
         """Rounding of the parts of all jumps of each zone (Z,)."""
-        return self.system.steps.rounding(len(self.density.zones))
+        return self.system.jumps.rounding(len(self.density.zones))
 
     @cached_property
     def _missing(self) -> Array:
@@ -404,10 +418,10 @@ class State(Kept):
         t = np.cos(theta)
         x = (zones.middle[zones.solved][:, None] + zones.half[zones.solved][:, None] * t).ravel()
         transformed = self.density.transform(x)
-        value = transformed - self._right(x) - system.steps.left_out(x)
+        value = transformed - self._right(x) - system.jumps.left_out(x)
         if zones.symmetric:
             # The other half is not solved: data that are no mirror images leave their residual there.
-            mirrored = -transformed - self._right(-x) - system.steps.left_out(-x)
+            mirrored = -transformed - self._right(-x) - system.jumps.left_out(-x)
             value = np.where(np.abs(mirrored) > np.abs(value), mirrored, value)
         return np.asarray(value.reshape(-1, len(t)) * np.sin(theta))
 
@@ -425,14 +439,14 @@ class State(Kept):
         return np.cumsum([0, *counts], dtype=np.intp)[:-1]
 
 
-def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, apart: NDArray[np.bool_] | bool = True) -> float:
+def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, separated: NDArray[np.bool_] | bool = True) -> float:
     """Error of the density over its size for residuals of the equation at _THETA on zones (n, LOOKS), which rounding of the jumps'
-    parts has its share in; apart: where these tell the first modes from the rest, of which only the largest value is known, and that
+    parts has its share in; separated: where these tell the first modes from the rest, of which only the largest value is known, and that
     the density is off by up to as many times as there are modes."""
     low = residuals @ _FIRST_OF.T
     rest = np.abs(residuals - low @ _FIRST.T).max(axis=1)
-    high = np.where(apart, rest, np.abs(residuals).max(axis=1)) / size
-    low = np.where(apart, np.abs(low) @ np.maximum(0.73 * np.arange(1, low.shape[1] + 1), 1.0), 0.0) / size
+    high = np.where(separated, rest, np.abs(residuals).max(axis=1)) / size
+    low = np.where(separated, np.abs(low) @ np.maximum(0.73 * np.arange(1, low.shape[1] + 1), 1.0), 0.0) / size
     # A few points see the residual to a factor; its rounding adds up as the modes do, but not with their order.
     beyond = 3 * np.maximum(high - 4e-15 - rounding / size, 0.0) * coupled + 1.5 * low
     return float((beyond + high + 5e-16 * coupled).max())
@@ -493,8 +507,8 @@ def solve_fixed(
     if sizes.solves == 0:
         look_at(equation, zones)
     kernel = equation.kernel
-    steps = equation.forcing.jumps_within(zones, kernel)
-    samples = modes.sample(equation.forcing, zones, steps, sizes.own, tolerance, largest)
+    jumps = equation.forcing.jumps_within(zones, kernel)
+    samples = modes.sample(equation.forcing, zones, jumps, sizes.own, tolerance, largest)
     sizes.own = samples.own
     sizes.profile_evaluations += samples.evaluations
     while True:
@@ -503,7 +517,7 @@ def solve_fixed(
         lacking = unfit(equation, zones) if unknowns > MANY_UNKNOWNS else "too few of them"
         if lacking and unknowns > MOST_UNKNOWNS:
             raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
-        state = (_solve_once if lacking else _solve_many)(equation, zones, m, samples, steps, sizes)
+        state = (_solve_once if lacking else _solve_iterated)(equation, zones, m, samples, jumps, sizes)
         more = more_modes(state, state.tails, tolerance)
         if more is None:
             return state
@@ -526,9 +540,9 @@ def more_modes(state: State, tails: Array, tolerance: float) -> Index | None:
 
 
 def _solve_once(
-    equation: Equation, zones: Zones, m: Index, samples: modes.Samples, steps: Steps, sizes: Sizes
+    equation: Equation, zones: Zones, m: Index, samples: modes.Samples, jumps: ForcingJumps, sizes: Sizes
 ) -> State:
-    system = System(equation, zones, m, samples.coefficients, steps)
+    system = System(equation, zones, m, samples.coefficients, jumps)
     matrix, right, scale = _rows(equation, system)
     lu, pivots = lu_factor(matrix, overwrite_a=False, check_finite=False)
     if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right)) and np.all(np.isfinite(lu))):
@@ -553,16 +567,16 @@ def _size_of_rows(system: System, terms: Array) -> Array:
     return np.asarray(np.sqrt(squares))
 
 
-def _solve_many(
-    equation: Equation, zones: Zones, m: Index, samples: modes.Samples, steps: Steps, sizes: Sizes
+def _solve_iterated(
+    equation: Equation, zones: Zones, m: Index, samples: modes.Samples, jumps: ForcingJumps, sizes: Sizes
 ) -> State:
     """By fast sums and iteration, starting from what the last solve on about these zones left."""
-    system = ManySystem(equation, zones, m, samples.coefficients, steps)
+    system = IterativeSystem(equation, zones, m, samples.coefficients, jumps)
     carried = sizes.carried if sizes.carried is not None and len(sizes.carried.m) == len(zones) else None
-    punches = carried.punches if carried is not None else None
-    if system.levelled and (punches is None or not punches.near(zones)):
-        punches = Punches(zones, system)
-    solver = Iterative(system, punches, sizes.linear, sizes.value)
+    coarse = carried.coarse if carried is not None else None
+    if system.levelled and (coarse is None or not coarse.near(system)):
+        coarse = CoarseOperator(zones, system)
+    solver = Iterative(system, coarse, sizes.linear, sizes.value)
     right = solver.right()
     if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right))):
         raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
@@ -573,14 +587,14 @@ def _solve_many(
     sizes.kernel_evaluations += solver.iterations * system.sums.size
     solver.tolerance = 0.0
     state = _state(system, solver, folded, solver.equations, np.ones(solver.size - solver.equations), samples, sizes)
-    sizes.carried = Carried.of(punches, system.layout, state.unknowns)
+    sizes.carried = Carried.of(coarse, system.layout, state.unknowns)
     return state
 
 
 def _state(
     system: System, solver: Solver, folded: Array, conditions_from: int, scale: Array, samples: modes.Samples, sizes: Sizes
 ) -> State:
-    y = Folding.of(system.zones, system.layout).unfold(folded)
+    y = MirrorSymmetry.of(system.zones, system.layout).unfold(folded)
     density = density_of(system, y)
     sizes.solves += 1
     top = np.abs(density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(system.known).max(axis=1, initial=0.0)
@@ -588,7 +602,7 @@ def _state(
     tail = np.maximum(field_tails(system, y, density), system.source_tails)
     if system.zones.symmetric:
         tail = np.maximum(tail, tail[::-1])
-    left_over = solver.error if isinstance(solver, Iterative) else np.zeros(len(system.zones))
+    left_over = solver.iteration.error if solver.iteration is not None else np.zeros(len(system.zones))
     return State(density, system, solver, y, folded, conditions_from, scale, truncation, tail, left_over, sizes)
 
 
@@ -606,7 +620,7 @@ def _rows(equation: Equation, system: System, scale: Array | None = None) -> tup
         scale = np.abs(rows).max(axis=1, initial=0.0)
         if np.any(scale == 0):
             raise SingularSystem("a side condition does not depend on the density")
-    matrix = Folding.of(system.zones, system.layout).fold(np.concatenate((matrix, rows / scale[:, None])))
+    matrix = MirrorSymmetry.of(system.zones, system.layout).fold(np.concatenate((matrix, rows / scale[:, None])))
     return matrix, np.concatenate((right, values / scale)), scale
 
 
@@ -619,7 +633,7 @@ def density_of(system: System, y: Array) -> Density:
     out[:, 0] = 0.0
     given = np.arange(solved.shape[1]) <= layout.m[:, None]
     out[:, : solved.shape[1]] = np.where(given, solved - system.taken, out[:, : solved.shape[1]])
-    return Density(system.zones, system.equation.kernel, out, system.steps, y[layout.coefficients :])
+    return Density(system.zones, system.equation.kernel, out, system.jumps, y[layout.coefficients :])
 
 
 def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[Array, Array]:

@@ -17,18 +17,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import felt
-from sie.collocation.symmetry import Folding
+from sie.collocation.symmetry import MirrorSymmetry
 from sie.collocation.system import System
 from sie.collocation.zone_sums import ZoneSums
-from sie.equation.conditions import Linear, asked, for_every_zone, speaks_of_levels
+from sie.equation.conditions import ByZone, Linear, asked, by_zone, for_every_zone, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.far import reaches
 from sie.fast.hierarchical import Inverse
 from sie.fast.krylov import gmres
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -37,10 +38,14 @@ Index = NDArray[np.intp]
 _COARSE = 1e-4
 # A coarse inverse is kept from one set of zones to the next while ends move by less than this part of a width.
 _KEPT = 0.1
+# What a correction leaves of the residual; corrections at the most; and one that leaves more than this of it is the last.
+_CORRECTED, _CORRECTIONS, _STAGNANT = 1e-6, 6, 0.1
 # The residual that rounding leaves, over the size of the solution.
 _ROUNDING = 3e-16
 # Zones with less than this part of the largest coefficient are solved as if they had it.
 _LIGHTEST = 1e-4
+# Rows at most of conditions that are not of every zone by itself: a small system couples them.
+_FEW_ROWS = 64
 # Nodes for the integral of g over one length of its resolution.
 _GAUSS = 16
 
@@ -64,23 +69,23 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
         return "the kernel is too general"
     if any(end.intensity not in (None, 0.0) for end in ends):
         return "no intensities may be prescribed"
-    per_zone = [c for c in equation.conditions if for_every_zone(c) is not None]
-    if any(c.count(zones) != 1 for c in equation.conditions if c not in per_zone):
-        return "conditions of one's own must be single rows"
+    per_zone = [c for c in equation.conditions if by_zone(c, zones) is not None]
+    if sum(c.count(zones) for c in equation.conditions if c not in per_zone) > _FEW_ROWS:
+        return "there are too many conditions that are of no zone by itself"
     held = sorted(sum(zones.held, []))
     if len(per_zone) + bool(held) != 1 or (held and held != list(range(len(zones.solved)))):
         return "every zone needs one condition of its own, all of one kind"
     return None
 
 
-class ManySystem(System):
+class IterativeSystem(System):
     """Rows applied to unknowns; no matrix is kept."""
 
-    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, steps: Steps) -> None:
-        super().__init__(equation, zones, m, coefficients, steps)
+    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps) -> None:
+        super().__init__(equation, zones, m, coefficients, jumps)
         solved = zones.solved
         self.sums = ZoneSums(zones, equation.kernel, self.layout)
-        self.folding = Folding.of(zones, self.layout)
+        self.symmetry = MirrorSymmetry.of(zones, self.layout)
         self._weights: dict[Callable[[Array], Array], tuple[list[Array], Array]] = {}
         count = m[solved]
         first = np.repeat(self.sums.first_row[:-1], count)
@@ -91,7 +96,7 @@ class ManySystem(System):
         g = np.where(k < self.lowest.shape[1], self.lowest[zone, np.minimum(k, self.lowest.shape[1] - 1)], 0.0)
         self.column_rows = np.array([self._projected(c.value) for c in equation.columns]).reshape(-1, len(k))
         none = np.zeros(len(solved))
-        self.known_field = self.sums(self.layout.flat(self.known)) if len(steps) else (np.zeros(len(k)), none, none)
+        self.known_field = self.sums(self.layout.flat(self.known)) if len(jumps) else (np.zeros(len(k)), none, none)
         if self.unseen_moments is not None:
             rows, middle, mean = self.sums.of_panels(self.unseen_moments)
             self.known_field = self.known_field[0] + rows, self.known_field[1] + middle, self.known_field[2] + mean
@@ -117,9 +122,9 @@ class ManySystem(System):
         return rows[self.kept], middle + mean
 
     # rows applied ---------------------------------------------------------------------------------------------------
-    def applied(self, y: Array) -> tuple[Array, Applied]:
-        """(rows of the equation, what conditions ask for) for unknowns y."""
-        rows, middle, mean = self.sums(y)
+    def applied(self, y: Array, rough: bool = False) -> tuple[Array, Applied]:
+        """(rows of the equation, what conditions ask for) for unknowns y. rough: see `ZoneSums`."""
+        rows, middle, mean = self.sums(y, rough)
         rows -= y[self.own]
         if self.layout.columns:
             rows -= y[self.layout.coefficients :] @ self.column_rows
@@ -128,7 +133,7 @@ class ManySystem(System):
     def _with_own(self, y: Array, mean: Array) -> Array:
         solved = self.zones.solved
         w = self.zones.half[solved]
-        level = mean + w * np.log(w / (2 * self.equation.kernel.datum)) * y[self.layout.offset[solved]]
+        level = mean + mean_potential(w, self.equation.kernel.datum) * y[self.layout.offset[solved]]
         if self.layout.columns and self.wants_levels:
             level = level - y[self.layout.coefficients :] @ self.column_means
         return np.asarray(level)
@@ -140,7 +145,20 @@ class ManySystem(System):
     @cached_property
     def levelled(self) -> bool:
         """Whether a condition on potentials is what every zone has of its own."""
-        return any(for_every_zone(c) == "levels" for c in self.equation.conditions)
+        return self.of_zones is not None and self.of_zones.of_levels
+
+    @cached_property
+    def of_zones(self) -> ByZone | None:
+        """What every zone has of its own, but held ends."""
+        found = (by_zone(c, self.zones) for c in self.equation.conditions)
+        return next((one for one in found if one is not None), None)
+
+    @cached_property
+    def springs(self) -> Array:
+        """What every zone's own condition on its level has of c_0 beside it."""
+        own = self.of_zones
+        none = np.zeros(len(self.zones.solved))
+        return none if own is None or not own.of_levels or own.differences else own.first / own.levels
 
     @cached_property
     def column_means(self) -> Array:
@@ -156,15 +174,15 @@ class ManySystem(System):
     def step_constants(self) -> Array:
         """Differences of `level_constants` between neighbours, with the digits that the values have lost."""
         known = self._with_own(self.layout.flat(self.known), self.known_field[2])
-        return np.diff(self.known_field[1]) + np.diff(known) - self._forcing_steps()
+        return np.diff(self.known_field[1]) + np.diff(known) - self._forcing_differences()
 
     @property
     def integrated(self) -> bool:
         """Whether differences of the primitive may be taken from g."""
         forcing = self.equation.forcing
-        return forcing.resolution is not None and len(forcing.steps_at) == 0
+        return forcing.resolution is not None and len(forcing.jumps_at) == 0
 
-    def _forcing_steps(self) -> Array:
+    def _forcing_differences(self) -> Array:
         """Differences of the primitive's means between neighbours: over the gap by quadrature, over the zones from the
         coefficients of g, since the antiderivative of U_{k-1} is T_k / k."""
         solved = self.zones.solved
@@ -249,10 +267,10 @@ class ManySystem(System):
             tables.append(values[: m + 1])
             beyond = -self.g[i, m + 1 : len(values)]
             constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
-            if len(self.steps):
+            if len(self.jumps):
                 count = min(len(values), self.g.shape[1] + 16)
                 if count not in known:
-                    known[count] = self.steps.t_coefficients(self.zones, count)
+                    known[count] = self.jumps.t_coefficients(self.zones, count)
                 constants[place] += values[:count] @ known[count][i] - values[: m + 1] @ self.taken[i, : m + 1][: len(values)]
         return tables, constants
 
@@ -261,7 +279,7 @@ class ManySystem(System):
 class Applied:
     """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of unknowns: one column."""
 
-    system: ManySystem
+    system: IterativeSystem
     y: Array
     middle: Array
     rest: Array
@@ -307,17 +325,19 @@ class Applied:
         return self.system.multiplicity()
 
 
-class Punches:
-    """The inverse of the coarse problem's matrix: mean potential on each solved zone from each c_0, less a constant times the
+class CoarseOperator:
+    """The coarse problem's matrix and its inverse: mean potential on each solved zone from each c_0, less a constant times the
     total that makes it definite."""
 
-    def __init__(self, zones: Zones, system: System) -> None:
+    def __init__(self, zones: Zones, system: IterativeSystem) -> None:
         self.zones, self.kernel = zones, system.equation.kernel
         solved = zones.solved
+        self.springs = np.zeros(len(solved))
         ends = np.array([0, len(solved) - 1])
         w = zones.half[solved]
         self.lowered = 0.0
         self.lowered = 1.0 + float((self.entries(ends[:, None], np.arange(len(solved))) / (w * system.multiplicity())).max())
+        self.springs = system.springs
         self.inverse = Inverse(self.entries, 0, len(solved), _COARSE)
 
     def entries(self, rows: Index, columns: Index) -> Array:
@@ -327,7 +347,7 @@ class Punches:
         if self.zones.symmetric:
             mirror = count - 1 - j
             out = out + np.where(mirror == j, 0.0, self._of(i, mirror))
-        return out
+        return out + np.where(i == j, self.springs[rows], 0.0)
 
     def _of(self, i: Index, j: Index) -> Array:
         zones, kernel = self.zones, self.kernel
@@ -339,46 +359,52 @@ class Punches:
             e = (gap + zones.half[i]) / w
             if shift == 0.0:
                 e = np.where(i == j, 0.0, e)
-            out += np.log(w * (1 + e + np.sqrt(e * (e + 2))) / (2 * kernel.datum))
+            out += Outside(1.0, e).first(w / kernel.datum)
         if kernel.regular_potential is not None:
             out += kernel.regular_potential(zones.middle[i], zones.middle[j])
         return np.asarray(w * (out - self.lowered))
 
-    def near(self, zones: Zones) -> bool:
-        """Whether these zones are still about the same."""
+    def near(self, system: IterativeSystem) -> bool:
+        """Whether the zones of a system, and what it asks of them, are still about the same."""
+        zones = system.zones
         if len(zones) != len(self.zones) or zones.symmetric != self.zones.symmetric:
+            return False
+        if np.any(np.abs(system.springs - self.springs) > _KEPT * np.abs(self.springs)):
             return False
         moved = np.maximum(np.abs(zones.a - self.zones.a), np.abs(zones.b - self.zones.b))
         return bool(np.all(moved <= _KEPT * (self.zones.b - self.zones.a)))
 
 
-class Coarse:
+class TwoLevelPreconditioner:
     """The preconditioner: -c_k from the rows of the equation, c_0 and the amplitudes from the side conditions.
 
-    With level = G c_0 - (amplitudes' means) on every zone, G = Punches + constant: c_0 = Punches^-1 (level + unknown constant +
-    ...), and the few unknowns left come from the conditions that are not asked of every zone. Where every zone has a held end, c_0
-    is what makes K vanish there.
+    With level = G c_0 - (amplitudes' means) on every zone, G = C + constant, C the coarse operator: c_0 = C^-1 (level + unknown
+    constant + ...), and the few unknowns left come from the conditions that are not asked of every zone. Where every zone has a
+    held end, c_0 is what makes K vanish there.
     """
 
-    def __init__(self, system: ManySystem, punches: Punches | None) -> None:
-        self.system, self.punches = system, punches
+    def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None) -> None:
+        self.system, self.coarse = system, coarse
         zones, conditions = system.zones, system.equation.conditions
         counts = [c.count(zones) for c in conditions]
         starts = np.concatenate(([0], np.cumsum(counts)))
-        kinds = [for_every_zone(c) for c in conditions]
+        kinds = [by_zone(c, zones) for c in conditions]
         self.others = [k for k, kind in enumerate(kinds) if kind is None]
-        self.other_rows = np.array([starts[k] for k in self.others], dtype=np.intp)
+        self.other_rows = np.concatenate([np.arange(starts[k], starts[k + 1]) for k in self.others] or [np.zeros(0, dtype=np.intp)])
         self.held = np.array(sum(zones.held, []), dtype=np.intp)
         at = None if len(self.held) else next(k for k, kind in enumerate(kinds) if kind is not None)
-        self.levels = at is not None and kinds[at] == "levels"
+        self.own = None if at is None else kinds[at]
+        self.levels = self.own is not None and self.own.of_levels
         # What every zone has of its own: rows of one condition, or those of held ends, which come last.
         self.rows = slice(int(starts[-1]), None) if at is None else slice(int(starts[at]), int(starts[at + 1]))
-        self.absolute = at is not None and counts[at] == len(zones.solved)
+        self.absolute = self.own is not None and not self.own.differences
+        # Of the integral over a zone all but c_0 is nothing; of others, and of edges, it is not.
+        self.closed = None if at is None or self.levels or for_every_zone(conditions[at]) == "totals" else conditions[at]
         self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
-        layout, folding = system.layout, system.folding
-        self.first = folding.position(layout.offset[zones.solved])
-        self.rest = folding.position(system.own[system.kept])
-        self.amplitudes = folding.position(layout.coefficients + np.arange(layout.columns))
+        layout, symmetry = system.layout, system.symmetry
+        self.first = symmetry.position(layout.offset[zones.solved])
+        self.rest = symmetry.position(system.own[system.kept])
+        self.amplitudes = symmetry.position(layout.coefficients + np.arange(layout.columns))
         self._basis = self._responses()
         self._small = np.zeros((self._basis.shape[1],) * 2)
         for k, column in enumerate(self._basis.T):
@@ -388,7 +414,7 @@ class Coarse:
         """Folded unknowns that a unit of the constant and of each amplitude bring along, in columns."""
         system = self.system
         columns, with_constant = system.layout.columns, self.levels
-        out = np.zeros((system.folding.size, columns + with_constant))
+        out = np.zeros((system.symmetry.size, columns + with_constant))
         if with_constant:
             out[self.first, 0] = self._from_levels(np.ones(len(self.first)))
         for k in range(columns):
@@ -397,32 +423,38 @@ class Coarse:
             out[self.rest, place] = -system.column_rows[k][system.kept]
             if self.levels:
                 out[self.first, place] = self._from_levels(system.column_means[k])
-            elif len(self.held):
-                self._close(out[:, place], np.zeros(len(self.held)))
+            else:
+                self._close(out[:, place], np.zeros(len(self.first)))
         return out
 
     def _close(self, folded: Array, wanted: Array) -> None:
-        """Sets c_0 of every zone so that K at the held ends is as wanted."""
+        """Sets c_0 of every zone so that what the zone has of its own, which is no level, is as wanted."""
         system = self.system
-        view = Applied(system, system.folding.unfold(folded), np.zeros(0), np.zeros(0))
-        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / np.sqrt(system.zones.half[system.zones.solved[self.held]] / 2)
+        if self.own is not None and self.closed is None:
+            folded[self.first] = wanted / self.own.first
+            return
+        view = Applied(system, system.symmetry.unfold(folded), np.zeros(0), np.zeros(0))
+        if self.own is not None and self.closed is not None:
+            folded[self.first] = (wanted - self.closed.rows(view)[0][:, 0]) / self.own.first
+            return
+        folded[self.first[self.held]] = (wanted - view.held()[0][:, 0]) / edge_scale(system.zones.half[system.zones.solved[self.held]])
 
     def _from_levels(self, levels: Array) -> Array:
-        assert self.punches is not None
-        return self.punches.inverse(levels)
+        assert self.coarse is not None
+        return self.coarse.inverse(levels)
 
     def _scalars(self, folded: Array) -> Array:
         """The conditions that are single rows, and what ties the constant where levels are absolute."""
         system = self.system
-        y = system.folding.unfold(folded)
+        y = system.symmetry.unfold(folded)
         view = system.applied(y)[1] if self.seen else Applied(system, y, np.zeros(0), np.zeros(0))
-        out = [float(system.equation.conditions[k].rows(view)[0][0, 0]) for k in self.others]
+        out = [float(row) for k in self.others for row in system.equation.conditions[k].rows(view)[0][:, 0]]
         if self.levels and self.absolute:
-            assert self.punches is not None
+            assert self.coarse is not None
             solved = system.zones.solved
             total = float((system.multiplicity() * system.zones.half[solved]) @ folded[self.first])
             # What the constant stands for, from the basis' first unknown: put in by `__call__`.
-            out.append(self.punches.lowered * total)
+            out.append(self.coarse.lowered * total)
         return np.array(out)
 
     def __call__(self, right: Array) -> Array:
@@ -430,15 +462,13 @@ class Coarse:
         equations = len(self.rest)
         conditions = right[equations:]
         here = conditions[self.rows]
-        out = np.zeros(system.folding.size)
+        out = np.zeros(system.symmetry.size)
         out[self.rest] = -right[:equations]
-        if self.levels:
-            levels = here if self.absolute else np.concatenate(([0.0], np.cumsum(here)))
-            out[self.first] = self._from_levels(levels)
-        elif len(self.held):
-            self._close(out, here)
+        if self.own is not None and self.levels:
+            levels = here / self.own.levels
+            out[self.first] = self._from_levels(levels if self.absolute else np.concatenate(([0.0], np.cumsum(levels))))
         else:
-            out[self.first] = here / (np.pi * system.zones.half[system.zones.solved])
+            self._close(out, here)
         if self._basis.shape[1]:
             small, wanted = self._small.copy(), conditions[self.other_rows]
             missing = self._scalars(out)
@@ -450,29 +480,35 @@ class Coarse:
 
 
 class Iterative:
-    """Solves the rows of a `ManySystem` for any right side.
+    """Solves the rows of an `IterativeSystem` for any right side.
 
     value: of an open condition, if there is one. Unknowns are counted in the largest of their zone, so that lightly loaded zones are
     as right as the others. error: the largest
     of what the last residual, preconditioned, says of the error of each zone's unknowns (Z,).
     """
 
-    def __init__(self, system: ManySystem, punches: Punches | None, tolerance: float, value: float = 0.0) -> None:
+    def __init__(self, system: IterativeSystem, coarse: CoarseOperator | None, tolerance: float, value: float = 0.0) -> None:
         self.system, self.tolerance, self.value = system, tolerance, value
-        self.coarse = Coarse(system, punches)
+        self.preconditioner = TwoLevelPreconditioner(system, coarse)
         self.equations = len(system.kept)
         self.error = np.zeros(len(system.zones))
         self.iterations = 0
 
+    direct = None
+
+    @property
+    def iteration(self) -> Iterative:
+        return self
+
     @property
     def size(self) -> int:
-        return self.system.folding.size
+        return self.system.symmetry.size
 
-    def rows(self, folded: Array) -> Array:
+    def rows(self, folded: Array, rough: bool = False) -> Array:
         system = self.system
-        rows, view = system.applied(system.folding.unfold(folded))
+        rows, view = system.applied(system.symmetry.unfold(folded), rough)
         parts = [asked(condition, view, 1)[0][:, 0] for condition in system.equation.conditions]
-        return np.concatenate((rows, *parts, view.held()[0][:, 0]) if len(self.coarse.held) else (rows, *parts))
+        return np.concatenate((rows, *parts, view.held()[0][:, 0]) if len(self.preconditioner.held) else (rows, *parts))
 
     def right(self) -> Array:
         """The right side of the equation and of its conditions."""
@@ -483,7 +519,7 @@ class Iterative:
         for condition in system.equation.conditions:
             _, constants, wanted = asked(condition, nothing, 1)
             values.append(wanted - constants + (self.value if condition.open else 0.0))
-        if len(self.coarse.held):
+        if len(self.preconditioner.held):
             values.append(-nothing.held()[1])
         return np.concatenate((system.equation_right, *values))
 
@@ -494,28 +530,32 @@ class Iterative:
         """Folded unknowns; near: a first guess; tolerance: if another than that of the solver; taken: what is taken from the
         rows, of the unknowns too."""
 
-        def rows(folded: Array) -> Array:
-            return self.rows(folded) if taken is None else self.rows(folded) - taken(folded)
+        def rows(folded: Array, rough: bool = False) -> Array:
+            return self.rows(folded, rough) if taken is None else self.rows(folded, rough) - taken(folded)
 
-        plain = self.coarse(right)
+        plain = self.preconditioner(right)
         scale = self._scale(plain if near is None else near)
         wanted = max(self.tolerance if tolerance is None else tolerance, 4 * _ROUNDING * math.sqrt(len(self.system.zones.solved)))
         x = np.zeros(self.size) if near is None else near
-        left_over = (plain if near is None else self.coarse(right - rows(near))) / scale
-        for _ in range(3):
-            found = gmres(lambda v: self.coarse(rows(v * scale)) / scale, left_over, wanted)
+        left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
+        before = float(np.linalg.norm(left_over))
+        for _ in range(_CORRECTIONS):
+            # Each correction is wanted to a part only, for which rough sums will do.
+            part = max(wanted, _CORRECTED * before)
+            found = gmres(lambda v: self.preconditioner(rows(v * scale, rough=True)) / scale, left_over, part)
             self.iterations += found.steps
             x = x + found.x * scale
-            # Rounding in a long recurrence is not seen by it: the residual itself is looked at.
-            left_over = self.coarse(right - rows(x)) / scale
+            # What rough sums and rounding in a long recurrence leave, they do not see: the residual itself is looked at.
+            left_over = self.preconditioner(right - rows(x)) / scale
             self.error = self._by_zone(left_over * scale)
-            if found.steps == 0 or float(np.linalg.norm(left_over)) <= 4 * wanted:
+            size, before = before, float(np.linalg.norm(left_over))
+            if found.steps == 0 or before <= 4 * wanted or before > _STAGNANT * size:
                 break
         return x
 
     def _largest(self, folded: Array) -> Array:
         """Largest unknown of every solved zone."""
-        return np.asarray(np.maximum.reduceat(np.abs(folded[: self.size - len(self.coarse.amplitudes)]), self.coarse.first))
+        return np.asarray(np.maximum.reduceat(np.abs(folded[: self.size - len(self.preconditioner.amplitudes)]), self.preconditioner.first))
 
     def _by_zone(self, folded: Array) -> Array:
         """Largest unknown of every zone, mirrored ones too."""
@@ -528,7 +568,7 @@ class Iterative:
         """Largest unknown of its zone for every unknown, but not below a small part of the largest of all; 1 for amplitudes."""
         largest = self._largest(folded)
         top = float(largest.max())
-        size = np.diff(np.append(self.coarse.first, self.size - len(self.coarse.amplitudes)))
+        size = np.diff(np.append(self.preconditioner.first, self.size - len(self.preconditioner.amplitudes)))
         out = np.ones(self.size)
         out[: int(size.sum())] = np.repeat(np.maximum(largest, _LIGHTEST * top if top > 0 else 1.0), size)
         return out

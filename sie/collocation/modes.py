@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import fall
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -59,15 +60,15 @@ def least(zones: Zones, kernel: Kernel) -> Index:
 
 def coupled(zones: Zones, kernel: Kernel, tolerance: float, least: int | Index) -> Index:
     """Coupled modes per zone so that rho^m is below the tolerance at the nearest foreign end; at least `least`."""
-    fall = decay(zones, kernel)
-    want = np.where(fall < _ALONE, -np.log(tolerance) / np.maximum(fall, 1e-3), 0.0)
+    by = decay(zones, kernel)
+    want = np.where(by < _ALONE, -np.log(tolerance) / np.maximum(by, 1e-3), 0.0)
     return _at_least(COUPLED_SIZES[: np.searchsorted(COUPLED_SIZES, most(kernel)) + 1], np.maximum(np.minimum(want, _MOST), least))
 
 
 def decay(zones: Zones, kernel: Kernel) -> Array:
     """-log(rho) of the nearest foreign end: so fast do coefficients of what others do fall on each zone."""
     left, right = gaps(zones, kernel)
-    return np.asarray(np.arccosh(1 + np.minimum(np.minimum(left, right) / zones.half, 1e300)))
+    return fall(np.minimum(np.minimum(left, right) / zones.half, 1e300))
 
 
 def gaps(zones: Zones, kernel: Kernel) -> tuple[Array, Array]:
@@ -93,7 +94,7 @@ class Samples:
     evaluations: int
 
 
-def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: float, largest: int) -> Samples:
+def sample(forcing: Forcing, zones: Zones, jumps: ForcingJumps, own: Index, tolerance: float, largest: int) -> Samples:
     """Sample the right side on each zone and double the nodes of those whose coefficients have not decayed.
 
     A symmetric set is sampled on its right half only. Where jumps of g leave nothing smooth, as in a wedge, they are what the decay
@@ -101,20 +102,20 @@ def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: 
     sum.
     """
     own = own.copy()
-    subtracted = np.abs(steps.t_coefficients(zones, _LEADING)).max(axis=1)
-    bent = np.bincount(steps.zone[steps.order > 0], minlength=len(zones)) > 0
-    bent[steps.kinked] = False
-    noise = steps.rounding(len(zones))
+    subtracted = np.abs(jumps.t_coefficients(zones, _LEADING)).max(axis=1)
+    bent = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones)) > 0
+    bent[jumps.kinked] = False
+    noise = jumps.rounding(len(zones))
     found: dict[int, Array] = {}
     tail = np.zeros(len(zones))
-    settled = np.zeros(len(zones), dtype=np.intp)
+    calm = np.zeros(len(zones), dtype=np.intp)
     pending = zones.solved
     evaluations = 0
     while len(pending):
         retry = []
         for n in np.unique(own[pending]):
             group = pending[own[pending] == n]
-            values, largest_value = _values(forcing, zones, steps, group, int(n))
+            values, largest_value = _values(forcing, zones, jumps, group, int(n))
             evaluations += values.size
             g = chebyshev.u_coefficients(values)
             if zones.central and group[0] == zones.solved[0]:
@@ -127,9 +128,9 @@ def sample(forcing: Forcing, zones: Zones, steps: Steps, own: Index, tolerance: 
             for place, i in enumerate(group):
                 # A jump of g itself leaves coefficients ~ 1/n, rounding ~ 1/sqrt(n): what falls no faster is rounding.
                 slow = i in found and last[place] > tail[i] * (len(found[i]) / n) ** 0.75
-                settled[i] += slow and last[place] < _NOISE * scale[place]
+                calm[i] += slow and last[place] < _NOISE * scale[place]
                 found[i], tail[i] = g[place], last[place]
-            grow &= settled[group] < 3
+            grow &= calm[group] < 3
             bad = group[grow]
             own[bad] = OWN_SIZES[np.searchsorted(OWN_SIZES, n, side="right")] if len(bad) else n
             retry.append(bad)
@@ -155,7 +156,7 @@ def mirror(zones: Zones, table: Array) -> None:
     table[left] = table[::-1][left] * (1.0 - 2.0 * (np.arange(table.shape[1]) % 2))
 
 
-def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int) -> tuple[Array, Array]:
+def _values(forcing: Forcing, zones: Zones, jumps: ForcingJumps, group: Index, n: int) -> tuple[Array, Array]:
     """(the smooth part of g at the nodes of zones, the largest of g itself on each)."""
     _, right, left = chebyshev.lobatto(n)
     left, right = left[1:-1], right[1:-1]
@@ -166,13 +167,16 @@ def _values(forcing: Forcing, zones: Zones, steps: Steps, group: Index, n: int) 
     away = w * np.where(left <= right, left, -right) + np.where(left <= right, rest[0], rest[1])
     if n <= chebyshev.LARGEST_MATRIX and float(_places(zones, group).max()) > _FINE:
         # What a jump adds to the slope is none of g's on either side.
-        levels = np.array([steps.level_part(int(zone), left) for zone in group]) if len(steps) else 0.0
+        levels = np.array([jumps.level_part(int(zone), left) for zone in group]) if len(jumps) else 0.0
         values = forcing.sampled(end, away, lambda g: chebyshev.slopes(g + levels) / w)
     else:
         x = end + away
         values = np.array(forcing.value(x.ravel()), dtype=float).reshape(x.shape)
     given = np.abs(values).max(axis=1)
-    for place, zone in enumerate(group):
-        if steps.adds_to(int(zone)):
-            values[place] += steps.smooth_part(int(zone), left)
+    few = jumps.few.holds(group)
+    if few.any():
+        values[few] += jumps.few.smooth_part(np.repeat(group[few], len(left)), np.tile(left, int(few.sum()))).reshape(-1, len(left))
+    for place in np.flatnonzero(~few):
+        if jumps.adds_to(int(group[place])):
+            values[place] += jumps.smooth_part(int(group[place]), left)
     return values, given

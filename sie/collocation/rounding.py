@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis.chebyshev import bounded_part
+from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
 from sie.collocation.neighbours import conformal_radius
-from sie.collocation.symmetry import Folding
+from sie.collocation.symmetry import MirrorSymmetry
 from sie.collocation.system import System
 from sie.density.density import Density
 from sie.equation.conditions import of_levels, speaks_of_levels
@@ -67,7 +68,7 @@ def intensity_rounding(state: Solved) -> Array:
     zones = density.zones
     # Rounding acts on what is subtracted, the right side and the other zones' fields, however small the rest.
     subtracted = np.abs(density.coefficients).sum(axis=1) + np.abs(system.g).sum(axis=1) + state.natural
-    own = 4e-16 * np.sqrt(zones.half / 2) * subtracted
+    own = 4e-16 * edge_scale(zones.half) * subtracted
     if state.direct is None:
         own = own + _of_levels(state) + np.sqrt(2 * zones.half) * state.linear_error
     # One zone alone is given by its own rows and its total, unless there are more unknowns to share them with.
@@ -93,7 +94,7 @@ def _through_rows(state: Solved) -> Array:
     system, solver = state.system, state.direct
     zones = system.zones
     (left, _), (right, _) = system.intensities()
-    rows = Folding.of(zones, system.layout).fold(np.concatenate((left, right)))
+    rows = MirrorSymmetry.of(zones, system.layout).fold(np.concatenate((left, right)))
     effect = solver.transposed(rows.T)
     rounding = EPS * solver.size_of_rows
     squares = np.zeros(len(rows))
@@ -121,7 +122,7 @@ def density_rounding(state: Solved) -> float:
     if len(zones) == 1 and not system.equation.columns:
         return 0.0
     if solver is None:
-        return float(np.max(_of_levels(state) / np.sqrt(zones.half / 2)))
+        return float(np.max(_of_levels(state) / edge_scale(zones.half)))
     chance = np.random.default_rng(0)
     shaken = EPS * solver.size_of_rows[:, None] * chance.standard_normal((solver.size, _SHAKEN))
     for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):
@@ -131,8 +132,8 @@ def density_rounding(state: Solved) -> float:
             levels *= np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None]
             scale = state.condition_scale[first : first + count, None]
             shaken[state.conditions_from + first : state.conditions_from + first + count] = of_levels(condition, zones) @ levels / scale
-    folding = Folding.of(zones, system.layout)
-    changes = [system.layout.padded(folding.unfold(change)) for change in solver(shaken).T]
+    symmetry = MirrorSymmetry.of(zones, system.layout)
+    changes = [system.layout.padded(symmetry.unfold(change)) for change in solver(shaken).T]
     largest = _largest(np.concatenate(changes)).reshape(_SHAKEN, -1).max(axis=1)
     return SAFETY * float(np.sqrt(np.mean(largest**2)))
 

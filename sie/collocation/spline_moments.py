@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 # From this number of jumps on in a zone: the powers are then some ten times the right side.
-CROWD = 32
+MANY_JUMPS = 32
 # Nodes on a stretch, and the largest angle by which sin(k theta) turns on it: the rule is exact to rounding there.
 _NODES, _TURN = 16, 2 * np.pi
 
@@ -36,24 +36,24 @@ def _rule() -> tuple[Array, Array]:
     return np.asarray(0.5 * (1 + t)), np.asarray(0.5 * weights)
 
 
-def crowded(forcing: Forcing, zones: Zones, steps: Steps) -> Index:
+def many_jumps(forcing: Forcing, zones: Zones, jumps: ForcingJumps) -> Index:
     """Solved zones with many jumps of the right side's derivatives, in order."""
-    if len(forcing.steps_at) == 0:
+    if len(forcing.jumps_at) == 0:
         return np.zeros(0, dtype=np.intp)
-    count = np.bincount(steps.zone[steps.order > 0], minlength=len(zones))
-    count[list(steps.splines)] += CROWD
-    return np.asarray(zones.solved[count[zones.solved] >= CROWD])
+    count = np.bincount(jumps.zone[jumps.order > 0], minlength=len(zones))
+    count[list(jumps.splines)] += MANY_JUMPS
+    return np.asarray(zones.solved[count[zones.solved] >= MANY_JUMPS])
 
 
 class Stretches:
     """The rule on the stretches of chosen zones: angles, weights and distances from the left and right end over the half width, zone
     after zone; first: where each begins. turns: highest k per zone."""
 
-    def __init__(self, steps: Steps, chosen: Index, turns: Index) -> None:
+    def __init__(self, jumps: ForcingJumps, chosen: Index, turns: Index) -> None:
         nodes, weights = _rule()
         starts, sizes, counts = [], [], []
         for zone, k in zip(chosen, turns, strict=True):
-            cuts = np.concatenate(([0.0], np.sort(steps.angles(int(zone))), [np.pi]))
+            cuts = np.concatenate(([0.0], np.sort(jumps.angles(int(zone))), [np.pi]))
             length = np.diff(cuts)
             parts = np.maximum(np.ceil(length * (k / _TURN)), 1.0).astype(np.intp)
             number = np.arange(int(parts.sum())) - np.repeat(np.cumsum(parts) - parts, parts)
@@ -96,9 +96,9 @@ class Stretches:
         return np.asarray(np.add.reduceat(values * self.weights, self.first) / np.pi)
 
 
-def coefficients(forcing: Forcing, zones: Zones, steps: Steps, chosen: Index, m: Index) -> tuple[Array, Array]:
+def coefficients(forcing: Forcing, zones: Zones, jumps: ForcingJumps, chosen: Index, m: Index) -> tuple[Array, Array]:
     """(g_k of the right side itself at [:, k], k = 1 ... m, others zero; mean of its primitive, 0 without one) on chosen zones."""
-    stretches = Stretches(steps, chosen, m[chosen])
+    stretches = Stretches(jumps, chosen, m[chosen])
     x = stretches.places(zones, chosen)
     means = np.zeros(len(chosen)) if forcing.primitive is None else stretches.means(np.asarray(forcing.primitive(x), dtype=float))
     return stretches.sines(np.asarray(forcing.value(x), dtype=float)), means

@@ -15,7 +15,7 @@ Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
-class Folding:
+class MirrorSymmetry:
     """keep: the kept unknowns; of a symmetric set, unknowns `follow` are `sign` times those at `source`."""
 
     whole: int
@@ -25,7 +25,7 @@ class Folding:
     source: Index
 
     @classmethod
-    def of(cls, zones: Zones, layout: Layout) -> Folding:
+    def of(cls, zones: Zones, layout: Layout) -> MirrorSymmetry:
         none = np.zeros(0, dtype=np.intp)
         if not zones.symmetric:
             return cls(layout.size, None, none, np.zeros(0), none)

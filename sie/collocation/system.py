@@ -5,14 +5,12 @@ on U_{k-1}, a zone's own transform is -c_k, so the rows read
 
     -c_k + (what the other zones, the images and the regular part do to zone i)_k - sum lambda C_k = g_k,   k = 1 ... m,
 
-a second-kind system; coefficients beyond m are -g_k at once, because what the other zones do is smooth there. Off a
-zone, z = (x - middle)/w and rho = z - sgn(z) sqrt(z^2 - 1), the transform of T_l / sqrt is sgn(z) rho^l / sqrt(z^2 - 1)
-and its potential -rho^l / l (log(1/(2 rho)) for l = 0).
+a second-kind system; coefficients beyond m are -g_k at once, because what the other zones do is smooth there. What each does off
+itself `sie.basis.interval` knows.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,15 +19,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
-from sie.collocation.spline_moments import crowded
+from sie.collocation.spline_moments import many_jumps
 from sie.density.field import moments_of, panels_over
 from sie.equation.conditions import Linear, multiplicity
 from sie.equation.equation import Equation
 from sie.fast.panels import TERMS, Panels, Spread
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -142,22 +141,9 @@ def fields(
                 if len(zones) == 1:
                     continue
                 e = np.where(own, 1.0, e)
-            root = np.sqrt(e * (e + 2))
-            rho = sign / (1 + e + root)
-            power = sign / root if what == "transform" else np.ones_like(rho)
-            if own is not None:
-                power = np.where(own, 0.0, power)
-            if what == "potential":
-                zero = np.log(zones.half[sources] / (2 * np.abs(rho) * kernel.datum))
-                block[0] += power * zero
-                for k in range(1, m + 1):
-                    power = power * rho
-                    block[k] -= power / k
-            else:
-                block[0] += power
-                for k in range(1, m + 1):
-                    power = power * rho
-                    block[k] += power
+            terms = Outside(sign, e).one_by_one(what == "potential", zones.half[sources] / kernel.datum, None if own is None else ~own)
+            for k, term in zip(range(m + 1), terms, strict=False):
+                block[k] += term
         columns = layout.offset[sources][:, None] + np.arange(m + 1)
         out[:, columns] = block.transpose(1, 2, 0)
     regular = kernel.regular if what == "transform" else kernel.regular_potential
@@ -210,15 +196,15 @@ class System:
     coefficients: smooth part of the right side, U coefficients g_k at [:, k], for all zones.
     """
 
-    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, steps: Steps) -> None:
-        self.equation, self.zones, self.steps, self.g = equation, zones, steps, coefficients
+    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps) -> None:
+        self.equation, self.zones, self.jumps, self.g = equation, zones, jumps, coefficients
         self.layout = Layout(m, len(equation.columns))
-        self.known = steps.t_coefficients(zones, int(m.max()) + 1)
-        # In crowded zones the jumps' parts are among the unknowns, as far as those go.
-        self.crowded = crowded(equation.forcing, zones, steps)
+        self.known = jumps.t_coefficients(zones, int(m.max()) + 1)
+        # In zones by moments the jumps' parts are among the unknowns, as far as those go.
+        self.by_moments = many_jumps(equation.forcing, zones, jumps)
         self.taken = np.zeros_like(self.known)
         self.lowest = coefficients
-        if len(self.crowded):
+        if len(self.by_moments):
             self._take(m)
         self.targets = Targets.lobatto(zones, zones.solved, m)
         self.starts = np.concatenate(([0], np.cumsum(m[zones.solved] + 2)))
@@ -227,12 +213,12 @@ class System:
         self.field_sizes: Array | None = None
 
     def _take(self, m: Index) -> None:
-        zones, chosen = self.zones, self.crowded
+        zones, chosen = self.zones, self.by_moments
         both = np.union1d(chosen, len(zones) - 1 - chosen) if zones.symmetric else chosen
         within = np.arange(self.known.shape[1]) <= m[both, None]
         self.taken[both] = np.where(within, self.known[both], 0.0)
         self.known = self.known - self.taken
-        of_g, self.crowded_means = coefficients_between(self.equation.forcing, zones, self.steps, chosen, m)
+        of_g, self.moment_means = coefficients_between(self.equation.forcing, zones, self.jumps, chosen, m)
         count = max(self.g.shape[1], of_g.shape[1])
         self.lowest = np.pad(self.g, ((0, 0), (0, count - self.g.shape[1])))
         inner = np.arange(count) <= m[chosen, None]
@@ -261,7 +247,7 @@ class System:
             g = np.zeros(m)
             count = min(m, self.lowest.shape[1] - 1)
             g[:count] = self.lowest[i, 1 : count + 1]
-            if len(self.steps):
+            if len(self.jumps):
                 g -= rows @ layout.flat(self.known)
             rows[k - 1, layout.offset[i] + k] -= 1.0
             step = 2 if zones.central and place == 0 else 1
@@ -288,10 +274,10 @@ class System:
         count = int(panels.modes(zones.half).max()) + 1
         table, given = np.zeros((len(zones), count)), min(count, self.g.shape[1])
         table[:, :given] = -self.g[:, :given]
-        if len(self.steps):
-            table += self.steps.t_coefficients(zones, count)
+        if len(self.jumps):
+            table += self.jumps.t_coefficients(zones, count)
         table = np.where(np.arange(count) > self.layout.m[:, None], table, 0.0)
-        return moments_of(panels, zones, self.equation.kernel, table, Steps.none())
+        return moments_of(panels, zones, self.equation.kernel, table, ForcingJumps.none())
 
     def of_panels(self, moments: Array) -> tuple[Array, Array]:
         """(rows of the equation, levels) of what has these moments on the panels."""
@@ -342,9 +328,9 @@ class System:
             rows[place, start : start + count] = values[:count]
             beyond = -self.g[i, m + 1 : size]
             constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
-            if len(self.steps):
+            if len(self.jumps):
                 if size not in known:
-                    known[size] = self.steps.t_coefficients(self.zones, size)
+                    known[size] = self.jumps.t_coefficients(self.zones, size)
                 constants[place] += values @ known[size][i] - values[:count] @ self.taken[i, :count]
         return rows, constants
 
@@ -366,7 +352,7 @@ class System:
     def intensities(self) -> tuple[Linear, Linear]:
         left, right = self._zero_rows(), self._zero_rows()
         for place, i in enumerate(self.zones.solved):
-            m, root = int(self.layout.m[i]), math.sqrt(self.zones.half[i] / 2)
+            m, root = int(self.layout.m[i]), edge_scale(self.zones.half[i])
             here = slice(self.layout.offset[i], self.layout.offset[i] + m + 1)
             right[place, here] = root
             left[place, here] = root * (1.0 - 2.0 * (np.arange(m + 1) % 2))
@@ -376,7 +362,7 @@ class System:
     def intensities_of(self, coefficients: Array) -> tuple[Array, Array]:
         """K at the left and at the right end of each solved zone, of coefficients (all zones, n + 1)."""
         solved = self.zones.solved
-        table, root = coefficients[solved], np.sqrt(self.zones.half[solved] / 2)
+        table, root = coefficients[solved], edge_scale(self.zones.half[solved])
         return root * (table[:, ::2].sum(axis=1) - table[:, 1::2].sum(axis=1)), root * table.sum(axis=1)
 
     @cached_property
@@ -431,8 +417,7 @@ class System:
             here = raw[self.starts[place] : self.starts[place + 1]]
             m = int(layout.m[i])
             rows[place] = (here.sum(axis=0) - 0.5 * (here[0] + here[-1])) / (m + 1)
-            w = zones.half[i]
-            rows[place, layout.offset[i]] += w * math.log(w / (2 * kernel.datum))
+            rows[place, layout.offset[i]] += mean_potential(zones.half[i], kernel.datum)
         constants = rows @ layout.flat(self.known)
         if self.unseen_moments is not None:
             constants = constants + self.of_panels(self.unseen_moments)[1]
@@ -459,10 +444,10 @@ class System:
         solved = zones.solved
         w = zones.half[solved]
         mean = 0.5 * (forcing.primitive(zones.a[solved]) + forcing.primitive(zones.b[solved]))
-        if len(self.steps):
-            mean = mean + w * self.steps.mean_offsets(zones)[solved]
+        if len(self.jumps):
+            mean = mean + w * self.jumps.mean_offsets(zones)[solved]
         k = np.arange(2, self.g.shape[1], 2)
         mean = np.asarray(mean - w * (self.g[solved][:, k] @ (1 / k)))
-        if len(self.crowded):
-            mean[np.searchsorted(solved, self.crowded)] = self.crowded_means
+        if len(self.by_moments):
+            mean[np.searchsorted(solved, self.by_moments)] = self.moment_means
         return mean

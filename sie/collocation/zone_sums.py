@@ -1,14 +1,12 @@
 """Sums over all zones in linear time: a tree over the zones, every node an equivalent zone.
 
 What a zone does off it depends on the moments M_l = (1/pi) int phi T_l dxi of its density alone, M_0 = w c_0 and M_l = w c_l / 2, and
-so does what a whole node of the tree does, with moments about its hull:
+so does what a whole node of the tree does, with moments about its hull: it is an interval like any other (`sie.basis.interval`).
 
-    transform  (sgn z / (R sqrt(z^2 - 1))) (M_0 + 2 sum M_l rho^l)         potential  M_0 log(R / (2 |rho|)) - 2 sum M_l rho^l / l
-
-R its half width. Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s), and the same A takes
+Moments of children become those of their parent by T_j(alpha + beta s) = sum_k A_jk T_k(s), and the same A takes
 the Chebyshev series of what is far from a parent to its children; the potential comes along as its value at the middle of each
 node, since its derivative is the transform; it is summed in two words, for its differences between neighbours. So zones need no
-nodes of their own: coefficients in, coefficients out. Only near zones see each other directly, by the closed forms of `assemble`.
+nodes of their own: coefficients in, coefficients out. Only near zones see each other directly, by the closed forms of `system`.
 Greengard & Rokhlin (1987), J. Comput. Phys. 73, 325-348, in one dimension and with Chebyshev series in place of powers.
 """
 
@@ -21,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import Outside, fall
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
@@ -57,7 +56,7 @@ class NearRows:
         half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
         # The decay at the node nearest to the source tells how many powers are seen.
         e = (gap + width * np.array([chebyshev.lobatto(int(n))[1][min(1, n)] for n in range(int(m.max(initial=0)) + 1)])[m]) / half
-        need = np.ceil(_VANISHED / np.arccosh(1 + e) / 8).astype(np.intp) * 8
+        need = np.ceil(_VANISHED / fall(e) / 8).astype(np.intp) * 8
         terms = np.minimum(layout.m[source] + 1, need)
         per_zone = np.bincount(place, terms, minlength=len(solved)).astype(np.intp)
         before = np.cumsum(terms) - terms
@@ -76,25 +75,18 @@ class NearRows:
             nodes, count = int(m[group[0]]), int(terms[group[0]])
             power = np.arange(count)
             columns = layout.offset[source[group]][:, None] + power
-            e_middle = (gap[group] + width[group]) / half[group]
-            rho = sign[group] / (1 + e_middle + np.sqrt(e_middle * (e_middle + 2)))
-            values = -(rho[:, None] ** power) / np.maximum(power, 1)
-            values[:, 0] = np.log(half[group] / (2 * np.abs(rho) * kernel.datum))
+            middle = Outside(sign[group], (gap[group] + width[group]) / half[group])
+            values = middle.potentials(count, half[group] / kernel.datum)
             at = before[group][:, None] + power
             pot_data[at], pot_column[at] = values * half[group][:, None], columns
             if nodes == 0:
                 continue
             _, from_right, from_left = chebyshev.lobatto(nodes)
             away = np.where(right[group][:, None], from_left[1:-1], from_right[1:-1]) * width[group][:, None]
-            e_nodes = (gap[group][:, None] + away) / half[group][:, None]
-            root = np.sqrt(e_nodes * (e_nodes + 2))
-            table = np.empty((len(group), nodes, count))
-            table[..., 0] = sign[group][:, None] / root
-            table[..., 1:] = (sign[group][:, None] / (1 + e_nodes + root))[..., None]
-            np.cumprod(table, axis=2, out=table)
+            seen = Outside(sign[group][:, None], (gap[group][:, None] + away) / half[group][:, None])
             row = first_row[place[group]][:, None] + np.arange(nodes)
             into = (pointer[row] + in_row[group][:, None])[..., None] + power
-            data[into] = table
+            data[into] = seen.transforms(count)
             column[into] = columns[:, None, :]
         sparse = lazy.scipy_sparse()
         size = layout.size
@@ -159,10 +151,11 @@ class ZoneSums:
         """Closed forms evaluated in one sum."""
         return int(self.near.transform.nnz) + len(self.far.far) * TERMS
 
-    def __call__(self, y: Array) -> tuple[Array, Array, Array]:
-        """(U coefficients k = 1 ... m of every solved zone, one after the other; mean potential of each, in two words)."""
+    def __call__(self, y: Array, rough: bool = False) -> tuple[Array, Array, Array]:
+        """(U coefficients k = 1 ... m of every solved zone, one after the other; mean potential of each, in two words). rough: what far
+        zones do is known to 1e-7 of all of it."""
         leaves = np.append(y, 0.0)[self.lead] * self.scale
-        series, middle, mean = self.far(leaves)
+        series, middle, mean = self.far(leaves, rough)
         mean = mean + self.near.potential @ y
         at_nodes = self.near.transform @ y
         if self.smooth is not None:

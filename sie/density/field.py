@@ -1,13 +1,7 @@
 """What a density does anywhere on the line: its transform and its potential, in closed form from every zone and image.
 
-A *source* is a zone moved by one of the kernel's poles. Seen from outside, z = (x - middle)/w and
-rho = z - sgn(z) sqrt(z^2 - 1):
-
-    transform  T_l / sqrt -> sgn(z) rho^l / sqrt(z^2 - 1),    sqrt U_l -> rho^(l+1)
-    potential  T_l / sqrt -> -w rho^l / l,                    T_0 / sqrt -> w log(w / (2 |rho|)),
-
-and on the zone itself -U_{l-1}(t) and the real parts at rho = e^{i theta}. The rest of the kernel is finished
-by quadrature.
+A *source* is a zone moved by one of the kernel's poles; what it does on itself and off it `sie.basis.interval` knows. The rest of the
+kernel is finished by quadrature.
 """
 
 from __future__ import annotations
@@ -19,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
-from sie.basis.half_plane import sum_of_powers
+from sie.basis.interval import OnLine, potential_of, transform_of
 from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.zones import Zones
 from sie.density.series import Evaluated, Series
 from sie.fast.panels import Panels, Spread, panels_of
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -35,8 +29,6 @@ CHUNK = 200_000
 MANY_PAIRS = 500_000
 # The same once the series of the far ones are at hand.
 SOME_PAIRS = 10_000
-# Below this number of multiplications all pairs are summed to the same order; of few pairs, all powers are formed at once.
-_SMALL, _FEW = 200_000, 256
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,29 +56,11 @@ class Sources:
         return len(self.zone)
 
 
-@dataclass(frozen=True, eq=False)
-class Seen:
-    """Points seen from sources, (points, sources): distances from the ends over w (positive on the zone), rho, if on
-    it."""
-
-    left: Array
-    right: Array
-    root: Array
-    rho: Array
-    on: NDArray[np.bool_]
-    any_on: bool
-
-    @classmethod
-    def of(cls, x: Array, sources: Sources, half: Array) -> Seen:
-        left = ((x[:, None] - sources.a) - sources.rest[0]) / half
-        right = ((sources.b - x[:, None]) + sources.rest[1]) / half
-        on = (left >= 0) & (right >= 0)
-        root = np.sqrt(np.abs(left * right))
-        rho = np.where(left >= 0, 1.0, -1.0) / (0.5 * np.abs(left - right) + root)
-        any_on = bool(on.any())
-        if any_on:
-            rho[on] = 0.5  # any value inside the unit circle: replaced by the zone's own closed form
-        return cls(left, right, root, rho, on, any_on)
+def seen_from(sources: Sources, x: Array, half: Array) -> OnLine:
+    """Points seen from sources, (points, sources)."""
+    left = ((x[:, None] - sources.a) - sources.rest[0]) / half
+    right = ((sources.b - x[:, None]) + sources.rest[1]) / half
+    return OnLine.of(left, right)
 
 
 def transform_at(density: Evaluated, x: Array, sources: Sources) -> Array:
@@ -110,8 +84,8 @@ def potential_from(density: Series, x: Array, sources: Sources) -> Array:
 
 
 def _by_blocks(density: Evaluated, x: Array, sources: Sources, what, regular: Regular | None) -> Array:  # type: ignore[no-untyped-def]
-    if len(x) * len(sources) > (SOME_PAIRS if density.has_series else MANY_PAIRS) and density.everywhere is not None:
-        here = density.everywhere
+    if len(x) * len(sources) > (SOME_PAIRS if density.has_series else MANY_PAIRS) and density.treecode is not None:
+        here = density.treecode
         value = here.potential(x) if what is _potential else here.transform(x)
         return value if regular is None or density.kernel.sure else np.asarray(value + regular_at(density, x, regular))
     out = np.zeros(x.shape) if regular is None else regular_at(density, x, regular)
@@ -124,42 +98,33 @@ def _by_blocks(density: Evaluated, x: Array, sources: Sources, what, regular: Re
 
 def _transform(density: Series, x: Array, sources: Sources) -> Array:
     zone = sources.zone
-    seen = Seen.of(x, sources, density.zones.half[zone])
-    alpha, beta, u = density.bounded
-    rho = seen.rho
-    value = rho * power_sum(u, rho, zone)
-    if np.any(alpha) or np.any(beta):
-        a, b = alpha[zone], beta[zone]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            edge = np.sign(rho) * (a + b * rho) / seen.root
-        value += np.where((a == 0) & (b == 0), 0.0, edge)
+    seen = seen_from(sources, x, density.zones.half[zone])
+    value, rho = transform_of(*density.bounded, seen, zone), seen.rho
     if seen.any_on:
         p, i = np.nonzero(seen.on)
         value[p, i] = density.own_transform(zone[i], seen.left[p, i], seen.right[p, i])
-    for place in density.steps.by_zone:
+    for place in density.jumps.by_zone:
         for column in np.flatnonzero(zone == place):
             on = seen.on[:, column]
-            value[on, column] += density.steps.own_transform(place, seen.left[on, column])
+            value[on, column] += density.jumps.own_transform(place, seen.left[on, column])
             z = 0.5 * (seen.left[~on, column] - seen.right[~on, column])
-            value[~on, column] += density.steps.transform(place, z, rho[~on, column])
+            value[~on, column] += density.jumps.transform(place, z, rho[~on, column])
     return np.asarray(value.sum(axis=1))
 
 
 def _potential(density: Series, x: Array, sources: Sources) -> Array:
     zone, datum = sources.zone, density.kernel.datum
     w = density.zones.half[zone]
-    seen = Seen.of(x, sources, w)
-    table = density.potential_coefficients
-    first, rest, rho = table[zone, 0], table[:, 1:], seen.rho
-    value = first * np.log(w / (2 * datum * np.abs(rho))) - rho * power_sum(rest, rho, zone)
+    seen = seen_from(sources, x, w)
+    value, rho = potential_of(density.potential_coefficients, seen, w, datum, zone), seen.rho
     p, i = np.nonzero(density.is_near(zone, rho, seen.on))
     if len(p):
-        value[p, i] = density.near_potential(zone[i], seen.left[p, i], seen.right[p, i], rho[p, i], seen.on[p, i])
-    for place in density.steps.sharp:
+        value[p, i] = density.near_potential(zone[i], seen[p, i])
+    for place in density.jumps.sharp:
         for column in np.flatnonzero(zone == place):
-            jumps = density.steps.sharp_potential(place, seen.left[:, column], seen.right[:, column], rho[:, column])
-            value[:, column] += jumps + density.sharp_totals[place] * math.log(w[column] / datum)
-    return np.asarray(value @ w)
+            jumps = density.jumps.sharp_potential(place, seen.left[:, column], seen.right[:, column], rho[:, column])
+            value[:, column] += w[column] * (jumps + density.sharp_totals[place] * math.log(w[column] / datum))
+    return np.asarray(value.sum(axis=1))
 
 
 def regular_at(density: Evaluated, x: Array, regular: Regular) -> Array:
@@ -181,13 +146,13 @@ def panels_over(kernel: Kernel, zones: Zones) -> Panels | None:
     return panels_of(kernel, float(zones.a[0]), float(zones.b[-1]))
 
 
-def moments_of(panels: Panels, zones: Zones, kernel: Kernel, table: Array, steps: Steps) -> Array:
+def moments_of(panels: Panels, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> Array:
     """Moments of the panels of a density, see `quadrature`."""
-    nodes, weights = (np.concatenate(parts) for parts in zip(*quadrature(zones, kernel, table, steps), strict=True))
+    nodes, weights = (np.concatenate(parts) for parts in zip(*quadrature(zones, kernel, table, jumps), strict=True))
     return panels.moments(Spread.of(panels, nodes), weights)
 
 
-def quadrature(zones: Zones, kernel: Kernel, table: Array, steps: Steps) -> list[tuple[Array, Array]]:
+def quadrature(zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> list[tuple[Array, Array]]:
     """(nodes, weights times density) for the regular part, of T coefficients (zones, n + 1) and jumps; zones of equal size together."""
     m, panels = table.shape[1] - 1, panels_over(kernel, zones)
     sizes = np.array([regular_size(kernel, w, m) for w in zones.half]) if panels is None else panels.modes(zones.half) + 2
@@ -197,29 +162,10 @@ def quadrature(zones: Zones, kernel: Kernel, table: Array, steps: Steps) -> list
         count = min(int(q), m + 1)
         xi = zones.middle[group][:, None] + zones.half[group][:, None] * chebyshev.gauss(int(q))
         c = table[group, :count]
-        if len(steps):
+        if len(jumps):
             count = int(q)
-            c = np.pad(c, ((0, 0), (0, count - c.shape[1]))) + steps.t_coefficients(zones, count)[group]
+            c = np.pad(c, ((0, 0), (0, count - c.shape[1]))) + jumps.t_coefficients(zones, count)[group]
         weights = chebyshev.t_values(c, int(q)) * (zones.half[group] / q)[:, None]
         found.append((xi.ravel(), weights.ravel()))
     return found
 
-
-def power_sum(u: Array, rho: Array, zone: Index) -> Array:
-    """sum_k u[zone, k] rho^k for every (point, source); far points stop early, where rho^k has vanished."""
-    count = u.shape[1]
-    if count == 0:
-        return np.zeros(rho.shape)
-    if rho.size * count <= _SMALL:
-        if rho.size > _FEW:
-            c = u[zone]
-            out = np.zeros(rho.shape) + c[:, -1]
-            for k in range(count - 2, -1, -1):
-                out *= rho
-                out += c[:, k]
-            return out
-        powers = np.empty((*rho.shape, count))
-        powers[..., 0] = 1.0
-        powers[..., 1:] = rho[..., None]
-        return np.asarray(np.einsum("psk,sk->ps", np.cumprod(powers, axis=-1), u[zone]))
-    return sum_of_powers(u, rho.ravel(), np.tile(zone, rho.shape[0])).reshape(rho.shape)

@@ -23,8 +23,8 @@ _NODES = 26
 
 
 @dataclass(frozen=True, eq=False)
-class LocalPotential:
-    """The potential of a density on [lo, hi], an interval without zones in it, made by `LocalPotential.on(density, lo, hi)`.
+class IntervalPotential:
+    """The potential of a density on [lo, hi], an interval without zones in it, made by `IntervalPotential.on(density, lo, hi)`.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class LocalPotential:
     >>> punch = sie.Equation(sie.cauchy(), sie.Forcing(np.zeros_like), (sie.Total(1.0),))
     >>> density = sie.solve(punch, sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR)).density
     >>> x = np.linspace(3, 4, 5)
-    >>> bool(np.allclose(sie.LocalPotential.on(density, 3.0, 4.0)(x), density.potential(x), rtol=1e-13))
+    >>> bool(np.allclose(sie.IntervalPotential.on(density, 3.0, 4.0)(x), density.potential(x), rtol=1e-13))
     True
     """
 
@@ -57,7 +57,7 @@ class LocalPotential:
     rough: Regular | None = None
 
     @classmethod
-    def on(cls, density: Evaluated, lo: float, hi: float) -> LocalPotential:
+    def on(cls, density: Evaluated, lo: float, hi: float) -> IntervalPotential:
         """Choose the near sources of [lo, hi] and interpolate all others."""
         sources = Sources.of(density.zones, density.kernel)
         distance = np.maximum(sources.a - hi, lo - sources.b)

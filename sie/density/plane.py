@@ -5,12 +5,12 @@ r"""What a density does at complex points: its transform, the derivative of that
 F is analytic off the zones, and on their upper side it is the transform on the line less i phi (J. Plemelj, Monatsh. Math. Phys. 19,
 1908, 205-210). Everything is worked out in the closed upper half plane; below it phi, being real, has the conjugate values.
 
-On a zone or image everything is by rho (see `half_plane`). A jump at s = cos(phi), A, B = 1 - rho e^(+-i phi) (see `steps`, `breaks`), has
+On a zone or image everything is by rho (see `basis.interval`). A jump at s = cos(phi), A, B = 1 - rho e^(+-i phi) (see `jumps`), has
 
     B = 2 e^(-i phi/2) (cos(phi/2) m + i sin(phi/2) p) / (p + m),     A B = 2 rho (zeta - s),
     sum (2/j) rho^j sin(j phi) = -i log(B / A),      log(1 - 2 rho cos(phi) + rho^2) = log(A B).
 
-Zones that are many are summed by the tree of `everywhere`: a node seen with |rho| < 0.21 is its first moments.
+Zones that are many are summed by the tree (`treecode`): a node seen with |rho| < 0.21 is its first moments.
 """
 
 from __future__ import annotations
@@ -21,27 +21,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
-from sie.basis.half_plane import Complex, Seen, What, complex_of, of_bounded, of_t
+from sie.basis.interval import Complex, InPlane, Outside, What, complex_of, of_t, transform_of, transform_slope_of
 from sie.basis.kernels import Regular
+from sie.basis.sums import of_zones, pair_blocks
 from sie.density.series import Evaluated
 from sie.fast.far import Nested
 from sie.fast.tree import SEPARATION, TERMS, Tree
-from sie.jumps.exterior import Beyond
-from sie.jumps.forcing import Steps, of_zones, pair_blocks
-from sie.jumps.local_spline import LocalSpline
+from sie.jumps.exterior import ExteriorLogarithms
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-# Seen with a rho below this, a node is its first TERMS moments; jumps are their first coefficients below the other one.
-_FAR = 1 / (1 + SEPARATION + np.sqrt(SEPARATION * (SEPARATION + 2)))
+# InPlane with a rho below this, a node is its first TERMS moments; jumps are their first coefficients below the other one.
+_FAR = float(Outside(1.0, np.array(SEPARATION)).rho)
 _FAR_JUMPS, _OF_JUMPS = 0.25, 32
 # Of splines so many coefficients for each knot make the potential.
 _OF_SPLINES = 8
 # (point, node) pairs handled at once.
 _PAIRS = 1 << 18
-# Gauss nodes on a piece of a spline, seen from farther than so many of its lengths.
-_GAUSS, _NEARBY = 8, 2.5
 
 
 class Plane:
@@ -54,8 +52,8 @@ class Plane:
         c = np.zeros((len(zones), TERMS))
         count = min(TERMS, density.coefficients.shape[1])
         c[:, :count] = density.coefficients[:, :count]
-        if len(density.steps):
-            c += density.steps.t_coefficients(zones, TERMS)
+        if len(density.jumps):
+            c += density.jumps.t_coefficients(zones, TERMS)
         twice = np.where(np.arange(TERMS), 2.0, 1.0)
         tree = self.nested.tree
         self.series = self.nested.upward(c * zones.half[:, None] / twice) * twice / tree.half[:, None]
@@ -88,7 +86,7 @@ class Plane:
                 node = np.zeros(len(point), dtype=np.intp)
                 while len(point):
                     at, w = x[point] - shift, half[node]
-                    seen = Seen.of((at - lo[node]) / w, (at - hi[node]) / w, y[point] / w)
+                    seen = InPlane.of((at - lo[node]) / w, (at - hi[node]) / w, y[point] / w)
                     far = np.abs(seen.rho) < _FAR
                     np.add.at(out, point[far], of_t(self.series, seen[far], w[far], datum, node[far], what))
                     leaf = ~far & (tree.item[node] >= 0)
@@ -104,33 +102,33 @@ class Plane:
         """What single zones do, pair by pair."""
         density = self.density
         zones, w = density.zones, density.zones.half[zone]
-        seen = Seen.of(zones.beyond_a(x, zone) / w, -zones.before_b(x, zone) / w, y / w)
+        seen = InPlane.of(zones.beyond_a(x, zone) / w, -zones.before_b(x, zone) / w, y / w)
         if what == "potential":
             value = of_t(density.coefficients, seen, w, density.kernel.datum, zone, what)
         else:
-            value = of_bounded(*density.bounded, seen, zone, what)
-            value = value / w if what == "derivative" else value
-        if len(density.steps):
+            bounded = density.bounded
+            value = transform_slope_of(*bounded, seen, zone) / w if what == "derivative" else transform_of(*bounded, seen, zone)
+        if len(density.jumps):
             value = value.copy()
             for i, here in of_zones(zone):
-                if i in density.steps.by_zone:
+                if i in density.jumps.by_zone:
                     value[here] += self._jumps(i, seen[here], what)
         return value
 
-    def _jumps(self, zone: int, seen: Seen, what: What) -> Complex:
+    def _jumps(self, zone: int, seen: InPlane, what: What) -> Complex:
         """What the jumps of one zone do."""
-        w, datum, steps = float(self.density.zones.half[zone]), self.density.kernel.datum, self.density.steps
+        w, datum, jumps = float(self.density.zones.half[zone]), self.density.kernel.datum, self.density.jumps
         out = np.empty(seen.left.shape, dtype=complex)
         far = np.abs(seen.rho) < _FAR_JUMPS
         out[far] = of_t(self._of_jumps[[zone]], seen[far], np.full(int(far.sum()), w), datum, np.zeros(int(far.sum()), np.intp), what)
         near = np.flatnonzero(~far)
-        k, beyond = steps.by_zone[zone], steps.logarithms_near(zone)
+        k, exterior = jumps.by_zone[zone], jumps.logarithms_near(zone)
         for here in pair_blocks(len(near), max(1, len(k))):
             some = seen[near[here]]
-            value = of_jumps(steps, k, some, what)
-            if beyond is not None:
-                value = value + of_logarithms(*beyond, some, what)
-            if zone in steps.splines:
+            value = of_jumps(jumps, k, some, what)
+            if exterior is not None:
+                value = value + of_logarithms(*exterior, some, what)
+            if zone in jumps.splines:
                 value = value + self._spline(zone, some, what)
             out[near[here]] = value
         if what == "potential":
@@ -142,22 +140,15 @@ class Plane:
 
     @cached_property
     def _of_jumps(self) -> Array:
-        return self.density.steps.t_coefficients(self.density.zones, _OF_JUMPS)
+        return self.density.jumps.t_coefficients(self.density.zones, _OF_JUMPS)
 
-    def _spline(self, zone: int, seen: Seen, what: What) -> Complex:
-        spline = self.density.steps.splines[zone]
+    def _spline(self, zone: int, seen: InPlane, what: What) -> Complex:
+        spline = self.density.jumps.splines[zone]
         if what == "potential":
             c = spline.t_coefficients(min(_OF_SPLINES * len(spline.knots), 1 << 15))[None]
             row = np.zeros(len(seen.left), dtype=np.intp)
             return of_t(c, seen, np.ones(len(row)), 1.0, row, what)
-        if isinstance(spline, LocalSpline):
-            return of_spline(spline, seen, what)
-        phi, weight = spline.angles_and_weights
-        rho, turn = seen.rho[:, None], np.exp(-1j * phi)
-        b = np.exp(seen.turned(np.cos(0.5 * phi), np.sin(0.5 * phi)))
-        if what == "transform":
-            return np.asarray(1j * of_spline(spline.spline, seen, what) + (rho * turn / b) @ weight * (2 / np.pi))
-        return np.asarray(1j * of_spline(spline.spline, seen, what) - (rho * turn / b**2) @ weight * (2 / np.pi) / seen.root)
+        return spline.in_plane(seen, what)
 
     # the rest of the kernel -----------------------------------------------------------------------------------------
     def _regular(self, z: Complex, what: What) -> Complex | None:
@@ -200,62 +191,25 @@ def _look_at(regular: Regular, z: Complex, places: Array) -> None:
 
 
 # jumps --------------------------------------------------------------------------------------------------------------
-def of_jumps(steps: Steps, k: Index, seen: Seen, what: What) -> Complex:
+def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Complex:
     """What jumps k of a zone do, near it; times w for the derivative; for the potential over w, and less c_0 log(w)."""
     if len(k) == 0:
         return np.zeros(seen.left.shape, dtype=complex)
-    away, q = seen.left[:, None] - steps.left[k], steps.order[k]
-    log = steps.logarithm(k, seen, away)
+    away, q = seen.left[:, None] - jumps.left[k], jumps.order[k]
+    log = jumps.logarithm(k, seen, away)
     if what == "potential":
         # At the jump itself only powers of the distance are left.
-        return steps.plane_potential(k, seen, away, np.where((away == 0) & (q >= 0), 0.0, log))
-    value, slope = steps.polynomial(k, seen.zeta[:, None])
+        return jumps.plane_potential(k, seen, away, np.where((away == 0) & (q >= 0), 0.0, log))
+    value, slope = jumps.polynomial(k, seen.zeta[:, None])
     with np.errstate(invalid="ignore", divide="ignore"):
         if what == "transform":
             value = np.where((away == 0) & (q > 0), 0.0, away**q * log) - value
         else:
-            value = away**q * steps.logarithm_slope(k, seen, away) + np.where(q > 0, q * away ** np.maximum(q - 1, 0) * log, 0.0) - slope
-    return np.asarray(value @ (steps.height[k] / np.pi))
+            value = away**q * jumps.logarithm_slope(k, seen, away) + np.where(q > 0, q * away ** np.maximum(q - 1, 0) * log, 0.0) - slope
+    return np.asarray(value @ (jumps.height[k] / np.pi))
 
 
-def of_logarithms(near: Beyond, k: Index, seen: Seen, what: What) -> Complex:
+def of_logarithms(near: ExteriorLogarithms, k: Index, seen: InPlane, what: What) -> Complex:
     """The same of logarithms that lie near the zone."""
     how = {"transform": near.plane_transform, "derivative": near.plane_slope, "potential": near.plane_potential}
     return how[what](k, seen)
-
-
-def of_spline(spline: LocalSpline, seen: Seen, what: What) -> Complex:
-    """(1/pi) int f / (zeta - tau) dtau, f the spline, or its derivative: piece by piece, by Gauss's rule or, nearby, in closed form
-
-    int_0^h (p_0 + p_1 y + p_2 y^2) / (Y - y) dy = p(Y) log(Y / (Y - h)) - p_1 h - p_2 (h Y + h^2/2).
-    """
-    knots, p = spline.knots, spline.pieces
-    h = np.diff(knots)
-    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
-    y = 0.5 * h[:, None] * (1 + nodes)
-    places = (knots[:-1, None] + y).ravel()
-    held = ((p[:, :1] + y * (p[:, 1:2] + y * p[:, 2:])) * 0.5 * h[:, None] * weights).ravel()
-    power = 1 if what == "transform" else 2
-    sign = 1.0 if what == "transform" else -1.0
-    out = np.empty(seen.left.shape, dtype=complex)
-    for here in pair_blocks(len(out), len(places)):
-        at = seen.left[here]
-        # Distances from both knots of a piece, whichever of them rounding spares.
-        close = np.abs(at[:, None] - (knots[:-1] + 0.5 * h)) < _NEARBY * h
-        terms = sign * held / (at[:, None] - places) ** power
-        value = np.where(np.repeat(close, _GAUSS, axis=1), 0.0, terms).sum(axis=1)
-        i, j = np.nonzero(close)
-        one, two, three, size = *p[j].T, h[j]
-        past, before = at[i] - knots[j], at[i] - knots[j + 1]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            log = np.log(past) - np.log(before)
-            f = one + past * (two + past * three)
-            # At a knot both pieces have the same value: its logarithms cancel.
-            log = np.where((past == 0) | (before == 0), np.where(past == 0, -1.0, 1.0) * np.log(size) - 1j * np.pi * (past == 0), log)
-            if what == "transform":
-                closed = f * log - two * size - three * (size * past + 0.5 * size**2)
-            else:
-                closed = (two + 2 * three * past) * log - f * size / (past * before) - three * size
-        np.add.at(value, i, closed)
-        out[here] = value / np.pi
-    return out

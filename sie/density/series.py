@@ -7,17 +7,18 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.interval import OnLine
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.fast.panels import Panels
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 Mask = NDArray[np.bool_]
 
 
-class Everywhere(Protocol):
+class Evaluator(Protocol):
     """Transform and potential at many points (n,) at once."""
 
     def transform(self, x: Array) -> Array: ...
@@ -38,7 +39,7 @@ class Series(Protocol):
     def coefficients(self) -> Array: ...
 
     @property
-    def steps(self) -> Steps: ...
+    def jumps(self) -> ForcingJumps: ...
 
     @property
     def bounded(self) -> tuple[Array, Array, Array]: ...
@@ -51,7 +52,7 @@ class Series(Protocol):
 
     def own_transform(self, zone: Index, left: Array, right: Array) -> Array: ...
 
-    def near_potential(self, zone: Index, left: Array, right: Array, rho: Array, on: Mask) -> Array: ...
+    def near_potential(self, zone: Index, seen: OnLine) -> Array: ...
 
     def is_near(self, zone: Index, rho: Array, on: Mask) -> Mask: ...
 
@@ -60,7 +61,7 @@ class Evaluated(Series, Protocol):
     """A series with what has been worked out for sums over all of its zones."""
 
     @property
-    def everywhere(self) -> Everywhere | None: ...
+    def treecode(self) -> Evaluator | None: ...
 
     @property
     def has_series(self) -> bool: ...

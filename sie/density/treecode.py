@@ -12,13 +12,13 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.half_plane import sum_of_powers
+from sie.basis.interval import OnLine, Outside, of_t, potential_of, transform_of
+from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
 from sie.density.series import Series
 from sie.fast.far import FarSum, Nested
 from sie.fast.piecewise import clenshaw
 from sie.fast.tree import SEPARATION, TERMS, Tree
-from sie.jumps.forcing import of_zones
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -27,7 +27,7 @@ Index = NDArray[np.intp]
 _BLOCK = 400_000
 
 
-class Everywhere:
+class Treecode:
     """A density's series on all cells. Points are those of `Density.into_period`, or any if nothing repeats."""
 
     def __init__(self, density: Series) -> None:
@@ -47,12 +47,13 @@ class Everywhere:
         c = np.zeros((len(zones), TERMS))
         count = min(TERMS, density.coefficients.shape[1])
         c[:, :count] = density.coefficients[:, :count]
-        if len(density.steps):
-            c += density.steps.t_coefficients(zones, TERMS)
+        if len(density.jumps):
+            c += density.jumps.t_coefficients(zones, TERMS)
         self.moments = c * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
         self.series, value, rest = far(self.moments)
         self.value = value + rest
-        self.whole = sources.upward(self.moments)[0]
+        twice = np.where(np.arange(TERMS), 2.0, 1.0)
+        self.whole = sources.upward(self.moments)[:1] * twice / sources.tree.half[0]
 
     @cached_property
     def potential_series(self) -> Array:
@@ -112,48 +113,43 @@ class Everywhere:
         density = self.density
         w = density.zones.half[zone]
         left, right = density.zones.beyond_a(x - shift, zone) / w, density.zones.before_b(x - shift, zone) / w
-        on = (left >= 0) & (right >= 0)
-        root = np.sqrt(np.abs(left * right))
-        rho = np.where(left >= 0, 1.0, -1.0) / (0.5 * np.abs(left - right) + root)
-        rho[on] = 0.5
+        seen = OnLine.of(left, right)
+        on, rho = seen.on, seen.rho
         value = np.empty(len(x))
         own = np.asarray(density.is_near(zone, rho, on)) if potential else on
         off, near = np.flatnonzero(~own), np.flatnonzero(own)
-        evaluate = self._potential_of if potential else self._transform_of
-        value[off] = evaluate(zone[off], rho[off], root[off], w[off])
+        if potential:
+            value[off] = potential_of(density.potential_coefficients, seen[off], w[off], density.kernel.datum, zone[off])
+        else:
+            value[off] = transform_of(*density.bounded, seen[off], zone[off])
         if len(near) and potential:
-            value[near] = w[near] * density.near_potential(zone[near], left[near], right[near], rho[near], on[near])
+            value[near] = density.near_potential(zone[near], seen[near])
         elif len(near):
             value[near] = density.own_transform(zone[near], left[near], right[near])
-        steps = density.steps
-        jumping = set(steps.sharp) if potential else set(steps.by_zone)
-        for i, places in of_zones(zone) if jumping else ():
+        jumps = density.jumps
+        few = jumps.few.holds(zone)
+        some = np.flatnonzero(few)
+        if len(some) and potential:
+            sharp = jumps.few.potential(zone[some], left[some], right[some], rho[some])
+            value[some] += w[some] * (sharp + density.sharp_totals[zone[some]] * np.log(w[some] / density.kernel.datum))
+        elif len(some):
+            here, off = some[on[some]], some[~on[some]]
+            value[here] -= jumps.few.smooth_part(zone[here], left[here])
+            value[off] += jumps.few.transform(zone[off], 0.5 * (left[off] - right[off]), rho[off])
+        jumping = set(jumps.sharp) if potential else set(jumps.by_zone)
+        rest = np.flatnonzero(~few)
+        for i, there in of_zones(zone[rest]) if jumping else ():
             if i not in jumping:
                 continue
+            places = rest[there]
             if potential:
-                jumps = steps.sharp_potential(i, left[places], right[places], rho[places])
-                value[places] += w[places] * (jumps + density.sharp_totals[i] * np.log(w[places] / density.kernel.datum))
+                sharp = jumps.sharp_potential(i, left[places], right[places], rho[places])
+                value[places] += w[places] * (sharp + density.sharp_totals[i] * np.log(w[places] / density.kernel.datum))
             else:
-                here, z = on[places], 0.5 * (left[places] - right[places])
-                value[places[here]] += steps.own_transform(i, left[places[here]])
-                value[places[~here]] += steps.transform(i, z[~here], rho[places[~here]])
+                inside, z = on[places], 0.5 * (left[places] - right[places])
+                value[places[inside]] += jumps.own_transform(i, left[places[inside]])
+                value[places[~inside]] += jumps.transform(i, z[~inside], rho[places[~inside]])
         return value
-
-    def _transform_of(self, zone: Index, rho: Array, root: Array, w: Array) -> Array:
-        alpha, beta, u = self.density.bounded
-        a, b = alpha[zone], beta[zone]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            edge = np.where((a == 0) & (b == 0), 0.0, np.sign(rho) * (a + b * rho) / root)
-        return np.asarray(edge + rho * sum_of_powers(u, rho, zone))
-
-    def _potential_of(self, zone: Index, rho: Array, root: Array, w: Array) -> Array:
-        table = self.density.potential_coefficients
-        log = np.log(w / (2 * self.density.kernel.datum * np.abs(rho)))
-        return np.asarray(w * (table[zone, 0] * log - rho * sum_of_powers(self._rest, rho, zone)))
-
-    @cached_property
-    def _rest(self) -> Array:
-        return np.ascontiguousarray(self.density.potential_coefficients[:, 1:])
 
     def _beyond(self, x: Array, potential: bool) -> Array:
         """Outside the cells of a kernel that has no period: from the moments of all zones, but near an image one by one."""
@@ -167,15 +163,9 @@ class Everywhere:
                 every = np.arange(len(zones))
                 out[k] += self._near(np.full(len(zones), x[k]), every, np.full(len(zones), shift), potential).sum()
             far = np.flatnonzero(e >= SEPARATION)
-            root = np.sqrt(e[far] * (e[far] + 2))
-            sign = np.where(left[far] > 0, 1.0, -1.0)
-            rho = sign / (1 + e[far] + root)
-            powers = rho[:, None] ** np.arange(1, TERMS)
-            if potential:
-                first = self.whole[0] * np.log(half / (2 * datum * np.abs(rho)))
-                out[far] += first - powers @ (2 * self.whole[1:] / np.arange(1, TERMS))
-            else:
-                out[far] += sign / (root * half) * (self.whole[0] + powers @ (2 * self.whole[1:]))
+            seen = Outside(np.where(left[far] > 0, 1.0, -1.0), e[far])
+            widths, row = np.full(len(far), half), np.zeros(len(far), dtype=np.intp)
+            out[far] += of_t(self.whole, seen, widths, datum, row, "potential" if potential else "transform")
         return out
 
 

@@ -80,7 +80,7 @@ def _look_at_forcing(name: str, forcing: Forcing, x: Array, half: Array, levels:
     if symmetric:
         _look_at_symmetry(f"{name}: value", g, value(-x), x)
     primitive = forcing.primitive
-    if primitive is None or not levels or len(forcing.breaks_at):
+    if primitive is None or not levels or len(forcing.density_jumps_at):
         return
 
     def risen(places: Array) -> Array:

@@ -14,11 +14,16 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis import chebyshev
+from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 
 Array = NDArray[np.float64]
 Linear = tuple[Array, Array]
 """(matrix, constants): the quantities are matrix @ unknowns + constants."""
+
+# Nodes of a zone at which the weight of an integral is looked at, where it is tried what a condition asks of every zone.
+_TRIED = 32
 
 
 class Rows(Protocol):
@@ -173,13 +178,104 @@ def of_levels(condition: Condition, zones: Zones) -> Array:
 
 def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
     """Whether potentials are asked for, said or not."""
-    return condition.levels or (type(condition).rows not in _SILENT and bool(of_levels(condition, zones).any()))
+    if condition.levels or type(condition).rows in _SILENT:
+        return condition.levels
+    count = len(zones.solved)
+    tried = Trial(zones, np.zeros(count), np.random.default_rng(0).uniform(0.5, 1.5, count))
+    return bool(asked(condition, tried, 1)[0].any())
 
 
 def for_every_zone(condition: Condition) -> str | None:
-    """What a condition gives of every zone, "levels" or "totals"; None if it is of another kind."""
+    """What a condition of the engine's gives of every zone, "levels" or "totals"; None if it is of another kind."""
     rows = type(condition).rows
     return "levels" if rows in (EqualPotential.rows, Level.rows) else "totals" if rows is ZoneTotals.rows else None
+
+
+@dataclass(frozen=True, eq=False)
+class ByZone:
+    """A condition that asks one thing of every solved zone, or of every two neighbours, told by what it makes of the zones' levels and of
+    densities c_0 / sqrt(1 - t^2): row i is
+
+        levels_i level_i + first_i c_0i = value_i,        or, if `differences`, levels_i (level_(i+1) - level_i) = value_i.
+    """
+
+    levels: Array
+    first: Array
+    differences: bool
+
+    @property
+    def of_levels(self) -> bool:
+        """Whether every row speaks of a level; else none does."""
+        return bool(np.all(self.levels != 0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """What conditions may ask of c_0 / sqrt(1 - t^2) on every solved zone, and of levels that have nothing to do with it: one column."""
+
+    zones: Zones
+    first: Array
+    level: Array
+
+    @property
+    def _half(self) -> Array:
+        return self.zones.half[self.zones.solved]
+
+    def _column(self, values: Array) -> Linear:
+        return values[:, None], np.zeros(len(values))
+
+    def totals(self) -> Linear:
+        return self._column(np.pi * self._half * self.first)
+
+    def levels(self) -> Linear:
+        return self._column(self.level)
+
+    def level_steps(self) -> Linear:
+        return self._column(np.diff(self.level))
+
+    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
+        x = self.zones.middle[self.zones.solved][:, None] + self._half[:, None] * chebyshev.gauss(_TRIED)
+        values = np.broadcast_to(np.asarray(weight(x.ravel()), dtype=float), (x.size,)).reshape(x.shape)
+        return self._column(np.pi * self._half * self.first * values.mean(axis=1))
+
+    def intensities(self) -> tuple[Linear, Linear]:
+        k = edge_scale(self._half) * self.first
+        return self._column(k), self._column(k)
+
+    def amplitude(self, k: int) -> Linear:
+        return self._column(np.zeros(1))
+
+    def multiplicity(self) -> Array:
+        return multiplicity(self.zones)
+
+
+def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
+    """What a condition asks of every zone by itself, be it one of a user's own; None if it does not.
+
+    Looked at by trial: what it makes of numbers that are the same on all zones, or rise evenly, tells the factors, and what it makes of
+    numbers at random whether there is anything else.
+    """
+    solved, count = zones.solved, condition.count(zones)
+    n = len(solved)
+    if n < 2 or not (count == n or (count == n - 1 and for_every_zone(condition) == "levels") or (count == n - 1 > 1)):
+        return None
+    none, chance = np.zeros(n), np.random.default_rng(0).uniform(0.5, 1.5, (2, n))
+
+    def made(first: Array, level: Array) -> Array:
+        return asked(condition, Trial(zones, first, level), 1)[0][:, 0]
+
+    of_first, same, rising = made(np.ones(n), none), made(none, np.ones(n)), made(none, np.arange(n, dtype=float))
+    differences = count == n - 1
+    found = ByZone(rising if differences else same, np.zeros(n) if differences else of_first, differences)
+    of_level = found.levels * (np.diff(chance[1]) if differences else chance[1])
+    expected = of_level if differences else of_level + found.first * chance[0]
+    size = np.abs(expected).max(initial=0.0)
+    some, every = np.any(found.levels != 0.0), np.all(found.levels != 0.0)
+    if size == 0.0 or np.abs(made(*chance) - expected).max() > 1e-12 * size or (some and not every):
+        return None
+    if differences and not (every and np.abs(of_first).max() == 0.0 == np.abs(same).max()):
+        return None
+    return found if every or np.all(found.first != 0.0) else None
 
 
 def multiplicity(zones: Zones) -> Array:

@@ -19,8 +19,8 @@ from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.equation.conditions import Condition, EndCondition
-from sie.jumps.density import Breaks
-from sie.jumps.forcing import Steps
+from sie.jumps.density import DensityJumps
+from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
 Function = Callable[[Array], Array]
@@ -51,19 +51,20 @@ class Forcing(Kept):
         g(x), x of any shape; smooth on each zone but for the declared jumps.
     primitive : callable or None
         An antiderivative of g, continuous over all zones; only needed by conditions on potentials.
-    steps_at, steps, orders : array_like
+    jumps_at, jumps, orders : array_like
         Positions, heights g^(q)(s+) - g^(q)(s-) and orders q (0, 1 or 2) of jumps of g or of its derivatives, all (k,); for a kernel with a
         period they repeat. orders None: all 0, jumps of g itself.
-    breaks_at, breaks, break_orders : array_like
+    density_jumps_at, density_jumps, density_orders : array_like
         The same of jumps of the wanted density, where g has (J/pi) (x - s)^q ln|x - s| / q!; for q = 0 this is (J/pi) Lambda(x, s), Lambda
-        the kernel's potential, and is left out of `value`. Either steps or breaks.
+        the kernel's potential, and is left out of `value`. Either jumps or density_jumps.
     spline : callable or None
-        A quadratic spline with the steps or breaks of order 2, where it is known and is not all of g: of very many it keeps the digits.
+        A quadratic spline with the jumps or density_jumps of order 2, where it is known and is not all of g: of very many it keeps the
+        digits.
     modes : int or None
         Of a column, how many modes it has where that is known (1: a constant); else the engine finds out.
     between : bool
         Of a column, whether it is as smooth between the intervals as on them: then narrow gaps are taken as slits beside it too.
-    apart : bool
+    singular_between : bool
         Whether g is singular between the intervals: then narrow gaps are not taken as slits.
     resolution : float or None
         Smallest length over which a smooth g varies. Then differences of the primitive are taken from g, where zones are many: they keep
@@ -74,30 +75,30 @@ class Forcing(Kept):
     Raises
     ------
     ValueError
-        If both steps and breaks are given.
+        If both jumps and density_jumps are given.
 
     Examples
     --------
     A wedge: g jumps by 2 at the origin, which is declared, and the load 2 gives a half width of one.
 
     >>> import numpy as np, sie
-    >>> wedge = sie.Forcing(np.sign, np.abs, steps_at=np.array([0.0]), steps=np.array([2.0]))
+    >>> wedge = sie.Forcing(np.sign, np.abs, jumps_at=np.array([0.0]), jumps=np.array([2.0]))
     >>> sie.solve(sie.Equation(sie.cauchy(), wedge, (sie.Total(2.0),)), sie.Zones.of([[-0.5, 2.0]])).zones.table.round(9).tolist()
     [[-1.0, 1.0]]
     """
 
     value: Function
     primitive: Function | None = None
-    steps_at: Array = field(default_factory=lambda: np.zeros(0))
-    steps: Array = field(default_factory=lambda: np.zeros(0))
+    jumps_at: Array = field(default_factory=lambda: np.zeros(0))
+    jumps: Array = field(default_factory=lambda: np.zeros(0))
     orders: NDArray[np.intp] | None = None
-    breaks_at: Array = field(default_factory=lambda: np.zeros(0))
-    breaks: Array = field(default_factory=lambda: np.zeros(0))
-    break_orders: NDArray[np.intp] | None = None
+    density_jumps_at: Array = field(default_factory=lambda: np.zeros(0))
+    density_jumps: Array = field(default_factory=lambda: np.zeros(0))
+    density_orders: NDArray[np.intp] | None = None
     spline: Function | None = None
     modes: int | None = None
     between: bool = False
-    apart: bool = False
+    singular_between: bool = False
     resolution: float | None = None
     placed: Function | None = None
 
@@ -110,31 +111,31 @@ class Forcing(Kept):
         return np.asarray(values + slope(values) * (away - (at - start)))
 
     def __post_init__(self) -> None:
-        if len(self.steps_at) and len(self.breaks_at):
-            raise ValueError("either the right side jumps or the density does: give steps or breaks, not both")
+        if len(self.jumps_at) and len(self.density_jumps_at):
+            raise ValueError("either the right side jumps or the density does: give jumps or density_jumps, not both")
 
     @cached_property
     def kinks(self) -> tuple[Array, Array]:
         """Positions and heights of the jumps of g itself."""
-        return _of_order_zero(self.steps_at, self.steps, self.orders)
+        return _of_order_zero(self.jumps_at, self.jumps, self.orders)
 
     @cached_property
-    def broken(self) -> tuple[Array, Array]:
+    def logarithms(self) -> tuple[Array, Array]:
         """Positions and heights of the jumps of the wanted density itself."""
-        return _of_order_zero(self.breaks_at, self.breaks, self.break_orders)
+        return _of_order_zero(self.density_jumps_at, self.density_jumps, self.density_orders)
 
     @property
     def cornered(self) -> bool:
         """Whether g or the wanted density jumps anywhere: then the distances of ends from there count."""
-        return len(self.kinks[0]) + len(self.broken[0]) > 0
+        return len(self.kinks[0]) + len(self.logarithms[0]) > 0
 
-    def jumps_within(self, zones: Zones, kernel: Kernel) -> Steps:
+    def jumps_within(self, zones: Zones, kernel: Kernel) -> ForcingJumps:
         """The jumps that lie inside zones."""
-        if len(self.breaks_at):
-            orders = np.zeros(len(self.breaks_at), dtype=np.intp) if self.break_orders is None else self.break_orders
-            return Breaks.inside(zones, self.breaks_at, self.breaks, orders, kernel, self.spline)
-        orders = np.zeros(len(self.steps_at), dtype=np.intp) if self.orders is None else self.orders
-        return Steps.within(zones, self.steps_at, self.steps, orders, kernel.period, self.spline or self.value)
+        if len(self.density_jumps_at):
+            orders = np.zeros(len(self.density_jumps_at), dtype=np.intp) if self.density_orders is None else self.density_orders
+            return DensityJumps.inside(zones, self.density_jumps_at, self.density_jumps, orders, kernel, self.spline)
+        orders = np.zeros(len(self.jumps_at), dtype=np.intp) if self.orders is None else self.orders
+        return ForcingJumps.within(zones, self.jumps_at, self.jumps, orders, kernel.period, self.spline or self.value)
 
 
 def _of_order_zero(at: Array, heights: Array, orders: NDArray[np.intp] | None) -> tuple[Array, Array]:
@@ -180,9 +181,9 @@ class Equation:
     end_conditions: tuple[EndCondition, ...] = ()
 
     def __post_init__(self) -> None:
-        if any(len(column.steps_at) + len(column.breaks_at) for column in self.columns):
-            raise ValueError("a column of unknown amplitude must be smooth: steps belong to the right side")
-        if len(self.forcing.breaks_at) and any(condition.levels for condition in self.conditions):
+        if any(len(column.jumps_at) + len(column.density_jumps_at) for column in self.columns):
+            raise ValueError("a column of unknown amplitude must be smooth: jumps belong to the right side")
+        if len(self.forcing.density_jumps_at) and any(condition.levels for condition in self.conditions):
             raise ValueError("a condition on potentials is for right sides without logarithms")
 
     @property

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.fast.panels import panels_of
@@ -22,6 +23,8 @@ Array = NDArray[np.float64]
 
 # Pairs handled at once: their powers stay in the cache.
 _BLOCK = 512
+# Terms that leave 1e-7 of a sum: enough for what is corrected afterwards, at a quarter of the time.
+ROUGH = 12
 _TWICE = np.array([1.0] + [2.0] * (TERMS - 1))
 _ORDER = np.arange(TERMS)
 
@@ -69,8 +72,10 @@ class Nested:
         a[:, 1, 0], a[:, 1, 1] = alpha, beta
         alpha, beta = alpha[:, None], beta[:, None]
         for j in range(1, TERMS - 1):
-            row, new = a[:, j], a[:, j + 1]
-            new[:] = 2 * alpha * row - a[:, j - 1]
+            # T_j has no powers above j.
+            row, new = a[:, j, : j + 2], a[:, j + 1, : j + 2]
+            new[:] = 2 * alpha * row
+            new[:, :-2] -= a[:, j - 1, :j]
             new[:, 1:] += beta * row[:, :-1]
             new[:, 1] += beta[:, 0] * row[:, 0]
             new[:, :-1] += beta * row[:, 1:]
@@ -88,31 +93,40 @@ class Nested:
         return [slice(s, e) for s, e in zip(levels[1:-1], levels[2:], strict=True)]
 
     def upward(self, leaves: Array) -> Array:
-        """Moments of all nodes (n, TERMS) from those of the intervals."""
-        tree = self.tree
-        out = np.zeros((len(tree), TERMS))
+        """Moments of all nodes from those of the intervals, of each as many as are given."""
+        tree, terms = self.tree, leaves.shape[1]
+        out = np.zeros((len(tree), terms))
         out[tree.leaves] = leaves
         for here in reversed(self._slices()):
-            moved = np.matmul(self.matrices(here), out[here, :, None])[..., 0]
+            moved = np.matmul(self.matrices(here)[:, :terms, :terms], out[here, :, None])[..., 0]
             out[tree.parent[here][::2]] = moved[::2] + moved[1::2]
         return out
 
     def downward(self, series: Array, middle: Array) -> tuple[Array, Array, Array]:
         """Chebyshev series of the transform and potential at the middle (two words), of every interval, from those given at
         nodes."""
-        tree = self.tree
+        tree, terms = self.tree, series.shape[1]
         rest = np.zeros_like(middle)
         for here in self._slices():
             up = tree.parent[here]
             above = series[up]
-            series[here] += np.matmul(above[:, None, :], self.matrices(here))[:, 0]
-            added = middle[here] + np.einsum("nj,nj->n", self.rises[here], above) + rest[up]
+            series[here] += np.matmul(above[:, None, :], self.matrices(here)[:, :terms, :terms])[:, 0]
+            added = middle[here] + np.einsum("nj,nj->n", self.rises[here, :terms], above) + rest[up]
             middle[here] = middle[up] + added
             # What the sum has lost (Knuth's two-sum).
             back = middle[here] - middle[up]
             rest[here] = (middle[up] - (middle[here] - back)) + (added - back)
         leaves = tree.leaves
         return series[leaves], middle[leaves], rest[leaves]
+
+
+@dataclass(frozen=True, eq=False)
+class _Nodes:
+    """Of every far pair, at so many nodes on the target: rho and what stands before the sum; and what takes values there to a series."""
+
+    rho: Array
+    front: Array
+    to_series: Array
 
 
 class FarSum:
@@ -123,22 +137,29 @@ class FarSum:
         s, t = sources.tree, targets.tree
         far, self.near = interactions(t, s, kernel.poles)
         self.far = far
-        right = t.lo[far.target] > s.lo[far.source] + far.shift
+        self._right = t.lo[far.target] > s.lo[far.source] + far.shift
         past = t.lo[far.target] - (s.hi[far.source] + far.shift)
         before = (s.lo[far.source] + far.shift) - t.hi[far.target]
-        gap = np.where(right, past, before)
-        half, width = s.half[far.source], t.half[far.target]
-        nodes = chebyshev.gauss(TERMS)[:, None]
-        e = (gap + width * (1 + np.where(right, nodes, -nodes))) / half
-        root = np.sqrt(e * (e + 2))
-        sign = np.where(right, 1.0, -1.0)
-        self.rho = sign / (1 + e + root)
-        self.front = sign / (root * half)
-        e = (gap + width) / half
-        self.centre = sign / (1 + e + np.sqrt(e * (e + 2)))
-        self.log = np.log(half / (2 * np.abs(self.centre) * kernel.datum))
-        self.to_series = chebyshev.t_matrix(TERMS, TERMS) * (2 / TERMS)
-        self.to_series[:, 0] *= 0.5
+        self._gap = np.where(self._right, past, before)
+        self._half, self._width = s.half[far.source], t.half[far.target]
+        self._sign = np.where(self._right, 1.0, -1.0)
+        at_middle = Outside(self._sign, (self._gap + self._width) / self._half)
+        self.centre, self.log = at_middle.rho, at_middle.first(self._half / kernel.datum)
+
+    @cached_property
+    def _nodes(self) -> _Nodes:
+        return self._at(TERMS)
+
+    @cached_property
+    def _few_nodes(self) -> _Nodes:
+        return self._at(ROUGH)
+
+    def _at(self, terms: int) -> _Nodes:
+        nodes = chebyshev.gauss(terms)[:, None]
+        seen = Outside(self._sign, (self._gap + self._width * (1 + np.where(self._right, nodes, -nodes))) / self._half)
+        to_series = chebyshev.t_matrix(terms, terms) * (2 / terms)
+        to_series[:, 0] *= 0.5
+        return _Nodes(seen.rho, 1 / (seen.root * self._half), to_series)
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
@@ -152,38 +173,43 @@ class FarSum:
         x = 0.5 * (t.lo[0] + t.hi[0]) + t.half[0] * chebyshev.gauss(TERMS)
         xi = 0.5 * (s.lo[0] + s.hi[0]) + s.half[0] * chebyshev.gauss(TERMS)
         from_moments = chebyshev.t_matrix(TERMS, TERMS) * _TWICE / TERMS
-        values = self.to_series.T @ kernel.regular(x[:, None], xi) @ from_moments
+        values = self._nodes.to_series.T @ kernel.regular(x[:, None], xi) @ from_moments
         middle = kernel.regular_potential(np.array([0.5 * (t.lo[0] + t.hi[0])]), xi) @ from_moments
         return np.asarray(values), np.asarray(middle)
 
-    def __call__(self, leaves: Array) -> tuple[Array, Array, Array]:
-        moments = self.sources.upward(leaves)
+    def __call__(self, leaves: Array, rough: bool = False) -> tuple[Array, Array, Array]:
+        """By the moments of all intervals (n, TERMS). rough: to 1e-7 of the sum, at a quarter of the time."""
+        terms, at = (ROUGH, self._few_nodes) if rough else (TERMS, self._nodes)
+        moments = self.sources.upward(leaves[:, :terms])
         count = len(self.targets.tree)
-        values, middle = np.zeros((count, TERMS)), np.zeros(count)
-        moments_twice = np.ascontiguousarray((moments * _TWICE).T)
+        values, middle = np.zeros((count, terms)), np.zeros(count)
+        moments_twice = np.ascontiguousarray((moments * _TWICE[:terms]).T)
         for s in range(0, len(self.far), _BLOCK):
             here = slice(s, min(s + _BLOCK, len(self.far)))
             target, source = self.far.target[here], self.far.source[here]
             c = moments_twice[:, source]
-            rho, centre = self.rho[:, here], self.centre[here]
+            rho, centre = at.rho[:, here], self.centre[here]
             value = np.empty(rho.shape)
             value[:] = c[-1]
-            potential = c[-1] / (TERMS - 1)
-            for k in range(TERMS - 2, -1, -1):
+            potential = c[-1] / (terms - 1)
+            for k in range(terms - 2, -1, -1):
                 value *= rho
                 value += c[k]
                 potential = potential * centre
                 if k:
                     potential += c[k] / k
-            value *= self.front[:, here]
+            value *= at.front[:, here]
             first = np.flatnonzero(np.diff(target, prepend=-1))
             values[target[first]] += np.add.reduceat(value, first, axis=1).T
             middle[target[first]] += np.add.reduceat(c[0] * self.log[here] - potential, first)
-        series = values @ self.to_series
+        series = values @ at.to_series
         if self._regular is not None:
-            series[0] += self._regular[0] @ moments[0]
-            middle[0] += float(self._regular[1] @ moments[0])
-        return self.targets.downward(series, middle)
+            series[0] += self._regular[0][:terms, :terms] @ moments[0]
+            middle[0] += float(self._regular[1][:terms] @ moments[0])
+        series, middle, rest = self.targets.downward(series, middle)
+        if rough:
+            series = np.pad(series, ((0, 0), (0, TERMS - terms)))
+        return series, middle, rest
 
 
 def reaches(kernel: Kernel, zones: Zones) -> bool:

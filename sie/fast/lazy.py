@@ -1,4 +1,4 @@
-"""The one place where the engine imports on demand what only many zones need."""
+"""The one place where the engine imports on demand: its own rooms as they are asked for, and what only many zones need."""
 
 from __future__ import annotations
 
@@ -9,3 +9,8 @@ from types import ModuleType
 def scipy_sparse() -> ModuleType:
     """Sparse matrices."""
     return importlib.import_module("scipy.sparse")
+
+
+def module(name: str) -> ModuleType:
+    """A file of the engine."""
+    return importlib.import_module(name)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.fast.far import FarSum, Nested
 from sie.fast.tree import SEPARATION, TERMS, Tree
@@ -126,12 +127,11 @@ class PiecewiseTransform:
         distant = np.flatnonzero(outside.min(axis=1) > _CLOSE - 1)
         if len(distant):
             e, m = outside[distant], moments[source[distant]]
-            root = np.sqrt(e * (e + 2))
-            rho = sign[distant] / (1 + e + root)
+            seen = Outside(sign[distant], e)
             total = np.zeros(e.shape)
             for k in range(TERMS - 1, 0, -1):
-                total = (total + 2 * m[:, k, None]) * rho
-            out[distant] = sign[distant] / (root * size[distant]) * (total + m[:, :1])
+                total = (total + 2 * m[:, k, None]) * seen.rho
+            out[distant] = (total + m[:, :1]) / (seen.root * size[distant])
         return np.asarray(out)
 
     def _near(self, cell: Index, from_left: Array, from_right: Array) -> Array:
@@ -181,11 +181,11 @@ def _cells(ends: Array, at: Array) -> Array:
         length = np.diff(ends)
         first = np.searchsorted(at, ends[:-1] - _MARGIN * length)
         near = np.searchsorted(at, ends[1:] + _MARGIN * length, side="right") - first
-        crowded = near > _MOST
+        dense = near > _MOST
         for k in range(_MOST - 1):
-            of = np.flatnonzero((near > k + 1) & ~crowded)
-            crowded[of[between[first[of] + k] < _LEAST * length[of]]] = True
-        many = np.flatnonzero(crowded)
+            of = np.flatnonzero((near > k + 1) & ~dense)
+            dense[of[between[first[of] + k] < _LEAST * length[of]]] = True
+        many = np.flatnonzero(dense)
         if len(many) == 0:
             return ends
         ends = np.insert(ends, many + 1, 0.5 * (ends[many] + ends[many + 1]))

@@ -102,7 +102,7 @@ def end_rates(state: State) -> EndRates:
             own[1 - s, z, j] += 0.5 * root
     right = np.empty((state.solver.size, len(ends)))
     matrix = rows_of(state)
-    folded = singular if state.folding.keep is None else singular[state.folding.keep]
+    folded = singular if state.symmetry.keep is None else singular[state.symmetry.keep]
     right[:] = matrix @ folded
     # The rows hold what coefficients do to their own zone, which S does not.
     right[: state.conditions_from] += singular[system.diagonal]
@@ -119,7 +119,7 @@ def end_rates(state: State) -> EndRates:
             right[at] = own[side, solved[p]] / state.condition_scale[at - state.conditions_from]
             at += 1
     answer = np.asarray(state.solver(-right))
-    unknowns = np.column_stack([state.folding.unfold(column) for column in answer.T]) if len(ends) else np.zeros((layout.size, 0))
+    unknowns = np.column_stack([state.symmetry.unfold(column) for column in answer.T]) if len(ends) else np.zeros((layout.size, 0))
     linear = np.array([part @ unknowns for part, _ in system.intensities()])
     rates = linear + own[:, solved]
     place = {int(i): p for p, i in enumerate(solved)}

@@ -8,7 +8,7 @@ motion. The part that is not is known, so the step solves
 
 where an end that passes the jump inward leaves the root behind, and one that passes a jump outward takes it up.
 
-A logarithm (J/pi) ln|x - s| of the right side, J > 0, at distance y outside an end does the same mirrored (`beyond`): it
+A logarithm (J/pi) ln|x - s| of the right side, J > 0, at distance y outside an end does the same mirrored (`jumps.exterior`): it
 puts 2 J / (pi sqrt(y)) into A, and 2 J sqrt(y) / pi into K, which it leaves where the end passes it outward. An end never
 passes one with J < 0 inward: the density would have the wrong sign all about it.
 """
@@ -39,7 +39,7 @@ def bent_steps(
     """Steps (2, Z) of the left and right ends: `plain` = 2 K / A but where a jump is near. No step is longer than
     `inward` or `outward` of the width there. k, slopes: K less its target, and A, positive where they push outward; A is 0 where it
     is not to be relied on."""
-    if len(forcing.breaks_at):
+    if len(forcing.density_jumps_at):
         return _beside_logarithms(forcing, zones, period, k, slopes, plain, inward, outward)
     kinks = forcing.kinks
     rising = kinks[1] > 0
@@ -75,7 +75,7 @@ def _beside_logarithms(
     forcing: Forcing, zones: Zones, period: float | None, k: Array, slopes: Array, plain: Array, inward: float,
     outward: float,
 ) -> Array:
-    at, heights = forcing.broken
+    at, heights = forcing.logarithms
     width, steps = zones.b - zones.a, plain.copy()
     inside, outside = _nearest(zones, at[heights > 0], heights[heights > 0], period)
     bent = (np.minimum(inside[0], outside[0]) < np.minimum(width, _FAR * np.abs(plain))) & (slopes > 0)
@@ -94,13 +94,13 @@ def _beside_logarithms(
             return np.asarray(k[side] - 0.5 * straight * delta - bend)
 
         steps[side] = _root(intensity, -inward * width, outward * width, np.where(r < y, -r, y))
-    valleys = _nearest(zones, at[heights < 0], heights[heights < 0], period)[0][0]
-    return np.maximum(steps, -_SHORT_OF * valleys)
+    negative = _nearest(zones, at[heights < 0], heights[heights < 0], period)[0][0]
+    return np.maximum(steps, -_SHORT_OF * negative)
 
 
 def tips_between(forcing: Forcing, zones: Zones, period: float | None) -> Array:
     """Heights J > 0 of the logarithms of the right side that lie between zones, added up, on both sides (2, Z) of each."""
-    at, heights = forcing.broken
+    at, heights = forcing.logarithms
     at, heights = at[heights > 0], heights[heights > 0]
     if period is not None:
         at = at - np.floor((at - zones.a[0]) / period) * period

@@ -19,12 +19,13 @@ from sie.basis.ends import FREE, SINGULAR, End
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, Sizes, State, first_sizes
+from sie.density.density import Density
 from sie.equation.equation import Equation
 from sie.free_ends.end_rates import end_rates
 from sie.free_ends.gap_steps import gap_steps
 from sie.free_ends.near_jumps import bent_steps, corner_distances, tips_between
 from sie.free_ends.progress import Motion, Progress, Rest, Step, Turn
-from sie.free_ends.single import far_off, moved_apart
+from sie.free_ends.single import far_off, moved_singly
 from sie.slits.system import AnyDensity, AnyState, solve_zones
 
 Array = NDArray[np.float64]
@@ -34,9 +35,11 @@ Index = NDArray[np.intp]
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
 # Over what the mean slope of the right side's smooth part makes of A.
 _SMOOTH = 4.0
-# After a move no larger than this the response to the open condition's value is about as it was: what that leaves of a step is of the
-# size of its square.
-_SAME_RESPONSE = 0.05
+# How often it is looked which ends move as far as they may.
+_BORDERINGS = 12
+# While all ends together have moved by no more than this part of all widths, the response to the open condition's value is about as it
+# was: what that leaves of a step is this part of it.
+_SAME_RESPONSE = 0.01
 
 # Condition of the rates of K from which on they are rounding.
 _NEUTRAL_FROM = 1e14
@@ -116,7 +119,7 @@ def find_ends(
     signs: tuple[float, float] = (1.0, 1.0),
     near: bool = False,
     decay: float | None = None,
-    settled: bool = True,
+    bounded_ends: bool = True,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -144,7 +147,7 @@ def find_ends(
         they are not so near, the search is given up, unconverged.
     decay : float or None
         Asked of the coefficients over the largest of them; None: a tenth of the tolerance.
-    settled : bool
+    bounded_ends : bool
         Whether 1/sqrt(d) is taken out of the last density: the rest is right at equal normalised position to first order in what the ends
         are off, and the whole of it, farther from them, at equal places to second order.
 
@@ -177,8 +180,8 @@ def find_ends(
         loose = state.iterated and sizes.linear > progress.tightest
         if opened is not None and value != 0.0 and not state.iterated:
             state = state.with_value(opened, value)
-        zones, released = _release(zones, walls, state.density)
-        if opened is not None and (unit is None or progress.last > _SAME_RESPONSE):
+        zones, let_go = _let_go(zones, walls, state.density)
+        if opened is not None and (unit is None or unit.moved(zones) > _SAME_RESPONSE):
             unit = Unit.of(state, sizes)
         motion = _newton(state, zones, signs, unit)
         progress.turns += [motion.turn] if motion.turn is not None else []
@@ -190,9 +193,9 @@ def find_ends(
         corners = _corners(state)
         motion = replace(motion, noise=motion.noise + np.where(motion.moves, _of_places(state, corners), 0.0))
         rest = progress.after(zones, motion, corners, value, opened is not None)
-        done = rest.reached and not released and not loose
+        done = rest.reached and not let_go and not loose
         if done:
-            return _found(state, progress, rest, motion, value, settled)
+            return _found(state, progress, rest, motion, value, bounded_ends)
         hopeless = progress.is_hopeless(motion.certain) or (equation.grows and state.unresolved) or (near and not progress.is_near())
         if hopeless or len(progress.trace) > max_steps:
             found = value if opened is not None else None
@@ -200,22 +203,23 @@ def find_ends(
             return Free(state, False, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), reason=reason)
         value += motion.change
         closes = _closes(zones, equation, motion.delta)
-        zones = _held_at(zones.moved(_limited(state, zones, motion, signs), equation.forcing.cornered), walls)
-        lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], closes, collapse)
+        vanishes = motion.delta.sum(axis=0) <= zones.a - zones.b
+        zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), equation.forcing.cornered), walls)
+        lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes, collapse)
         if len(lost) or len(met):
-            reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.folded]))
+            reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.past_fold]))
             return Free(
                 state, False, rest.error, rest.rounding, tuple(progress.trace), value, abs(motion.change), lost, met, reason=reason
             )
 
 
-def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, value: float, settled: bool) -> Free:
+def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, value: float, bounded_ends: bool) -> Free:
     """The ends that have come to rest."""
     opened = state.equation.open_condition
     if opened is not None and not state.iterated:
         # The ends are at rest, and so is the value after its own last step. By iteration that would be another solution.
         state, value = state.with_value(opened, motion.change), value + motion.change
-    state = state.settled() if settled else state
+    state = state.with_bounded_ends() if bounded_ends else state
     found = value if opened is not None else None
     stable = motion.turn is None or motion.turn.growth < 0.0
     reason = _FOUND if stable else _UNSTABLE
@@ -230,17 +234,18 @@ def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
         return "a column or the kernel's regular part varies more than the modes of a zone show"
     if not motion.certain:
         return "the density does not drive its ends apart as it should: it takes other zones"
-    return progress.folded or f"the ends did not come to rest in {len(progress.trace)} steps"
+    return progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"
 
 
-def _limited(state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float]) -> Array:
+def _limited(state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: Unit | None) -> Array:
     """Moves cut to what widths and gaps allow; of zones far off that stand alone, by steps of their own."""
     limited = _limit(zones, state.equation, motion.delta)
-    apart = far_off(state, motion.moves, motion.delta)
-    if len(apart):
-        near_a, near_b, came = moved_apart(state, apart, lambda d, size: _alone(d, size, signs))
-        limited[0, apart] = np.where(came, zones.a[apart] - near_a, limited[0, apart])
-        limited[1, apart] = np.where(came, near_b - zones.b[apart], limited[1, apart])
+    single = far_off(state, motion.moves, motion.delta)
+    if len(single):
+        added = None if unit is None else (unit.response, motion.change)
+        near_a, near_b, came = moved_singly(state, single, lambda d, size: _alone(d, size, signs), added)
+        limited[0, single] = np.where(came, zones.a[single] - near_a, limited[0, single])
+        limited[1, single] = np.where(came, near_b - zones.b[single], limited[1, single])
     return limited
 
 
@@ -269,7 +274,7 @@ def _safe_slopes(density: AnyDensity, natural: Array, signs: tuple[float, float]
 def _corners(state: AnyState) -> Array:
     """Distance of a corner from each end (2, Z), within the zone or beyond: over it the density changes; infinite without one."""
     equation, zones = state.equation, state.density.zones
-    if state.density.slits or len(equation.forcing.kinks[0]) == 0:
+    if state.density.slit_count or len(equation.forcing.kinks[0]) == 0:
         return np.full((2, len(zones)), np.inf)
     return corner_distances(equation.forcing, zones, equation.kernel.period)
 
@@ -280,11 +285,11 @@ def _of_places(state: AnyState, corners: Array) -> Array:
     not count, since the ends' distances from these are known."""
     zones = state.density.zones
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
-    if state.density.slits or not np.isfinite(corners).any():
+    if state.density.slit_count or not np.isfinite(corners).any():
         return rounding
     # An end at a corner, as far as positions tell, is known by its distance from there.
     rounding = np.where(corners < 4 * rounding, 0.0, rounding)
-    cornered, g = state.whole.density.steps.kinked, state.whole.system.g
+    cornered, g = state.whole.density.jumps.kinked, state.whole.system.g
     smooth = _SMOOTH * (np.abs(g) @ np.arange(g.shape[1])) * np.sqrt(2 / zones.half) + 1e-300
     known = smooth / np.maximum(np.abs(np.array(state.density.edge_slopes)), smooth)
     rounding[:, cornered] *= known[:, cornered]
@@ -305,7 +310,7 @@ def _held_at(zones: Zones, walls: tuple[float, float]) -> Zones:
     return replace(zones, a=a, b=b, rest=rest, left=left, right=right)
 
 
-def _release(zones: Zones, walls: tuple[float, float], density: AnyDensity) -> tuple[Zones, bool]:
+def _let_go(zones: Zones, walls: tuple[float, float], density: AnyDensity) -> tuple[Zones, bool]:
     """Ends held at a wall where the density pulls (negative intensity) become free; whether any did."""
     if not np.isfinite(walls).any():
         return zones, False
@@ -353,16 +358,16 @@ def _newton(
     if unit is not None:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             slope = np.where(moves, 2 * unit.intensities / safe, 0.0)
-        delta, change = _bordered(equation, density.zones, delta, slope)
+        delta, change = _bordered(equation, density.zones, delta, slope, INWARD, OUTWARD)
         residual = np.where(moves, residual + change * unit.intensities, 0.0)
         a = a + change * unit.edge_slopes
     gaps = np.array(modes.gaps(density.zones, equation.kernel))
-    jumps = len(equation.forcing.breaks_at) > 0
+    jumps = len(equation.forcing.density_jumps_at) > 0
     tips = tips_between(equation.forcing, density.zones, equation.kernel.period) if jumps else 0.0
     across, holds = gap_steps(gaps, 2 * w, moves, side * residual, side * a, signs[0] == signs[1], tips)
     delta, weak = np.where(holds, across, delta), weak & ~holds
     noise = np.where(holds, 2 * noise_k / np.abs(np.where(holds, a, 1.0)), noise)
-    if len(equation.forcing.steps_at) or jumps:
+    if len(equation.forcing.jumps_at) or jumps:
         toward, slopes = side * residual, np.where(weak, 0.0, side * a)
         bent = bent_steps(equation.forcing, density.zones, equation.kernel.period, toward, slopes, delta, INWARD, OUTWARD)
         bent = np.where(moves & ~(holds & jumps), bent, delta)
@@ -374,10 +379,17 @@ def _newton(
 
 @dataclass(frozen=True, eq=False)
 class Unit:
-    """K and A (2, Z) that a unit of the open condition's value makes."""
+    """K and A (2, Z) that a unit of the open condition's value makes on zones (Z, 2), and the density without slits that has them."""
 
     intensities: Array
     edge_slopes: Array
+    table: Array
+    response: Density
+
+    def moved(self, zones: Zones) -> float:
+        """By what part of all widths the ends have moved from there."""
+        width = self.table[:, 1] - self.table[:, 0]
+        return float(np.abs(zones.table - self.table).sum() / width.sum())
 
     @classmethod
     def of(cls, state: AnyState, sizes: Sizes) -> Unit:
@@ -387,15 +399,33 @@ class Unit:
         values = np.zeros(len(state.condition_scale))
         values[state.condition_index[index]] = 1.0
         response = state.response(values, np.sqrt(sizes.linear))
-        return cls(np.array(response.intensities), np.array(response.edge_slopes))
+        zones = state.density.zones
+        return cls(np.array(response.intensities), np.array(response.edge_slopes), zones.table, response.whole)
 
 
-def _bordered(equation: Equation, zones: Zones, delta: Array, slope: Array) -> tuple[Array, float]:
-    """(moves, change of the unknown value) that meet the condition on the ends; slope: moves by a unit change."""
+def _bordered(
+    equation: Equation, zones: Zones, delta: Array, slope: Array, inward: float = np.inf, outward: float = np.inf
+) -> tuple[Array, float]:
+    """(moves, change of the unknown value) that meet the condition on the ends; slope: moves by a unit change; inward, outward: parts of
+    its zone's width that an end moves by at most.
+
+    Moves count for the condition as far as they will be made: else an end beside which the density's slope all but vanishes, as one of a
+    zone about to be lost, would tell the value on its own.
+    """
     miss, by_left, by_right = equation.end_conditions[0].residual(zones)
     gradient = np.array([by_left, by_right])
+    width = zones.b - zones.a
+    free = np.ones(delta.shape, dtype=bool)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         change = -(miss + np.sum(gradient * delta)) / np.sum(gradient * slope)
+        for _ in range(_BORDERINGS):
+            wanted = delta + change * slope
+            made = np.clip(wanted, -inward * width, outward * width)
+            cut, free = free, made == wanted
+            by_change = np.sum((gradient * slope)[free])
+            if np.array_equal(cut, free) or by_change == 0.0:
+                break
+            change = -(miss + np.sum(np.where(free, gradient * delta, gradient * made))) / by_change
         return delta + change * slope, float(change)
 
 

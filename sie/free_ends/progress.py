@@ -14,7 +14,8 @@ Index = NDArray[np.intp]
 
 # A zone alone that has shrunk to this part of its first width has vanished.
 _VANISHED = 1e-12
-# A gap below this part of the zones beside it, which has asked so many steps on end to be closed altogether, has closed.
+# A gap below this part of the zones beside it, which has asked so many steps on end to be closed altogether, has closed. So many steps on
+# end have asked for nothing to be left of a zone that is lost.
 _CLOSING, _INSISTS = 0.05, 3
 # Steps after which ends that still want to move by more than half of their zones may be given up.
 _WANDERING = 20
@@ -79,6 +80,7 @@ class Progress:
     best: float = np.inf
     stalled: int = 0
     closing: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    leaving: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
     @property
     def last(self) -> float:
@@ -109,9 +111,9 @@ class Progress:
         largest = max(step.move for step in self.trace[-min(self.stalled + 1, 4) :]) / max(move, 1e-300) if stuck else 1.0
         # The value cannot be at rest where rounding keeps the ends moving.
         least = max(self.tolerance, 1e-14, largest * move if stuck else 0.0)
-        settled = abs(motion.change) <= least * abs(value + motion.change)
+        known = abs(motion.change) <= least * abs(value + motion.change)
         rounding = (motion.noise / width).T
-        return Rest(motion.certain and (rests or stuck) and settled, rounding + MARGIN * largest * (delta / width).T, rounding)
+        return Rest(motion.certain and (rests or stuck) and known, rounding + MARGIN * largest * (delta / width).T, rounding)
 
     def is_hopeless(self, certain: bool) -> bool:
         """At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones."""
@@ -129,19 +131,27 @@ class Progress:
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
         return bool(np.all((before / 3 < now) & (now < 3 * before))) and self.trace[-1].move > 0.7 * self.trace[-5].move
 
-    def vanished(self, zones: Zones, gap: Array, closes: NDArray[np.bool_], collapse: float) -> tuple[Index, Index]:
-        """Zones that have shrunk away, and gaps, by the zone left of them, that have closed. closes: whether the last step asked to
-        close them."""
+    def vanished(
+        self, zones: Zones, gap: Array, vanishes: NDArray[np.bool_], closes: NDArray[np.bool_], collapse: float
+    ) -> tuple[Index, Index]:
+        """Zones that have shrunk away, and gaps, by the zone left of them, that have closed. vanishes, closes: whether the last step
+        asked for nothing to be left of them."""
         self.closing = np.where(closes, (self.closing if len(self.closing) else 0) + 1, 0)
+        self.leaving = np.where(vanishes, (self.leaving if len(self.leaving) else 0) + 1, 0)
         # The last zone keeps what total is given, however narrow it becomes; without one it may vanish.
         least = (collapse if len(zones) > 1 else _VANISHED) * self.first_width
-        lost = np.flatnonzero(zones.b - zones.a < np.maximum(least, 8 * np.spacing(np.abs(zones.a))))
+        gone = zones.b - zones.a < np.maximum(least, 8 * np.spacing(np.abs(zones.a)))
+        # A step leaves of a zone that is too wide at least half: one that asks for nothing, again and again, would be a sum of such steps.
+        insists = self.leaving >= _INSISTS
+        # Since the search begins anew without them, those that have asked for it more than once go with them.
+        insists = self.leaving >= 2 if insists.any() and len(zones) > 1 else np.zeros(len(gone), dtype=bool)
+        lost = np.flatnonzero(gone | insists)
         narrowest = np.minimum(zones.b - zones.a, self.first_width)
         closed = (self.closing >= _INSISTS) & (gap < _CLOSING * narrowest)
         return lost, np.flatnonzero((gap < collapse * np.minimum(self.first_gap, narrowest)) | closed)
 
     @property
-    def folded(self) -> str:
+    def past_fold(self) -> str:
         """That the search has gone to and fro between stable and unstable ends, in words; empty where it has not."""
         if not (any(turn.growth < 0.0 for turn in self.turns) and any(turn.growth >= 0.0 for turn in self.turns)):
             return ""

@@ -17,22 +17,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import conformal_radius
 from sie.density.density import Density
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 from sie.slits.system import AnyState
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 Step = Callable[[Density, Array], Array]
 """Outward steps (2, n) of the ends of a density's zones, given their coefficients' size, cut to their widths."""
+Added: TypeAlias = tuple[Density, float]
+"""A density without slits, and how many times it is added."""
 
 # A zone is far off if an end wants to move by more than this part of its width; alone, it is moved until it does not.
 FAR_OFF, _CLOSE = 0.05, 1e-3
@@ -60,7 +64,7 @@ def far_off(state: AnyState, moves: NDArray[np.bool_], delta: Array) -> Index:
     alone = (np.minimum(*modes.gaps(zones, kernel)) > width) & (width < 0.5 * kernel.datum)
     alone &= np.bincount(place)[place] == 1
     smooth = whole.sizes.own <= _NODES
-    smooth[list(whole.density.steps.kinked)] = False
+    smooth[list(whole.density.jumps.kinked)] = False
     return np.flatnonzero(off & alone & smooth[place] & moves.all(axis=0))
 
 
@@ -73,12 +77,13 @@ class Field:
     coefficients: Array
 
     @classmethod
-    def of(cls, state: AnyState, chosen: Index) -> Field:
+    def of(cls, state: AnyState, chosen: Index, added: Added | None) -> Field:
         zones, (whole, place) = state.density.zones, state.wide_of(chosen)
         c = np.zeros((len(chosen), _FIELD + 1))
-        for table in (whole.density.coefficients, whole.system.g):
+        parts = [(whole.density.coefficients, 1.0), (whole.system.g, 1.0)]
+        for table, times in parts if added is None else [*parts, (added[0].coefficients, added[1])]:
             count = min(_FIELD + 1, table.shape[1])
-            c[:, :count] += table[place, :count]
+            c[:, :count] += times * table[place, :count]
         return cls(zones.middle[chosen], zones.half[chosen], c[:, 1:])
 
     def __call__(self, x: Array) -> Array:
@@ -93,9 +98,9 @@ class Field:
 class Moving:
     """Chosen zones on their way, each in the others' field as it is."""
 
-    def __init__(self, state: AnyState, chosen: Index) -> None:
+    def __init__(self, state: AnyState, chosen: Index, added: Added | None = None) -> None:
         self.equation, density = state.equation, state.density
-        self.zones, self.chosen, self.field = density.zones, chosen, Field.of(state, chosen)
+        self.zones, self.chosen, self.field = density.zones, chosen, Field.of(state, chosen, added)
         zones, field = self.zones, self.field
         left_gap, right_gap = (gap[chosen] for gap in modes.gaps(zones, self.equation.kernel))
         self.datum = np.minimum(self.equation.kernel.datum, conformal_radius(left_gap + field.half, right_gap + field.half))
@@ -104,13 +109,15 @@ class Moving:
         self.highest = np.minimum(zones.b[chosen] + _INTO_GAP * right_gap, field.middle + reach)
         whole, place = state.wide_of(chosen)
         self.total = whole.density.totals[place] / np.pi
+        if added is not None:
+            self.total = self.total + added[1] * added[0].totals[place] / np.pi
         # Level plus the mean of the primitive of h, and the zones and coefficients to which it belongs.
         self.level = self.total * self._log(field.half)
         self.middle, self.half = field.middle, field.half
         self.h = self._coefficients(self.middle, self.half)
 
     def _log(self, w: Array) -> Array:
-        return np.asarray(np.log(w / (2 * self.datum)))
+        return np.asarray(mean_potential(w, self.datum) / w)
 
     def _coefficients(self, middle: Array, half: Array) -> Array:
         """h_k on intervals (n, _NODES)."""
@@ -158,12 +165,12 @@ class Moving:
         first = self.level / (self.half * self._log(self.half)) if levels else self.total / self.half
         left, right = ([kinds[i] for i in self.chosen] for kinds in (self.zones.left, self.zones.right))
         here = Zones(self.middle - self.half, self.middle + self.half, left, right)
-        return Density(here, self.equation.kernel, np.column_stack((first, -self.h)), Steps.none(), np.zeros(0))
+        return Density(here, self.equation.kernel, np.column_stack((first, -self.h)), ForcingJumps.none(), np.zeros(0))
 
 
-def moved_apart(state: AnyState, chosen: Index, step: Step) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """(new ends a, b, whether they came to rest) of the chosen zones."""
-    moving = Moving(state, chosen)
+def moved_singly(state: AnyState, chosen: Index, step: Step, added: Added | None = None) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """(new ends a, b, whether they came to rest) of the chosen zones, after what is added to the density, if anything is."""
+    moving = Moving(state, chosen, added)
     if any(c.levels for c in state.equation.conditions):
         moving.to_tips()
     for _ in range(_MOST_STEPS):

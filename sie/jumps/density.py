@@ -1,4 +1,4 @@
-r"""Jumps of the density or of its derivatives inside the zones, carried exactly: the mirror image of `steps`.
+r"""Jumps of the density or of its derivatives inside the zones, carried exactly: the mirror image of `forcing`.
 
 Where the wanted density is known to jump, the right side has a logarithm. With t = cos(theta), s = cos(phi) and
 
@@ -16,7 +16,7 @@ the profile, q = 1 over a jump of its curvature, q = 2 over a knot of a cubic sp
 
 For q = 0 the caller leaves (J/pi) Lambda(x, s), Lambda the kernel's potential, out of the right side's values
 altogether: it is added here, from distances that lose no digit however narrow the zone. Those near a zone but outside
-it are carried too (`beyond`).
+it are carried too (`jumps.exterior`).
 """
 
 from __future__ import annotations
@@ -29,13 +29,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.half_plane import Complex, Seen
+from sie.basis.interval import LOG2 as _LOG2
+from sie.basis.interval import Complex, InPlane, Outside, theta
 from sie.basis.kernels import Kernel
+from sie.basis.sums import pair_blocks
 from sie.basis.zones import Zones
-from sie.jumps.exterior import Beyond, potential_series
-from sie.jumps.forcing import LOG2 as _LOG2
-from sie.jumps.forcing import SERIES, Steps, of_sines, pair_blocks, power
+from sie.jumps.exterior import ExteriorLogarithms, potential_series
+from sie.jumps.forcing import SERIES, ForcingJumps, of_sines, power
 from sie.jumps.local_spline import LocalSpline
+from sie.jumps.pairs import FewJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -51,7 +53,7 @@ class Logarithms:
     at: Array
     weight: Array
     own: Index
-    near: Beyond
+    near: ExteriorLogarithms
 
     def at_points(self, x: Array) -> Array:
         """Their sum at points x (n,)."""
@@ -89,7 +91,7 @@ class Logarithms:
 
 
 @dataclass(frozen=True, eq=False)
-class Breaks(Steps):
+class DensityJumps(ForcingJumps):
     """Jumps of the density's derivatives, h = J w^q / q!; `logarithms`: all those of order 0, wherever they are."""
 
     logarithms: Logarithms | None = None
@@ -97,7 +99,7 @@ class Breaks(Steps):
     @classmethod
     def inside(
         cls, zones: Zones, at: Array, jumps: Array, orders: Index, kernel: Kernel, spline: Callable[[Array], Array] | None = None
-    ) -> Breaks:
+    ) -> DensityJumps:
         """The jumps at positions `at` (repeated with the kernel's period) that lie inside a zone. spline: a quadratic spline with those
         of order 2, if there is one."""
         at, i, inside = cls.located(zones, at, kernel.period)
@@ -107,7 +109,7 @@ class Breaks(Steps):
         logarithms = None
         if np.any(kinks):
             own, weight = np.where(inside, i, -1)[kinks], jumps[kinks] / np.pi
-            near = Beyond.near(zones, at[kinks], weight, kernel.period)
+            near = ExteriorLogarithms.near(zones, at[kinks], weight, kernel.period)
             logarithms = Logarithms(kernel, zones, at[kinks], weight, own, near)
         i, at, w = i[inside], at[inside], w[inside]
         found = cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, size[inside], orders[inside], logarithms=logarithms)
@@ -116,7 +118,7 @@ class Breaks(Steps):
     def __len__(self) -> int:
         return len(self.zone) + (0 if self.logarithms is None else len(self.logarithms.near))
 
-    def _beyond(self, zone: int) -> tuple[Beyond, Index] | None:
+    def _exterior(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
         """The logarithms near a zone, outside it."""
         if self.logarithms is None or zone not in self.logarithms.near.by_zone:
             return None
@@ -138,6 +140,11 @@ class Breaks(Steps):
         return sorted({*self.zone[self.order == 0].tolist(), *(self.logarithms.near.by_zone if self.logarithms is not None else ())})
 
     # the right side -------------------------------------------------------------------------------------------------
+    @property
+    def few(self) -> FewJumps:
+        """None: their closed forms are others."""
+        return FewJumps.none()
+
     def adds_to(self, zone: int) -> bool:
         return self.logarithms is not None or zone in self.by_zone
 
@@ -157,7 +164,7 @@ class Breaks(Steps):
     # the density ----------------------------------------------------------------------------------------------------
     def density(self, zone: int, left: Array, right: Array) -> Array:
         k = self.by_zone[zone]
-        from_right, from_left = 2 * np.arctan2(np.sqrt(right), np.sqrt(left)), 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        from_right, from_left = theta(left, right), theta(right, left)
         out = np.empty(len(left))
         for here in pair_blocks(len(left), len(k)):
             away = left[here, None] - self.left[k]
@@ -166,15 +173,15 @@ class Breaks(Steps):
             out[here] = (power(away, self.order[k]) * eta) @ (self.height[k] / np.pi)
         if zone in self.splines:
             out += self.splines[zone].density(left, right)
-        beyond = self._beyond(zone)
-        return out if beyond is None else out + beyond[0].density(beyond[1], left, right)
+        exterior = self._exterior(zone)
+        return out if exterior is None else out + exterior[0].density(exterior[1], left, right)
 
     def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
         """d/dtheta of `density`, by differences."""
-        theta = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))
-        order = np.argsort(theta)
-        out = np.empty(theta.shape)
-        out[order] = np.gradient(self.density(zone, left, right)[order], theta[order])
+        angle = theta(left, right)
+        order = np.argsort(angle)
+        out = np.empty(angle.shape)
+        out[order] = np.gradient(self.density(zone, left, right)[order], angle[order])
         return out
 
     def integral(self, zone: int, left: Array, right: Array) -> Array:
@@ -185,9 +192,9 @@ class Breaks(Steps):
         k = self.by_zone[zone]
         s, q = self.s[k], self.order[k]
         on_right = left[:, None] > self.left[k]
-        from_right, from_left = 2 * np.arctan2(np.sqrt(right), np.sqrt(left)), 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        from_right, from_left = theta(left, right), theta(right, left)
         inner = np.where(on_right, from_right[:, None], from_left[:, None])
-        # Seen from the left end, t and s change sign, and so does (tau - s)^q for odd q.
+        # InPlane from the left end, t and s change sign, and so does (tau - s)^q for odd q.
         shift = np.where(on_right, s, -s)
         sine, cosine = np.sin(inner), np.cos(inner)
         first = sine - inner * cosine
@@ -198,11 +205,9 @@ class Breaks(Steps):
         total = np.pi * self._coefficients(k, np.arange(len(k)), len(k), 1)[:, 0]
         out = np.asarray(np.where(on_right, total - part, np.where(q == 1, 1.0, -1.0) * part).sum(axis=1))
         if zone in self.splines:
-            spline = self.splines[zone]
-            assert isinstance(spline, LocalSpline)
-            out += spline.integral(left)
-        beyond = self._beyond(zone)
-        return out if beyond is None else out + beyond[0].integral(beyond[1], left, right)
+            out += self.splines[zone].integral(left)
+        exterior = self._exterior(zone)
+        return out if exterior is None else out + exterior[0].integral(exterior[1], left, right)
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
         scale, n = self.height / np.pi, len(zones)
@@ -248,13 +253,13 @@ class Breaks(Steps):
             out[here] = value @ (self.height[k] / np.pi)
         if zone in self.splines:
             out += self.splines[zone].own_transform(left)
-        beyond = self._beyond(zone) if least == 0 else None
-        return out if beyond is None else out + beyond[0].own_transform(beyond[1], left)
+        exterior = self._exterior(zone) if least == 0 else None
+        return out if exterior is None else out + exterior[0].own_transform(exterior[1], left)
 
     def transform(self, zone: int, z: Array, rho: Array) -> Array:
         out = super().transform(zone, z, rho) if len(self.by_zone[zone]) or zone in self.splines else np.zeros(rho.shape)
-        beyond = self._beyond(zone)
-        return out if beyond is None else out + beyond[0].transform(beyond[1], rho)
+        exterior = self._exterior(zone)
+        return out if exterior is None else out + exterior[0].transform(exterior[1], rho)
 
     def _plain(self, k: Index, rho: Array) -> Array:
         # |1 - rho e^{i phi}|^2 from the distance to the nearer end, where both terms are positive.
@@ -289,9 +294,9 @@ class Breaks(Steps):
             own = np.real(up) * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
             both = np.real(potential_series(up, turned) + potential_series(np.conj(up), turned))
             out += self.height[place] / np.pi * (own - both / 2)
-        beyond = self._beyond(zone)
-        if beyond is not None:
-            near, k = beyond
+        exterior = self._exterior(zone)
+        if exterior is not None:
+            near, k = exterior
             for up, weight in zip(near.rho[k], near.weight[k], strict=True):
                 own = up * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
                 out = out + weight * (own - np.real(potential_series(up, turned)))
@@ -303,14 +308,12 @@ class Breaks(Steps):
             (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz + C_q,
             R = sgn(z) sqrt(z^2 - 1),   int dz / R = -ln |rho| =: g;   R = g = 0 on the zone.
         """
-        z, beyond = 0.5 * (left - right)[:, None], np.where(on, 0.0, np.maximum(-left, -right))[:, None]
-        g = 2 * np.arcsinh(np.sqrt(0.5 * beyond))
-        root = np.where(left > 0, 1.0, -1.0)[:, None] * np.sqrt(beyond * (beyond + 2))
+        z, seen = 0.5 * (left - right)[:, None], Outside(np.where(left > 0, 1.0, -1.0), np.where(on, 0.0, np.maximum(-left, -right)))
         away = left[:, None] - self.left[k]
         with np.errstate(divide="ignore"):
             log = np.log(2 * np.abs(away))
         log[~on] = self._plain(k, rho[~on])
-        return self.potential_by(k, away, z, log, g, root)
+        return self.potential_by(k, away, z, log, seen.log[:, None], seen.root[:, None])
 
     def potential_by(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
         """Sum of the primitives of jumps k, of order 1 and 2, with z - s, L, g and R at hand, real or complex."""
@@ -333,12 +336,12 @@ class Breaks(Steps):
         return out
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
-    def logarithm(self, k: Index, seen: Seen, away: Complex) -> Complex:
+    def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """log(A B) of jumps k."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(2 * seen.rho[:, None] * away))
 
-    def logarithm_slope(self, k: Index, seen: Seen, away: Complex) -> Complex:
+    def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """Its derivative by zeta."""
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
@@ -346,7 +349,7 @@ class Breaks(Steps):
         """P_q and its derivative."""
         return self._polynomial(k, zeta), np.where(self.order[k] == 2, -self.s[k], 0.0)
 
-    def plane_potential(self, k: Index, seen: Seen, away: Complex, log: Complex) -> Complex:
+    def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
         """Potential of jumps k over w, less c_0 log(w)."""
         out = np.asarray(self.potential_by(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None]))
         for place in k[self.order[k] == 0]:
@@ -356,8 +359,8 @@ class Breaks(Steps):
             out = out + self.height[place] / np.pi * (own - both / 2)
         return out
 
-    def logarithms_near(self, zone: int) -> tuple[Beyond, Index] | None:
-        return self._beyond(zone)
+    def logarithms_near(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
+        return self._exterior(zone)
 
     def _sine_weights(self, k: Index, j: Array) -> Array:
         return -np.cos(j * self.phi[k][:, None])

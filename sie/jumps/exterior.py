@@ -4,7 +4,7 @@ With s > 1 or s < -1 and rho = s - sgn(s) sqrt(s^2 - 1), |rho| < 1, the bounded 
 
     beta(t) = -(2/pi) sum_j (rho^j / j) sin(j theta) = -(2/pi) atan2(rho sin(theta), 1 - rho cos(theta))
 
-is transformed to (1/pi) ln(2 |rho| |t - s|) on the zone, and to (2/pi) ln(1 - rho rho_z) off it: `breaks` with
+is transformed to (1/pi) ln(2 |rho| |t - s|) on the zone, and to (2/pi) ln(1 - rho rho_z) off it: `density` with
 cos(j phi) continued to rho^j. Without this a logarithm close to an end would ask for 1/sqrt(distance) modes.
 """
 
@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.half_plane import Complex, Seen
+from sie.basis.interval import Complex, InPlane, Outside, theta
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 
@@ -28,7 +28,7 @@ _NEAR = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Beyond(Kept):
+class ExteriorLogarithms(Kept):
     """Logarithms near zones, seen from each: the zone, which logarithm it is, rho, and J/pi."""
 
     zone: Index
@@ -37,7 +37,7 @@ class Beyond(Kept):
     weight: Array
 
     @classmethod
-    def near(cls, zones: Zones, at: Array, weights: Array, period: float | None) -> Beyond:
+    def near(cls, zones: Zones, at: Array, weights: Array, period: float | None) -> ExteriorLogarithms:
         """Those of the logarithms at `at` (repeated with the period) that lie outside a zone, but near."""
         which = np.arange(len(at))
         if period is not None:
@@ -58,7 +58,7 @@ class Beyond(Kept):
             place = np.arange(len(zone)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
             # An end on the logarithm itself has rho = 1.
             e = np.abs(at[place] - ends[zone]) / zones.half[zone]
-            found.append((zone, which[place], sign / (1 + e + np.sqrt(e * (e + 2)))))
+            found.append((zone, which[place], Outside(sign, e).rho))
         zone, which, rho = (np.concatenate(parts) for parts in zip(*found, strict=True))
         return cls(zone, which, rho, weights[which])
 
@@ -81,8 +81,8 @@ class Beyond(Kept):
 
     def density(self, k: Index, left: Array, right: Array) -> Array:
         """Sum of parts k at points (n,) given by their distances from the zone's ends over w."""
-        theta, rho = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))[:, None], self.rho[k]
-        return np.asarray(np.arctan2(rho * np.sin(theta), 1 - rho * np.cos(theta)) @ (-2 * self.weight[k]))
+        phi, rho = theta(left, right)[:, None], self.rho[k]
+        return np.asarray(np.arctan2(rho * np.sin(phi), 1 - rho * np.cos(phi)) @ (-2 * self.weight[k]))
 
     def own_transform(self, k: Index, left: Array) -> Array:
         """On the zone: ln(1 - 2 rho t + rho^2) = ln((1 - |rho|)^2 + 2 |rho| d), d the distance from the nearer end."""
@@ -97,28 +97,28 @@ class Beyond(Kept):
 
     def integral(self, k: Index, left: Array, right: Array) -> Array:
         """Integral from the zone's left end over w: minus the one to the right end at the angle theta, and the whole."""
-        theta, rho = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))[:, None], self.rho[k]
-        angle = np.arctan2(rho * np.sin(theta), 1 - rho * np.cos(theta))
-        turn = np.arctan2((1 + rho) * np.sin(theta / 2), (1 - rho) * np.cos(theta / 2))
-        part = (1 + rho**2) / (2 * rho) * turn - (1 - rho**2) * theta / (4 * rho) - np.sin(theta) / 2 - np.cos(theta) * angle
+        phi, rho = theta(left, right)[:, None], self.rho[k]
+        angle = np.arctan2(rho * np.sin(phi), 1 - rho * np.cos(phi))
+        turn = np.arctan2((1 + rho) * np.sin(phi / 2), (1 - rho) * np.cos(phi / 2))
+        part = (1 + rho**2) / (2 * rho) * turn - (1 - rho**2) * phi / (4 * rho) - np.sin(phi) / 2 - np.cos(phi) * angle
         return np.asarray((2 * part - np.pi * rho) @ self.weight[k])
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
-    def log(self, k: Index, seen: Seen) -> Complex:
+    def log(self, k: Index, seen: InPlane) -> Complex:
         """2 log(1 - rho rho_z) of parts k, (points, k): (1 - rho_z) + rho_z (1 - rho), or the same from the left end."""
         rho, z = self.rho[k], seen.rho[:, None]
         from_right, from_left = (2 * part[:, None] / (seen.p + seen.m)[:, None] for part in (seen.m, seen.p))
         return np.asarray(2 * np.log(np.where(rho > 0, from_right + z * (1 - rho), from_left - z * (1 + rho))))
 
-    def plane_transform(self, k: Index, seen: Seen) -> Complex:
+    def plane_transform(self, k: Index, seen: InPlane) -> Complex:
         return np.asarray(self.log(k, seen) @ self.weight[k])
 
-    def plane_slope(self, k: Index, seen: Seen) -> Complex:
+    def plane_slope(self, k: Index, seen: InPlane) -> Complex:
         """Derivative of the transform by zeta."""
         both = seen.rho[:, None] * self.rho[k]
         return np.asarray((2 * both * np.exp(-0.5 * self.log(k, seen))) @ self.weight[k] / seen.root)
 
-    def plane_potential(self, k: Index, seen: Seen) -> Complex:
+    def plane_potential(self, k: Index, seen: InPlane) -> Complex:
         """Potential over w, less c_0 log(w)."""
         out = np.zeros(seen.left.shape, dtype=complex)
         for up, weight in zip(self.rho[k], self.weight[k], strict=True):

@@ -24,23 +24,29 @@ its curvature, q = 2 a knot of a cubic spline.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.half_plane import Complex, Seen
+from sie.basis.interval import LOG2, Complex, InPlane, Outside, theta
 from sie.basis.kept import Kept
+from sie.basis.sums import PAIRS as _PAIRS
+from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
-from sie.jumps.exterior import Beyond
-from sie.jumps.local_spline import MANY, LocalSpline
+from sie.jumps.exterior import ExteriorLogarithms
+from sie.jumps.local_spline import MANY
+from sie.jumps.pairs import FewJumps
+from sie.jumps.spline import Spline
 from sie.jumps.zone_spline import ZoneSpline
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
+
+MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
 HIGHEST = 2
 # Of q over p; zero for p > q.
@@ -50,9 +56,8 @@ _MANY = 64
 SERIES = 1024
 # Below this rho nothing is left of the terms after these.
 SERIES_REACH = float(2.0 ** (-52 / SERIES))
-# Seen from farther than this rho, the closed form cancels and the series is short.
+# InPlane from farther than this rho, the closed form cancels and the series is short.
 _FAR = 0.25
-LOG2 = float(np.log(2.0))
 # Up to which rho how many terms of the series are enough.
 _SERIES_TO = ((0.25, 32), (0.6, 80), (0.87, 288))
 # kappa is taken no nearer to a jump than this.
@@ -61,12 +66,10 @@ _TINY = 1e-16
 _KINKS = 32
 # Zones whose series are found together.
 _TOGETHER = 256
-# (point, jump) pairs handled at once.
-_PAIRS = 1 << 19
 
 
 @dataclass(frozen=True, eq=False)
-class Steps(Kept):
+class ForcingJumps(Kept):
     """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!, and q. splines: of zones with very many
     jumps of order 2, what carries most of these."""
 
@@ -75,16 +78,16 @@ class Steps(Kept):
     right: Array
     height: Array
     order: Index
-    splines: dict[int, ZoneSpline] | dict[int, LocalSpline] = field(default_factory=dict)
+    splines: dict[int, Spline] = field(default_factory=dict)
 
     @classmethod
-    def none(cls) -> Steps:
+    def none(cls) -> ForcingJumps:
         return _NONE
 
     @classmethod
     def within(
         cls, zones: Zones, at: Array, jumps: Array, orders: Index, period: float | None, g: Callable[[Array], Array] | None = None
-    ) -> Steps:
+    ) -> ForcingJumps:
         """The jumps at positions `at` (repeated with the period) that lie inside a zone. g: the right side, if it is known."""
         if len(at) == 0:
             return _NONE
@@ -104,15 +107,16 @@ class Steps(Kept):
         i = np.searchsorted(zones.a, at, side="right") - 1
         return at, np.maximum(i, 0), (i >= 0) & (zones.beyond_a(at, i) > 0) & (zones.before_b(at, i) > 0)
 
-    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made) -> Any:  # type: ignore[no-untyped-def]
+    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline) -> Self:
         """The same with splines of f, made of knots, their jumps and f, in every zone of many jumps of order 2 and no others."""
-        height, splines, more = self.height.copy(), {}, []
+        height, more = self.height.copy(), []
+        splines: dict[int, Spline] = {}
         for zone in np.flatnonzero(np.bincount(self.zone, minlength=1) >= MANY).tolist():
             k = self.by_zone[zone]
             if np.any(self.order[k] != HIGHEST):
                 continue
             k = k[np.argsort(self.left[k])]
-            found = made(self.left[k], height[k], lambda left, zone=zone: f(zones.a[zone] + zones.half[zone] * left))
+            found = made(self.left[k], height[k], partial(_from_left, f, zones, zone))
             if found is not None:
                 splines[zone], height[k], others = found
                 more.append(np.column_stack((np.full(others.shape[1], zone), others.T)))
@@ -132,12 +136,12 @@ class Steps(Kept):
     @cached_property
     def phi(self) -> Array:
         """Angle of each jump, s = cos(phi)."""
-        return np.asarray(2 * np.arctan2(np.sqrt(self.right), np.sqrt(self.left)))
+        return theta(self.left, self.right)
 
     @cached_property
     def psi(self) -> Array:
         """pi - phi, to all its digits beside the left end."""
-        return np.asarray(2 * np.arctan2(np.sqrt(self.left), np.sqrt(self.right)))
+        return theta(self.right, self.left)
 
     @cached_property
     def sine(self) -> Array:
@@ -169,7 +173,7 @@ class Steps(Kept):
         if zone not in self.splines:
             return self.phi[self.by_zone[zone]]
         left = self.places(zone)[0]
-        return np.asarray(2 * np.arctan2(np.sqrt(2 - left), np.sqrt(left)))
+        return theta(left, 2 - left)
 
     def rounding(self, count: int) -> Array:
         """What the sum of a zone's parts is rounded to, at the most, on each of so many zones."""
@@ -206,6 +210,12 @@ class Steps(Kept):
             out -= self.splines[zone].own_transform(left)
         return out
 
+    @cached_property
+    def few(self) -> FewJumps:
+        """The jumps of all zones with few of them, and no spline."""
+        parts = self.left, self.phi, self.psi, self.sine, self.height / np.pi
+        return FewJumps.of(self.zone, np.array(list(self.splines), dtype=np.intp), parts, self.order, self._coefficients)
+
     def level_part(self, zone: int, left: Array) -> Array:
         """The same of the jumps of g itself alone: they have no slope."""
         if zone not in self.kinked:
@@ -240,7 +250,6 @@ class Steps(Kept):
         parts = self.height * np.where(q == 0, kink, -0.5 * end + ends_c + mean - mean_c)
         out = np.asarray(np.bincount(self.zone, parts, minlength=len(zones)), dtype=float)
         for zone, spline in self.splines.items():
-            assert isinstance(spline, ZoneSpline)
             out[zone] += spline.mean_offset
         return out
 
@@ -322,9 +331,7 @@ class Steps(Kept):
                 value = away ** (q - 1.0) * (self.sine[k] - q * sine * np.minimum(kappa, -np.log(_TINY)))
             out[here] = value @ (self.height[k] / np.pi)
         if zone in self.splines:
-            spline = self.splines[zone]
-            assert isinstance(spline, ZoneSpline)
-            out += spline.angular_slope(left, right)
+            out += self.splines[zone].angular_slope(left, right)
         return out
 
     def _kappa(self, k: Index, left: Array, right: Array) -> tuple[Array, Array]:
@@ -415,9 +422,9 @@ class Steps(Kept):
         """What the right side has at points x beyond the values that the caller gives: nothing."""
         return np.zeros(x.shape)
 
-    def chosen(self, which: NDArray[np.bool_] | Index) -> Steps:
+    def chosen(self, which: NDArray[np.bool_] | Index) -> ForcingJumps:
         """Those of the jumps alone."""
-        return Steps(self.zone[which], self.left[which], self.right[which], self.height[which], self.order[which])
+        return ForcingJumps(self.zone[which], self.left[which], self.right[which], self.height[which], self.order[which])
 
     def integral(self, zone: int, left: Array, right: Array) -> Array:
         """Integral of a zone's parts from its left end, at distances from the ends over w, of kinks alone:
@@ -426,7 +433,7 @@ class Steps(Kept):
         if np.any(self.order[k] > 0):
             raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
         away, kappa = self._kappa(k, left, right)
-        behind = 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        behind = theta(right, left)
         parts = np.where(away == 0, 0.0, away) * np.where(away == 0, 0.0, kappa) + self.sine[k] * behind[:, None]
         return np.asarray(parts @ (self.height[k] / np.pi))
 
@@ -436,9 +443,7 @@ class Steps(Kept):
         k = self.by_zone[zone]
         out = self._by_reach(k[self.closed[k]], left, right, rho)
         if zone in self.splines:
-            spline = self.splines[zone]
-            assert isinstance(spline, ZoneSpline)
-            out += spline.potential(left, right, rho)
+            out += self.splines[zone].potential(left, right, rho)
         return out
 
     @cached_property
@@ -473,13 +478,11 @@ class Steps(Kept):
         return out
 
     def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
-        z, beyond = 0.5 * (left - right), np.where(on, 0.0, np.maximum(-left, -right))
-        grown = 2 * np.arcsinh(np.sqrt(0.5 * beyond))[:, None]
-        root = (np.where(left > 0, 1.0, -1.0) * np.sqrt(beyond * (beyond + 2)))[:, None]
+        z, seen = 0.5 * (left - right), Outside(np.where(left > 0, 1.0, -1.0), np.where(on, 0.0, np.maximum(-left, -right)))
         away = left[:, None] - self.left[k]
         turn = np.where(away > 0, self.psi[k], -self.phi[k])
         turn[~on] = self._plain(k, rho[~on])
-        return self.potential_by(k, away, z[:, None], turn, grown, root)
+        return self.potential_by(k, away, z[:, None], turn, seen.log[:, None], seen.root[:, None])
 
     def potential_by(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
         """Sum of the closed potentials of jumps k (see the head of this file), z - s, F, A and B at hand, real or complex."""
@@ -501,13 +504,13 @@ class Steps(Kept):
         return out
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
-    def logarithm(self, k: Index, seen: Seen, away: Complex) -> Complex:
+    def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """-i log(B / A) of jumps k."""
         c, s = np.sqrt(0.5 * self.left[k]), np.sqrt(0.5 * self.right[k])
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(-1j * np.log((c - 1j * s) ** 2 * (c * seen.m[:, None] + 1j * s * seen.p[:, None]) ** 2 / away))
 
-    def logarithm_slope(self, k: Index, seen: Seen, away: Complex) -> Complex:
+    def logarithm_slope(self, k: Index, seen: InPlane, away: Complex) -> Complex:
         """Its derivative by zeta."""
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
@@ -515,12 +518,12 @@ class Steps(Kept):
         """P_q and its derivative."""
         return self._polynomial(k, zeta), np.where(self.order[k] == HIGHEST, self.sine[k], 0.0)
 
-    def plane_potential(self, k: Index, seen: Seen, away: Complex, log: Complex) -> Complex:
+    def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
         """Potential of jumps k over w, less c_0 log(w)."""
         found: Complex = self.potential_by(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None])
         return found
 
-    def logarithms_near(self, zone: int) -> tuple[Beyond, Index] | None:
+    def logarithms_near(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
         """Logarithms of the right side that lie near a zone, outside it."""
         return None
 
@@ -543,24 +546,14 @@ class Steps(Kept):
         return [int(i) for i in np.unique(self.zone[self.order == 0])]
 
 
-def of_zones(zone: Index) -> Iterator[tuple[int, Index]]:
-    """Every zone that is named, with the places that name it, in ascending order."""
-    order = np.argsort(zone, kind="stable")
-    cuts = np.flatnonzero(np.diff(zone[order], prepend=-1, append=-1))
-    for start, end in zip(cuts[:-1], cuts[1:], strict=True):
-        yield int(zone[order[start]]), order[start:end]
+def _from_left(f: Callable[[Array], Array], zones: Zones, zone: int, left: Array) -> Array:
+    """f at distances from the zone's left end over its half width."""
+    return f(zones.a[zone] + zones.half[zone] * left)
 
 
 def power(away: Array, order: Index) -> Array:
     """away^order; general powers take ten times as long as squares, which knots of splines ask for alone."""
     return away * away if np.all(order == HIGHEST) else away**order
-
-
-def pair_blocks(points: int, jumps: int) -> Iterator[slice]:
-    """Stretches of points whose pairs with so many jumps are held at once."""
-    block = max(1, _PAIRS // max(1, jumps))
-    for begin in range(0, points, block):
-        yield slice(begin, begin + block)
 
 
 def of_sines(beta: Array) -> Array:
@@ -579,4 +572,4 @@ def _times_t(c: Array) -> Array:
     return out
 
 
-_NONE = Steps(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp))
+_NONE = ForcingJumps(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp))

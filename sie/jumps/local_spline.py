@@ -15,8 +15,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.interval import Complex, InPlane, Outside, What, of_t, root_on
 from sie.basis.kept import Kept
 from sie.basis.kernels import cauchy
+from sie.basis.sums import pair_blocks
 from sie.fast.piecewise import PiecewiseTransform
 from sie.fast.tree import TERMS
 
@@ -31,6 +33,8 @@ _SAME = 1e-8
 _ROUNDED = 1e-14
 # Nodes on a piece, and the largest angle by which cos(l theta) turns on it.
 _NODES, _TURN = 8, 1.5
+# Gauss nodes on a piece, seen from farther than so many of its lengths.
+_GAUSS, _NEARBY = 8, 2.5
 # Up to this place on either side of the spline its transform is a series on cells; beyond, one of the whole.
 _REACH = 4.0
 
@@ -90,6 +94,24 @@ class LocalSpline(Kept):
     def density(self, left: Array, right: Array) -> Array:
         """What it is of the density at distances from both ends of the zone."""
         return self(left)
+
+    def angular_slope(self, left: Array, right: Array) -> Array:
+        """Its derivative by theta."""
+        i, y, inside = self._locate(left)
+        p = self.pieces[i]
+        return np.where(inside, -root_on(left, right) * (p[..., 1] + 2 * y * p[..., 2]), 0.0)
+
+    @property
+    def jumps(self) -> Array:
+        """Half of the jumps of its second derivative at the knots."""
+        return np.diff(self.pieces[:, 2], prepend=0.0, append=0.0)
+
+    @property
+    def mean_offset(self) -> float:
+        raise ValueError("a condition on potentials is for right sides without logarithms")
+
+    def potential(self, left: Array, right: Array, rho: Array) -> Array:
+        raise ValueError("the potential of a spline of the density is no closed form")
 
     def own_transform(self, left: Array) -> Array:
         """What the kernel makes of it on the zone."""
@@ -161,14 +183,14 @@ class LocalSpline(Kept):
 
     @cached_property
     def _moments(self) -> Array:
-        """int f T_k dt over pi, T_k of the spline's own width."""
+        """int f T_k dt over pi, twice for k > 0, T_k of the spline's own width."""
         nodes, weights = np.polynomial.legendre.leggauss(TERMS)
         length, half = np.diff(self.knots), 0.5 * (self.knots[-1] - self.knots[0])
         x = self.knots[:-1, None] + 0.5 * length[:, None] * (1 + nodes)
         u = (x - 0.5 * (self.knots[0] + self.knots[-1])) / half
         values = (self(x) * weights * 0.5 * length[:, None]).ravel()
         angle = np.arccos(np.clip(u.ravel(), -1.0, 1.0))
-        return np.array([float(values @ np.cos(k * angle)) for k in range(TERMS)]) / np.pi
+        return np.array([float(values @ np.cos(k * angle)) for k in range(TERMS)]) * (np.where(np.arange(TERMS), 2.0, 1.0) / np.pi)
 
     def transform(self, x: Array) -> Array:
         """(1/pi) PV int f / (x - xi) at points on the zone and off it."""
@@ -178,10 +200,42 @@ class LocalSpline(Kept):
         out[close] = self._close(x[close])
         half = 0.5 * (self.knots[-1] - self.knots[0])
         z = (x[~close] - 0.5 * (self.knots[0] + self.knots[-1])) / half
-        root = np.sqrt((np.abs(z) - 1) * (np.abs(z) + 1))
-        rho = np.sign(z) / (np.abs(z) + root)
-        total = np.zeros(z.shape)
-        for k in range(TERMS - 1, 0, -1):
-            total = (total + 2 * self._moments[k]) * rho
-        out[~close] = np.sign(z) / (root * half) * (total + self._moments[0])
+        seen, row = Outside(np.sign(z), np.abs(z) - 1), np.zeros(len(z), dtype=np.intp)
+        out[~close] = of_t(self._moments[None] / half, seen, half, 1.0, row, "transform")
+        return out
+
+    def in_plane(self, seen: InPlane, what: What) -> Complex:
+        """(1/pi) int f / (zeta - tau) dtau, f the spline, or its derivative: piece by piece, by Gauss's rule or, nearby, in closed form
+
+        int_0^h (p_0 + p_1 y + p_2 y^2) / (Y - y) dy = p(Y) log(Y / (Y - h)) - p_1 h - p_2 (h Y + h^2/2).
+        """
+        knots, p = self.knots, self.pieces
+        h = np.diff(knots)
+        nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
+        y = 0.5 * h[:, None] * (1 + nodes)
+        places = (knots[:-1, None] + y).ravel()
+        held = ((p[:, :1] + y * (p[:, 1:2] + y * p[:, 2:])) * 0.5 * h[:, None] * weights).ravel()
+        power = 1 if what == "transform" else 2
+        sign = 1.0 if what == "transform" else -1.0
+        out = np.empty(seen.left.shape, dtype=complex)
+        for here in pair_blocks(len(out), len(places)):
+            at = seen.left[here]
+            # Distances from both knots of a piece, whichever of them rounding spares.
+            close = np.abs(at[:, None] - (knots[:-1] + 0.5 * h)) < _NEARBY * h
+            terms = sign * held / (at[:, None] - places) ** power
+            value = np.where(np.repeat(close, _GAUSS, axis=1), 0.0, terms).sum(axis=1)
+            i, j = np.nonzero(close)
+            one, two, three, size = *p[j].T, h[j]
+            past, before = at[i] - knots[j], at[i] - knots[j + 1]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                log = np.log(past) - np.log(before)
+                f = one + past * (two + past * three)
+                # At a knot both pieces have the same value: its logarithms cancel.
+                log = np.where((past == 0) | (before == 0), np.where(past == 0, -1.0, 1.0) * np.log(size) - 1j * np.pi * (past == 0), log)
+                if what == "transform":
+                    closed = f * log - two * size - three * (size * past + 0.5 * size**2)
+                else:
+                    closed = (two + 2 * three * past) * log - f * size / (past * before) - three * size
+            np.add.at(value, i, closed)
+            out[here] = value / np.pi
         return out

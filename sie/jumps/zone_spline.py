@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.interval import Complex, InPlane, What, theta
 from sie.basis.kept import Kept
 from sie.fast.piecewise import clenshaw
 from sie.jumps.local_spline import NEAREST, LocalSpline, same_jumps
@@ -91,7 +92,8 @@ class ZoneSpline(Kept):
         """Of panels that double in length away from both ends, from so near to these that g, which goes as the fourth power of the angle
         there, is nothing to speak of within the first."""
         curved = np.abs(self.spline.pieces[[-1, 0], 2]) + 1e-300
-        outermost = 2 * np.arcsin(np.sqrt(0.5 * np.array([2 - self.knots[-1], self.knots[0]])))
+        near = np.array([2 - self.knots[-1], self.knots[0]])
+        outermost = theta(2 - near, near)
         first, last = np.clip((_NOTHING * self.size / curved) ** 0.25, 1e-6, np.minimum(outermost, 0.5))
         return _graded(float(first), float(last))
 
@@ -100,7 +102,7 @@ class ZoneSpline(Kept):
         """(nodes phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F smooth on each panel between cuts."""
         ends = np.unique(np.concatenate((self.spline.knots, 1 + np.cos(cuts[1:-1]))))
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-        angle = 2 * np.arctan2(np.sqrt(2 - ends), np.sqrt(ends))
+        angle = theta(ends, 2 - ends)
         length = -np.diff(angle)
         phi = (angle[:-1, None] - 0.5 * length[:, None] * (1 + nodes)).ravel()
         values = (0.5 * length[:, None] * weights).ravel() * self.spline(2 * np.cos(0.5 * phi) ** 2)
@@ -121,11 +123,6 @@ class ZoneSpline(Kept):
     def _nodes(self) -> tuple[Array, Array]:
         """Nodes and weights of panels that double in length away from both ends."""
         return self._moments(self._cuts)
-
-    @property
-    def angles_and_weights(self) -> tuple[Array, Array]:
-        """(phi, weights that hold g): int_0^pi g F dphi = sum of weights F(phi), F with no singularity nearer than the zone's ends."""
-        return self._nodes
 
     @cached_property
     def mean(self) -> float:
@@ -186,12 +183,12 @@ class ZoneSpline(Kept):
 
     def density(self, left: Array, right: Array) -> Array:
         """The density at points given by their distances from both ends."""
-        theta, psi = 2 * np.arctan2(np.sqrt(right), np.sqrt(left)), 2 * np.arctan2(np.sqrt(left), np.sqrt(right))
+        from_right, from_left = theta(left, right), theta(right, left)
         cuts = self._cells[0]
-        close = (theta >= cuts[0]) & (theta <= cuts[-1])
-        out = np.empty(theta.shape)
-        out[close] = self._on_cells(theta[close], left[close])
-        beside = (psi, theta > cuts[-1]), (theta, theta < cuts[0])
+        close = (from_right >= cuts[0]) & (from_right <= cuts[-1])
+        out = np.empty(from_right.shape)
+        out[close] = self._on_cells(from_right[close], left[close])
+        beside = (from_left, from_right > cuts[-1]), (from_right, from_right < cuts[0])
         for (angle, here), slope, cubic in zip(beside, self.edge_slopes, self._cubics, strict=True):
             out[here] = angle[here] * (slope + cubic * angle[here] ** 2)
         return out
@@ -213,10 +210,10 @@ class ZoneSpline(Kept):
 
     def angular_slope(self, left: Array, right: Array) -> Array:
         """Its derivative by theta, by differences."""
-        theta = 2 * np.arctan2(np.sqrt(right), np.sqrt(left))
-        step = np.minimum(1e-5, 0.5 * np.minimum(theta, np.pi - theta))
+        angle = theta(left, right)
+        step = np.minimum(1e-5, 0.5 * np.minimum(angle, np.pi - angle))
         ahead, behind = (
-            self.density(2 * np.cos(0.5 * at) ** 2, 2 * np.sin(0.5 * at) ** 2) for at in (theta + step, theta - step)
+            self.density(2 * np.cos(0.5 * at) ** 2, 2 * np.sin(0.5 * at) ** 2) for at in (angle + step, angle - step)
         )
         return np.asarray((ahead - behind) / (2 * step))
 
@@ -235,6 +232,18 @@ class ZoneSpline(Kept):
         size = np.abs(rho)[:, None]
         # rho (cos(phi) - rho) = |rho| (1 - |rho| - near), near the distance of cos(phi) from the end on that side.
         return np.asarray((size * ((1 - size) - near) / ((1 - size) ** 2 + 2 * size * near)) @ weight * (2 / np.pi))
+
+    def in_plane(self, seen: InPlane, what: What) -> Complex:
+        """What the kernel makes of the density at complex points, or its derivative by zeta."""
+        phi, weight = self._nodes
+        rho, turn = seen.rho[:, None], np.exp(-1j * phi)
+        b, own = np.exp(seen.turned(np.cos(0.5 * phi), np.sin(0.5 * phi))), 1j * self.spline.in_plane(seen, what)
+        if what == "transform":
+            return np.asarray(own + (rho * turn / b) @ weight * (2 / np.pi))
+        return np.asarray(own - (rho * turn / b**2) @ weight * (2 / np.pi) / seen.root)
+
+    def integral(self, left: Array) -> Array:
+        raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
 
     def potential(self, left: Array, right: Array, rho: Array) -> Array:
         """Potential of the density over the half width, less c_0 log(half width), on the zone and off it."""

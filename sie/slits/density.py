@@ -1,4 +1,4 @@
-"""The density of wide zones with holes, as that of the pieces between the holes; see `holes` for the equations."""
+"""The density of wide zones with slits, as that of the pieces between the slits; see `slits` for the equations."""
 
 from __future__ import annotations
 
@@ -11,33 +11,49 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
-from sie.basis.half_plane import What
+from sie.basis.interval import Outside, What, edge_scale, slope_scale
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.zones import Zones
 from sie.density.density import LOOKS, Density
 from sie.density.field import Sources, potential_from, transform_from
-from sie.jumps.forcing import Steps
-from sie.slits.kinks import Valley
-from sie.slits.merged import Cut
+from sie.jumps.forcing import ForcingJumps
+from sie.slits.kinks import SlitKink
+from sie.slits.merged import Merged
 from sie.slits.plane import SlitPlane
-from sie.slits.slits import Hole, Holes, beyond
+from sie.slits.slits import Slit, Slits, off_slit
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 # Points looked at together.
 _BLOCK = 4096
-# At so many half widths off a wide zone rho is 0.44, and 48 coefficients tell all of its holes.
+# At so many half widths off a wide zone rho is 0.44, and 48 coefficients tell all of its slits.
 _TELLS = 0.36
 
 
 @dataclass(frozen=True, eq=False)
-class Pierced(Kept):
-    """smooth: c on the wide zones; whole: with s_k added, what other zones see; d: series of sigma, per set of holes.
+class SlitDensity(Kept):
+    """phi on zones beside narrow gaps: what wide zones that span the gaps, g - s on their right side, have beside the slits.
 
-    closed: whether the last traces of 1/sqrt(d) at free ends are taken out, as `Density.settled` does. forced: whether the right side
-    stands behind it, with the kinks that it has in holes; not so for a response.
+    Members are those of `Density`, told of the zones as they were given. `solve_zones` makes it.
+
+    Attributes
+    ----------
+    merged : Merged
+        The zones (`merged.pieces`), the wide zones that span narrow gaps between them (`merged.wide`), and the slits in these.
+    smooth : Density
+        c = phi - P[s] on the wide zones, P[s] the density that the slack s asks for: as smooth as the right side.
+    whole : Density
+        phi on the wide zones, by its coefficients: what other zones see of it.
+    slits : tuple of Slits
+        The slits, for each wide zone that has any.
+    d : tuple of ndarray
+        The series of sigma = s sqrt(1 - t^2) on the slits of each of these, one after the other (modes,).
+    bounded_ends : bool
+        Whether the last traces of 1/sqrt(d) at free ends are taken out; see `Density.with_bounded_ends`.
+    forced : bool
+        Whether the right side stands behind it, with the kinks that it has in slits; not so for a response.
 
     Examples
     --------
@@ -46,31 +62,31 @@ class Pierced(Kept):
     >>> near = sie.Zones.of([[-1.0, -0.001], [0.001, 1.0]])
     >>> density = sie.solve_zones(sie.Equation(sie.cauchy(), wave, (sie.Total(1.0), sie.EqualPotential())), near).density
     >>> type(density).__name__, density.totals.round(9).tolist()
-    ('Pierced', [0.5, 0.5])
+    ('SlitDensity', [0.5, 0.5])
     """
 
-    cut: Cut
+    merged: Merged
     smooth: Density
     whole: Density
-    holes: tuple[Holes, ...]
+    slits: tuple[Slits, ...]
     d: tuple[Array, ...]
-    closed: bool = False
+    bounded_ends: bool = False
     forced: bool = True
 
-    def settled(self) -> Pierced:
-        return replace(self, closed=True)
+    def with_bounded_ends(self) -> SlitDensity:
+        return replace(self, bounded_ends=True)
 
     @property
     def zones(self) -> Zones:
-        return self.cut.pieces
+        return self.merged.pieces
 
     @property
     def kernel(self) -> Kernel:
         return self.smooth.kernel
 
     @property
-    def steps(self) -> Steps:
-        return self.smooth.steps
+    def jumps(self) -> ForcingJumps:
+        return self.smooth.jumps
 
     @property
     def amplitudes(self) -> Array:
@@ -83,110 +99,110 @@ class Pierced(Kept):
 
     @cached_property
     def sampling(self) -> Index:
-        return self.smooth.sampling[self.cut.piece_zone]
+        return self.smooth.sampling[self.merged.piece_zone]
 
-    def valleys_of(self, here: Holes) -> list[tuple[int, Valley]]:
-        """The jumps in holes of one wide zone, by hole."""
-        return here.valleys if self.forced else []
+    def kinks_of(self, here: Slits) -> list[tuple[int, SlitKink]]:
+        """The jumps in slits of one wide zone, by slit."""
+        return here.kinks if self.forced else []
 
-    # series of the holes --------------------------------------------------------------------------------------------
+    # series of the slits --------------------------------------------------------------------------------------------
     @cached_property
     def series(self) -> list[list[Array]]:
-        """d of each hole, without the traces of K where they are taken out."""
-        split = [here.split(d) for here, d in zip(self.holes, self.d, strict=True)]
-        return [[_closed(one) for one in row] for row in split] if self.closed else split
+        """d of each slit, without the traces of K where they are taken out."""
+        split = [here.split(d) for here, d in zip(self.slits, self.d, strict=True)]
+        return [[_closed(one) for one in row] for row in split] if self.bounded_ends else split
 
-    def _of_holes(self, power: int) -> list[list[Array]]:
+    def _of_slits(self, power: int) -> list[list[Array]]:
         return [
-            [hole.over(d, power) for hole, d in zip(here.holes, row, strict=True)]
-            for here, row in zip(self.holes, self.series, strict=True)
+            [slit.over(d, power) for slit, d in zip(here.slits, row, strict=True)]
+            for here, row in zip(self.slits, self.series, strict=True)
         ]
 
     @cached_property
     def _tilde(self) -> list[list[Array]]:
         """Series of sigma / X^2: X H[sigma / X^2] is P[s] less (alpha + beta t) / X."""
-        found = self._of_holes(2)
-        return [[_closed(one) for one in row] for row in found] if self.closed else found
+        found = self._of_slits(2)
+        return [[_closed(one) for one in row] for row in found] if self.bounded_ends else found
 
     @cached_property
     def sigma(self) -> Density:
-        """sigma on all holes, as a density of its own."""
-        return self._on_holes(self.series)
+        """sigma on all slits, as a density of its own."""
+        return self._on_slits(self.series)
 
     @cached_property
-    def released(self) -> Density:
-        """s on all holes."""
-        return self._on_holes(self._of_holes(1))
+    def _slack(self) -> Density:
+        """s on all slits."""
+        return self._on_slits(self._of_slits(1))
 
-    def _on_holes(self, series: list[list[Array]]) -> Density:
-        holes = self.cut.holes
-        table = np.zeros((len(holes), max(len(one) for row in series for one in row)))
-        for here, row in zip(self.holes, series, strict=True):
+    def _on_slits(self, series: list[list[Array]]) -> Density:
+        slits = self.merged.slits
+        table = np.zeros((len(slits), max(len(one) for row in series for one in row)))
+        for here, row in zip(self.slits, series, strict=True):
             for i, one in zip(here.which, row, strict=True):
                 table[i, : len(one)] = one
-        return Density(holes, cauchy(), table, Steps.none(), np.zeros(0))
+        return Density(slits, cauchy(), table, ForcingJumps.none(), np.zeros(0))
 
     @cached_property
     def _edged(self) -> Density:
         """The smooth part with what P[s] adds to (alpha + beta t) / sqrt(1 - t^2)."""
         alpha, beta, u = self.smooth.bounded
         alpha, beta = alpha.copy(), beta.copy()
-        for here, row in zip(self.holes, self.series, strict=True):
-            for hole, d in zip(here.holes, row, strict=True):
-                values = hole.at_gauss(d) / hole.x_root**2
-                alpha[here.zone] += hole.half * float(np.mean(values * np.cos(hole.theta)))
-                beta[here.zone] += hole.half * float(np.mean(values))
-            for _, valley in self.valleys_of(here):
-                alpha[here.zone] += valley.edge[0]
-                beta[here.zone] += valley.edge[1]
-        return replace(self.smooth, parts=(alpha, beta, u), closed=self.closed)
+        for here, row in zip(self.slits, self.series, strict=True):
+            for slit, d in zip(here.slits, row, strict=True):
+                values = slit.at_gauss(d) / slit.x_root**2
+                alpha[here.zone] += slit.half * float(np.mean(values * np.cos(slit.theta)))
+                beta[here.zone] += slit.half * float(np.mean(values))
+            for _, kink in self.kinks_of(here):
+                alpha[here.zone] += kink.edge[0]
+                beta[here.zone] += kink.edge[1]
+        return replace(self.smooth, parts=(alpha, beta, u), bounded_ends=self.bounded_ends)
 
     @cached_property
-    def _pierced(self) -> NDArray[np.bool_]:
-        """Pieces of wide zones with holes."""
-        zone = self.cut.piece_zone
+    def _beside_slits(self) -> NDArray[np.bool_]:
+        """Pieces of wide zones with slits."""
+        zone = self.merged.piece_zone
         return np.asarray(np.bincount(zone)[zone] > 1)
 
     # per piece --------------------------------------------------------------------------------------------------------
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by piece and the distances from its ends over its half width."""
         zone = np.asarray(zone, dtype=np.intp)
-        pierced = self._pierced[zone]
-        if not pierced.any():  # a piece alone is its wide zone
-            return self._edged.at(self.cut.piece_zone[zone], left, right)
-        if zone.ndim == 2 and zone.shape[1] == 1 and not pierced.all():
+        beside = self._beside_slits[zone]
+        if not beside.any():  # a piece alone is its wide zone
+            return self._edged.at(self.merged.piece_zone[zone], left, right)
+        if zone.ndim == 2 and zone.shape[1] == 1 and not beside.all():
             sides = (np.asarray(left, dtype=float), np.asarray(right, dtype=float))
             out = np.empty(np.broadcast_shapes(zone.shape, *(d.shape for d in sides)))
-            for rows in (pierced[:, 0], ~pierced[:, 0]):
+            for rows in (beside[:, 0], ~beside[:, 0]):
                 out[rows] = self.at(zone[rows], *(d[rows] if d.ndim == 2 and len(d) == len(rows) else d for d in sides))
             return out
-        cut, wide = self.cut, self.cut.wide
+        merged, wide = self.merged, self.merged.wide
         piece, lf, rt = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), np.asarray(left, float), np.asarray(right, float))
         shape = piece.shape
         piece, lf, rt = piece.ravel(), lf.ravel(), rt.ravel()
         half = self.zones.half[piece]
-        i = cut.piece_zone[piece]
+        i = merged.piece_zone[piece]
         w = wide.half[i]
-        from_left, from_right = (cut.start[piece] + lf * half) / w, (cut.rest[piece] + rt * half) / w
+        from_left, from_right = (merged.start[piece] + lf * half) / w, (merged.rest[piece] + rt * half) / w
         out = self._edged.at(i, from_left, from_right).copy()
-        begin, end = self.zones.a + cut.shift, self.zones.b + cut.shift
-        for here, row in zip(self.holes, self._tilde, strict=True):
+        begin, end = self.zones.a + merged.shift, self.zones.b + merged.shift
+        for here, row in zip(self.slits, self._tilde, strict=True):
             on = np.flatnonzero(i == here.zone)
             if len(on) == 0:
                 continue
             added = np.zeros(len(on))
             p = piece[on]
-            for hole, a, b, d in zip(here.holes, here.a, here.b, row, strict=True):
+            for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):
                 past = begin[p] >= b
                 away = np.where(past, begin[p] - b + lf[on] * half[on], a - end[p] + rt[on] * half[on])
                 for side in (past, ~past):
-                    added[side] += beyond(away[side] / hole.width, 1.0 if side is past else -1.0, d)
+                    added[side] += off_slit(away[side] / slit.width, 1.0 if side is past else -1.0, d)
             out[on] += np.sqrt(from_left[on] * from_right[on]) * added
-            for k, valley in self.valleys_of(here):
+            for k, kink in self.kinks_of(here):
                 past = begin[p] >= here.b[k]
                 away = np.where(past, begin[p] - here.b[k] + lf[on] * half[on], here.a[k] - end[p] + rt[on] * half[on])
-                out[on] += valley.beside(from_left[on], from_right[on], away / here.holes[k].width, past)
-        if self.closed:
+                out[on] += kink.beside(from_left[on], from_right[on], away / here.slits[k].width, past)
+        if self.bounded_ends:
             zero_left = np.array([e.intensity == 0.0 for e in self.zones.left])[piece] & (lf == 0)
             zero_right = np.array([e.intensity == 0.0 for e in self.zones.right])[piece] & (rt == 0)
             out[zero_left | zero_right] = 0.0
@@ -203,7 +219,7 @@ class Pierced(Kept):
 
     @cached_property
     def _bare(self) -> Density:
-        return Density(self.zones, self.kernel, np.zeros((len(self.zones), 2)), Steps.none(), np.zeros(0))
+        return Density(self.zones, self.kernel, np.zeros((len(self.zones), 2)), ForcingJumps.none(), np.zeros(0))
 
     def __call__(self, x: ArrayLike) -> Array:
         """Density at x (any shape), zero off the pieces."""
@@ -216,28 +232,28 @@ class Pierced(Kept):
 
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
-        """K at the left and right end of each piece. Across the end of a hole sigma / X goes on as the density, with the
+        """K at the left and right end of each piece. Across the end of a slit sigma / X goes on as the density, with the
         sign of K turned at its left end."""
         return self._edges(self._edged.intensities, self.sigma.intensities, (-1.0, 1.0))
 
     @cached_property
     def edge_slopes(self) -> tuple[Array, Array]:
-        """A at the left and right end of each piece; at a hole's right end that of sigma with its sign turned."""
+        """A at the left and right end of each piece; at a slit's right end that of sigma with its sign turned."""
         left, right = (part.copy() for part in self._edged.edge_slopes)
-        wide = self.cut.wide
-        for here, row in zip(self.holes, self._tilde, strict=True):
-            scale = np.sqrt(2 / wide.half[here.zone])
-            for hole, a, b, d in zip(here.holes, here.a, here.b, row, strict=True):
+        wide = self.merged.wide
+        for here, row in zip(self.slits, self._tilde, strict=True):
+            scale = slope_scale(wide.half[here.zone])
+            for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):
                 before, after = a - wide.a[here.zone], wide.b[here.zone] - b
-                left[here.zone] += scale * beyond(np.array([before / hole.width]), -1.0, d)[0]
-                right[here.zone] += scale * beyond(np.array([after / hole.width]), 1.0, d)[0]
-            for _, valley in self.valleys_of(here):
-                left[here.zone] += scale * valley.edge_slopes[0]
-                right[here.zone] += scale * valley.edge_slopes[1]
+                left[here.zone] += scale * off_slit(np.array([before / slit.width]), -1.0, d)[0]
+                right[here.zone] += scale * off_slit(np.array([after / slit.width]), 1.0, d)[0]
+            for _, kink in self.kinks_of(here):
+                left[here.zone] += scale * kink.edge_slopes[0]
+                right[here.zone] += scale * kink.edge_slopes[1]
         slopes_left, slopes_right = self._edges((left, right), self._sigma_slopes, (1.0, -1.0))
         # 1 / X changes along the piece: K / (X sqrt(d)) has a share in A.
         k_left, k_right = self.intensities
-        before, after = self.cut.hole_before, self.cut.hole_after
+        before, after = self.merged.slit_before, self.merged.slit_after
         by_left, by_right = self._root_rates
         slopes_left = slopes_left - np.where(before < 0, 0.0, (k_left * by_right[before]))
         slopes_right = slopes_right + np.where(after < 0, 0.0, (k_right * by_left[after]))
@@ -245,12 +261,12 @@ class Pierced(Kept):
 
     @cached_property
     def _sigma_slopes(self) -> tuple[Array, Array]:
-        """A of sigma at the left and right end of each hole, psi with it."""
+        """A of sigma at the left and right end of each slit, psi with it."""
         left, right = (part.copy() for part in self.sigma.edge_slopes)
-        root_left, root_right = self.hole_roots
-        for here in self.holes:
-            for k, valley in self.valleys_of(here):
-                i, slope = here.which[k], valley.at_ends / np.pi * np.sqrt(2 / here.holes[k].width)
+        root_left, root_right = self.slit_roots
+        for here in self.slits:
+            for k, kink in self.kinks_of(here):
+                i, slope = here.which[k], kink.at_ends / np.pi * slope_scale(here.slits[k].width)
                 left[i] -= root_left[i] * slope
                 right[i] += root_right[i] * slope
         return left, right
@@ -261,7 +277,7 @@ class Pierced(Kept):
         zones = self.zones
         peak, by_left, by_right = np.zeros((3, len(zones)))
         counts = np.minimum(self.sampling, LOOKS)
-        at_left, at_right = (slope * np.sqrt(zones.half / 2) for slope in self.edge_slopes)
+        at_left, at_right = (slope * edge_scale(zones.half) for slope in self.edge_slopes)
         for n in np.unique(counts):
             group = np.flatnonzero(counts == n)
             theta = (np.arange(n) + 0.5) * np.pi / n
@@ -272,28 +288,28 @@ class Pierced(Kept):
             by_left[group] = np.abs((slope + at_left[group, None]) * half).max(axis=1)
         return peak, by_left, by_right
 
-    def _edges(self, wide: tuple[Array, Array], holes: tuple[Array, Array], signs: tuple[float, float]) -> tuple[Array, Array]:
-        """Values at the pieces' ends, from those of wide zones and of holes (over X, with signs for their two ends)."""
-        before, after = self.cut.hole_before, self.cut.hole_after
-        root_left, root_right = self.hole_roots
-        left = np.where(before < 0, wide[0][self.cut.piece_zone], (signs[1] * holes[1] / root_right)[before])
-        right = np.where(after < 0, wide[1][self.cut.piece_zone], (signs[0] * holes[0] / root_left)[after])
+    def _edges(self, wide: tuple[Array, Array], slits: tuple[Array, Array], signs: tuple[float, float]) -> tuple[Array, Array]:
+        """Values at the pieces' ends, from those of wide zones and of slits (over X, with signs for their two ends)."""
+        before, after = self.merged.slit_before, self.merged.slit_after
+        root_left, root_right = self.slit_roots
+        left = np.where(before < 0, wide[0][self.merged.piece_zone], (signs[1] * slits[1] / root_right)[before])
+        right = np.where(after < 0, wide[1][self.merged.piece_zone], (signs[0] * slits[0] / root_left)[after])
         return left, right
 
     @cached_property
-    def hole_roots(self) -> tuple[Array, Array]:
-        """X at the left and right end of each hole."""
-        cut = self.cut
-        w = cut.wide.half[cut.hole_zone]
-        lo, hi = cut.wide.a[cut.hole_zone], cut.wide.b[cut.hole_zone]
-        return tuple(np.sqrt((x - lo) * (hi - x)) / w for x in (cut.holes.a, cut.holes.b))  # type: ignore[return-value]
+    def slit_roots(self) -> tuple[Array, Array]:
+        """X at the left and right end of each slit."""
+        merged = self.merged
+        w = merged.wide.half[merged.slit_zone]
+        lo, hi = merged.wide.a[merged.slit_zone], merged.wide.b[merged.slit_zone]
+        return tuple(np.sqrt((x - lo) * (hi - x)) / w for x in (merged.slits.a, merged.slits.b))  # type: ignore[return-value]
 
     @cached_property
     def _root_rates(self) -> tuple[Array, Array]:
-        """d log X / dx at the left and right end of each hole."""
-        cut = self.cut
-        lo, hi = cut.wide.a[cut.hole_zone], cut.wide.b[cut.hole_zone]
-        return tuple(0.5 / (x - lo) - 0.5 / (hi - x) for x in (cut.holes.a, cut.holes.b))  # type: ignore[return-value]
+        """d log X / dx at the left and right end of each slit."""
+        merged = self.merged
+        lo, hi = merged.wide.a[merged.slit_zone], merged.wide.b[merged.slit_zone]
+        return tuple(0.5 / (x - lo) - 0.5 / (hi - x) for x in (merged.slits.a, merged.slits.b))  # type: ignore[return-value]
 
     # totals -----------------------------------------------------------------------------------------------------------
     @property
@@ -305,12 +321,12 @@ class Pierced(Kept):
 
     @cached_property
     def totals(self) -> Array:
-        """Integral over each piece: that of its wide zone, or by Gauss-Chebyshev beside holes, doubled until it stays; of the
+        """Integral over each piece: that of its wide zone, or by Gauss-Chebyshev beside slits, doubled until it stays; of the
         logarithms of kinks in closed form."""
-        out = self.whole.totals[self.cut.piece_zone].copy()
-        wide, kinks = self.cut.wide, self.steps.chosen(self.steps.order == 0)
-        for piece in np.flatnonzero((self.cut.hole_before >= 0) | (self.cut.hole_after >= 0)):
-            zone = int(self.cut.piece_zone[piece])
+        out = self.whole.totals[self.merged.piece_zone].copy()
+        wide, kinks = self.merged.wide, self.jumps.chosen(self.jumps.order == 0)
+        for piece in np.flatnonzero((self.merged.slit_before >= 0) | (self.merged.slit_after >= 0)):
+            zone = int(self.merged.piece_zone[piece])
             before, after = self.zones.a[piece] - wide.a[zone], wide.b[zone] - self.zones.b[piece]
             half, w = self.zones.half[piece], wide.half[zone]
             last, n, here = np.inf, 64, 0.0
@@ -341,38 +357,38 @@ class Pierced(Kept):
         period = self.kernel.period
         if period is None:
             return x
-        first = self.cut.wide.a[0]
+        first = self.merged.wide.a[0]
         return np.asarray(x - np.floor((x - first) / period) * period)
 
     @property
-    def slits(self) -> int:
+    def slit_count(self) -> int:
         """How many narrow gaps between the zones are taken as slits of wider ones."""
-        return len(self.cut.holes)
+        return len(self.merged.slits)
 
     def opening(self, x: ArrayLike) -> tuple[NDArray[np.bool_], Array]:
-        """(whether x lies in a hole, integral of s from the hole's left end to x)."""
+        """(whether x lies in a slit, integral of s from the slit's left end to x)."""
         place = self._into_wide(np.asarray(x, dtype=float))
-        released = self.released
-        inside = released.locate(place)[2]
-        opened = released.integral(place)
-        for valley, width, some, left, right in self._in_valleys(place):
-            opened[some] += width * valley.opening(left, right)
+        slack = self._slack
+        inside = slack.locate(place)[2]
+        opened = slack.integral(place)
+        for kink, width, some, left, right in self._in_kinks(place):
+            opened[some] += width * kink.opening(left, right)
         return inside, opened
 
-    def slope_of_gap(self, place: Array) -> Array:
-        """s at places on the wide zones, zero off the holes."""
-        out = self.released(place)
-        for valley, _, some, left, right in self._in_valleys(place):
-            out[some] += valley.slope(left, right)
+    def slack(self, place: Array) -> Array:
+        """s at places on the wide zones, zero off the slits."""
+        out = self._slack(place)
+        for kink, _, some, left, right in self._in_kinks(place):
+            out[some] += kink.slope(left, right)
         return out
 
-    def _in_valleys(self, place: Array) -> Iterator[tuple[Valley, float, NDArray[np.bool_], Array, Array]]:
-        """For each jump in a hole: itself, the hole's half width, which places lie in it, and how far from its ends over that."""
-        for here in self.holes:
-            for k, valley in self.valleys_of(here):
-                a, b, width = here.a[k], here.b[k], here.holes[k].width
+    def _in_kinks(self, place: Array) -> Iterator[tuple[SlitKink, float, NDArray[np.bool_], Array, Array]]:
+        """For each jump in a slit: itself, the slit's half width, which places lie in it, and how far from its ends over that."""
+        for here in self.slits:
+            for k, kink in self.kinks_of(here):
+                a, b, width = here.a[k], here.b[k], here.slits[k].width
                 some = (place >= a) & (place <= b)
-                yield valley, width, some, (place[some] - a) / width, (b - place[some]) / width
+                yield kink, width, some, (place[some] - a) / width, (b - place[some]) / width
 
     def transform(self, x: ArrayLike) -> NDArray[Any]:
         """(1/pi) PV int phi K dxi at x (any shape), real or complex: see `Density.transform`."""
@@ -381,8 +397,8 @@ class Pierced(Kept):
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.transform(flat))
-        self._near_holes(flat, out, transform_from, lambda z, root, rho, here, row: self._transform(z, root, here, row))
-        out -= self.slope_of_gap(self._into_wide(flat))
+        self._near_slits(flat, out, transform_from, self._transform)
+        out -= self.slack(self._into_wide(flat))
         return np.asarray(out.reshape(x.shape))
 
     def transform_slope(self, z: ArrayLike) -> NDArray[np.complex128]:
@@ -398,8 +414,8 @@ class Pierced(Kept):
     @cached_property
     def plane(self) -> SlitPlane:
         """The density at complex points."""
-        valleys = [self.valleys_of(here) for here in self.holes]
-        return SlitPlane(self.cut, self.whole, self._told_density, self.holes, self.series, valleys)
+        kinks = [self.kinks_of(here) for here in self.slits]
+        return SlitPlane(self.merged, self.whole, self._told_density, self.slits, self.series, kinks)
 
     def potential(self, x: ArrayLike) -> NDArray[Any]:
         """(1/pi) int phi Lambda dxi at x (any shape), real or complex: see `Density.potential`."""
@@ -408,43 +424,43 @@ class Pierced(Kept):
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.potential(flat))
-        self._near_holes(flat, out, potential_from, lambda z, root, rho, here, row: self._potential(rho, here, row))
+        self._near_slits(flat, out, potential_from, self._potential)
         place = self._into_wide(flat)
         # On a wide zone P[s] raises the potential by its mean opening, and takes the opening away.
-        i = np.maximum(np.searchsorted(self.cut.wide.a, place, side="right") - 1, 0)
-        on = (place >= self.cut.wide.a[i]) & (place <= self.cut.wide.b[i])
+        i = np.maximum(np.searchsorted(self.merged.wide.a, place, side="right") - 1, 0)
+        on = (place >= self.merged.wide.a[i]) & (place <= self.merged.wide.b[i])
         out += np.where(on, self.mean_openings[i] - self.opening(place)[1], 0.0)
         return np.asarray(out.reshape(x.shape))
 
     @cached_property
     def mean_openings(self) -> Array:
         """Mean over each wide zone of the integral of s."""
-        out = np.zeros(len(self.cut.wide))
-        for here, row in zip(self.holes, self.series, strict=True):
-            out[here.zone] = here.mean_row @ np.concatenate(row) + (here.mean_of_valleys if self.forced else 0.0)
+        out = np.zeros(len(self.merged.wide))
+        for here, row in zip(self.slits, self.series, strict=True):
+            out[here.zone] = here.mean_row @ np.concatenate(row) + (here.mean_of_kinks if self.forced else 0.0)
         return out
 
     @cached_property
     def _told_density(self) -> Density:
-        """s as what other zones see of it, on the wide zones that have holes."""
-        some = np.array([here.zone for here in self.holes])
+        """s as what other zones see of it, on the wide zones that have slits."""
+        some = np.array([here.zone for here in self.slits])
         count = max(self.whole.coefficients.shape[1], self.smooth.coefficients.shape[1])
         whole, smooth = (
             np.pad(d.coefficients[some], ((0, 0), (0, count - d.coefficients.shape[1]))) for d in (self.whole, self.smooth)
         )
-        zones = Zones.of(self.cut.wide.table[some])
-        return Density(zones, self.kernel, whole - smooth, Steps.none(), np.zeros(0))
+        zones = Zones.of(self.merged.wide.table[some])
+        return Density(zones, self.kernel, whole - smooth, ForcingJumps.none(), np.zeros(0))
 
-    def _near_holes(
+    def _near_slits(
         self, x: Array, out: Array, told_from: Callable[[Density, Array, Sources], Array], what: Callable[..., Array]
     ) -> None:
-        """Puts right what the holes do close to their wide zones and to images of these, where as many of their coefficients as
+        """Puts right what the slits do close to their wide zones and to images of these, where as many of their coefficients as
         others are told do not tell it: takes that out of `out`, and off the zone puts in what they do."""
         x = self.smooth.into_period(x)
         order = np.argsort(x, kind="stable")
         ascending = x[order]
-        wide, sources = self.cut.wide, self._told_density.sources
-        for number, (here, row) in enumerate(zip(self.holes, self.series, strict=True)):
+        wide, sources = self.merged.wide, self._told_density.sources
+        for number, (here, row) in enumerate(zip(self.slits, self.series, strict=True)):
             w = wide.half[here.zone]
             for source in np.flatnonzero(sources.zone == number):
                 a, b = sources.a[source], sources.b[source]
@@ -454,39 +470,37 @@ class Pierced(Kept):
                     out[some] -= told_from(self._told_density, x[some], sources.chosen(np.array([source])))
                     left, right = (x[some] - a) / w, (b - x[some]) / w
                     off = (left < 0) | (right < 0)
-                    sign = np.where(left[off] < 0, -1.0, 1.0)
-                    excess = -np.minimum(left[off], right[off])
-                    root = np.sqrt(excess * (excess + 2))
-                    out[some[off]] += what((sign, excess), root, sign / (1 + excess + root), here, row)
+                    seen = Outside(np.where(left[off] < 0, -1.0, 1.0), -np.minimum(left[off], right[off]))
+                    out[some[off]] += what(seen, here, row)
 
-    def _transform(self, z: tuple[Array, Array], root: Array, here: Holes, row: list[Array]) -> Array:
+    def _transform(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
         """Transform of P[s] off its wide zone: (sgn z / sqrt(z^2 - 1)) (1/pi) int sigma / (z - tau) dtau."""
-        sign, excess = z
-        total = np.zeros(root.shape)
+        total, excess = np.zeros(seen.excess.shape), seen.excess
         for side in (1.0, -1.0):
-            on = sign == side
-            for hole, d in zip(here.holes, row, strict=True):
-                away = excess[on] + (hole.rest if side > 0 else hole.start)
-                total[on] += beyond(away / hole.half, side, d)
-            for _, valley in self.valleys_of(here):
-                left, right, _, weight = valley.seen
+            on = seen.sign == side
+            for slit, d in zip(here.slits, row, strict=True):
+                away = excess[on] + (slit.rest if side > 0 else slit.start)
+                total[on] += off_slit(away / slit.half, side, d)
+            for _, kink in self.kinks_of(here):
+                left, right, _, weight = kink.seen
                 away = excess[on][:, None] + (right if side > 0 else left)
                 total[on] += side / np.pi * ((np.sqrt(left * right) / away) @ weight)
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(sign * total / root)
+            return np.asarray(total / seen.root)
 
-    def _potential(self, rho: Array, here: Holes, row: list[Array]) -> Array:
-        """Potential of P[s] off its wide zone: -w sum s_k rho^k / k, summed in closed form over each hole."""
+    def _potential(self, seen: Outside, here: Slits, row: list[Array]) -> Array:
+        """Potential of P[s] off its wide zone: -w sum s_k rho^k / k, summed in closed form over each slit."""
+        rho = seen.rho
         total = np.zeros(rho.shape)
 
         def angles(theta: Array) -> Array:
             return np.asarray(np.arctan2(rho[:, None] * np.sin(theta), 1 - rho[:, None] * np.cos(theta)))
 
-        for hole, d in zip(here.holes, row, strict=True):
-            values = hole.at_gauss(d) / hole.x_root / hole.nodes
-            total -= 2 * hole.width * (angles(hole.theta) @ values)
-        for _, valley in self.valleys_of(here):
-            _, _, theta, weight = valley.seen
+        for slit, d in zip(here.slits, row, strict=True):
+            values = slit.at_gauss(d) / slit.x_root / slit.nodes
+            total -= 2 * slit.width * (angles(slit.theta) @ values)
+        for _, kink in self.kinks_of(here):
+            _, _, theta, weight = kink.seen
             total -= 2 / np.pi * here.w * (angles(theta) @ weight)
         return total
 
@@ -500,4 +514,4 @@ def _closed(d: Array) -> Array:
     return out
 
 
-__all__ = ["Hole", "Pierced"]
+__all__ = ["Slit", "SlitDensity"]

@@ -1,23 +1,23 @@
-r"""A kink in a hole, a jump of the curvature or a knot: what the right side jumps by in a hole of a wide zone, carried in closed form.
+r"""A kink in a slit, a jump of the curvature or a knot: what the right side jumps by in a slit of a wide zone, carried in closed form.
 
-With h the jump (see `steps`), q = 0 that of the right side, q = 1, 2 of its derivatives, the zone's own part of it,
-(h/pi)(t - s)^q kappa(t), is singular at s, and the slope of the gap with it. Let bars be means over the hole's equilibrium
+With h the jump (see `jumps.forcing`), q = 0 that of the right side, q = 1, 2 of its derivatives, the zone's own part of it,
+(h/pi)(t - s)^q kappa(t), is singular at s, and the slope of the gap with it. Let bars be means over the slit's equilibrium
 measure, and chi = arccos(-z)/pi the step whose jump is spread like that. Then psi = h (H(t - s) - chi), or for q = 1, m being
-the hole's middle, h ((t - s)_+ - bar((t - .)_+) - (m - s) chi), vanishes at both ends of the hole, and with psi taken out of s
+the slit's middle, h ((t - s)_+ - bar((t - .)_+) - (m - s) chi), vanishes at both ends of the slit, and with psi taken out of s
 
     (h/pi) kappa + P[psi] = (h/pi) bar(kappa) + (a_0 + a_1 t) / X,           a_0 = (1/pi) int psi tau / X,  a_1 = (1/pi) int psi / X,
     (h/pi) (t - s) kappa + P[psi] = (h/pi)(bar((t - .) kappa) + (m - s) bar(kappa) - (phi - bar(phi)) X) + (a_0 + a_1 t) / X,
 
-whose logarithms are, r the hole's half width, ln(r/2) and r z (ln(r/2) + 1) on the hole: what is left for its series is smooth.
-Off the hole, with |z| = cosh u, they are ln(r/2) + u and r sgn(z) (|z| (ln(r/2) + 1 + u) - sinh u).
+whose logarithms are, r the slit's half width, ln(r/2) and r z (ln(r/2) + 1) on the slit: what is left for its series is smooth.
+Off the slit, with |z| = cosh u, they are ln(r/2) + u and r sgn(z) (|z| (ln(r/2) + 1 + u) - sinh u).
 
 For q = 2, with t - m = r z, s - m = r zeta, b_k = bar((z - .)_+^k), psi = h r^2 ((z - zeta)_+^2 - b_2 + 2 zeta b_1 - (zeta^2 - 1/2) b_0),
 and (t - s)^2 kappa is spread as bar((t - .)^2 kappa) - 2 r zeta bar((t - .) kappa) + r^2 (zeta^2 - 1/2) bar(kappa),
-the mean of (z - .)^2 ln|z - .| being z^2 (3/2 - ln 2) + 1/4 - (ln 2)/2 on the hole and, off it,
+the mean of (z - .)^2 ln|z - .| being z^2 (3/2 - ln 2) + 1/4 - (ln 2)/2 on the slit and, off it,
 (z^2 + 1/2) (u - ln 2) + 2 |z| e^-u - e^-2u / 4. The transforms of both differ by a polynomial, which X times another
 one makes up for; with D = phi - phi(.), y = t - m, that is
 
-    -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)),   c = cos over the hole. (Derived here.)
+    -(h/pi) X (bar(sin(phi) - sin(phi(.))) - 2 (s - m) bar(D) - 2 r bar(c D) + (y - m) bar(D)),   c = cos over the slit. (Derived here.)
 """
 
 from __future__ import annotations
@@ -28,21 +28,22 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.interval import Outside, theta
 from sie.basis.kept import Kept
 
 Array = NDArray[np.float64]
 
 # Orders q that are carried.
 HIGHEST = 2
-# Of those of order 2: beyond so many half widths of the hole its psi is summed up; there the closed forms cancel.
+# Of those of order 2: beyond so many half widths of the slit its psi is summed up; there the closed forms cancel.
 _BEYOND = 4.0
 _MEANS = 32
 _LEGENDRE = 24
 
 
 @dataclass(frozen=True, eq=False)
-class Valley(Kept):
-    """jump: h. start, rest, half: the hole, in the wide zone's half width: distances from that zone's ends, half width.
+class SlitKink(Kept):
+    """jump: h. start, rest, half: the slit, in the wide zone's half width: distances from that zone's ends, half width.
     from_left, from_right: distances of the jump from the ends of the wide zone. order: q."""
 
     jump: float
@@ -55,26 +56,26 @@ class Valley(Kept):
 
     @cached_property
     def _beside(self) -> tuple[float, float]:
-        """Distances of the jump from the left and right end of the hole, over the hole's half width."""
+        """Distances of the jump from the left and right end of the slit, over the slit's half width."""
         return (self.from_left - self.start) / self.half, (self.from_right - self.rest) / self.half
 
     @property
     def zeta(self) -> float:
-        """The jump's place in the hole."""
+        """The jump's place in the slit."""
         left, right = self._beside
         return 0.5 * (left - right)
 
     @cached_property
     def mean_places(self) -> tuple[Array, Array, Array]:
         """Gauss nodes of the equilibrium measure: z, and distances from the wide zone's ends."""
-        theta = (np.arange(_MEANS) + 0.5) * np.pi / _MEANS
-        left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
-        return np.cos(theta), self.start + self.half * left, self.rest + self.half * right
+        angle = (np.arange(_MEANS) + 0.5) * np.pi / _MEANS
+        left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
+        return np.cos(angle), self.start + self.half * left, self.rest + self.half * right
 
     # psi ------------------------------------------------------------------------------------------------------------
     def slope(self, left: Array, right: Array) -> Array:
-        """psi at distances from the hole's ends over its half width; the mean of both sides at a kink."""
-        place, angle, z = left - self._beside[0], 2 * np.arctan2(np.sqrt(left), np.sqrt(right)), 0.5 * (left - right)
+        """psi at distances from the slit's ends over its half width; the mean of both sides at a kink."""
+        place, angle, z = left - self._beside[0], theta(right, left), 0.5 * (left - right)
         if self.order == 0:
             return np.asarray(self.jump * (np.heaviside(place, 0.5) - angle / np.pi))
         root, zeta = np.sqrt(left * right), self.zeta
@@ -86,8 +87,8 @@ class Valley(Kept):
         return np.asarray(self.jump * self.half**2 * (np.maximum(place, 0.0) ** 2 - spread))
 
     def opening(self, left: Array, right: Array) -> Array:
-        """Integral of psi from the hole's left end, over its half width."""
-        angle, z = 2 * np.arctan2(np.sqrt(left), np.sqrt(right)), 0.5 * (left - right)
+        """Integral of psi from the slit's left end, over its half width."""
+        angle, z = theta(right, left), 0.5 * (left - right)
         root, place = np.sqrt(left * right), np.maximum(left - self._beside[0], 0.0)
         first = (z * angle + root) / np.pi
         if self.order == 0:
@@ -100,37 +101,37 @@ class Valley(Kept):
 
     @property
     def at_ends(self) -> float:
-        """J of psi = -+(J/pi) sqrt(2 delta) at the hole's ends, delta the distance over its half width."""
+        """J of psi = -+(J/pi) sqrt(2 delta) at the slit's ends, delta the distance over its half width."""
         return self.jump * self.half**self.order * (1.0, -self.zeta, self.zeta**2 - 0.5)[self.order]
 
     @cached_property
     def seen(self) -> tuple[Array, Array, Array, Array]:
         """(distances from the wide zone's ends, angles there, weights that hold psi): int psi f dt = sum W f."""
-        border = 2 * np.arctan2(*np.sqrt(self._beside))
+        border = theta(*self._beside[::-1])
         x, w = np.polynomial.legendre.leggauss(_LEGENDRE)
         beta = np.concatenate((0.5 * border * (1 + x), border + 0.5 * (np.pi - border) * (1 + x)))
         weight = np.concatenate((0.5 * border * w, 0.5 * (np.pi - border) * w)) * np.sin(beta)
         left, right = 2 * np.sin(beta / 2) ** 2, 2 * np.cos(beta / 2) ** 2
         from_left, from_right = self.start + self.half * left, self.rest + self.half * right
-        angle = 2 * np.arctan2(np.sqrt(from_right), np.sqrt(from_left))
+        angle = theta(from_left, from_right)
         return from_left, from_right, angle, self.half * weight * self.slope(left, right)
 
     @property
     def total(self) -> float:
-        """int psi dt over pi times the hole's half width."""
+        """int psi dt over pi times the slit's half width."""
         return float(self.seen[3].sum()) / (np.pi * self.half)
 
     def told(self, count: int) -> Array:
         """s_k of psi, k = 0 ... count."""
-        _, _, theta, weight = self.seen
-        return np.asarray(2 / np.pi * np.sin(np.arange(count + 1)[:, None] * theta) @ weight)
+        _, _, angle, weight = self.seen
+        return np.asarray(2 / np.pi * np.sin(np.arange(count + 1)[:, None] * angle) @ weight)
 
     @property
     def mean_opening(self) -> float:
-        """Mean over the wide zone of the integral of psi, over that zone's half width, as that of a hole's series is counted."""
-        middle = 2 * np.arctan2(np.sqrt(self.rest + self.half), np.sqrt(self.start + self.half))
-        _, _, theta, weight = self.seen
-        return float((theta - middle) @ weight) / np.pi
+        """Mean over the wide zone of the integral of psi, over that zone's half width, as that of a slit's series is counted."""
+        middle = theta(self.start + self.half, self.rest + self.half)
+        _, _, angle, weight = self.seen
+        return float((angle - middle) @ weight) / np.pi
 
     # what it makes of the density ---------------------------------------------------------------------------------------
     @cached_property
@@ -142,7 +143,7 @@ class Valley(Kept):
 
     @cached_property
     def polynomial(self) -> tuple[float, float]:
-        """(value at the middle of the hole, slope) of what is multiplied by X: 0 for q = 0, constant for q = 1."""
+        """(value at the middle of the slit, slope) of what is multiplied by X: 0 for q = 0, constant for q = 1."""
         if self.order == 0:
             return 0.0, 0.0
         cosine, l, r = self.mean_places
@@ -163,14 +164,14 @@ class Valley(Kept):
         value, slope = self.polynomial
         return np.asarray(value + slope * 0.5 * ((from_left - self.start) - (from_right - self.rest)))
 
-    def in_hole(self, from_left: Array, from_right: Array, z: Array) -> Array:
-        """X ((h/pi)(t - s)^q kappa + P[psi]) at distances from the wide zone's ends, on this hole or another one; z: in this hole."""
+    def in_slit(self, from_left: Array, from_right: Array, z: Array) -> Array:
+        """X ((h/pi)(t - s)^q kappa + P[psi]) at distances from the wide zone's ends, on this slit or another one; z: in this slit."""
         root, (a_0, a_1) = np.sqrt(from_left * from_right), self.edge
         value = self.jump / np.pi * self._spread(from_left, from_right, z) - self._turn(from_left, from_right) * root
         return np.asarray(root * value + a_0 + a_1 * 0.5 * (from_left - from_right))
 
     def beside(self, from_left: Array, from_right: Array, outside: Array, past: NDArray[np.bool_]) -> Array:
-        """P[psi] less (a_0 + a_1 t)/X, off the hole by `outside` of its half width. past: on its right."""
+        """P[psi] less (a_0 + a_1 t)/X, off the slit by `outside` of its half width. past: on its right."""
         if self.order == HIGHEST and np.any(outside > _BEYOND):
             out, far = np.empty(outside.shape), outside > _BEYOND
             out[far] = self._summed(from_left[far], from_right[far], outside[far], past[far])
@@ -195,14 +196,13 @@ class Valley(Kept):
         """bar(kappa); for q = 1 bar((t - .) kappa) + (m - s) bar(kappa); for q = 2 see the head of this file."""
         nodes, l, r = self.mean_places
         sums = 2 * np.log(np.sqrt(from_right[..., None] * l) + np.sqrt(from_left[..., None] * r)) - np.log(2.0)
-        beyond = np.maximum(np.abs(z) - 1, 0.0)
-        root = np.sqrt(beyond * (beyond + 2))
-        u, constant = np.log1p(beyond + root), np.log(0.5 * self.half)
+        seen = Outside(np.sign(z), np.maximum(np.abs(z) - 1, 0.0))
+        u, constant = seen.log, np.log(0.5 * self.half)
         plain = sums.mean(axis=-1) - constant - u
         if self.order == 0:
             return np.asarray(plain)
         moment = (sums * (z[..., None] - nodes)).mean(axis=-1)
-        log = z * (constant + 1 + u) - np.sign(z) * root
+        log = z * (constant + 1 + u) - seen.root
         if self.order == 1:
             return np.asarray(self.half * (moment - log - self.zeta * plain))
         square = (sums * (z[..., None] - nodes) ** 2).mean(axis=-1)

@@ -1,7 +1,7 @@
-"""Zones beside narrow gaps, seen as one wide zone with holes in it.
+"""Zones beside narrow gaps, seen as one wide zone with slits in it.
 
 A density on one of two zones a gap g apart has a singularity of its own one g beyond its end, and takes n ~ sqrt(width / g)
-modes. On the zone that spans both, g a *hole*, everything but the hole's own share is as smooth as the right side.
+modes. On the zone that spans both, g a *slit*, everything but the slit's own share is as smooth as the right side.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from sie.equation.equation import Equation
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-# Gaps narrower than this part of the wider zone beside them may be holes.
+# Gaps narrower than this part of the wider zone beside them may be slits.
 NARROW = 0.02
 # Gaps with jumps of higher derivatives of the right side than the first in them, of which there may be hundreds, must be narrower than this
 # part of both zones.
@@ -30,15 +30,15 @@ SMALL = 0.003
 
 
 @dataclass(frozen=True, eq=False)
-class Cut(Kept):
-    """pieces: the zones as given. wide: zones that span narrow gaps; holes: those gaps, hole_zone the wide zone of each.
+class Merged(Kept):
+    """pieces: the zones as given. wide: zones that span narrow gaps; slits: those gaps, slit_zone the wide zone of each.
     piece_zone: wide zone of each piece; shift: what to add to a piece to find it in its wide zone (periods).
     """
 
     pieces: Zones
     wide: Zones
-    holes: Zones
-    hole_zone: Index
+    slits: Zones
+    slit_zone: Index
     piece_zone: Index
     shift: Array
 
@@ -53,31 +53,31 @@ class Cut(Kept):
         return np.asarray(self.wide.b[self.piece_zone] - self.pieces.b - self.shift)
 
     @cached_property
-    def hole_before(self) -> Index:
-        """The hole that ends where a piece begins, -1 without."""
-        return self._beside(self.holes.b, self.pieces.a + self.shift)
+    def slit_before(self) -> Index:
+        """The slit that ends where a piece begins, -1 without."""
+        return self._beside(self.slits.b, self.pieces.a + self.shift)
 
     @cached_property
-    def hole_after(self) -> Index:
-        """The hole that begins where a piece ends, -1 without."""
-        return self._beside(self.holes.a, self.pieces.b + self.shift)
+    def slit_after(self) -> Index:
+        """The slit that begins where a piece ends, -1 without."""
+        return self._beside(self.slits.a, self.pieces.b + self.shift)
 
     def _beside(self, ends: Array, at: Array) -> Index:
         place = np.minimum(np.searchsorted(ends, at), len(ends) - 1)
         return np.where(ends[place] == at, place, -1)
 
 
-def cut(equation: Equation, pieces: Zones) -> Cut | None:
-    """The zones with their narrow gaps as holes, None if there are none or the equation does not allow it."""
+def merge(equation: Equation, pieces: Zones) -> Merged | None:
+    """The zones with their narrow gaps as slits, None if there are none or the equation does not allow it."""
     kernel = equation.kernel
     # A column that may be singular between zones is none of a wide one.
-    general = equation.forcing.apart or any(column.modes is None and not column.between for column in equation.columns)
+    general = equation.forcing.singular_between or any(column.modes is None and not column.between for column in equation.columns)
     if len(pieces) < 2 or general or not _one_level(equation.conditions) or not _plain(pieces):
         return None
     after = gaps(pieces, kernel)[1]
     width = pieces.b - pieces.a
     following = np.roll(width, -1)
-    # A hole has its neighbours' far ends as its singularities, as these have the hole's: whichever asks for less.
+    # A slit has its neighbours' far ends as its singularities, as these have the slit's: whichever asks for less.
     narrow = (after < NARROW * np.maximum(width, following)) & (after**2 < width * following)
     narrow &= _free(pieces)
     if kernel.period is None or pieces.symmetric:
@@ -104,8 +104,8 @@ def cut(equation: Equation, pieces: Zones) -> Cut | None:
     rest = np.array([pieces.rest[0][order[starts]], pieces.rest[1][order[stops]]])
     wide = Zones(a[starts], b[stops], left, right, pieces.symmetric, rest)
     at = np.flatnonzero(joined)
-    holes = Zones.of(np.column_stack((b[at], a[at + 1])))
-    return Cut(pieces, wide, holes, zone[order[at]], zone, shift)
+    slits = Zones.of(np.column_stack((b[at], a[at + 1])))
+    return Merged(pieces, wide, slits, zone[order[at]], zone, shift)
 
 
 def _one_level(conditions: Sequence[Condition]) -> bool:
@@ -130,7 +130,7 @@ def _free(pieces: Zones) -> NDArray[np.bool_]:
 def _bent(equation: Equation, pieces: Zones, after: Array) -> NDArray[np.bool_]:
     """Gaps with a jump of a higher derivative of the right side in them than the first."""
     forcing, period = equation.forcing, equation.kernel.period
-    at = forcing.steps_at[forcing.orders > 1] if forcing.orders is not None else np.zeros(0)
+    at = forcing.jumps_at[forcing.orders > 1] if forcing.orders is not None else np.zeros(0)
     if period is not None:
         at = at - np.floor((at - pieces.a[0]) / period) * period
     i = np.searchsorted(pieces.a, at, side="right") - 1

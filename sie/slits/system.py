@@ -1,8 +1,8 @@
-"""Solutions on zones beside narrow gaps: the system of the wide zones, released on their holes.
+"""Solutions on zones beside narrow gaps: the system of the wide zones, with a slack on their slits.
 
-The holes change the right side of the wide zones' system by -s, and the level of each by the mean of what s opens; the wide
-zones' coefficients are the right sides of the holes. A hole bends its surroundings by the square of its width over its distance,
-so with factors at hand a few alternations come to rest; by iteration the holes' answer is part of the rows.
+The slits change the right side of the wide zones' system by -s, and the level of each by the mean of what s opens; the wide
+zones' coefficients are the right sides of the slits. A slit bends its surroundings by the square of its width over its distance,
+so with factors at hand a few alternations come to rest; by iteration the slits' answer is part of the rows.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 from sie.collocation.fixed import (
@@ -34,10 +35,10 @@ from sie.density.density import Density
 from sie.equation.conditions import Linear, asked
 from sie.equation.equation import Equation
 from sie.fast.krylov import gmres
-from sie.jumps.forcing import Steps
-from sie.slits.density import Pierced
-from sie.slits.merged import Cut, cut
-from sie.slits.slits import TOLD, Holes
+from sie.jumps.forcing import ForcingJumps
+from sie.slits.density import SlitDensity
+from sie.slits.merged import Merged, merge
+from sie.slits.slits import TOLD, Slits
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -47,14 +48,14 @@ _ALTERNATIONS = 60
 _SLOW = 0.7
 # Solutions by GMRES, the second of what rounding has left of the first.
 _CORRECTIONS = 2
-# Tolerance of the wide zones' own solution by iteration, from which the holes' one starts.
+# Tolerance of the wide zones' own solution by iteration, from which the slits' one starts.
 _START = 0.1
 _ROUNDING = 2.2e-16
 # What alternating may leave over the largest coefficient, to be stated as an error; more is no solution.
 _SETTLED = 1e-10
 # Times the tolerance: with such an error the zones are looked at by themselves too, where a kink lies between them.
 _CARELESS = 1e3
-# On a hole the rounding of the right side and of all terms are seen at one place, where at the end of a zone they average.
+# On a slit the rounding of the right side and of all terms are seen at one place, where at the end of a zone they average.
 _SAFETY = 3.0
 
 
@@ -91,7 +92,7 @@ class Opened:
         return self._constants(out)
 
     def intensities(self) -> tuple[Linear, Linear]:
-        raise AssertionError("a condition on intensities is of a user's own, and is solved zone by zone (`cuts`)")
+        raise AssertionError("a condition on intensities is of a user's own, and is solved zone by zone (`merged`)")
 
     def amplitude(self, k: int) -> Linear:
         return self._constants(np.zeros(1))
@@ -100,43 +101,43 @@ class Opened:
         return self.multiple
 
 
-class HolesUnsettled(SingularSystem):
-    """System and holes, solved in turn, do not come to rest: a hole bends its surroundings too much."""
+class SlitsNotConverged(SingularSystem):
+    """System and slits, solved in turn, do not come to rest: a slit bends its surroundings too much."""
 
 
-class Release(Kept):
-    """The holes of all wide zones, solved together with the system of these."""
+class SlitSystem(Kept):
+    """The slits of all wide zones, solved together with the system of these."""
 
-    def __init__(self, cut: Cut, base: State, linear: float) -> None:
-        self.cut, self.base, self.system = cut, base, base.system
+    def __init__(self, merged: Merged, base: State, linear: float) -> None:
+        self.merged, self.base, self.system = merged, base, base.system
         # Solutions with a matrix at hand are as tight as rounding allows, at no cost.
         self.linear = linear if base.iterated else 0.0
         system = self.system
-        modes = base.sizes.own[: len(cut.wide)]
-        self.holes = tuple(
-            Holes(cut, int(i), int(max(modes[i], system.layout.m[i])), system.steps) for i in np.unique(cut.hole_zone)
+        modes = base.sizes.own[: len(merged.wide)]
+        self.slits = tuple(
+            Slits(merged, int(i), int(max(modes[i], system.layout.m[i])), system.jumps) for i in np.unique(merged.slit_zone)
         )
 
     @cached_property
     def _given(self) -> list[Array]:
-        """Right sides of the holes' rows by what is known: jumps, and coefficients beyond the coupled ones."""
+        """Right sides of the slits' rows by what is known: jumps, and coefficients beyond the coupled ones."""
         out = []
-        for here in self.holes:
+        for here in self.slits:
             m = int(self.system.layout.m[here.zone])
             c = np.zeros(here.modes + 1)
             count = min(self.system.g.shape[1], len(c))
             c[: m + 1] = -self.system.taken[here.zone, : m + 1]
             c[m + 1 : count] = -self.system.g[here.zone, m + 1 : count]
-            # Their coefficients are what the rows find less what s adds to them, and so what the kinks in holes do.
-            seen = np.where(np.arange(here.modes + 1) <= m, here.told_by_valleys[: here.modes + 1], 0.0)
-            out.append(here.by_coefficients @ (c - seen) + here.of_steps(self.system.steps))
+            # Their coefficients are what the rows find less what s adds to them, and so what the kinks in slits do.
+            seen = np.where(np.arange(here.modes + 1) <= m, here.told_by_kinks[: here.modes + 1], 0.0)
+            out.append(here.by_coefficients @ (c - seen) + here.of_jumps(self.system.jumps))
         return out
 
     @cached_property
     def _answers(self) -> list[tuple[Array, Array]]:
-        """(by the zone's coefficients with what s adds to them, by what is given): series of the holes of each wide zone."""
+        """(by the zone's coefficients with what s adds to them, by what is given): series of the slits of each wide zone."""
         out = []
-        for here, given in zip(self.holes, self._given, strict=True):
+        for here, given in zip(self.slits, self._given, strict=True):
             m = int(self.system.layout.m[here.zone])
             smooth = here.solve(here.by_coefficients[:, : m + 1])
             both = np.column_stack((smooth, here.solve(given)))
@@ -145,15 +146,15 @@ class Release(Kept):
         return out
 
     def _series(self, folded: Array, homogeneous: bool) -> tuple[Array, ...]:
-        """Series of all holes for unknowns of the wide zones."""
+        """Series of all slits for unknowns of the wide zones."""
         y, offset = self._unfold(folded), self.system.layout.offset
         return tuple(
             by @ y[offset[here.zone] : offset[here.zone] + by.shape[1]] + (0.0 if homogeneous else given)
-            for here, (by, given) in zip(self.holes, self._answers, strict=True)
+            for here, (by, given) in zip(self.slits, self._answers, strict=True)
         )
 
     def solve(self, values: Array | None = None, loose: float = 0.0) -> tuple[Array, tuple[Array, ...], float]:
-        """(unknowns of the wide zones, series of all holes, size of the last change).
+        """(unknowns of the wide zones, series of all slits, size of the last change).
 
         values: of the side conditions, with no right side and no jumps; None: the equation itself. loose: tolerance of an iteration, where
         that is more than the one at hand.
@@ -162,8 +163,8 @@ class Release(Kept):
         right_side = self._first(values)
         iteration = self.base.iteration
         if iteration is not None:
-            # The holes' answer is part of the rows: what is iterated on is both at once.
-            nothing = tuple(np.zeros(here.offset[-1]) for here in self.holes)
+            # The slits' answer is part of the rows: what is iterated on is both at once.
+            nothing = tuple(np.zeros(here.offset[-1]) for here in self.slits)
             given = nothing if homogeneous else tuple(one for _, one in self._answers)
             near = None if homogeneous else self.base.folded_unknowns
             folded = iteration(
@@ -187,19 +188,19 @@ class Release(Kept):
                 break
             before = change
         if not np.isfinite(change) or change > max(_SETTLED, 10 * self.linear):
-            raise HolesUnsettled("the holes of a wide zone do not come to rest")
+            raise SlitsNotConverged("the slits of a wide zone do not come to rest")
         return folded, d, change
 
     def _together(self, first: Array, homogeneous: bool) -> tuple[Array, tuple[Array, ...], float]:
-        """The same where going to and fro does not lead on, as when holes are near to each other or to an end: by GMRES on the
-        holes' series."""
-        solver, bounds = self.base.solver, np.cumsum([here.offset[-1] for here in self.holes])[:-1]
+        """The same where going to and fro does not lead on, as when slits are near to each other or to an end: by GMRES on the
+        slits' series."""
+        solver, bounds = self.base.solver, np.cumsum([here.offset[-1] for here in self.slits])[:-1]
 
         def answer(series: Array, homogeneous: bool, start: Array | float) -> tuple[Array, Array]:
             folded = start + solver(self._right(tuple(np.split(series, bounds)), homogeneous))
             return folded, np.concatenate(self._series(folded, homogeneous))
 
-        series = np.zeros(sum(here.offset[-1] for here in self.holes))
+        series = np.zeros(sum(here.offset[-1] for here in self.slits))
         folded, again = answer(series, homogeneous, first)
         for _ in range(_CORRECTIONS):
             missing = again - series
@@ -209,7 +210,7 @@ class Release(Kept):
         return folded, tuple(np.split(series, bounds)), change
 
     def _first(self, values: Array | None) -> Array:
-        """The right side without holes; for a matrix only that of values, its solution of the equation being at hand."""
+        """The right side without slits; for a matrix only that of values, its solution of the equation being at hand."""
         solver = self.base.solver
         if values is None:
             return np.zeros(0) if self.base.iteration is None else self.base.iteration.right()
@@ -218,26 +219,26 @@ class Release(Kept):
         return right
 
     def _unfold(self, folded: Array) -> Array:
-        return self.base.folding.unfold(folded)
+        return self.base.symmetry.unfold(folded)
 
     def s_table(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """s_k of every wide zone."""
-        count = max(int(self.system.layout.m.max()), max(here.modes for here in self.holes), TOLD) + 1
-        out = np.zeros((len(self.cut.wide), count))
-        for here, one in zip(self.holes, d, strict=True):
-            told = here.told @ one + (0.0 if homogeneous else here.told_by_valleys)
+        count = max(int(self.system.layout.m.max()), max(here.modes for here in self.slits), TOLD) + 1
+        out = np.zeros((len(self.merged.wide), count))
+        for here, one in zip(self.slits, d, strict=True):
+            told = here.told @ one + (0.0 if homogeneous else here.told_by_kinks)
             out[here.zone, : len(told)] = told
         return out
 
     def mean_openings(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
-        out = np.zeros(len(self.cut.wide))
-        for here, one in zip(self.holes, d, strict=True):
-            out[here.zone] = here.mean_row @ one + (0.0 if homogeneous else here.mean_of_valleys)
+        out = np.zeros(len(self.merged.wide))
+        for here, one in zip(self.slits, d, strict=True):
+            out[here.zone] = here.mean_row @ one + (0.0 if homogeneous else here.mean_of_kinks)
         return out
 
     def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """What s adds to the right side of the wide zones' rows."""
-        system, zones, base = self.system, self.cut.wide, self.base
+        system, zones, base = self.system, self.merged.wide, self.base
         s = self.s_table(d, homogeneous)
         rows = -system.layout.flat(s)[system.diagonal]
         view = Opened(zones, s, self.mean_openings(d, homogeneous), system.moments, system.layout.m, system.multiplicity())
@@ -245,13 +246,13 @@ class Release(Kept):
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
         return np.concatenate((rows, conditions))
 
-    def density(self, folded: Array, d: tuple[Array, ...], homogeneous: bool = False) -> tuple[State, Pierced]:
+    def density(self, folded: Array, d: tuple[Array, ...], homogeneous: bool = False) -> tuple[State, SlitDensity]:
         """(state of the wide zones, density) for solved unknowns."""
         base, system = self.base, self.system
         y = self._unfold(folded)
         if homogeneous:
             layout = system.layout
-            whole = Density(self.cut.wide, base.density.kernel, layout.padded(y), Steps.none(), y[layout.coefficients :])
+            whole = Density(self.merged.wide, base.density.kernel, layout.padded(y), ForcingJumps.none(), y[layout.coefficients :])
         else:
             whole = density_of(system, y)
         s = self.s_table(d, homogeneous)
@@ -263,7 +264,7 @@ class Release(Kept):
         whole = replace(whole, coefficients=np.where(within, table, table + s))
         left_over = base.linear_error if base.iteration is None else base.iteration.error
         state = replace(base, folded_unknowns=folded, unknowns=y, density=whole, linear_error=left_over)
-        return state, Pierced(self.cut, smooth, whole, self.holes, d, forced=not homogeneous)
+        return state, SlitDensity(self.merged, smooth, whole, self.slits, d, forced=not homogeneous)
 
 
     def tails(self, wide: State, d: tuple[Array, ...]) -> Array:
@@ -272,25 +273,25 @@ class Release(Kept):
 
 
 @dataclass(frozen=True, eq=False)
-class PiercedState(Kept):
-    """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the holes.
+class SlitState(Kept):
+    """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the slits.
 
-    wide: state of the wide zones, holes included; rest: what alternating left, over the largest coefficient.
+    wide: state of the wide zones, slits included; rest: what alternating left, over the largest coefficient.
     """
 
-    release: Release
+    slit_system: SlitSystem
     wide: State
-    density: Pierced
+    density: SlitDensity
     series: tuple[Array, ...]
     rest: float
     sizes: Sizes
 
     @property
-    def cut(self) -> Cut:
-        return self.release.cut
+    def merged(self) -> Merged:
+        return self.slit_system.merged
 
-    def settled(self) -> PiercedState:
-        return replace(self, density=self.density.settled())
+    def with_bounded_ends(self) -> SlitState:
+        return replace(self, density=self.density.with_bounded_ends())
 
     @property
     def equation(self) -> Equation:
@@ -310,7 +311,7 @@ class PiercedState(Kept):
 
     @property
     def linear_error(self) -> Array:
-        return self.wide.linear_error[self.cut.piece_zone]
+        return self.wide.linear_error[self.merged.piece_zone]
 
     @property
     def coupled(self) -> int:
@@ -323,7 +324,7 @@ class PiercedState(Kept):
 
     def wide_of(self, zones: Index) -> tuple[State, Index]:
         """The state of the wide zones, and the places of zones among these."""
-        return self.wide, self.cut.piece_zone[zones]
+        return self.wide, self.merged.piece_zone[zones]
 
     @property
     def unresolved(self) -> bool:
@@ -336,51 +337,51 @@ class PiercedState(Kept):
     # further right sides --------------------------------------------------------------------------------------------
     def _answer(self, values: Array, loose: float = 0.0) -> tuple[Array, tuple[Array, ...]]:
         """(unknowns, series) for unit changes of the side conditions' values."""
-        folded, series, _ = self.release.solve(values, loose)
+        folded, series, _ = self.slit_system.solve(values, loose)
         return folded, series
 
-    def response(self, values: Array, tolerance: float = 0.0) -> Pierced:
+    def response(self, values: Array, tolerance: float = 0.0) -> SlitDensity:
         """See `State.response`."""
-        return self.release.density(*self._answer(values, tolerance), homogeneous=True)[1]
+        return self.slit_system.density(*self._answer(values, tolerance), homogeneous=True)[1]
 
-    def with_value(self, condition: int, change: float) -> PiercedState:
+    def with_value(self, condition: int, change: float) -> SlitState:
         """See `State.with_value`."""
         values = np.zeros(len(self.condition_scale))
         values[self.condition_index[condition]] = change
         folded, series = self._answer(values)
         both = tuple(one + other for one, other in zip(self.series, series, strict=True))
-        wide, density = self.release.density(self.wide.folded_unknowns + folded, both)
+        wide, density = self.slit_system.density(self.wide.folded_unknowns + folded, both)
         return replace(self, wide=wide, density=density, series=both)
 
     @property
     def levels(self) -> Array:
         """Level of each solved wide zone."""
-        opened = self.release.mean_openings(self.series, False)
-        return self.wide.levels + opened[self.cut.wide.solved]
+        opened = self.slit_system.mean_openings(self.series, False)
+        return self.wide.levels + opened[self.merged.wide.solved]
 
     def level_rates(self, values: Array) -> Array:
         folded, series = self._answer(values)
-        opened = self.release.mean_openings(series, True)
-        return self.wide.system.level_changes(self.wide.folding.unfold(folded)) + opened[self.cut.wide.solved]
+        opened = self.slit_system.mean_openings(series, True)
+        return self.wide.system.level_changes(self.wide.symmetry.unfold(folded)) + opened[self.merged.wide.solved]
 
     # errors ---------------------------------------------------------------------------------------------------------
     @property
     def natural(self) -> Array:
-        return self.wide.natural[self.cut.piece_zone]
+        return self.wide.natural[self.merged.piece_zone]
 
     @cached_property
     def noise(self) -> Array:
-        return self.wide.noise[self.cut.piece_zone]
+        return self.wide.noise[self.merged.piece_zone]
 
-    def _intensities_of(self, of_coefficients: Array, at_holes: float = 1.0) -> Array:
-        """K at the left and right ends of the pieces (2, n) for errors of the wide zones' coefficients, in sum; at_holes:
+    def _intensities_of(self, of_coefficients: Array, at_slits: float = 1.0) -> Array:
+        """K at the left and right ends of the pieces (2, n) for errors of the wide zones' coefficients, in sum; at_slits:
         factor there."""
-        cut = self.cut
-        wide = np.sqrt(cut.wide.half / 2) * of_coefficients
-        holes = at_holes * np.sqrt(cut.holes.half / 2) * of_coefficients[cut.hole_zone]
-        at_left, at_right = self.density.hole_roots
-        left = np.where(cut.hole_before < 0, wide[cut.piece_zone], (holes / at_right)[cut.hole_before])
-        right = np.where(cut.hole_after < 0, wide[cut.piece_zone], (holes / at_left)[cut.hole_after])
+        merged = self.merged
+        wide = edge_scale(merged.wide.half) * of_coefficients
+        slits = at_slits * edge_scale(merged.slits.half) * of_coefficients[merged.slit_zone]
+        at_left, at_right = self.density.slit_roots
+        left = np.where(merged.slit_before < 0, wide[merged.piece_zone], (slits / at_right)[merged.slit_before])
+        right = np.where(merged.slit_after < 0, wide[merged.piece_zone], (slits / at_left)[merged.slit_after])
         return np.array([left, right])
 
     @cached_property
@@ -391,9 +392,9 @@ class PiercedState(Kept):
 
     @cached_property
     def _tails(self) -> Array:
-        """What the neglected coefficients of the holes of each wide zone may amount to, by the fall of the last ones."""
-        out = np.zeros(len(self.cut.wide))
-        for here, row in zip(self.release.holes, self.density.series, strict=True):
+        """What the neglected coefficients of the slits of each wide zone may amount to, by the fall of the last ones."""
+        out = np.zeros(len(self.merged.wide))
+        for here, row in zip(self.slit_system.slits, self.density.series, strict=True):
             for d in row:
                 # Of two neighbours one may vanish for symmetry.
                 last, before = np.abs(d[-2:]).max(), np.abs(d[-4:-2]).max()
@@ -428,22 +429,22 @@ class PiercedState(Kept):
     @cached_property
     def _residual(self) -> Array:
         """The largest residual of each wide zone."""
-        out = np.zeros(len(self.cut.wide))
-        np.maximum.at(out, self.cut.piece_zone, np.abs(self._residuals).max(axis=1))
+        out = np.zeros(len(self.merged.wide))
+        np.maximum.at(out, self.merged.piece_zone, np.abs(self._residuals).max(axis=1))
         return out
 
     @cached_property
     def _residuals(self) -> Array:
         """Residual of the equation times the wide zone's sqrt(1 - t^2) at a few points of each piece."""
-        zones, cut = self.density.zones, self.cut
+        zones, merged = self.density.zones, self.merged
         theta = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
         x = (zones.middle[:, None] + zones.half[:, None] * np.cos(theta)).ravel()
         value = self.density.transform(x) - self.equation.forcing.value(x)
         for amplitude, column in zip(self.density.amplitudes, self.equation.columns, strict=True):
             value = value - amplitude * column.value(x)
-        left = cut.start[:, None] + (zones.half[:, None] * (1 + np.cos(theta)))
-        right = cut.rest[:, None] + (zones.half[:, None] * (1 - np.cos(theta)))
-        root = np.sqrt(left * right) / cut.wide.half[cut.piece_zone][:, None]
+        left = merged.start[:, None] + (zones.half[:, None] * (1 + np.cos(theta)))
+        right = merged.rest[:, None] + (zones.half[:, None] * (1 - np.cos(theta)))
+        root = np.sqrt(left * right) / merged.wide.half[merged.piece_zone][:, None]
         return np.asarray(value.reshape(root.shape) * root)
 
     @cached_property
@@ -453,11 +454,11 @@ class PiercedState(Kept):
         if peak == 0.0:
             return 0.0
         coupled = wide.system.layout.m
-        zone = self.cut.piece_zone
+        zone = self.merged.piece_zone
         seen = residual_error(self._residuals, peak, coupled[zone], wide.jumps_rounding[zone], np.bincount(zone)[zone] == 1)
-        holes = (float(self._tails.max()) + wide.density_rounding) / peak + self.rest
+        slits = (float(self._tails.max()) + wide.density_rounding) / peak + self.rest
         neglected = float((self._neglected * np.maximum(wide.sizes.own[: len(coupled)], 1)).max()) / peak
-        return neglected + seen + holes
+        return neglected + seen + slits
 
     @cached_property
     def end_truncation(self) -> Array:
@@ -468,14 +469,14 @@ class PiercedState(Kept):
         return np.asarray(self._intensities_of(self.missing) / np.maximum(slopes, 1e-300) / zones.half).T
 
 
-AnyState = State | PiercedState
-AnyDensity = Density | Pierced
+AnyState = State | SlitState
+AnyDensity = Density | SlitDensity
 
 
 def solve_zones(
     equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None
 ) -> AnyState:
-    """`solve_fixed`, with narrow gaps between zones as holes of the wide zones that span them.
+    """`solve_fixed`, with narrow gaps between zones as slits of the wide zones that span them.
 
     Parameters
     ----------
@@ -486,7 +487,7 @@ def solve_zones(
 
     Returns
     -------
-    State or PiercedState
+    State or SlitState
         The second where narrow gaps were taken as slits.
 
     Raises
@@ -504,7 +505,7 @@ def solve_zones(
     [0.5, 0.5]
     """
     equation.check_count(zones)
-    found = cut(equation, zones)
+    found = merge(equation, zones)
     if found is None:
         return solve_fixed(equation, zones, tolerance, sizes)
     if sizes is None:
@@ -519,31 +520,31 @@ def solve_zones(
     while True:
         before = inner.iterations
         state = solve_fixed(equation, found.wide, tolerance, inner)
-        release = Release(found, state, sizes.linear)
+        slit_system = SlitSystem(found, state, sizes.linear)
         try:
-            folded, series, rest = release.solve()
-        except HolesUnsettled:
+            folded, series, rest = slit_system.solve()
+        except SlitsNotConverged:
             return solve_fixed(equation, zones, tolerance, sizes)
         if state.iteration is not None:
             more = state.iteration.iterations - (inner.iterations - before)
             inner.iterations += more
             inner.kernel_evaluations += more * state.iteration.system.sums.size
-        wide, density = release.density(folded, series)
+        wide, density = slit_system.density(folded, series)
         # What the slits do through a smooth part of the kernel may take more modes than there are.
-        least = more_modes(wide, release.tails(wide, series), tolerance)
+        least = more_modes(wide, slit_system.tails(wide, series), tolerance)
         if least is None:
             break
         inner.least = least
     if inner.carried is not None:
-        inner.carried = Carried.of(inner.carried.punches, wide.system.layout, wide.unknowns)
+        inner.carried = Carried.of(inner.carried.coarse, wide.system.layout, wide.unknowns)
     sizes.wide = inner
     sizes.solves += 1
     sizes.profile_evaluations += inner.profile_evaluations - profile
     sizes.kernel_evaluations += inner.kernel_evaluations - kernel
     sizes.iterations += inner.iterations - iterations
-    found_state = PiercedState(release, wide, density, series, rest, sizes)
-    if any(here.valleys for here in release.holes) and found_state.density_error > max(_CARELESS * tolerance, _SETTLED):
+    found_state = SlitState(slit_system, wide, density, series, rest, sizes)
+    if any(here.kinks for here in slit_system.slits) and found_state.density_error > max(_CARELESS * tolerance, _SETTLED):
         # A jump of a derivative that is not declared lies between zones by themselves, but within a wide one.
-        apart = solve_fixed(equation, zones, tolerance, sizes)
-        return apart if apart.density_error < found_state.density_error else found_state
+        separate = solve_fixed(equation, zones, tolerance, sizes)
+        return separate if separate.density_error < found_state.density_error else found_state
     return found_state

@@ -65,6 +65,10 @@ class StandIn:
         return np.full(len(self.zones), self.mean_pressure * self.wave)
 
     @property
+    def zone_peaks(self) -> np.ndarray:
+        return np.full(len(self.zones), self.max_pressure)
+
+    @property
     def mean_pressure(self) -> float:
         return float(np.pi * self.scene.E_star * self.amplitude / self.wave * self._sine**2)
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
-from contact.reference.inverse import DesignedContact, design
+from contact.reference.inverse import DesignedContact, design, random_adhesive_problem
 
 PERIODS = (1.0, 2.0 * np.pi, 1e-4)
 
@@ -34,3 +34,13 @@ def designed_contacts(draw, min_zones=1, max_zones=12, periodic=None, nearest=0.
         unit = unit[np.argsort(unit[:, 0])]
     problem: DesignedContact = design(cell * unit, E_star, strain * E_star * cell, cell if repeats else None)
     return problem
+
+
+@st.composite
+def adhesive_designs(draw, periodic=None):
+    """One to six unlike zones, by a seed; the pull of adhesion from weak to stronger than the load."""
+    seed, count = draw(st.integers(0, 10**6)), draw(st.integers(1, 6))
+    period = draw(st.sampled_from((1.0, 1e-4))) if (draw(st.booleans()) if periodic is None else periodic) else None
+    pull = 10.0 ** draw(st.floats(-3.0, 0.5))
+    E_star = 10.0 ** draw(st.floats(-1.0, 11.0))
+    return random_adhesive_problem(np.random.default_rng(seed), count, period, pull=pull, E_star=E_star)

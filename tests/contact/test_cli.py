@@ -67,6 +67,7 @@ class TestSolve:
         assert set(read) == {
             "zones", "load", "mean_pressure", "max_pressure", "approach", "contact_fraction", "zone_loads", "zone_widths",
             "stiffness", "mean_gap", "tilt", "moment", "rotational_stiffness", "error", "certificate", "plan", "warnings",
+            "zone_peaks", "scene", "trace", "units", "version",
         }  # fmt: skip
         assert read["zones"] == expected.zones.tolist()
         assert read["mean_pressure"] == pytest.approx(2e7, rel=1e-12)
@@ -96,6 +97,39 @@ class TestSolve:
     def test_json_stays_one_object_when_files_are_written(self, scene, tmp_path):
         json.loads(run("solve", scene(), "--json", "--csv", tmp_path / "out.csv").stdout)
 
+    def test_numbers_are_written_over_only_when_asked_and_a_picture_is_drawn_anew(self, scene, tmp_path, monkeypatch):
+        pytest.importorskip("matplotlib")
+        table, figure = tmp_path / "out.csv", tmp_path / "out.png"
+        for path in (table, figure):
+            path.write_text("mine")
+        solve = cli.solve
+        monkeypatch.setattr(cli, "solve", lambda *a, **k: pytest.fail("solved"))
+        refused = stopped(2, "solve", scene(), "--csv", table, "--plot", figure)
+        assert "--csv" in refused and "--overwrite" in refused
+        monkeypatch.setattr(cli, "solve", solve)
+        assert run("solve", scene(), "--csv", table, "--overwrite").exit_code == 0
+        assert run("solve", scene(), "--plot", figure).exit_code == 0
+        assert table.read_text().startswith("left") and figure.read_bytes().startswith(b"\x89PNG")
+
+    def test_two_options_cannot_name_one_file(self, scene, tmp_path):
+        assert "--fields" in stopped(2, "solve", scene(), "--csv", tmp_path / "out.csv", "--fields", tmp_path / "out.csv")
+
+    def test_a_scene_comes_in_on_standard_input(self, scene):
+        text = open(scene(), encoding="utf-8").read()
+        result = CliRunner().invoke(cli.main, ["solve", "-", "--json"], input=text)
+        assert json.loads(result.stdout)["zones"] == json.loads(run("solve", scene(), "--json").stdout)["zones"]
+        for broken in ("", "[profile", text.replace("amplitude", "amplitud"), "\xff"):
+            refused = CliRunner().invoke(cli.main, ["solve", "-"], input=broken.encode("latin-1"))
+            assert refused.exit_code == 2 and refused.stderr.startswith("contact: standard input: ")
+
+    def test_quietly_it_writes_its_files_and_prints_nothing(self, scene, tmp_path):
+        result = run("solve", scene(), "-q", "--csv", tmp_path / "out.csv")
+        assert (result.exit_code, result.output) == (0, "") and (tmp_path / "out.csv").exists()
+
+    def test_another_package_of_the_same_name_is_warned_of(self, monkeypatch):
+        monkeypatch.setattr(cli, "other_package", lambda: "contact 9, another project")
+        assert run("profiles").stderr == "contact: warning: contact 9, another project\n"
+
     def test_full_contact_is_told_in_words(self, scene):
         result = run("solve", scene("mean_pressure = 4e9"))
         assert result.exit_code == 0
@@ -116,6 +150,40 @@ class TestSolve:
         monkeypatch.setattr(cli, "solve", solve)
         assert run("solve", scene(), "--tol", "1e-6").exit_code == 0
         assert given["tol"] == 1e-6 and callable(given["progress"])
+
+
+TRACE = """
+profile = {shape = "sampled", file = "trace.csv", units = "um", period = true}
+material = {E_star = 1e11}
+interaction = {model = "periodic"}
+control = {mean_pressure = 1e7}
+"""
+
+
+@pytest.mark.parametrize(
+    "command",
+    [["solve"], ["plan", "--solve"], ["compare"], ["path", "--loads", "1e2,1.1e2"], ["sweep", "--vary", "control.load=1e2,1.1e2", "--out"]],
+    ids=lambda command: command[0],
+)
+def test_every_solve_of_a_trace_says_what_it_read(command, tmp_path):
+    pytest.importorskip("h5netcdf")
+    x = np.linspace(0.0, 100.0, 41)
+    np.savetxt(tmp_path / "trace.csv", np.column_stack((x, np.cos(2 * np.pi * x / 100))), delimiter=",")
+    (tmp_path / "trace.toml").write_text(TRACE)
+    name, *options = [*command, str(tmp_path / "out.nc")] if command[-1] == "--out" else command
+    result = run(name, tmp_path / "trace.toml", *options)
+    assert result.exit_code == 0, result.output
+    assert "41 points of trace.csv" in result.stdout and "rms slope" in result.stdout
+
+
+def test_the_shell_completes_commands_and_options(monkeypatch, capsys):
+    for words, place, expected in (("contact so", 1, {"solve"}), ("contact path --b", 2, {"--back"})):
+        monkeypatch.setenv("_CONTACT_COMPLETE", "bash_complete")
+        monkeypatch.setenv("COMP_WORDS", words)
+        monkeypatch.setenv("COMP_CWORD", str(place))
+        with pytest.raises(SystemExit):
+            cli.main.main(prog_name="contact")
+        assert {line.partition(",")[2] for line in capsys.readouterr().out.split()} == expected
 
 
 class TestFailures:
@@ -150,7 +218,7 @@ class TestFailures:
 
     def test_a_missing_extra_ends_in_2(self, scene, monkeypatch, tmp_path):
         monkeypatch.setitem(sys.modules, "matplotlib.backends.backend_agg", None)
-        assert "contact[plot]" in stopped(2, "solve", scene(), "--plot", tmp_path / "out.png")
+        assert "[plot]'" in stopped(2, "solve", scene(), "--plot", tmp_path / "out.png")
 
     def test_without_click_the_command_says_what_to_install(self):
         code = "import sys; sys.modules['click'] = None; from contact.__main__ import main; main()"
@@ -183,12 +251,23 @@ class TestCompare:
     def test_the_models_stand_side_by_side_and_the_exact_one_last(self, scene):
         result = run("compare", scene())
         assert result.exit_code == 0, result.output
-        header = next(line for line in result.stdout.splitlines() if "isolated" in line)
+        lines = [line.strip() for line in result.stdout.splitlines()]
         names = ("isolated", "first-order", "self-consistent", "m = 1", "m = 2", "m = 4", "m = 8", "exact")
-        places = [header.index(name) for name in names]
-        assert places == sorted(places)
-        exact = next(line for line in result.stdout.splitlines() if line.strip().startswith("total width to exact"))
-        assert exact.split()[-2:] == ["+0", "%"]
+        listed = [name for line in lines for name in names if line.startswith(name)]
+        assert listed == [*names] * 3
+        exact = [line.split() for line in lines if line.startswith("exact")][1]
+        assert exact[1:6] == ["0"] * 5
+
+    @pytest.mark.parametrize("control", ["mean_pressure = 2e7", "mean_pressure = 2.6e9", "contact_fraction = 0.123456789"])
+    def test_no_line_of_a_comparison_is_wider_than_80_columns(self, scene, control):
+        result = run("compare", scene(control))
+        tables = result.stdout.partition("no solution")[0].splitlines()
+        assert max(len(line.rstrip()) for line in tables if "," not in line) <= 80
+
+    def test_a_column_of_a_comparison_has_one_unit_in_its_head(self, scene):
+        lines = run("compare", scene("mean_pressure = 2.6e9")).stdout.splitlines()
+        assert sum(line.count("[") for line in lines) == 4 + 1 + 2
+        assert not any(unit in line for line in lines if "m = " in line for unit in ("Pa", "µm", "nm", "kN"))
 
     def test_a_model_without_a_solution_says_why_and_the_others_go_on(self, scene):
         result = run("compare", scene("approach = 3e-7"))
@@ -206,8 +285,9 @@ class TestCompare:
     def test_every_neighbour_brings_the_zones_nearer_to_the_exact_ones(self, scene):
         result = run("compare", scene("mean_pressure = 2.6e9"))
         assert result.exit_code == 0, result.output
-        row = next(line for line in result.stdout.splitlines() if line.strip().startswith("zone ends to exact"))
-        errors = [float(word) for word in row.split() if word[0].isdigit()]
+        differences = result.stdout.partition("from the exact one")[2].partition("zone ends")[0]
+        rows = [line.split()[-3] for line in differences.splitlines()[6:] if line.strip()]
+        errors = [float(word) for word in rows if word != "-"]
         # Isolated, the zone would reach the border of its cell: no number there.
         assert errors[-1] == 0 and len(errors) == 7
         assert errors[1] > errors[2] > 3 * errors[3] > 9 * errors[4] > 30 * errors[5] > 0

@@ -11,7 +11,7 @@ import contact
 import sie
 from contact import exact
 from contact.formulation.cohesive import Cohesive
-from contact.formulation.controls import Approach, Load
+from contact.formulation.controls import Approach, Load, scaled_control
 from contact.formulation.tension import Tension, clausen
 from contact.search.grid.scaling import scaled_scene_about
 from tests.tiers import quick
@@ -208,11 +208,12 @@ def test_rates_are_those_of_moved_ends_and_symmetric(kind):
         contact.Polynomial([0.0, 0.05, 0.5, 0.3, 0.5]), E, contact.Isolated(datum=1.0), law=contact.Dugdale(1e-6, 5e-3), load=1e-4
     )
     scaled = scaled_scene_about(scene, 0.0, np.array([[-0.07, -0.03]]))
-    curve = Cohesive(scaled.problem, Load)
+    held = scaled_control(scene, scaled.problem.units)
+    curve = Cohesive(scaled.problem, held)
     table = scaled.problem.units.scaled(np.array([[-0.085, -0.015]]))
-    here = curve.from_zones(table, scaled.control.value, scaled.problem.units.scaled(np.array([[-0.07, -0.03]])))
+    here = curve.from_zones(table, held.value, scaled.problem.units.scaled(np.array([[-0.07, -0.03]])))
     if kind is Approach:
-        curve, zones = Cohesive(scaled.problem, Approach), here.zones
+        curve, zones = Cohesive(scaled.problem, Approach(-here.level)), here.zones
         here = curve.from_zones(table, -here.level, zones)
     assert here.rates[0, 1] == pytest.approx(here.rates[1, 0], rel=1e-9)
     assert here.rates[0, 1] > 0.0

@@ -6,37 +6,27 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from hypothesis import given
-from hypothesis import strategies as st
 
 from contact import exact, inverse
 from contact.errors import SceneError
 from tests.contact import reference
+from tests.contact.strategies import adhesive_designs
 
 TOL = 2e-11
-
-
-@st.composite
-def designs(draw, periodic=None):
-    """One to six unlike zones, by a seed; the pull of adhesion from weak to stronger than the load."""
-    seed, count = draw(st.integers(0, 10**6)), draw(st.integers(1, 6))
-    period = draw(st.sampled_from((1.0, 1e-4))) if (draw(st.booleans()) if periodic is None else periodic) else None
-    pull = 10.0 ** draw(st.floats(-3.0, 0.5))
-    E_star = 10.0 ** draw(st.floats(-1.0, 11.0))
-    return inverse.random_adhesive_problem(np.random.default_rng(seed), count, period, pull=pull, E_star=E_star)
 
 
 def nodes(problem):
     return 200 + int(40 / np.sqrt(min(problem.nearness, 1.0)))
 
 
-@given(designs())
+@given(adhesive_designs())
 def test_the_pressure_solves_the_singular_integral_equation_and_carries_the_load(problem):
     assert reference.equation_error(problem, nodes=nodes(problem)) < TOL
     assert reference.load_of(problem, nodes(problem)) == pytest.approx(problem.load, rel=1e-11)
     assert np.sum(problem.zone_loads) == pytest.approx(problem.load, rel=1e-12)
 
 
-@given(designs())
+@given(adhesive_designs())
 def test_every_end_carries_the_intensity_and_the_gap_that_release_the_work_of_adhesion(problem):
     assert problem.is_admissible
     ends = problem.zones.ravel()
@@ -53,7 +43,7 @@ def test_every_end_carries_the_intensity_and_the_gap_that_release_the_work_of_ad
         assert problem.gap(x) == pytest.approx(4.0 / problem.E_star * problem.intensity * np.sqrt(x - end), rel=1e-3)
 
 
-@given(designs(periodic=True))
+@given(adhesive_designs(periodic=True))
 def test_the_displacement_is_the_logarithmic_potential_of_the_pressure(problem):
     """Ties the approach, the gaps between all zones and the heights to the pressure alone."""
     ends = np.append(problem.zones.ravel(), problem.zones[0, 0] + problem.period)
@@ -75,7 +65,7 @@ class WithDatum:
         return self.problem.pressure_at(t, zone)
 
 
-@given(designs(periodic=False))
+@given(adhesive_designs(periodic=False))
 def test_alone_all_zones_have_one_approach(problem):
     """u + f - gap is the same constant at the middle of every gap, and beyond."""
     ends = problem.zones.ravel()
@@ -86,7 +76,7 @@ def test_alone_all_zones_have_one_approach(problem):
     assert np.ptp(level) < 1e-10 * scale
 
 
-@given(designs())
+@given(adhesive_designs())
 def test_the_gap_closes_from_either_side(problem):
     """From either end the integral of the gap's slope agrees beside the middle, where the two meet."""
     ends = problem.zones.ravel()
@@ -111,7 +101,7 @@ def test_one_zone_is_johnson_s_wave_or_the_cylinder():
     np.testing.assert_allclose(alone.profile.coefficients, [0.0, 0.0, 250.0], rtol=1e-12, atol=1e-18)
 
 
-@given(designs())
+@given(adhesive_designs())
 def test_the_second_variation_is_symmetric_and_positive_where_the_design_is_stable(problem):
     """Nothing in its making supposes the symmetry of second derivatives."""
     matrix = inverse.second_variation(problem)

@@ -7,11 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import assume, example, given
 
 import contact
 from contact import exact, inverse
-from contact.formulation import equilibria
+from contact.formulation.equilibria import Point
 from contact.reference.inverse.stability import second_variation
+from contact.search.equilibria import flow
+from tests.contact.strategies import adhesive_designs
 from tests.tiers import quick
 
 E, DELTA, WORK = 1.0, 0.01, 1e-5
@@ -134,15 +137,28 @@ def test_a_designed_contact_lies_between_the_branches_and_is_one_where_as_many_z
         assert period is not None or designed(problem, "receding").zone_widths.sum() > width
 
 
+@example(inverse.random_adhesive_problem(np.random.default_rng(13), 2, None, pull=10.0**-0.5))
+@given(adhesive_designs(periodic=False))
+def test_a_lone_designed_contact_is_found_to_what_the_rounding_of_its_heights_leaves(problem):
+    solution = designed(problem)
+    assume(len(solution.zones) == len(problem.zones) and abs(solution.zone_widths.sum() / problem.zone_widths.sum() - 1) < 1e-3)
+    error = float((np.abs(solution.zones - problem.zones).max(axis=1) / problem.zone_widths).max())
+    # What bends the surfaces over what adhesion asks for at the ends, and over how firmly these stand: a condition number.
+    condition = solution.fields.bending / solution.certificate.stability
+    assert error < 1e-10 + 20 * np.finfo(float).eps * condition
+    assert error < 1e-9 or condition > 1e5
+    assert error < 2 * solution.error
+
+
 @pytest.mark.parametrize(("seed", "period"), [(0, None), (5, None), (1, 1.0), (7, 1.0)])
 def test_the_certificate_tells_the_second_variation_of_the_design(seed, period):
     problem = inverse.random_adhesive_problem(np.random.default_rng(seed), None, period)
     solution = designed(problem)
     root = np.sqrt(np.repeat(problem.zone_widths, 2))
     expected = np.linalg.eigvalsh(root[:, None] * second_variation(problem) * root / (2 * problem.work))
-    matrix = solution.fields.second_variation("load")
+    matrix = solution.fields.second_variation()
     assert np.linalg.eigvalsh(matrix) == pytest.approx(expected, abs=1e-9 * expected.max())
-    # What one end gains as another one advances: contact grows together (contact.formulation.equilibria).
+    # What one end gains as another one advances: contact grows together (contact.search.equilibria.flow).
     assert np.all(matrix - np.diag(np.diag(matrix)) <= 0.0)
 
 
@@ -150,8 +166,8 @@ def test_an_unstable_equilibrium_is_not_certified():
     narrow = exact.JKRWave(DELTA, 1.0, E, WORK).at_load(-5e-4, "narrow")
     given = wave(half_width=narrow.half_width)
     assert given.load == pytest.approx(-5e-4, rel=1e-9)
-    eigenvalues = np.linalg.eigvalsh(given.fields.second_variation("load"))
-    assert eigenvalues.min() < 0 < np.linalg.eigvalsh(wave(load=-5e-4).fields.second_variation("load")).min()
+    eigenvalues = np.linalg.eigvalsh(given.fields.second_variation())
+    assert eigenvalues.min() < 0 < np.linalg.eigvalsh(wave(load=-5e-4).fields.second_variation()).min()
 
 
 def test_without_adhesion_left_it_is_the_frictionless_contact():
@@ -229,7 +245,7 @@ def test_a_scene_file_names_it(tmp_path):
 def test_a_step_over_a_place_of_rest_is_noticed_by_its_ends_and_by_the_cubic_between_them(slopes, after, passed):
     table, step = np.array([[-1.0, 1.0]]), np.full(2, 0.5)
     here, ahead = (
-        equilibria.Point(table, 0.0, np.full(2, residual), slope * np.eye(2), np.ones(2), 0.0, 0.0)
+        Point(table, 0.0, np.full(2, residual), slope * np.eye(2), np.ones(2), 0.0, 0.0)
         for residual, slope in zip((0.1, after), slopes, strict=True)
     )
-    assert equilibria._passed(here, ahead, step, 1.0).all() == passed
+    assert flow.passed(here, ahead, step, 1.0).all() == passed

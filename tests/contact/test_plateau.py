@@ -122,7 +122,7 @@ class TestLightLoads:
         passed = []
         for load in (1e-9, 1e-10):
             solution = contact.solve(contact.Scene(profile, 1.0, contact.Isolated(), load=load), tol=1e-9)
-            steps = solution.fields.density.steps
+            steps = solution.fields.density.jumps
             passed.append([steps.left.min(), steps.right.min()])
         left, right = np.transpose(passed)
         assert abs(left[0] / right[0] / (3.0 / 1.25) ** 2 - 1) < 1e-7
@@ -153,5 +153,5 @@ def test_a_row_of_flat_tops_is_solved_at_any_load_from_nothing_and_from_the_last
         alone, near = contact.solve(scene), contact.solve(scene, near=near)
         assert max(alone.error, near.error) <= 1e-8 and alone.certificate.holds
         assert np.abs(near.pressure_at(0.7) / alone.pressure_at(0.7) - 1) < 1e-8
-        passed.append(alone.fields.density.steps.right.min() / load**2)
+        passed.append(alone.fields.density.jumps.right.min() / load**2)
     assert np.abs(np.array(passed) / passed[0] - 1).max() < 1e-6

@@ -69,6 +69,24 @@ class TestPanels:
         assert hi - lo == pytest.approx(6 * width, rel=1e-9)
         assert any(lo < middle < hi for middle in solution.zones.mean(axis=1))
 
+    def test_the_pointer_to_the_second_column_leaves_the_spike_to_be_seen(self):
+        solution = westergaard(half_width=0.001 * L)
+        for whole in plotting.plot(solution).axes[::2]:
+            pointers = [line for line in whole.get_lines() if len(line.get_xdata()) < 3 and line.get_label() == "_close-up"]
+            assert len(pointers) == 1 and list(pointers[0].get_ydata()) == [1.0]  # on the frame, above what is drawn
+            drawn = min(line.get_zorder() for line in whole.get_lines())
+            shades = [patch for patch in whole.patches if patch.get_width() < 0.5 * np.diff(whole.get_xlim())[0]]
+            assert shades and all(shade.get_zorder() < drawn for shade in shades)
+
+    def test_body_and_counter_face_are_named_on_their_own_side(self):
+        solution = contact.solve(contact.Scene(contact.Flat(2e-5, 6e-5), 1.1e11, contact.Periodic(), mean_pressure=1e7))
+        top = plotting.plot(solution).axes[0]
+        x, y = next(t.get_position() for t in top.texts if t.get_text() == "body")
+        lo, hi = top.get_xlim()
+        # A punch is body over its width alone.
+        assert abs(lo + x * (hi - lo)) < 10 and y > 0.5
+        assert next(t.get_position()[1] for t in top.texts if t.get_text() == "counter-face") < 0.5
+
 
 class TestScenes:
     @pytest.mark.parametrize(

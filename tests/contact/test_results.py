@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import re
 
+import numpy as np
 import pytest
 
 import contact
+from contact import extras
 from contact.errors import MissingExtra
+from contact.solution import export
 
 WAVE = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e11, contact.Periodic(), mean_pressure=1e8)
 SCENES = {
@@ -64,3 +68,94 @@ def test_the_command_says_its_version_and_helps():
     told = CliRunner().invoke(main, ["--version"])
     assert told.exit_code == 0 and told.output.strip() == f"contact {contact.__version__}"
     assert CliRunner().invoke(main, ["-h"]).exit_code == 0 and "solve" in CliRunner().invoke(main, ["solve", "-h"]).output
+
+
+PAIR = contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, contact.Isolated(), load=3e-4)
+PUNCH = contact.Scene(contact.Flat(0.5, 1.0), 1.0, contact.Periodic(), load=1e-3)
+ROUGH = contact.self_affine(hurst=0.8, period=1e-3, shortest=2e-5, rms_slope=0.01, seed=3)
+TRACE = contact.Scene(ROUGH, 1e9, contact.Periodic(), mean_pressure=1e6)
+
+
+@pytest.mark.parametrize("scene", [WAVE, PAIR, TRACE], ids=["wave", "pair", "trace"])
+def test_the_highest_pressure_of_all_zones_is_that_of_the_solution_and_no_place_of_a_zone_has_more(scene):
+    solution = contact.solve(scene)
+    assert solution.zone_peaks.max() == pytest.approx(solution.max_pressure, rel=1e-9)
+    t = np.sin(np.linspace(-0.5, 0.5, 801) * np.pi)
+    for zone, peak in enumerate(solution.zone_peaks):
+        sampled = solution.pressure_at(t, zone).max()
+        assert sampled <= peak * (1 + 1e-9) and peak <= 1.001 * sampled
+
+
+def test_a_peak_under_a_corner_or_a_tip_is_infinite_and_full_contact_has_none():
+    assert contact.solve(PUNCH).zone_peaks.tolist() == [np.inf]
+    wedge = contact.Scene(contact.Wedge(0.1), 1.0, contact.Isolated(), load=1e-3)
+    assert contact.solve(wedge).zone_peaks.tolist() == [np.inf]
+    assert contact.solve(SCENES["full"]).zone_peaks.shape == (0,)
+
+
+def test_a_table_of_the_zones_has_a_row_a_zone_with_or_without_pandas(monkeypatch):
+    solution = contact.solve(PAIR)
+    real = extras.require
+
+    def missing(name):
+        if name == "pandas":
+            raise MissingExtra("no pandas")
+        return real(name)
+
+    tables = [solution.zone_table()]
+    monkeypatch.setattr(export, "require", missing)
+    tables.append(solution.zone_table())
+    for table in tables:
+        assert tuple(table) == export.ZONE_COLUMNS
+        assert np.array_equal(table["load"], solution.zone_loads) and np.array_equal(table["max_pressure"], solution.zone_peaks)
+
+
+def test_a_saved_solution_names_its_scene_its_units_and_the_version(tmp_path):
+    solution = contact.solve(WAVE)
+    solution.save(tmp_path / "wave.json")
+    read = json.loads((tmp_path / "wave.json").read_text())
+    assert read["version"] == contact.__version__ and read["scene"] == export.describe(WAVE)
+    assert set(read["units"]) <= set(read) and read["units"]["zone_peaks"] == "Pa" and read["trace"] is None
+    pytest.importorskip("h5py")
+    xarray = pytest.importorskip("xarray")
+    solution.save(tmp_path / "wave.nc")
+    with xarray.open_dataset(tmp_path / "wave.nc", engine="h5netcdf") as data:
+        assert data.attrs["version"] == contact.__version__ and json.loads(data.attrs["scene"]) == export.describe(WAVE)
+        assert np.array_equal(data.zone_peak, solution.zone_peaks)
+        assert json.loads(data.attrs["units"])["stiffness"] == "N/m^2"
+
+
+def test_what_was_read_of_a_trace_is_in_its_files():
+    x = np.linspace(0.0, 1e-3, 65)
+    trace = contact.Scene(contact.Sampled(x, 1e-6 * np.cos(2e3 * np.pi * x), 1e-3), 1e9, contact.Periodic(), load=1.0)
+    told = contact.solve(trace).to_dict()["trace"]
+    assert told["points"] == 64 and told["history"] == [] and told["Rq"] == pytest.approx(1e-6 / np.sqrt(2), rel=1e-4)
+
+
+@pytest.mark.parametrize("write", ["save", "save_zones", "save_fields"])
+def test_a_file_that_is_there_is_written_over_only_when_that_is_asked_for(tmp_path, write):
+    path = tmp_path / ("out.json" if write == "save" else "out.csv")
+    path.write_text("mine")
+    solution = contact.solve(WAVE)
+    with pytest.raises(contact.SceneError, match=r"out\..*overwrite=True"):
+        getattr(solution, write)(path)
+    assert path.read_text() == "mine"
+    getattr(solution, write)(path, overwrite=True)
+    assert path.read_text() != "mine"
+
+
+@pytest.mark.parametrize("path", ["out.xyz", "out", "none/out.json", ".", None, 3])
+def test_a_name_that_is_none_of_a_file_is_refused(tmp_path, monkeypatch, path):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(contact.SceneError, match="path"):
+        contact.solve(WAVE).save(path)
+
+
+def test_saved_fields_read_back_and_their_pressure_makes_the_load(tmp_path):
+    solution = contact.solve(WAVE)
+    solution.save_fields(tmp_path / "fields.csv")
+    table = np.genfromtxt(tmp_path / "fields.csv", delimiter=",", names=True)
+    assert table.dtype.names == export.FIELD_COLUMNS
+    # Cells of a hundredth of the zone, closer at its ends.
+    assert np.trapezoid(table["pressure"], table["x"]) == pytest.approx(solution.load, rel=1e-3)
+    assert np.array_equal(table["gap"], solution.gap(table["x"]))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
 from contact.search.grid.coarse import find_window, propose, zones_of
-from contact.search.grid.conjugate_gradient import GridState, Influence, solve_grid
+from contact.search.grid.conjugate_gradient import GridState, Influence, Response, solve_grid
 
 Array = NDArray[np.float64]
 Shape = Callable[[Array], Array]
@@ -146,11 +146,11 @@ def test_neighbours_and_a_nominal_pressure_beyond_approach_the_periodic_contact(
     for m in (0, 1, 2):
         W = m + 0.5
 
-        def beyond(x: Array, W: float = W) -> Array:
-            extra = x * np.arctanh(x / W) + 0.5 * W * np.log1p(-((x / W) ** 2))
-            return np.asarray(4.0 * load / (np.pi * E) * extra)
+        def pressed(x: Array, W: float = W) -> Array:
+            beyond = x * np.arctanh(x / W) + 0.5 * W * np.log1p(-((x / W) ** 2))
+            return np.asarray(sinusoid()(x) + 4.0 * load / (np.pi * E) * beyond)
 
-        found = propose(sinusoid(), CELL, E=E, load=load, periodic=False, images=m, points=n, extra=beyond)
+        found = propose(pressed, CELL, Response(E, False, m), load=load, points=n)
         errors.append(abs(found.zones[0, 1] - found.zones[0, 0] - 2 * a))
     assert errors[0] > 20 * errors[1]  # the asymptotic rate sets in at m = 1
     assert errors[1] / errors[2] == pytest.approx((5 / 3) ** 3, rel=0.1)
@@ -158,7 +158,7 @@ def test_neighbours_and_a_nominal_pressure_beyond_approach_the_periodic_contact(
 
 @pytest.mark.parametrize("at", [0.45, -0.48, 0.5])
 def test_a_zone_across_the_border_is_listed_once_by_its_left_end(at: float) -> None:
-    found = propose(sinusoid(at), CELL, E=E, load=westergaard_load(0.1), resolution=1.0)
+    found = propose(sinusoid(at), CELL, Response(E), load=westergaard_load(0.1), resolution=1.0)
     assert found.zones.shape == (1, 2)
     left, right = found.zones[0]
     assert CELL[0] <= left < CELL[1]
@@ -170,20 +170,20 @@ def test_a_biquadratic_touches_at_two_tips_and_a_heavier_one_in_one_zone() -> No
     def height(x: Array) -> Array:
         return x**4 / 8.0 - x**2 / 4.0
 
-    light = find_window(height, E, load=0.02)
-    two = propose(height, light, E=E, load=0.02, periodic=False)
+    light = find_window(height, Response(E, False), load=0.02)
+    two = propose(height, light, Response(E, False), load=0.02)
     assert two.zones.shape == (2, 2)
     assert np.allclose(two.zones, -two.zones[::-1, ::-1], atol=1e-9)
     a, b = two.zones[1]
     assert a**2 + b**2 == pytest.approx(2.0, abs=8 / two.points)  # isolated (38): exact
-    heavy = find_window(height, E, load=2.0)
-    assert propose(height, heavy, E=E, load=2.0, periodic=False).zones.shape == (1, 2)
+    heavy = find_window(height, Response(E, False), load=2.0)
+    assert propose(height, heavy, Response(E, False), load=2.0).zones.shape == (1, 2)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
 @pytest.mark.parametrize("load", [1e-3, 0.3, 3.0, 12.0])
 def test_a_rough_contact_is_complementary_and_carries_its_load(seed: int, load: float) -> None:
-    found = propose(rough(60, seed), CELL, E=E, load=load, resolution=1 / 60, max_points=2**13)
+    found = propose(rough(60, seed), CELL, Response(E), load=load, resolution=1 / 60, max_points=2**13)
     assert_complementary(found.state)
     zones = found.zones
     assert np.all(zones[:, 1] > zones[:, 0])
@@ -253,7 +253,7 @@ def test_an_approach_past_its_isolated_maximum_is_refused() -> None:
 
 
 def test_full_contact_is_said_and_has_no_gap_and_no_ends() -> None:
-    found = propose(sinusoid(), CELL, E=E, load=1.1 * np.pi * E, resolution=1.0)
+    found = propose(sinusoid(), CELL, Response(E), load=1.1 * np.pi * E, resolution=1.0)
     assert found.full and found.resolved
     assert found.zones.shape == (0, 2)
     assert np.max(np.abs(found.state.gap)) < 1e-12
@@ -263,14 +263,14 @@ def test_full_contact_is_said_and_has_no_gap_and_no_ends() -> None:
 
 @pytest.mark.parametrize("gap", [1e-2, 1e-3, 2e-4])
 def test_a_small_gap_is_not_taken_for_full_contact(gap: float) -> None:
-    found = propose(sinusoid(), CELL, E=E, load=westergaard_load(0.5 - gap / 2), resolution=1.0)
+    found = propose(sinusoid(), CELL, Response(E), load=westergaard_load(0.5 - gap / 2), resolution=1.0)
     assert not found.full
     assert 1.0 - (found.zones[0, 1] - found.zones[0, 0]) == pytest.approx(gap, abs=2.0 / found.points)
 
 
 @pytest.mark.parametrize("a", [1e-2, 1e-3, 1e-4, 1e-6])
 def test_small_zones_are_found_by_refinement_and_below_it_by_hertz(a: float) -> None:
-    found = propose(sinusoid(), CELL, E=E, load=westergaard_load(a), resolution=1.0)
+    found = propose(sinusoid(), CELL, Response(E), load=westergaard_load(a), resolution=1.0)
     assert found.resolved == (a > 1e-5)
     assert np.allclose(found.zones, [[-a, a]], rtol=0.0, atol=0.3 * a)
 
@@ -292,7 +292,7 @@ def test_iterations_on_a_rough_profile_do_not_grow_with_the_grid(load: float) ->
     """One shape per size, as rough as the grid allows; the whole sequence of nested grids is counted."""
     counts = []
     for n in (2**10, 2**12, 2**14):
-        found = propose(rough(n // 16, 7), CELL, E=E, load=load, points=n)
+        found = propose(rough(n // 16, 7), CELL, Response(E), load=load, points=n)
         assert found.points == n and found.state.converged
         counts.append(found.iterations / np.log2(n))
     assert counts[-1] < 25
@@ -310,10 +310,10 @@ def test_the_work_from_no_start_is_bounded_on_a_rough_profile_of_16384_points() 
 @pytest.mark.parametrize("load", [1e-14, 1e-7, 1.0, 1e6])
 def test_a_window_is_found_around_a_parabola_of_any_scale(radius: float, load: float) -> None:
     a = 2.0 * np.sqrt(radius * load / (np.pi * E))
-    low, high = find_window(lambda x: x**2 / (2 * radius), E, load=load)
+    low, high = find_window(lambda x: x**2 / (2 * radius), Response(E, False), load=load)
     assert low < -a and a < high
     assert 0.15 < 2 * a / (high - low) < 0.8
-    found = propose(lambda x: x**2 / (2 * radius), (low, high), E=E, load=load, periodic=False)
+    found = propose(lambda x: x**2 / (2 * radius), (low, high), Response(E, False), load=load)
     assert np.allclose(found.zones, [[-a, a]], rtol=0.0, atol=0.05 * a)
     assert not found.touches_border
 
@@ -322,8 +322,8 @@ def test_a_window_is_found_around_a_parabola_of_any_scale(radius: float, load: f
 @pytest.mark.parametrize("load", [1e-12, 1.0, 1e6])
 def test_a_window_is_found_around_a_wedge(slope: float, load: float) -> None:
     a = load / (E * slope)  # the wedge's mean pressure E slope / 2
-    low, high = find_window(lambda x: slope * np.abs(x), E, load=load)
-    found = propose(lambda x: slope * np.abs(x), (low, high), E=E, load=load, periodic=False)
+    low, high = find_window(lambda x: slope * np.abs(x), Response(E, False), load=load)
+    found = propose(lambda x: slope * np.abs(x), (low, high), Response(E, False), load=load)
     assert 0.15 < 2 * a / (high - low) < 0.8
     assert np.allclose(found.zones, [[-a, a]], rtol=0.0, atol=0.05 * a)
 
@@ -339,8 +339,8 @@ def test_a_window_is_found_around_a_wedge(slope: float, load: float) -> None:
 )
 @pytest.mark.parametrize("load", [1e-8, 1.0, 1e4])
 def test_a_window_is_found_around_a_polynomial(height: Shape, load: float) -> None:
-    window = find_window(height, E, load=load)
-    found = propose(height, window, E=E, load=load, periodic=False)
+    window = find_window(height, Response(E, False), load=load)
+    found = propose(height, window, Response(E, False), load=load)
     assert not found.touches_border
     extent = found.zones[-1, 1] - found.zones[0, 0]
     assert 0.1 < extent / (window[1] - window[0]) < 0.8
@@ -355,21 +355,21 @@ def test_a_window_is_found_from_the_approach(datum: float, ratio: float) -> None
     def height(x: Array) -> Array:
         return x**2 / (2 * radius)
 
-    window = find_window(height, E, level=level, datum=datum)
-    found = propose(height, window, E=E, level=level, periodic=False, datum=datum)
+    window = find_window(height, Response(E, False, datum=datum), level=level)
+    found = propose(height, window, Response(E, False, datum=datum), level=level)
     assert np.allclose(found.zones, [[-a, a]], rtol=0.0, atol=0.05 * a)
 
 
 def test_limits_are_kept_and_a_contact_that_reaches_them_says_so() -> None:
     limits = (-1.0, 1.0)
-    assert find_window(lambda x: x**2 / 2, E, load=10.0, limits=limits) == limits
-    assert propose(lambda x: x**2 / 2, limits, E=E, load=10.0, periodic=False).touches_border
+    assert find_window(lambda x: x**2 / 2, Response(E, False), load=10.0, limits=limits) == limits
+    assert propose(lambda x: x**2 / 2, limits, Response(E, False), load=10.0).touches_border
     nearly = hertz_load(0.85, 1.0)
-    assert find_window(lambda x: x**2 / 2, E, load=nearly, limits=limits) == limits
-    low, high = find_window(lambda x: x**2 / 2, E, load=1e-6, limits=limits)
+    assert find_window(lambda x: x**2 / 2, Response(E, False), load=nearly, limits=limits) == limits
+    low, high = find_window(lambda x: x**2 / 2, Response(E, False), load=1e-6, limits=limits)
     assert -1.0 < low < 0.0 < high < 1.0
 
 
 def test_a_profile_without_a_bottom_is_refused() -> None:
     with pytest.raises(OutOfRange):
-        find_window(lambda x: x**3, E, load=1.0)
+        find_window(lambda x: x**3, Response(E, False), load=1.0)

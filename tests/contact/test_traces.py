@@ -339,8 +339,8 @@ def test_a_trace_is_shown_and_its_scene_is_solved(tmp_path: Path) -> None:
         assert word in told
     assert figure.stat().st_size > 10_000
     assert tomllib.loads(scene.read_text())["profile"]["lambda_s"] == 3e-6
-    assert "--force" in run("trace", path, *keys, "--scene", scene, status=2)
-    run("trace", path, *keys, "--scene", scene, "--force")
+    assert "--overwrite" in run("trace", path, *keys, "--scene", scene, status=2)
+    run("trace", path, *keys, "--scene", scene, "--overwrite")
     solved = run("solve", scene)
     assert "1 of 60 heights are missing" in solved and "rms slope" in solved and "contact fraction" in solved
 

@@ -178,10 +178,10 @@ class Wedge(Exact):
 
     half_width: float
     slope: float = 1.0
-    steps_at: ClassVar[tuple[float, ...]] = (0.0,)
+    jumps_at: ClassVar[tuple[float, ...]] = (0.0,)
 
     @property
-    def steps(self) -> tuple[float, ...]:
+    def jumps(self) -> tuple[float, ...]:
         """Heights of the jumps of g."""
         return (2 * self.slope,)
 

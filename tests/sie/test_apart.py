@@ -11,7 +11,7 @@ from sie.collocation import modes
 from sie.collocation.neighbours import conformal_radius, felt
 from sie.free_ends import newton as free_boundary
 from sie.free_ends.single import Moving
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 
 def equation(problem):
@@ -136,7 +136,7 @@ class TestPlacesBeyondTheLastDigit:
             ])
 
     def found(self, forcing):
-        sampled = modes.sample(forcing, self.zones(), Steps.none(), np.array([16]), 1e-13, 16)
+        sampled = modes.sample(forcing, self.zones(), ForcingJumps.none(), np.array([16]), 1e-13, 16)
         return sampled.coefficients[0, 1:]
 
     def value(self, x):

@@ -123,7 +123,7 @@ def test_a_regular_part_couples_whatever_reach_it_declares(reach, ends):
     weights = state.density.at_t(np.arange(len(ends))[:, None], np.cos(angle)) * np.sin(angle) * half / 60
     x = middle[0, 0] + half[0, 0] * t
     rest = np.array([np.sum(weights * np.cos(2 * (one - xi))) for one in x])
-    poles = sie.Density(state.density.zones, sie.cauchy(), state.density.coefficients, state.density.steps, np.zeros(0))
+    poles = sie.Density(state.density.zones, sie.cauchy(), state.density.coefficients, state.density.jumps, np.zeros(0))
     assert poles.transform(x) + rest == pytest.approx(np.sin(x), abs=1e-12)
     assert state.density_error < 1e-12
 

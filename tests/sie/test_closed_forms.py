@@ -38,7 +38,7 @@ def points(form):
 
 @each_form
 def test_the_density_solves_its_equation(form):
-    kinks = getattr(form, "steps_at", ())
+    kinks = getattr(form, "jumps_at", ())
     for x in points(form):
         found = reference.transform(form.at, form.zones, x, kernel(form), kinks)
         assert found == pytest.approx(float(form.value(x)), abs=TOL)
@@ -46,7 +46,7 @@ def test_the_density_solves_its_equation(form):
 
 @each_form
 def test_the_density_adds_up_to_the_total(form):
-    found = reference.integral(form.at, form.zones, getattr(form, "steps_at", ()))
+    found = reference.integral(form.at, form.zones, getattr(form, "jumps_at", ()))
     assert found == pytest.approx(form.total, abs=TOL)
 
 
@@ -108,7 +108,7 @@ def test_two_zones_share_one_level():
 def test_a_density_off_by_a_millionth_does_not_pass(wrong):
     right = exact.Hertz(0.7, 3.0)
     x = 0.31
-    found = reference.transform(wrong.at, wrong.zones, x, reference.cauchy, getattr(wrong, "steps_at", ()))
+    found = reference.transform(wrong.at, wrong.zones, x, reference.cauchy, getattr(wrong, "jumps_at", ()))
     assert abs(found - float(right.value(x))) > 1e3 * TOL
 
 

@@ -5,16 +5,16 @@ import pytest
 
 import sie
 from sie.collocation import modes
-from sie.collocation.iterative import ManySystem
-from sie.collocation.symmetry import Folding
+from sie.collocation.iterative import IterativeSystem
+from sie.collocation.symmetry import MirrorSymmetry
 from sie.collocation.system import System
 from sie.collocation.zone_sums import Nested, ZoneSums
 from sie.density.field import potential_at, transform_at
-from sie.density.treecode import Everywhere
+from sie.density.treecode import Treecode
 from sie.fast.hierarchical import Inverse, cross
 from sie.fast.krylov import gmres
 from sie.fast.tree import SEPARATION, Tree, interactions
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 
 KERNELS = {"line": sie.cauchy(), "period": sie.hilbert(1.0), "images": sie.images(1.2, 2)}
 
@@ -38,10 +38,10 @@ def equation(kernel):
 
 def systems(kernel, zones):
     """(assembled, by fast sums) on the same modes."""
-    problem, none = equation(kernel), Steps.none()
+    problem, none = equation(kernel), ForcingJumps.none()
     m = modes.coupled(zones, kernel, 1e-13, 0)
     g = modes.sample(problem.forcing, zones, none, np.full(len(zones), 16), 1e-13, 512).coefficients
-    return System(problem, zones, m, g, none), ManySystem(problem, zones, m, g, none)
+    return System(problem, zones, m, g, none), IterativeSystem(problem, zones, m, g, none)
 
 
 def unknowns(layout, rng):
@@ -56,9 +56,9 @@ def test_rows_and_levels_are_those_of_the_matrix(kernel, symmetric):
     rng = np.random.default_rng(3)
     zones = scattered(40, rng)
     direct, fast = systems(kernel, mirrored(zones) if symmetric else zones)
-    folding = Folding.of(direct.zones, direct.layout)
+    symmetry = MirrorSymmetry.of(direct.zones, direct.layout)
     y = unknowns(direct.layout, rng)
-    y = y if folding.keep is None else folding.unfold(y[folding.keep])
+    y = y if symmetry.keep is None else symmetry.unfold(y[symmetry.keep])
     matrix, _ = direct.equation_rows()
     rounding = 1e-14 * (np.abs(matrix) @ np.abs(y))
     assert np.all(np.abs(fast.applied(y)[0] - matrix @ y) <= rounding + 1e-15)
@@ -102,14 +102,14 @@ def test_fields_anywhere_are_those_summed_zone_by_zone(kernel):
     zones = scattered(50, rng, decades=3.0)
     table = rng.uniform(-1, 1, (50, 12)) * 0.6 ** np.arange(12)
     table[:, 0], table[:, 1] = -table[:, 2::2].sum(axis=1), -table[:, 3::2].sum(axis=1)  # bounded ends
-    density = sie.Density(zones, kernel, table, Steps.none(), np.zeros(0))
-    everywhere = Everywhere(density)
+    density = sie.Density(zones, kernel, table, ForcingJumps.none(), np.zeros(0))
+    treecode = Treecode(density)
     t = rng.uniform(-1, 1, (50, 4))
     x = np.concatenate(((zones.middle[:, None] + zones.half[:, None] * t).ravel(), rng.uniform(-0.5, 0.5, 400)))
     if kernel.period is None:
         x = np.concatenate((x, [-40.0, -1.7, -0.6, 0.7, 1.19, 90.0]))
-    assert everywhere.transform(x) == pytest.approx(transform_at(density, x, density.sources), abs=2e-13)
-    assert everywhere.potential(x) == pytest.approx(potential_at(density, x, density.sources), abs=2e-14)
+    assert treecode.transform(x) == pytest.approx(transform_at(density, x, density.sources), abs=2e-13)
+    assert treecode.potential(x) == pytest.approx(potential_at(density, x, density.sources), abs=2e-14)
 
 
 @pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
@@ -117,14 +117,14 @@ def test_few_zones_are_near_to_any_point_beside_a_cluster(kernel):
     """A hundred equal zones beside a gap 250 times as wide as all of them: cells as long as their distance see them from afar."""
     first = 1e-5 * np.arange(100)
     density = sie.Density(
-        sie.Zones.of(np.column_stack((first, first + 5e-6))), kernel, np.tile([0.5, 0.0, -0.5], (100, 1)), Steps.none(), np.zeros(0)
+        sie.Zones.of(np.column_stack((first, first + 5e-6))), kernel, np.tile([0.5, 0.0, -0.5], (100, 1)), ForcingJumps.none(), np.zeros(0)
     )
-    everywhere = Everywhere(density)
-    ends = everywhere.ends
-    assert np.diff(everywhere.start).max() <= 5
+    treecode = Treecode(density)
+    ends = treecode.ends
+    assert np.diff(treecode.start).max() <= 5
     assert np.all(np.diff(ends) > 0) and np.all(np.isin(density.zones.table, ends))
     x = np.concatenate((np.geomspace(1e-9, 0.2, 40) + density.zones.b[-1], -np.geomspace(1e-9, 0.2, 40)))
-    assert everywhere.transform(x) == pytest.approx(transform_at(density, x, density.sources), rel=1e-13, abs=2e-13)
+    assert treecode.transform(x) == pytest.approx(transform_at(density, x, density.sources), rel=1e-13, abs=2e-13)
 
 
 def test_closed_forms_evaluated_grow_with_the_zones_and_no_faster():
@@ -133,7 +133,7 @@ def test_closed_forms_evaluated_grow_with_the_zones_and_no_faster():
     for count in (250, 1000, 4000):
         zones = scattered(count, np.random.default_rng(11), decades=1.0)
         m = np.full(len(zones), 8)
-        system = System(equation(KERNELS["period"]), zones, m, np.zeros((count, 9)), Steps.none())
+        system = System(equation(KERNELS["period"]), zones, m, np.zeros((count, 9)), ForcingJumps.none())
         sizes.append(ZoneSums(zones, KERNELS["period"], system.layout).size)
     assert sizes[1] < 4.4 * sizes[0] and sizes[2] < 4.4 * sizes[1]
     assert sizes[2] < 0.1 * 9 * 8 * 3 * 4000**2  # the matrix' own

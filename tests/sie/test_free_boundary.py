@@ -12,8 +12,8 @@ T = np.cos(np.pi * np.arange(1, 39) / 39)
 
 
 def forcing_of(form):
-    at = np.array(getattr(form, "steps_at", ()))
-    return sie.Forcing(form.value, form.primitive, at, np.array(getattr(form, "steps", ())))
+    at = np.array(getattr(form, "jumps_at", ()))
+    return sie.Forcing(form.value, form.primitive, at, np.array(getattr(form, "jumps", ())))
 
 
 def kernel_of(form):
@@ -198,10 +198,10 @@ def test_the_trace_tells_the_steps():
 def test_the_units_of_length_and_of_the_density_do_not_matter(length, period):
     stress = 1e7 / length
     form = exact.Wedge(0.3, 1.0) if period is None else exact.Westergaard(0.3, 1.0)
-    at = np.array(getattr(form, "steps_at", ())) * length
+    at = np.array(getattr(form, "jumps_at", ())) * length
     forcing = sie.Forcing(
         lambda x: stress * form.value(x / length), lambda x: stress * length * form.primitive(x / length), at,
-        stress * np.array(getattr(form, "steps", ())),
+        stress * np.array(getattr(form, "jumps", ())),
     )
     kernel = sie.cauchy() if period is None else sie.hilbert(length)
     equation = sie.Equation(kernel, forcing, (sie.Total(form.total * stress * length),))

@@ -109,5 +109,5 @@ def test_beside_zones_the_potential_of_a_kernel_of_unknown_smoothness_is_not_int
     flat = sie.Forcing(np.zeros_like, np.zeros_like)
     density = sie.solve_fixed(sie.Equation(kernel, flat, (sie.Total(1.0), sie.EqualPotential())), zones).density
     x = 2.0 + 100 * np.linspace(0, 1, 200) ** 2
-    away = sie.LocalPotential.on(density, 2.0, 102.0)(x) - density.potential(x)
+    away = sie.IntervalPotential.on(density, 2.0, 102.0)(x) - density.potential(x)
     assert np.max(np.abs(away)) < 1e-13

@@ -1,4 +1,4 @@
-"""Jumps in holes: their closed forms against quadrature of the principal values."""
+"""Jumps in slits: their closed forms against quadrature of the principal values."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from sie.jumps.forcing import Steps
-from sie.slits.kinks import Valley
+from sie.jumps.forcing import ForcingJumps
+from sie.slits.kinks import SlitKink
 
 ORDERS = [0, 1, 2]
 
 
-def valley(order: int, seed: int) -> tuple[Valley, float, float, float]:
-    """(a jump in a hole, middle and half width of this, the jump's place in it)."""
+def slit_kink(order: int, seed: int) -> tuple[SlitKink, float, float, float]:
+    """(a jump in a slit, middle and half width of this, the jump's place in it)."""
     rng = np.random.default_rng(seed)
     m = float(rng.uniform(-0.95, 0.95))
     r, zeta = float(10 ** rng.uniform(-3, -1.4) * (1 - abs(m))), float(rng.uniform(-0.9, 0.9))
-    return Valley(r**-order, 1 + m - r, 1 - m - r, r, 1 + m + r * zeta, 1 - m - r * zeta, order), m, r, zeta
+    return SlitKink(r**-order, 1 + m - r, 1 - m - r, r, 1 + m + r * zeta, 1 - m - r * zeta, order), m, r, zeta
 
 
-def quadrature(one: Valley, m: float, r: float, zeta: float, z: float) -> float:
-    """(1/pi) PV int psi X / (t - tau) dtau at t = m + r z, in angles, the value at t taken out on the hole."""
+def quadrature(one: SlitKink, m: float, r: float, zeta: float, z: float) -> float:
+    """(1/pi) PV int psi X / (t - tau) dtau at t = m + r z, in angles, the value at t taken out on the slit."""
 
     def weighted(place: float) -> float:
         slope = one.slope(np.array([1 + place]), np.array([1 - place]))
@@ -39,13 +39,13 @@ def quadrature(one: Valley, m: float, r: float, zeta: float, z: float) -> float:
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("seed", [1, 2])
 def test_what_a_jump_and_its_release_make_of_the_density_is_the_quadrature(order: int, seed: int) -> None:
-    one, m, r, zeta = valley(order, seed)
-    jump = Steps(np.array([0]), np.array([one.from_left]), np.array([one.from_right]), np.array([one.jump]), np.array([order]))
+    one, m, r, zeta = slit_kink(order, seed)
+    jump = ForcingJumps(np.array([0]), np.array([one.from_left]), np.array([one.from_right]), np.array([one.jump]), np.array([order]))
     for z in (-0.73, 0.94):
         t = m + r * z
         left, right = np.array([1 + t]), np.array([1 - t])
         own = np.sqrt(1 - t * t) * float(jump.density(0, left, right)[0])
-        assert own + quadrature(one, m, r, zeta, z) == pytest.approx(one.in_hole(left, right, np.array([z]))[0], abs=1e-10)
+        assert own + quadrature(one, m, r, zeta, z) == pytest.approx(one.in_slit(left, right, np.array([z]))[0], abs=1e-10)
     a_0, a_1 = one.edge
     for z in (-7.0, -1.3, 2.5, 12.0):
         t = m + r * z
@@ -56,7 +56,7 @@ def test_what_a_jump_and_its_release_make_of_the_density_is_the_quadrature(order
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_the_opening_is_the_integral_of_the_slope(order: int) -> None:
-    one, _, _, zeta = valley(order, 3)
+    one, _, _, zeta = slit_kink(order, 3)
     z = np.array([-0.6, 0.2, 0.97, 1.0])
     for place, opened in zip(z, one.opening(1 + z, 1 - z), strict=True):
         slope, cuts = (lambda x: float(one.slope(np.array([1 + x]), np.array([1 - x]))[0])), [-1.0, zeta, place]
@@ -66,7 +66,7 @@ def test_the_opening_is_the_integral_of_the_slope(order: int) -> None:
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_beside_the_ends_of_its_zone_it_goes_with_the_angle(order: int) -> None:
-    one, m, r, _ = valley(order, 4)
+    one, m, r, _ = slit_kink(order, 4)
     e = 1e-8
     for side, slope in zip((-1.0, 1.0), one.edge_slopes, strict=True):
         outside = np.array([(1 - side * m - r - e) / r])

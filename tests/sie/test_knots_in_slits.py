@@ -24,8 +24,8 @@ def state() -> sie.AnyState:
 
 
 def test_the_error_stated_is_that_of_rounding(state: sie.AnyState) -> None:
-    assert isinstance(state.density, sie.Pierced)
-    assert len(state.density.steps) == 1  # where the two pieces of what the spline leaves meet
+    assert isinstance(state.density, sie.SlitDensity)
+    assert len(state.density.jumps) == 1  # where the two pieces of what the spline leaves meet
     assert state.density_error < 1e-10
 
 

@@ -7,13 +7,13 @@ import pytest
 from scipy.interpolate import BSpline
 
 import sie
-from sie.jumps.density import Breaks
+from sie.jumps.density import DensityJumps
 from sie.jumps.local_spline import MANY
 
 KERNEL = sie.cauchy()
 
 
-def both(seed: int = 5) -> tuple[Breaks, Breaks, sie.Zones]:
+def both(seed: int = 5) -> tuple[DensityJumps, DensityJumps, sie.Zones]:
     """(all jumps of a quadratic spline one by one, the same with a spline in their place, the zone)."""
     rng, n = np.random.default_rng(seed), MANY + 40
     at = np.arange(n) + rng.uniform(-0.4, 0.4, n)
@@ -21,7 +21,7 @@ def both(seed: int = 5) -> tuple[Breaks, Breaks, sie.Zones]:
     bends = spline.derivative(2)(0.5 * (at[1:] + at[:-1]))
     at, jumps, orders = at[3:-3], np.diff(bends)[2:-2], np.full(n - 6, 2)
     zones = sie.Zones.of([[at[10] - 0.3, at[-10] + 0.2]])
-    return Breaks.inside(zones, at, jumps, orders, KERNEL), Breaks.inside(zones, at, jumps, orders, KERNEL, spline), zones
+    return DensityJumps.inside(zones, at, jumps, orders, KERNEL), DensityJumps.inside(zones, at, jumps, orders, KERNEL, spline), zones
 
 
 def test_a_spline_in_place_of_many_jumps_leaves_six_and_is_the_same_density() -> None:
@@ -42,3 +42,15 @@ def test_a_spline_in_place_of_many_jumps_leaves_six_and_is_the_same_density() ->
     for first, second in pairs:
         assert first == pytest.approx(second, rel=1e-9, abs=1e-9 * float(np.abs(first).max()))
     assert other.rounding(1)[0] < 0.1 * one.rounding(1)[0]
+
+
+def test_both_kinds_of_splines_answer_the_same_questions_and_refuse_what_they_do_not_have() -> None:
+    spline = both()[1].splines[0]
+    theta, h = np.linspace(0.3, 2.8, 50), 1e-6
+    ahead, behind = (spline.density(1 + np.cos(at), 1 - np.cos(at)) for at in (theta + h, theta - h))
+    slope = spline.angular_slope(1 + np.cos(theta), 1 - np.cos(theta))
+    assert slope == pytest.approx((ahead - behind) / (2 * h), abs=1e-5 * np.abs(slope).max())
+    with pytest.raises(ValueError, match="potentials"):
+        spline.mean_offset  # noqa: B018
+    with pytest.raises(ValueError, match="no closed form"):
+        spline.potential(theta, theta, theta)

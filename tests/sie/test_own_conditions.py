@@ -1,5 +1,6 @@
 """Side conditions in every form an equation is solved in: none at all, a user's own, and what their rounding does."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import mpmath
@@ -8,8 +9,9 @@ import pytest
 
 import sie
 from sie.basis import chebyshev
-from sie.equation.conditions import Condition
-from sie.slits.system import PiercedState
+from sie.collocation.fixed import first_sizes
+from sie.equation.conditions import Condition, by_zone
+from sie.slits.system import SlitState
 
 T = np.linspace(-0.97, 0.97, 15)
 WAVE = sie.Forcing(np.sin, lambda x: -np.cos(x))
@@ -151,14 +153,97 @@ def test_a_condition_of_ones_own_holds_whatever_the_width_of_a_gap(condition, ga
     zones = sie.Zones.of([[-1.0, 0.0], [gap, 1.3]], [sie.SINGULAR, sie.FREE], [sie.FREE, sie.SINGULAR])
     conditions, columns = (sie.Total(1.0), sie.EqualPotential(), condition), (CONSTANT,)
     state = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, conditions, columns), zones)
-    assert not isinstance(state, PiercedState)
+    assert not isinstance(state, SlitState)
     slack = 1e-12 + state.density_error
     if isinstance(condition, FirstTotal):
         assert state.density.totals[0] == pytest.approx(0.2, abs=slack)
     else:
         assert state.density.intensities[0][0] == pytest.approx(state.density.intensities[1][1], abs=slack)
     without = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, conditions[:2]), zones)
-    assert isinstance(without, PiercedState) == (gap < 0.1)
+    assert isinstance(without, SlitState) == (gap < 0.1)
+
+
+# One of every zone ------------------------------------------------------------------------------------------------------------
+@dataclass(frozen=True)
+class EveryZone(Condition):
+    """What `told` makes of the system, as many rows as there are zones, less `fewer`."""
+
+    told: Callable[[sie.Rows], tuple[np.ndarray, np.ndarray]]
+    value: float = 0.1
+    fewer: int = 0
+
+    def count(self, zones):
+        return len(zones.solved) - self.fewer
+
+    def rows(self, system):
+        matrix, constants = self.told(system)
+        return matrix, constants, np.full(len(constants), self.value)
+
+
+def sprung(system):
+    """Zones on springs: a level, and a part of what the zone bears."""
+    both = zip(system.levels(), system.totals(), strict=True)
+    stiff = 1 + 0.2 * np.arange(len(system.totals()[1]))
+    return tuple(level + (stiff * total.T).T for level, total in both)
+
+
+BY_ZONE = {
+    "totals": (EveryZone(lambda system: system.totals()),),
+    "first moments about a place": (EveryZone(lambda system: system.integrals(lambda x: 1 + 0.1 * x)),),
+    "edges": (EveryZone(lambda system: system.intensities()[1]),),
+    "springs": (EveryZone(sprung),),
+    "levels": (sie.Total(0.3), EveryZone(lambda system: tuple(-2.0 * part for part in system.level_steps()), 0.0, 1)),
+}
+
+
+@pytest.mark.parametrize("symmetric", [False, True])
+@pytest.mark.parametrize("name", BY_ZONE)
+def test_a_condition_of_ones_own_on_every_zone_holds_by_matrix_and_by_fast_sums(monkeypatch, name, symmetric):
+    table = ROW - 0.5 * (ROW[0, 0] + ROW[-1, 1])
+    table = 0.5 * (table - table[::-1, ::-1]) if symmetric else ROW
+    wave = sie.Forcing(np.sin, lambda x: -np.cos(x))
+    weighted = name.startswith("first") and symmetric
+    conditions = (EveryZone(lambda system: system.integrals(lambda x: 1 + 0.1 * x * x)),) if weighted else BY_ZONE[name]
+    zones = sie.Zones.of(table, sie.SINGULAR, sie.SINGULAR, symmetric=symmetric)
+    direct, iterated = by_matrix_and_by_sums(monkeypatch, sie.Equation(sie.cauchy(), wave, conditions), zones)
+    assert difference(direct, iterated) < direct.density_error + iterated.density_error < 1e-11
+    assert iterated.sizes.iterations < 40
+
+
+def test_what_a_condition_asks_of_every_zone_is_found_by_trial():
+    zones = sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR)
+    half = zones.half
+    totals, springs, steps = (by_zone(BY_ZONE[name][-1], zones) for name in ("totals", "springs", "levels"))
+    assert totals.first == pytest.approx(np.pi * half) and not totals.of_levels
+    assert springs.levels == pytest.approx(np.ones(12)) and springs.first == pytest.approx(np.pi * half * (1 + 0.2 * np.arange(12)))
+    assert steps.differences and steps.levels == pytest.approx(np.full(11, -2.0))
+    assert by_zone(sie.ZoneTotals(), zones).first == pytest.approx(totals.first)
+
+    def mixed(system):
+        matrix, constants = system.totals()
+        return matrix + matrix[::-1], constants + constants[::-1]
+
+    def some(system):
+        (matrix, constants), (levels, at) = system.totals(), system.levels()
+        return np.concatenate((matrix[:6], levels[6:])), np.concatenate((constants[:6], at[6:]))
+
+    assert by_zone(EveryZone(mixed), zones) is None and by_zone(EveryZone(some), zones) is None
+    assert by_zone(sie.Total(1.0), zones) is None and by_zone(SameLevel(0, 3), zones) is None
+
+
+@pytest.mark.parametrize("count", [40, 160])
+def test_many_zones_under_a_condition_of_ones_own_take_no_more_iterations(count):
+    """Counted: as many as under the engine's own, whatever the number of zones, and no matrix."""
+    first = np.arange(count) + 0.1 * np.random.default_rng(2).random(count)
+    zones = sie.Zones.of(np.column_stack((first, first + 0.7)), sie.SINGULAR, sie.SINGULAR)
+    made = []
+    for condition in (sie.ZoneTotals(0.1), BY_ZONE["totals"][0]):
+        sizes = first_sizes(sie.Equation(sie.cauchy(), WAVE, (condition,)), zones)
+        sizes.least = 48
+        state = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, (condition,)), zones, 1e-12, sizes)
+        assert state.iterated
+        made.append(sizes.iterations)
+    assert made[0] == made[1] < 30
 
 
 @dataclass(frozen=True)

@@ -140,7 +140,7 @@ def test_beside_a_slit_the_density_is_that_of_the_zones_by_themselves(period, of
     equation = sie.Equation(kernel(0.8, depth, period, of_lag), right, (sie.Total(1.0), sie.EqualPotential()))
     zones = sie.Zones.of(np.array([[-0.8, -0.004], [0.004, 0.8]] if symmetric else [[-0.8, 0.01], [0.018, 0.7]]), symmetric=symmetric)
     one, other = sie.solve_zones(equation, zones), sie.solve_fixed(equation, zones)
-    assert isinstance(one.density, sie.Pierced) and not isinstance(other.density, sie.Pierced)
+    assert isinstance(one.density, sie.SlitDensity) and not isinstance(other.density, sie.SlitDensity)
     t = np.linspace(-0.9, 0.9, 7)
     for zone in (0, 1):
         assert one.density.at_t(zone, t) == pytest.approx(other.density.at_t(zone, t), rel=1e-9)

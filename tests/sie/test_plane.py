@@ -5,9 +5,9 @@ import numpy as np
 import pytest
 
 import sie
-from sie.jumps.density import Breaks
-from sie.jumps.forcing import Steps
-from sie.slits.system import PiercedState, solve_zones
+from sie.jumps.density import DensityJumps
+from sie.jumps.forcing import ForcingJumps
+from sie.slits.system import SlitState, solve_zones
 from tests.sie import exact
 
 # 1e-8 from an end, 1e-6 above the zone, on its upper side, far away, in both half planes.
@@ -73,18 +73,21 @@ def test_the_field_of_a_period_decays_and_its_potential_turns_with_every_period(
 
 def jumping(kind, kernel, order):
     zones = sie.Zones.of([[-0.5, 0.9]])
-    at, jumps, orders = np.array([0.3, -0.45]), np.array([0.7, -1.1]), np.full(2, order)
-    if kind == "beyond":  # logarithms of the right side outside the zone
-        at, jumps, orders = np.array([0.95, -0.6]), np.array([0.7, -1.1]), np.zeros(2, dtype=int)
-    steps = Steps.within(zones, at, jumps, orders, None) if kind == "steps" else Breaks.inside(zones, at, jumps, orders, kernel)
-    return sie.Density(zones, kernel, np.zeros((1, 3)), steps, np.zeros(0))
+    at, heights, orders = np.array([0.3, -0.45]), np.array([0.7, -1.1]), np.full(2, order)
+    if kind == "exterior logarithms":  # logarithms of the right side outside the zone
+        at, heights, orders = np.array([0.95, -0.6]), np.array([0.7, -1.1]), np.zeros(2, dtype=int)
+    if kind == "forcing jumps":
+        jumps = ForcingJumps.within(zones, at, heights, orders, None)
+    else:
+        jumps = DensityJumps.inside(zones, at, heights, orders, kernel)
+    return sie.Density(zones, kernel, np.zeros((1, 3)), jumps, np.zeros(0))
 
 
 def integrated(density, z, kernels):
     """The integrals over the zone by Gauss's rule, in panels of theta that halve towards the jumps and towards z."""
-    zones, steps = density.zones, density.steps
+    zones, jumps = density.zones, density.jumps
     w, middle = zones.half[0], zones.middle[0]
-    marks = np.sort(np.concatenate((steps.phi, [np.arccos(np.clip((z.real - middle) / w, -1, 1))])))
+    marks = np.sort(np.concatenate((jumps.phi, [np.arccos(np.clip((z.real - middle) / w, -1, 1))])))
     near = np.concatenate([m + s * 0.5 ** np.arange(1, 36) for m in marks for s in (-1, 1)])
     cuts = np.unique(np.concatenate(([0, np.pi], marks, near)))
     cuts = cuts[(cuts >= 0) & (cuts <= np.pi)]
@@ -100,7 +103,9 @@ def integrated(density, z, kernels):
 OF_CAUCHY = (lambda d: 1 / d, lambda d: -1 / d**2, np.log)
 
 
-@pytest.mark.parametrize(("kind", "order"), [*((kind, order) for kind in ("steps", "breaks") for order in (0, 1, 2)), ("beyond", 0)])
+@pytest.mark.parametrize(
+    ("kind", "order"), [*((kind, order) for kind in ("forcing jumps", "density jumps") for order in (0, 1, 2)), ("exterior logarithms", 0)]
+)
 def test_jumps_do_what_the_integral_says(kind, order):
     density = jumping(kind, sie.cauchy(), order)
     for z in (0.31 + 1e-2j, 0.3 + 1e-3j, 0.9 + 1e-3j, -0.5 + 3e-3j, 0.1 + 0.36j, -2 + 30j, 1.3 + 0.01j):
@@ -110,13 +115,13 @@ def test_jumps_do_what_the_integral_says(kind, order):
 
 
 @pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.9), sie.images(1.9, 1)], ids=["line", "period", "images"])
-@pytest.mark.parametrize(("kind", "order"), [("steps", 0), ("breaks", 0), ("beyond", 0)])
+@pytest.mark.parametrize(("kind", "order"), [("forcing jumps", 0), ("density jumps", 0), ("exterior logarithms", 0)])
 def test_sides_of_the_line_have_the_values_on_it(kernel, kind, order):
     """F is T - i phi on the upper side (Plemelj), the real part of the potential that on the line, and W' = F, F' its slope."""
     density = jumping(kind, kernel, order)
     x = np.array([-0.3, 0.1, 0.55, 0.899, 0.93, -0.7])
     assert np.abs(density.transform(x + 0j) - (density.transform(x) - 1j * density(x))).max() < 1e-13
-    if kind == "steps":
+    if kind == "forcing jumps":
         assert np.abs(density.potential(x + 0j).real - density.potential(x)).max() < 1e-13
     z, h = x + np.array([0.2j, 0.01j, -0.1j, 0.1j, 3j, -0.3j]), 1e-4
     first, second = (
@@ -132,7 +137,7 @@ def many(kernel, count=80):
     table = np.sort(rng.uniform(0, 1, 2 * count)).reshape(count, 2)
     table[:, 1] = table[:, 0] + 0.7 * np.diff(table)[:, 0]
     coefficients = rng.standard_normal((count, 12)) * 0.5 ** np.arange(12)
-    return sie.Density(sie.Zones.of(table), kernel, coefficients, Steps.none(), np.zeros(0))
+    return sie.Density(sie.Zones.of(table), kernel, coefficients, ForcingJumps.none(), np.zeros(0))
 
 
 @pytest.mark.parametrize("what", ["transform", "derivative", "potential"])
@@ -173,7 +178,7 @@ def test_intervals_with_slits_are_what_their_zones_are_one_by_one(kernel, order)
     )
     equation = sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential()))
     plain, slit = sie.solve_fixed(equation, sie.Zones.of(SLITS)), solve_zones(equation, sie.Zones.of(SLITS))
-    assert isinstance(slit, PiercedState)
+    assert isinstance(slit, SlitState)
     for one, other in zip(asked(plain.density, NEAR_SLITS), asked(slit.density, NEAR_SLITS), strict=True):
         assert np.abs(one - other).max() < 3e-11 * np.abs(one).max()
 
@@ -190,15 +195,15 @@ def test_a_zone_of_very_many_knots_goes_on_from_the_line():
         d = x - knots[i]
         return np.interp(knots[i], knots, rise) + d * (line[i] + 0.5 * d * (line[i + 1] - line[i]) / (knots[i + 1] - knots[i]))
 
-    jumps = np.diff(np.diff(values) / np.diff(knots))
-    orders = np.full(len(jumps), 2)
+    heights = np.diff(np.diff(values) / np.diff(knots))
+    orders = np.full(len(heights), 2)
     made = (
-        Steps.within(zones, knots[1:-1], jumps, orders, None, spline),
-        Breaks.inside(zones, knots[1:-1], jumps, orders, sie.cauchy(), spline),
+        ForcingJumps.within(zones, knots[1:-1], heights, orders, None, spline),
+        DensityJumps.inside(zones, knots[1:-1], heights, orders, sie.cauchy(), spline),
     )
-    for steps in made:
-        density = sie.Density(zones, sie.cauchy(), np.zeros((1, 3)), steps, np.zeros(0))
-        assert steps.splines
+    for jumps in made:
+        density = sie.Density(zones, sie.cauchy(), np.zeros((1, 3)), jumps, np.zeros(0))
+        assert jumps.splines
         x = np.array([-0.3, 0.1, 0.55, 0.95, -0.7])
         size = np.abs(density(x)).max()
         assert np.abs(density.transform(x + 0j) - (density.transform(x) - 1j * density(x))).max() < 1e-10 * size

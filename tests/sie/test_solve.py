@@ -23,8 +23,8 @@ def solve(forcing, conditions, ends, left=sie.SINGULAR, right=sie.SINGULAR, kern
 
 
 def forcing_of(form):
-    at = np.array(getattr(form, "steps_at", ()))
-    return sie.Forcing(form.value, form.primitive, at, np.array(getattr(form, "steps", ())))
+    at = np.array(getattr(form, "jumps_at", ()))
+    return sie.Forcing(form.value, form.primitive, at, np.array(getattr(form, "jumps", ())))
 
 
 # Closed forms ------------------------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ EVERY_END = {
 
 
 def problem(form):
-    at, jumps = np.array(getattr(form, "steps_at", ())), np.array(getattr(form, "steps", ()))
+    at, jumps = np.array(getattr(form, "jumps_at", ())), np.array(getattr(form, "jumps", ()))
     forcing = sie.Forcing(form.value, form.primitive, at, jumps)
     kernel = sie.cauchy() if form.period is None else sie.hilbert(form.period)
     conditions = () if isinstance(form, exact.Tilted) else (sie.Total(form.total), sie.EqualPotential())

@@ -7,11 +7,11 @@ import pytest
 from scipy.interpolate import BSpline
 
 import sie
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 from sie.jumps.local_spline import MANY
 
 
-def both(after: int = 10, seed: int = 5) -> tuple[Steps, Steps, sie.Zones]:
+def both(after: int = 10, seed: int = 5) -> tuple[ForcingJumps, ForcingJumps, sie.Zones]:
     """(all jumps of a quadratic spline one by one, the same with a spline in their place, the zone): `after` knots lie right of it."""
     rng, n = np.random.default_rng(seed), MANY + 40 + after
     at = np.arange(n) + rng.uniform(-0.4, 0.4, n)
@@ -19,7 +19,7 @@ def both(after: int = 10, seed: int = 5) -> tuple[Steps, Steps, sie.Zones]:
     bends = spline.derivative(2)(0.5 * (at[1:] + at[:-1]))
     at, jumps, orders = at[3:-3], np.diff(bends)[2:-2], np.full(n - 6, 2)
     zones = sie.Zones.of([[at[10] - 0.3, at[-after] + 0.2]])
-    return Steps.within(zones, at, jumps, orders, None), Steps.within(zones, at, jumps, orders, None, spline), zones
+    return ForcingJumps.within(zones, at, jumps, orders, None), ForcingJumps.within(zones, at, jumps, orders, None, spline), zones
 
 
 @pytest.mark.parametrize("after", [2, 300])
@@ -53,8 +53,8 @@ def test_a_spline_leaves_one_jump_and_a_parabola(after: int) -> None:
 
 
 def test_potential_of_the_spline_is_the_primitive_of_its_transform() -> None:
-    _, steps, _ = both()
-    spline = steps.splines[0]
+    _, jumps, _ = both()
+    spline = jumps.splines[0]
     t, places = np.polynomial.legendre.leggauss(20)[0], np.array([1.05, 3.0, -1.2, -7.0])
     weights = np.polynomial.legendre.leggauss(20)[1]
     rho = places - np.sign(places) * np.sqrt(places**2 - 1)

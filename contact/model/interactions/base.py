@@ -7,7 +7,7 @@ scaled length) are given to it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import numpy as np
@@ -69,6 +69,7 @@ class Interaction:
     """
 
     name: ClassVar[str]
+    units: ClassVar[Mapping[str, str]] = {}
     needs_period: ClassVar[bool] = False
     allows: ClassVar[tuple[str, ...]] = CONTROLS
     exact: ClassVar[bool] = True

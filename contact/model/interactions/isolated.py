@@ -34,6 +34,7 @@ class Isolated(Interaction):
     """
 
     datum: float | None = None
+    units = {"datum": "m"}
     allows = ("load", "mean_pressure", "approach", "half_width")
     turns = True
 

@@ -54,6 +54,7 @@ class Localized(Interaction):
 
     closure: str = "first-order"
     neighbours: int = 0
+    units = {"neighbours": "1"}
     needs_period = True
     allows = ("load", "mean_pressure", "approach", "half_width")
     exact = False

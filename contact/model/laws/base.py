@@ -6,6 +6,8 @@ which controls and ways of solving hold under it. Nothing else of the package kn
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from math import pi
 from typing import Any, ClassVar
 
 import sie
@@ -57,6 +59,7 @@ class Law(sie.Kept):
     """
 
     name: ClassVar[str]
+    units: ClassVar[Mapping[str, str]] = {}
     allows: ClassVar[tuple[str, ...]] = CONTROLS
     turns: ClassVar[bool] = False
     pulls: ClassVar[bool] = False
@@ -78,6 +81,12 @@ class Law(sie.Kept):
     def reach(self) -> float:
         """Gap [m] from which on nothing acts; 0 where nothing acts beside the contact."""
         return 0.0
+
+    def surface_energy(self, fields: Any, width: float) -> float:
+        """Energy of the interface [J/m] of fields (`contact.formulation.fields.Fields`) that touch over a width [m]: less what closing
+        it has released, (pi/E*) K^2 for each width."""
+        E_star = fields.problem.units.E_star
+        return -pi / E_star * self.intensity(E_star) ** 2 * width
 
     def refuses(self, scene: Any) -> str | None:
         """Why the law does not go with a scene (`contact.Scene`) of admitted controls, in words that end a sentence; None if it does."""

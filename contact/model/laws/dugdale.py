@@ -49,6 +49,7 @@ class Dugdale(Law):
 
     work: float
     stress: float
+    units = {"work": "J/m^2", "stress": "Pa"}
 
     allows = ("load", "mean_pressure", "approach")
     pulls = True
@@ -65,6 +66,13 @@ class Dugdale(Law):
     @property
     def reach(self) -> float:
         return self.work / self.stress
+
+    def surface_energy(self, fields: Any, width: float) -> float:
+        """-w for each width in which the gap is below the reach, and what it takes there to open it."""
+        cohesive = fields.cohesive
+        if len(cohesive) == 0:  # full contact, or surfaces apart
+            return -self.work * width
+        return -self.work * float((cohesive[:, 1] - cohesive[:, 0]).sum()) + self.stress * float(fields.opened)
 
     def refuses(self, scene: Any) -> str | None:
         if scene.interaction.strip:

@@ -44,6 +44,7 @@ class JKR(Law):
     """
 
     work: float
+    units = {"work": "J/m^2"}
 
     allows = ("load", "mean_pressure", "approach", "half_width")
     pulls = True
@@ -58,7 +59,7 @@ class JKR(Law):
 
     def refuses(self, scene: Any) -> str | None:
         if scene.interaction.strip:
-            return f"goes with isolated and periodic bodies, not with {scene.interaction.name}"
+            return f"goes with isolated and periodic bodies, not with the strip of {scene.interaction.name}, which is not all of the body"
         if scene.profile.support is not None:
-            return f"is not solved at sharp corners, where {scene.profile.name} ends"
+            return f"is not solved at sharp corners, which hold the ends of {scene.profile.name}: round them off"
         return None

@@ -23,6 +23,9 @@ from contact.model.registry import construct
 
 Array = NDArray[np.float64]
 
+# Places a period at which slopes are read.
+_PLACES = 1024
+
 
 class Profile(sie.Kept):
     """Base of all profiles; subclasses are frozen dataclasses that check their fields when made.
@@ -47,6 +50,8 @@ class Profile(sie.Kept):
     """
 
     name: ClassVar[str] = ""
+    # Of parameters, by name, as tables and axes tell them; what is not here has none told.
+    units: ClassVar[Mapping[str, str]] = {}
     period: float | None = None
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -125,12 +130,30 @@ class Profile(sie.Kept):
         """H f' = (1/L) PV int f'(xi) cot(pi (x - xi)/L) dxi over a period; None if not known."""
         return None
 
+    @cached_property
+    def slopes_seen(self) -> Array:
+        """Finite slopes at even places over the period, or where the shape is known; none of a body without either."""
+        if self.extent is None and self.period is None:
+            return np.zeros(0)
+        lo, hi = self.extent or (self.x0, self.x0 + (self.period or 0.0))
+        with np.errstate(all="ignore"):
+            slopes = np.asarray(self.slope(lo + (hi - lo) * (np.arange(_PLACES) + 0.5) / _PLACES), dtype=float)
+        return np.asarray(slopes[np.isfinite(slopes)])
+
+    @cached_property
+    def slope_sizes(self) -> tuple[float, float]:
+        """(largest, root mean square) of these slopes."""
+        seen = self.slopes_seen
+        return (float(np.abs(seen).max()), float(np.sqrt(np.mean(seen**2)))) if seen.size else (0.0, 0.0)
+
     def wrap(self, x: ArrayLike) -> Any:
         """x moved by whole periods into [x0, x0 + L), bit for bit the same if already there."""
         given = np.asarray(x)
         if self.period is None:
             return given
         lo = self.x0
+        if given.dtype == np.float64 and given.size and lo <= given.min() and given.max() < lo + self.period:
+            return given
         # The real part alone decides: complex arguments come from the complex-step derivative.
         turns = np.floor((given.real - lo) / self.period)
         moved = given - self.period * turns
@@ -148,6 +171,10 @@ class Profile(sie.Kept):
         if not dataclasses.is_dataclass(self):
             return {}
         return {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.init}
+
+    def trace_summary(self) -> dict[str, Any] | None:
+        """Of a measured trace: what was read and done to it, and its roughness, lengths in m; None for other shapes."""
+        return None
 
     def __getstate__(self) -> dict[str, Any]:
         """What copies and pickles hold: not what was worked out on the way, which is large and worked out again."""

@@ -48,6 +48,7 @@ class Biquadratic(Profile):
     radius: float
     spacing: float
     period: float | None = None
+    units = {"radius": "m", "spacing": "m", "period": "m"}
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "radius", positive("radius", self.radius))

@@ -42,6 +42,7 @@ class Flat(Profile):
 
     width: float
     period: float | None = None
+    units = {"width": "m", "period": "m"}
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "width", positive("width", self.width))

@@ -49,6 +49,7 @@ class Fourier(Profile):
     period: float
     cosine: ArrayLike
     sine: ArrayLike = ()
+    units = {"period": "m"}
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "period", positive("period", self.period))

@@ -43,6 +43,7 @@ class Parabola(Profile):
 
     radius: float
     period: float | None = None
+    units = {"radius": "m", "period": "m"}
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "radius", positive("radius", self.radius))

@@ -42,6 +42,7 @@ class Polynomial(Profile):
 
     coefficients: ArrayLike
     period: float | None = None
+    units = {"period": "m"}
 
     def __post_init__(self) -> None:
         c = finite_array("coefficients", self.coefficients)

@@ -24,6 +24,7 @@ from contact.model.checks import finite_array, increasing, positive_or_none, tex
 from contact.model.profiles.base import Array, Profile
 from contact.model.registry import register_profile
 from contact.model.traces.prepare import load_trace
+from contact.model.traces.roughness import roughness
 
 _FEWEST = 4  # a not-a-knot cubic has four coefficients
 _MOSTLY = 0.25  # this part of the points lie closer than what a first guess must see
@@ -177,6 +178,7 @@ class Sampled(Profile):
     period: float | None = None
     history: tuple[str, ...] = field(default=(), compare=False, repr=False)
     warnings: tuple[str, ...] = field(default=(), compare=False, repr=False)
+    units = {"period": "m"}
 
     def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:
         points = increasing("x", x, _FEWEST)
@@ -216,6 +218,9 @@ class Sampled(Profile):
 
     def parameters(self) -> dict[str, Any]:
         return {"x": self.x, "height": self.heights, "period": self.period}
+
+    def trace_summary(self) -> dict[str, Any]:
+        return {"history": list(self.history), **vars(roughness(self))}
 
     def height(self, x: ArrayLike) -> Array:
         return np.asarray(-self._spline(self._inside(x)))

@@ -42,6 +42,7 @@ class Sinusoid(Profile):
 
     amplitude: float
     period: float
+    units = {"amplitude": "m", "period": "m"}
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "amplitude", positive("amplitude", self.amplitude))

@@ -45,6 +45,7 @@ class Wedge(Profile):
 
     tangent: float
     period: float | None = None
+    units = {"slope": "1", "period": "m"}
 
     def __init__(self, slope: float, period: float | None = None) -> None:
         object.__setattr__(self, "tangent", positive("slope", slope))

@@ -7,6 +7,7 @@ full contact, and whether the displacement of a uniform pressure is finite.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import ClassVar
 
@@ -49,6 +50,7 @@ class Substrate(sie.Kept):
     """
 
     name: ClassVar[str]
+    units: ClassVar[Mapping[str, str]] = {}
     compression: float | None = None
 
     def symbol(self, q: Array) -> Array:

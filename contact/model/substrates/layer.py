@@ -65,6 +65,7 @@ class Layer(Substrate):
     thickness: float
     nu: float
     base: str = "bonded"
+    units = {"thickness": "m", "nu": "1"}
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "thickness", positive("thickness", self.thickness))

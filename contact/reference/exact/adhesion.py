@@ -24,7 +24,43 @@ STABLE, NARROW, WIDE, LAST = "stable", "narrow", "wide", "last"
 
 
 class AdhesiveZone(SymmetricZone):
-    """One zone |x| <= a under adhesion, made of the frictionless `zone` of the same half width."""
+    """One zone |x| <= a under adhesion, made of the frictionless `zone` of the same half width; the base of its solutions.
+
+    Along a curve of equilibria d energy = load d approach (K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430,
+    doi 10.1016/0020-7683(94)00111-9).
+
+    Attributes
+    ----------
+    zone : IsolatedZone or PeriodicZone
+        The frictionless solution, such as `HertzLine` or `Westergaard`.
+    work : float
+        Work of adhesion w [J/m^2].
+    load, approach : float
+        P [N/m] and approach [m], of any sign.
+    elastic_energy, surface_energy, energy : float
+        Of the body, of the interface, and both [J/m], per period if there is one; a zone that is alone needs a datum.
+    mean_gap : float or None
+        Mean of the gap over the period [m]; None without one.
+    pressure, gap, zones, approach : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If the zone is no frictionless solution, or an energy is asked for without a datum.
+
+    Examples
+    --------
+    The derivative of the energy by the approach is the load.
+
+    >>> import numpy as np
+    >>> from contact.exact import AdhesiveZone, JKRWave
+    >>> curve = JKRWave(amplitude=1e-6, period=1e-4, E_star=1e9, work=0.5)
+    >>> before, state, after = (curve.at(a) for a in (1.9999e-5, 2e-5, 2.0001e-5))
+    >>> slope = (after.energy - before.energy) / (after.approach - before.approach)
+    >>> isinstance(state, AdhesiveZone), bool(np.isclose(slope, state.load, rtol=1e-5))
+    (True, True)
+    """
 
     zone: IsolatedZone | PeriodicZone
     # One of the two is given, the other follows.

@@ -67,7 +67,53 @@ def zone_potential(z_minus_1: ArrayLike) -> Array:
 
 
 class SymmetricZone:
-    """One zone [-a, a], isolated (period None) or once in every period; see IsolatedZone and PeriodicZone."""
+    """One zone [-a, a], isolated (period None) or once in every period; the base of the exact solutions of one symmetric zone.
+
+    Equations: the head of this module (J. R. Barber, Contact Mechanics, 2018, doi 10.1007/978-3-319-70939-0).
+
+    Attributes
+    ----------
+    half_width : float
+        Half width a of the zone [m].
+    E_star : float
+        Reduced modulus [Pa].
+    period : float or None
+        Period L [m]; None: the zone is alone.
+    datum : float or None
+        Distance at which the far field of u is zero [m]; a zone that is alone has no approach without it (None).
+    load : float
+        P per unit thickness [N/m], per period if there is one.
+    mean_pressure, contact_fraction : float or None
+        P/L [Pa] and 2a/L; None without a period.
+    max_pressure : float
+        Peak pressure [Pa]; inf where the profile has a kink or a corner in the zone.
+    approach : float or None
+        By how much the body has come down, from first touch on [m].
+    stiffness, punch_compliance : float or None
+        d load/d approach [Pa], that of a flat punch on the same zone, and its inverse [m^2/N].
+    zones : array, (1, 2)
+        The ends [m]; beside them `zone_widths` [m] and `zone_loads` [N/m], both (1,).
+    pressure, gap, displacement, height, slope : callable
+        p [Pa], gap [m], u [m] into the body, f [m] and f' at positions x [m] of any shape.
+    pressure_at : callable
+        p [Pa] at normalised positions t in [-1, 1] of the zone, to rounding up to its ends.
+
+    Raises
+    ------
+    SceneError
+        From `displacement`, if a zone that is alone has no datum.
+
+    Examples
+    --------
+    The stiffness is that of a flat punch on the same zone.
+
+    >>> import numpy as np
+    >>> from contact.exact import HertzLine, IsolatedPunch, SymmetricZone
+    >>> hertz = HertzLine(radius=1.0, E_star=1e9, half_width=1e-3, datum=1.0)
+    >>> punch = IsolatedPunch(half_width=1e-3, E_star=1e9, load=1e3, datum=1.0)
+    >>> isinstance(hertz, SymmetricZone), bool(np.isclose(hertz.stiffness, punch.load / punch.approach))
+    (True, True)
+    """
 
     # Annotations only: a value here would become the default of a subclass's dataclass field of that name.
     half_width: float
@@ -117,14 +163,17 @@ class SymmetricZone:
     # Geometry
     @property
     def zones(self) -> Array:
+        """Ends of the zone [m], (1, 2)."""
         return np.array([[-self.half_width, self.half_width]])
 
     @property
     def zone_widths(self) -> Array:
+        """Width of the zone [m], (1,)."""
         return np.array([2.0 * self.half_width])
 
     @property
     def contact_fraction(self) -> float | None:
+        """2a/L; None without a period."""
         return None if self.period is None else 2.0 * self.half_width / self.period
 
     def _reduced(self, x: ArrayLike) -> Array:
@@ -143,6 +192,7 @@ class SymmetricZone:
     # Loads
     @property
     def zone_loads(self) -> Array:
+        """Load of the zone [N/m], (1,)."""
         return np.array([self.load])
 
     @property

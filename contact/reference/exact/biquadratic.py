@@ -20,14 +20,66 @@ from contact.reference.exact.base import Array, arcosh1p, sinh_minus, zone_poten
 
 @dataclass(frozen=True)
 class IsolatedBiquadratic:
-    """Zones a <= |x| <= b, a^2 + b^2 = 2c^2, h = (b^2 - a^2)/2, while the load of both P < pi E* c^2/8R:
+    """Two parabolic tips a distance 2c apart on one punch, f = (x^2 - c^2)^2/8Rc^2: two zones, or one.
+
+    Zones a <= |x| <= b, a^2 + b^2 = 2c^2, h = (b^2 - a^2)/2, while the load of both P < pi E* c^2/8R:
 
     (32) p = (E*/4Rc^2) |x| sqrt((x^2 - a^2)(b^2 - x^2)),   (33) P = pi E* h^2/8Rc^2 (half of it a zone),
     gap = (1/8Rc^2)(v sqrt(v^2 - h^2) - h^2 arcosh(v/h)), v = |x^2 - c^2|;
     approach = (h^2/8Rc^2)(ln(2d^2/h) + 1/2).
 
     Above that load one zone |x| <= b:   p = (E*/8Rc^2) sqrt(b^2 - x^2)(2x^2 + b^2 - 2c^2),
-    P = pi E* b^2 (3b^2 - 4c^2)/32Rc^2. `spacing` is 2c; the approach needs the `datum` d.
+    P = pi E* b^2 (3b^2 - 4c^2)/32Rc^2.
+
+    G. M. L. Gladwell, Contact Problems in the Classical Theory of Elasticity (1980), as given by Goryacheva & Tsukanov (2020),
+    doi 10.3389/fmech.2020.00045; the one zone, gap and approach are derived here.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of curvature R at the tips [m].
+    spacing : float
+        Distance 2c of the tips [m].
+    E_star : float
+        Reduced modulus [Pa].
+    load : float
+        P of both tips per unit thickness [N/m]; the class method `from_inner_end` starts from a instead.
+    datum : float or None
+        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+
+    Attributes
+    ----------
+    inner_end, outer_end : float
+        a (0 once the zones have merged) and b [m].
+    merging_load : float
+        pi E* c^2/8R [N/m], at which two zones become one.
+    merged : bool
+        Whether there is one zone.
+    zones : array, (2, 2) or (1, 2)
+        The ends [m]; beside them `zone_widths` [m] and `zone_loads` [N/m].
+    max_pressure : float
+        Peak pressure [Pa].
+    approach, stiffness : float or None
+        From the height of the tips [m], and d load/d approach [Pa]; None without a datum.
+    pressure, gap, displacement, height, slope : callable
+        p [Pa], gap [m], u [m] into the body, f [m] and f' at positions x [m] of any shape.
+    pressure_at : callable
+        p [Pa] at normalised positions t in [-1, 1] of a zone.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+
+    Examples
+    --------
+    Just as the zones merge they reach from -sqrt(2) c to sqrt(2) c.
+
+    >>> import numpy as np
+    >>> from contact.exact import IsolatedBiquadratic
+    >>> tips = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=np.pi / 8)
+    >>> tips.merged, bool(np.allclose(tips.zones, [[-np.sqrt(2), np.sqrt(2)]]))
+    (True, True)
     """
 
     radius: float
@@ -69,6 +121,7 @@ class IsolatedBiquadratic:
 
     @property
     def merged(self) -> bool:
+        """Whether there is one zone."""
         return self.load >= self.merging_load
 
     @property
@@ -77,7 +130,7 @@ class IsolatedBiquadratic:
 
     @property
     def outer_end(self) -> float:
-        """b."""
+        """b [m]."""
         if not self.merged:
             return sqrt(self._c**2 + self._h)
         # 3b^4 - 4b^2c^2 = 4c^4 P/P_merging
@@ -85,20 +138,23 @@ class IsolatedBiquadratic:
 
     @property
     def inner_end(self) -> float:
-        """a; 0 once the zones have merged."""
+        """a [m]; 0 once the zones have merged."""
         return 0.0 if self.merged else sqrt(self._c**2 - self._h)
 
     @property
     def zones(self) -> Array:
+        """Ends of the zones [m], (2, 2), or (1, 2) once they have merged."""
         a, b = self.inner_end, self.outer_end
         return np.array([[-b, b]]) if self.merged else np.array([[-b, -a], [a, b]])
 
     @property
     def zone_widths(self) -> Array:
+        """Widths of the zones [m]."""
         return np.diff(self.zones, axis=1)[:, 0]
 
     @property
     def zone_loads(self) -> Array:
+        """Load of every zone [N/m]."""
         n = len(self.zones)
         return np.full(n, self.load / n)
 

@@ -146,7 +146,51 @@ class _DugdaleState(AdhesiveZone):
 
 @dataclass(frozen=True)
 class DugdaleZone(_DugdaleState):
-    """A frictionless zone of half width a under the stress on a < |x| < c; the work of adhesion is stress times gap at c."""
+    """Maugis-Dugdale adhesion of one zone: a frictionless zone of half width a under the tension s on a < |x| < c beside it.
+
+    The ends are bounded, and the work of adhesion is the stress times the gap at c. Alone
+    p = p_0 - (2s/pi) arctan(sqrt((c^2 - a^2)/(a^2 - x^2))), P = P_0 - 2 s sqrt(c^2 - a^2); with a period: the head of this module.
+    D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269, doi 10.1016/0021-9797(92)90285-T; in the plane J. M. Baney & C.-Y. Hui,
+    J. Adhes. Sci. Technol. 11 (1997) 393-406, derived again.
+
+    Parameters
+    ----------
+    zone : IsolatedZone or PeriodicZone
+        The frictionless solution of the same half width, `HertzLine` or `Westergaard` for instance.
+    stress : float
+        Cohesive stress s [Pa].
+    cohesive_end : float
+        c, above a, and below L/2 with a period [m].
+
+    Attributes
+    ----------
+    work : float
+        Work of adhesion this state belongs to [J/m^2].
+    end_gap : float
+        The gap at c [m].
+    cohesive_intervals : array, (2, 2)
+        [[-c, -a], [a, c]] [m].
+    load, approach, energy : float
+        As in `AdhesiveZone`.
+    rates : callable
+        d load/dc and d approach/dc along the curve of equilibria.
+    pressure, gap, zones, approach : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If the zone is no frictionless solution, the stress not positive and finite, or c not beyond a.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import DugdaleZone, HertzLine
+    >>> hertz = HertzLine(radius=1e-3, E_star=1e9, half_width=3e-5)
+    >>> state = DugdaleZone(hertz, stress=1e5, cohesive_end=5e-5)
+    >>> bool(np.isclose(state.load, hertz.load - 2e5 * 4e-5)), bool(np.isclose(state.pressure(4e-5), -1e5))
+    (True, True)
+    """
 
     zone: IsolatedZone | PeriodicZone
     stress: float
@@ -245,9 +289,48 @@ class DugdaleZone(_DugdaleState):
 
 @dataclass(frozen=True)
 class MetDugdaleZone(_DugdaleState):
-    """Cohesive intervals that meet at L/2: the frictionless zone under a uniform tension, which moves no surface.
+    """Cohesive intervals that meet at L/2: the frictionless zone under a uniform tension, which moves no surface; P = P_0 - s L.
 
-    The work of adhesion has to be at least stress times the gap at L/2.
+    The work of adhesion has to be at least stress times the gap at L/2. Derived here, after D. Maugis, J. Colloid Interface Sci. 150
+    (1992) 243-269, doi 10.1016/0021-9797(92)90285-T.
+
+    Parameters
+    ----------
+    zone : PeriodicZone
+        The frictionless solution of the same half width, such as `Westergaard`.
+    stress : float
+        Cohesive stress s [Pa].
+    work : float
+        Work of adhesion w [J/m^2].
+
+    Attributes
+    ----------
+    end_gap : float
+        The gap at L/2 [m].
+    cohesive_end : float
+        L/2 [m].
+    load, approach, energy : float
+        As in `AdhesiveZone`.
+    rates : callable
+        d load/da and d approach/da.
+    pressure, gap, zones, approach : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If the zone has no period, or the stress or the work is not positive and finite.
+    OutOfRange
+        If the intervals do not meet at this work.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import MetDugdaleZone, Westergaard
+    >>> wave = Westergaard(amplitude=1e-6, period=1e-4, E_star=1e9, half_width=3e-5)
+    >>> state = MetDugdaleZone(wave, stress=1e6, work=10.0)
+    >>> bool(np.isclose(state.mean_pressure, wave.mean_pressure - 1e6)), bool(np.isclose(state.approach, wave.approach))
+    (True, True)
     """
 
     zone: PeriodicZone
@@ -268,6 +351,7 @@ class MetDugdaleZone(_DugdaleState):
 
     @property
     def cohesive_end(self) -> float:  # type: ignore[override]
+        """L/2 [m]."""
         return 0.5 * self._length()
 
     @property
@@ -342,12 +426,59 @@ class _DugdaleEquilibria(Equilibria[_DugdaleState]):
 
 @dataclass(frozen=True)
 class DugdaleCylinder(_DugdaleEquilibria):
-    """f = x^2/2R alone (Baney & Hui 1997): with a in (8 R^2 w/pi E*)^(1/3), P in (pi E* w^2 R)^(1/3), m = c/a,
-    mu = sqrt(m^2 - 1) and lambda = 4s/(pi^2 E*^2 w/R)^(1/3),
+    """The equilibria of f = x^2/2R alone under Maugis-Dugdale adhesion, by the end c of the cohesive intervals (Baney & Hui 1997).
+
+    With a in (8 R^2 w/pi E*)^(1/3), P in (pi E* w^2 R)^(1/3), m = c/a, mu = sqrt(m^2 - 1) and lambda = 4s/(pi^2 E*^2 w/R)^(1/3),
 
     P = a^2 - lambda a mu,   (lambda a^2/2)(m mu - ln(m + mu)) + (lambda^2 a/2)(mu ln(m + mu) - m ln m) = 1.
 
-    Only states in contact: attraction without contact is not here.
+    Only states in contact: attraction without contact is not here. J. M. Baney & C.-Y. Hui, J. Adhes. Sci. Technol. 11 (1997)
+    393-406, derived again.
+
+    Parameters
+    ----------
+    radius : float
+        Radius R [m].
+    E_star : float
+        Reduced modulus [Pa].
+    work : float
+        Work of adhesion w [J/m^2].
+    stress : float
+        Cohesive stress s [Pa].
+    datum : float or None
+        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+
+    Attributes
+    ----------
+    tabor : float
+        lambda; JKR where it is large.
+    end_gap : float
+        w/s, up to which the surfaces pull [m].
+    least_cohesive_end : float
+        c where contact begins, a = 0 [m].
+    at, at_load, at_approach, all_at_load : callable
+        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable", "narrow", "wide", "last"); all states at a load.
+    advancing, receding : callable
+        The state at a load, reached from first touch or from the greatest contact; None: full contact.
+    pull_off, turning_points, is_stable : callable
+        Where unloading tears the surfaces apart, and where stability changes, for a machine's compliance [m^2/N]: inf under a held load
+        (the default), 0 under a held approach.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+    OutOfRange
+        From the calls, if no state answers, such as past pull-off.
+
+    Examples
+    --------
+    Under a large stress the pull-off load is that of JKR.
+
+    >>> from contact.exact import DugdaleCylinder, JKRCylinder
+    >>> curve = DugdaleCylinder(radius=1e-3, E_star=1e9, work=0.05, stress=2e8)
+    >>> curve.tabor > 50, bool(abs(curve.pull_off().load / JKRCylinder(1e-3, 1e9, 0.05).pull_off_load - 1) < 1e-6)
+    (True, True)
     """
 
     radius: float
@@ -385,12 +516,63 @@ class DugdaleCylinder(_DugdaleEquilibria):
 
 @dataclass(frozen=True)
 class DugdaleWave(_DugdaleEquilibria):
-    """f = Delta (1 - cos(2 pi x/L)) in a row (derived): while the cohesive intervals are apart
+    """The equilibria of f = Delta (1 - cos(2 pi x/L)) in a row under Maugis-Dugdale adhesion (derived), by the end c of the intervals.
+
+    While the cohesive intervals are apart
 
     mean pressure = p* sin^2 A - (2s/pi) arccos(cos C/cos A),
     gap at c = 2 Delta (sin C sqrt(sin^2 C - sin^2 A) - sin^2 A arcosh(sin C/sin A)) + (4s/pi E*) int_a^c artanh X dx = w/s,
 
-    and p* sin^2 A - s once they have met. Full contact opens at the mean pressure p* - s, where the valley's traction is -s.
+    and p* sin^2 A - s once they have met; from there on the parameter is L/2 plus what a has grown since. Full contact opens at the
+    mean pressure p* - s, where the valley's traction is -s. After D. Maugis, J. Colloid Interface Sci. 150 (1992) 243-269,
+    doi 10.1016/0021-9797(92)90285-T.
+
+    Parameters
+    ----------
+    amplitude : float
+        Delta, half of the height from valley to crest [m].
+    period : float
+        Period L [m].
+    E_star : float
+        Reduced modulus [Pa].
+    work : float
+        Work of adhesion w [J/m^2].
+    stress : float
+        Cohesive stress s [Pa].
+
+    Attributes
+    ----------
+    end_gap : float
+        w/s, up to which the surfaces pull [m].
+    opening_mean_pressure : float
+        p* - s, the least mean pressure of full contact [Pa].
+    least_cohesive_end, meeting_half_width : float
+        c from which on there is contact, and a at which the intervals meet (0 if they have always met) [m].
+    at, at_load, at_approach, all_at_load : callable
+        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable", "narrow", "wide", "last"); all states at a load.
+    advancing, receding : callable
+        The state at a load, reached from first touch or from the greatest contact; None: full contact.
+    pull_off, turning_points, is_stable : callable
+        Where unloading tears the surfaces apart, and where stability changes, for a machine's compliance [m^2/N]: inf under a held load
+        (the default), 0 under a held approach.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+    OutOfRange
+        From the calls, if no state answers, such as past pull-off.
+
+    Examples
+    --------
+    Every state pulls up to the gap w/s.
+
+    >>> import numpy as np
+    >>> from contact.exact import DugdaleWave
+    >>> curve = DugdaleWave(amplitude=1e-6, period=1e-4, E_star=1e9, work=0.5, stress=2e6)
+    >>> state = curve.at(4e-5)
+    >>> bool(np.isclose(state.end_gap, 2.5e-7)), bool(np.isclose(state.pressure(3.99e-5), -2e6))
+    (True, True)
     """
 
     amplitude: float

@@ -45,9 +45,39 @@ class _Punch(SymmetricZone):
 
 @dataclass(frozen=True)
 class IsolatedPunch(_Punch):
-    """Sadowsky (1928): p = P/(pi sqrt(a^2 - x^2)), approach = (2P/pi E*) ln(2d/a);
+    """A flat punch alone (Sadowsky 1928): p = P/(pi sqrt(a^2 - x^2)), approach = (2P/pi E*) ln(2d/a);
 
     outside u = approach - (2P/pi E*) arcosh(|x|/a). The gap outside is infinite, as the profile is.
+    K. L. Johnson, Contact Mechanics (1985), sec. 2.8, doi 10.1017/CBO9781139171731.
+
+    Parameters
+    ----------
+    half_width : float
+        Half width a of the punch [m].
+    E_star : float
+        Reduced modulus [Pa].
+    load : float
+        P per unit thickness [N/m].
+    datum : float or None
+        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+
+    Attributes
+    ----------
+    pressure, gap, zones, approach : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import IsolatedPunch
+    >>> punch = IsolatedPunch(half_width=1e-3, E_star=1e9, load=1e4)
+    >>> bool(np.isclose(punch.pressure(0.0), 1e4 / (np.pi * 1e-3)))
+    True
     """
 
     half_width: float
@@ -69,9 +99,40 @@ class IsolatedPunch(_Punch):
 
 @dataclass(frozen=True)
 class PeriodicPunch(_Punch):
-    """A row of punches (derived), v = pi x/L, A = pi a/L: p = (P/L) cos v/sqrt(sin^2 A - sin^2 v),
+    """A row of flat punches (derived), v = pi x/L, A = pi a/L: p = (P/L) cos v/sqrt(sin^2 A - sin^2 v),
 
     approach = -(2P/pi E*) ln sin A; outside u = approach - (2P/pi E*) arcosh(sin v/sin A).
+
+    Parameters
+    ----------
+    half_width : float
+        Half width a of a punch [m].
+    period : float
+        Period L [m].
+    E_star : float
+        Reduced modulus [Pa].
+    load : float
+        P per period [N/m].
+
+    Attributes
+    ----------
+    pressure, gap, zones, approach : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite, or the zone is as wide as its period.
+
+    Examples
+    --------
+    Half of the period in contact, sin A = 1/sqrt(2): the approach is P ln(2)/(pi E*).
+
+    >>> import numpy as np
+    >>> from contact.exact import PeriodicPunch
+    >>> row = PeriodicPunch(half_width=2.5e-4, period=1e-3, E_star=1e9, load=1e4)
+    >>> bool(np.isclose(row.approach, 1e4 * np.log(2) / (np.pi * 1e9)))
+    True
     """
 
     half_width: float

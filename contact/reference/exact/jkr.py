@@ -25,12 +25,45 @@ from contact.reference.exact.sinusoid import Westergaard
 
 @dataclass(frozen=True)
 class JKRZone(AdhesiveZone):
-    """The frictionless zone's solution less a flat punch's:
+    """JKR adhesion of one zone: the frictionless zone's solution less a flat punch's, p ~ -sqrt(E* w/pi)/sqrt(d) at the ends,
 
     p = p_0 - q,   gap = g_0 + (2Q/pi E*) arcosh(x/a) (with a period of sin(pi x/L)/sin(pi a/L)),
     load = P_0 - Q,   approach = d_0 - C Q,   elastic energy = U_0 - C Q P_0 + C Q^2/2,   surface energy = -2 a w,
 
-    C the punch's compliance.
+    C the punch's compliance. M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464; K. L. Johnson,
+    Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9.
+
+    Parameters
+    ----------
+    zone : IsolatedZone or PeriodicZone
+        The frictionless solution of the same half width, such as `HertzLine` or `Westergaard`.
+    work : float
+        Work of adhesion w [J/m^2].
+
+    Attributes
+    ----------
+    intensity : float
+        sqrt(E* w/pi) [Pa m^(1/2)].
+    punch : IsolatedPunch or PeriodicPunch
+        The flat punch whose pressure is taken off.
+    load, approach, energy : float
+        As in `AdhesiveZone`.
+    pressure, gap, zones, approach : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If the zone is no frictionless solution, or the work not positive and finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import HertzLine, JKRZone
+    >>> state = JKRZone(HertzLine(radius=1e-3, E_star=1e9, half_width=1e-5), work=0.05)
+    >>> p = state.pressure_at(1 - 1e-9)  # at the distance d = 1e-9 a from the end
+    >>> bool(np.isclose(p * np.sqrt(1e-9 * 1e-5), -np.sqrt(1e9 * 0.05 / np.pi), rtol=1e-5))
+    True
     """
 
     zone: IsolatedZone | PeriodicZone
@@ -111,10 +144,52 @@ class _JKREquilibria(Equilibria[JKRZone]):
 
 @dataclass(frozen=True)
 class JKRCylinder(_JKREquilibria):
-    """f = x^2/2R alone (Barquins 1988): P = pi E* a^2/4R - sqrt(2 pi E* a w),
+    """The equilibria of f = x^2/2R alone under JKR adhesion, by their half width (Barquins 1988): P = pi E* a^2/4R - sqrt(2 pi E* a w),
 
     approach = (a^2/2R)(ln(2d/a) + 1/2) - (2/pi E*) sqrt(2 pi E* a w) ln(2d/a) with a datum d; pull-off under load control at
-    a^3 = 2 R^2 w/(pi E*), P = -3 (pi E* w^2 R/16)^(1/3).
+    a^3 = 2 R^2 w/(pi E*), P = -3 (pi E* w^2 R/16)^(1/3). M. Barquins, J. Adhesion 26 (1988) 1-12, doi 10.1080/00218468808075464.
+
+    Parameters
+    ----------
+    radius : float
+        Radius R [m].
+    E_star : float
+        Reduced modulus [Pa].
+    work : float
+        Work of adhesion w [J/m^2].
+    datum : float or None
+        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+
+    Attributes
+    ----------
+    pull_off_load : float
+        -3 (pi E* w^2 R/16)^(1/3) [N/m].
+    jump_in : JKRZone
+        Where first touch leads to under no load.
+    at, at_load, at_approach, all_at_load : callable
+        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable", "narrow", "wide", "last"); all states at a load.
+    advancing, receding : callable
+        The state at a load, reached from first touch or from the greatest contact; None: full contact.
+    pull_off, turning_points, is_stable : callable
+        Where unloading tears the surfaces apart, and where stability changes, for a machine's compliance [m^2/N]: inf under a held load
+        (the default), 0 under a held approach.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+    OutOfRange
+        From the calls, if no state answers, such as past pull-off.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import JKRCylinder
+    >>> torn = JKRCylinder(radius=1e-3, E_star=1e9, work=0.05).pull_off()
+    >>> bool(np.isclose(torn.half_width**3, 2e-6 * 0.05 / (np.pi * 1e9)))
+    True
+    >>> bool(np.isclose(torn.load, -3 * (np.pi * 1e9 * 0.05**2 * 1e-3 / 16) ** (1 / 3)))
+    True
     """
 
     radius: float
@@ -145,13 +220,62 @@ class JKRCylinder(_JKREquilibria):
 
 @dataclass(frozen=True)
 class JKRWave(_JKREquilibria):
-    """f = Delta (1 - cos(2 pi x/L)) in a row (Johnson 1995), A = pi a/L, p* = pi E* Delta/L:
+    """The equilibria of f = Delta (1 - cos(2 pi x/L)) in a row under JKR adhesion, by their half width (Johnson 1995).
+
+    With A = pi a/L and p* = pi E* Delta/L
 
     mean pressure = p* (sin^2 A - alpha sqrt(tan A)),   alpha^2 = 2 w L/(pi^2 E* Delta^2).
 
     It falls to pull-off, rises to the jump into full contact, and falls without end. The rise goes down to zero load while
     alpha < 27^(1/4)/4 = 0.5699; there is none from alpha = 4 (3/8)^(3/4) (5/8)^(5/4) = 1.0652 on. Under a held approach the
     wave closes without a jump, and approach = Delta sin^2 A (1 - ln sin^2 A) + alpha Delta sqrt(tan A) ln sin^2 A.
+    K. L. Johnson, Int. J. Solids Struct. 32 (1995) 423-430, doi 10.1016/0020-7683(94)00111-9.
+
+    Parameters
+    ----------
+    amplitude : float
+        Delta, half of the height from valley to crest [m].
+    period : float
+        Period L [m].
+    E_star : float
+        Reduced modulus [Pa].
+    work : float
+        Work of adhesion w [J/m^2].
+
+    Attributes
+    ----------
+    alpha : float
+        Johnson's parameter.
+    self_closing_work, last_partial_work : float
+        w above which contact becomes full without load, and above which no partial contact is stable under a load [J/m^2].
+    jump_in, jump_into_full_contact : JKRZone
+        Where first touch leads to under no load, and the state of the greatest load of partial contact.
+    full_contact_energy : float
+        Elastic and surface energy of full contact per period [J/m].
+    at, at_load, at_approach, all_at_load : callable
+        The state of a parameter; at a load [N/m] or an approach [m] on a branch ("stable", "narrow", "wide", "last"); all states at a load.
+    advancing, receding : callable
+        The state at a load, reached from first touch or from the greatest contact; None: full contact.
+    pull_off, turning_points, is_stable : callable
+        Where unloading tears the surfaces apart, and where stability changes, for a machine's compliance [m^2/N]: inf under a held load
+        (the default), 0 under a held approach.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+    OutOfRange
+        From the calls, if no state answers, such as past pull-off.
+
+    Examples
+    --------
+    Half in contact, sin^2 A = 1/2 and tan A = 1.
+
+    >>> import numpy as np
+    >>> from contact.exact import JKRWave
+    >>> wave = JKRWave(amplitude=1e-6, period=1e-4, E_star=1e9, work=5.0)
+    >>> bool(np.isclose(wave.at(2.5e-5).mean_pressure, np.pi * 1e7 * (0.5 - wave.alpha)))
+    True
     """
 
     amplitude: float

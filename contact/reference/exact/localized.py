@@ -28,13 +28,65 @@ SELF_CONSISTENT = "self-consistent"
 
 
 def correction_pressure(x: ArrayLike, half_width: float, period: float, nominal_load: float) -> Array:
-    """Second term of (17): (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)), |x| <= a."""
+    """The neighbours' part of the pressure, second term of (17): (2 P_s/pi L) arctan(2 sqrt(a^2 - x^2)/sqrt(L^2 - 4a^2)), |x| <= a.
+
+    I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
+
+    Parameters
+    ----------
+    x : array_like
+        Positions of any shape [m]; outside the zone the value is that at its ends, 0.
+    half_width : float
+        Half width a of the zone, below L/2 [m].
+    period : float
+        Period L [m].
+    nominal_load : float
+        P_s per period of the neighbours [N/m].
+
+    Returns
+    -------
+    array
+        [Pa], of the shape of x.
+
+    Examples
+    --------
+    In the middle it is (2 P_s/pi L) arcsin(2a/L).
+
+    >>> import numpy as np
+    >>> from contact.exact import correction_pressure
+    >>> bool(np.isclose(correction_pressure(0.0, half_width=0.25, period=1.0, nominal_load=3.0), 1.0))
+    True
+    """
     r = np.minimum(np.abs(np.asarray(x, dtype=float)), half_width)
     return _correction(r, half_width - r, half_width, period, nominal_load)
 
 
 def correction_load(half_width: float, period: float, nominal_load: float) -> float:
-    """Second term of (16): P_s (L - sqrt(L^2 - 4a^2))/L."""
+    """The neighbours' part of the load, second term of (16): P_s (L - sqrt(L^2 - 4a^2))/L.
+
+    I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
+
+    Parameters
+    ----------
+    half_width : float
+        Half width a of the zone, below L/2 [m].
+    period : float
+        Period L [m].
+    nominal_load : float
+        P_s per period of the neighbours [N/m].
+
+    Returns
+    -------
+    float
+        [N/m].
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import correction_load
+    >>> bool(np.isclose(correction_load(half_width=0.3, period=1.0, nominal_load=1.0), 0.2))  # 1 - sqrt(1 - 0.6^2)
+    True
+    """
     root = sqrt((period - 2.0 * half_width) * (period + 2.0 * half_width))
     return nominal_load * 4.0 * half_width**2 / (period * (period + root))
 
@@ -47,11 +99,47 @@ def _correction(r: Array, d: Array, a: float, period: float, nominal_load: float
 
 @dataclass(frozen=True)
 class LocalizedZone(SymmetricZone):
-    """An isolated solution in a period L with the neighbours' nominal load P_s taken over by the correction
-    of (17).
+    """An isolated solution in a period L, with the neighbours' nominal load P_s taken over by the correction of (17).
 
     `first-order` (the paper's examples (23), (27), (30)): P_s is the isolated load P0, P = P0 (2 - sqrt(L^2 -
     4a^2)/L). `self-consistent` ((16) solved): P_s = P = P0 L/sqrt(L^2 - 4a^2).
+    I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
+
+    Parameters
+    ----------
+    isolated : HertzLine or IsolatedWedge or IsolatedSinusoid
+        The solution of the zone alone; a sinusoid's wavelength is the period.
+    period : float
+        Period L [m].
+    closure : str
+        "first-order" or "self-consistent".
+
+    Attributes
+    ----------
+    load : float
+        P per period [N/m].
+    nominal_load : float
+        P_s [N/m].
+    approach, stiffness : None
+        The closures do not fix a common level of u.
+    pressure, gap, zones : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If the solution is of another family, the closure unknown, or the zone as wide as the period.
+    OutOfRange
+        If the pressure would be negative at the ends.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import HertzLine, LocalizedZone
+    >>> alone = HertzLine(radius=1.0, E_star=1e9, half_width=3e-3)
+    >>> row = LocalizedZone(alone, period=1e-2, closure="self-consistent")
+    >>> bool(np.isclose(row.load, alone.load / 0.8))  # sqrt(1 - 0.6^2) = 0.8
+    True
     """
 
     isolated: HertzLine | IsolatedWedge | IsolatedSinusoid
@@ -147,6 +235,38 @@ def localized_at_load(
 
     Past the load's maximum on that branch (the first-order sinusoid has one near a/L = 0.44) it is
     OutOfRange.
+
+    Parameters
+    ----------
+    family : type
+        HertzLine, IsolatedWedge or IsolatedSinusoid.
+    load : float
+        P per period [N/m].
+    period : float
+        Period L [m].
+    closure : str
+        "first-order" or "self-consistent": see `LocalizedZone`.
+    **shape : float
+        The other parameters of the family by name; a sinusoid's wavelength is the period if left out.
+
+    Returns
+    -------
+    LocalizedZone
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite, or the closure unknown.
+    OutOfRange
+        If the load is above the greatest one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import IsolatedSinusoid, localized_at_load
+    >>> row = localized_at_load(IsolatedSinusoid, 500.0, period=1e-4, amplitude=1e-6, E_star=1e9)
+    >>> bool(np.isclose(row.load, 500.0)), row.isolated.load < 500.0
+    (True, True)
     """
     positive("load", load)
     positive("period", period)

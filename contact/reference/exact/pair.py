@@ -37,7 +37,51 @@ Ratio = Callable[[Array, float, float], Array]
 
 @dataclass(frozen=True, eq=False)
 class EvenPair:
-    """Zones of given m and h, and the coefficients g_n of G on them; see the head of this file."""
+    """Two zones a <= |x| <= b under an even pressure, alone or once in every period, as one zone in y = v^2 = m + h cos(theta).
+
+    p = (E*/2)|v| sum g_n sin(n theta), P = pi E* h g_1/4 alone, v = x, or v = tan(pi x/L) with a period: see the head of this module.
+    Derived here; for G linear in y it is (32) and (33) of Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+
+    Parameters
+    ----------
+    middle, half : float
+        m and h, 0 < h < m, in m^2 alone and without unit with a period.
+    ratio : array, (n,)
+        The coefficients g_n of f'/v as a cosine series in theta; g_0 is 0 where the pressure is bounded at all ends.
+    E_star : float
+        Reduced modulus [Pa].
+    period : float or None
+        Period L [m]; None: the pair is alone.
+
+    Attributes
+    ----------
+    ends : tuple of float
+        a and b [m].
+    zones : array, (2, 2)
+        The ends of both zones [m].
+    load : float
+        P of both zones [N/m].
+    max_pressure : float
+        Peak pressure [Pa].
+    pressure, pressure_at, at_angle : callable
+        p [Pa] at positions x [m], at t in [-1, 1] of a zone (`pressure_at`), or at angles theta.
+
+    Raises
+    ------
+    SceneError
+        From `pressure_at`, if the zone is neither 0 nor 1.
+
+    Examples
+    --------
+    Gladwell's two tips, f'/x = (x^2 - c^2)/2Rc^2, have the one coefficient h/2Rc^2.
+
+    >>> import numpy as np
+    >>> from contact.exact import EvenPair, IsolatedBiquadratic
+    >>> pair = EvenPair(middle=1.0, half=0.5, ratio=np.array([0.0, 0.25]), E_star=1.0)
+    >>> tips = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=pair.load)
+    >>> bool(np.allclose(pair.zones, tips.zones) and np.allclose(pair.pressure([0.8, 1.1]), tips.pressure([0.8, 1.1])))
+    True
+    """
 
     middle: float
     half: float
@@ -56,7 +100,7 @@ class EvenPair:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """a and b."""
+        """a and b [m]."""
         inner, outer = sqrt(self.middle - self.half), sqrt(self.middle + self.half)
         if self.period is None:
             return inner, outer
@@ -64,6 +108,7 @@ class EvenPair:
 
     @property
     def zones(self) -> Array:
+        """Ends of both zones [m], (2, 2)."""
         a, b = self.ends
         return np.array([[-b, -a], [a, b]])
 
@@ -194,8 +239,57 @@ def pair_at_load(
 
 @dataclass(frozen=True)
 class PeriodicBiquadratic:
-    """f = (x^2 - c^2)^2/8Rc^2 repeated with the period L, while each tip has its own zone: exact, by (34) in
-    v = tan(pi x/L). The series of G = f'(x(v))/v is the only thing that is not elementary. `spacing` is 2c."""
+    """f = (x^2 - c^2)^2/8Rc^2 repeated with the period L, while each tip has its own zone: exact, by (34) in v = tan(pi x/L).
+
+    The series of G = f'(x(v))/v is the only thing that is not elementary. Derived here, after (34) of Goryacheva & Tsukanov (2020),
+    doi 10.3389/fmech.2020.00045.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of curvature R at the tips [m].
+    spacing : float
+        Distance 2c of the tips, below the period [m].
+    period : float
+        Period L [m].
+    E_star : float
+        Reduced modulus [Pa].
+    mean_pressure : float
+        Load of both tips over the period [Pa].
+
+    Attributes
+    ----------
+    load : float
+        P per period [N/m].
+    inner_end, outer_end : float
+        a and b [m].
+    zones : array, (2, 2)
+        The ends [m]; beside them `zone_widths` [m] and `zone_loads` [N/m].
+    contact_fraction, max_pressure : float
+        2(b - a)/L, and the peak pressure [Pa].
+    pair : EvenPair
+        The solution in v.
+    pressure, pressure_at, slope : callable
+        p [Pa] and f' at positions x [m]; p at t in [-1, 1] of a zone (`pressure_at`).
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite, or the spacing is not below the period.
+    OutOfRange
+        From whatever is asked of it, past the load at which the two zones meet.
+
+    Examples
+    --------
+    In a long period the tips are those of `IsolatedBiquadratic`.
+
+    >>> import numpy as np
+    >>> from contact.exact import IsolatedBiquadratic, PeriodicBiquadratic
+    >>> row = PeriodicBiquadratic(radius=1.0, spacing=2.0, period=1e3, E_star=1.0, mean_pressure=1e-4)
+    >>> alone = IsolatedBiquadratic(radius=1.0, spacing=2.0, E_star=1.0, load=0.1)
+    >>> bool(np.allclose(row.zones, alone.zones, rtol=1e-4))
+    True
+    """
 
     radius: float
     spacing: float
@@ -211,6 +305,7 @@ class PeriodicBiquadratic:
 
     @cached_property
     def pair(self) -> EvenPair:
+        """The solution in v = tan(pi x/L)."""
         c, length = 0.5 * self.spacing, self.period
 
         def ratio(y: Array, middle: float, half: float) -> Array:
@@ -229,12 +324,12 @@ class PeriodicBiquadratic:
 
     @property
     def inner_end(self) -> float:
-        """a."""
+        """a [m]."""
         return self.pair.ends[0]
 
     @property
     def outer_end(self) -> float:
-        """b."""
+        """b [m]."""
         return self.pair.ends[1]
 
     def slope(self, x: ArrayLike) -> Array:

@@ -29,9 +29,43 @@ from contact.reference.exact.base import (
 
 @dataclass(frozen=True)
 class HertzLine(IsolatedZone):
-    """Hertz (1882): p = (E*/2R) sqrt(a^2 - x^2), P = pi E* a^2/4R,
+    """A parabola alone (Hertz 1882): p = (E*/2R) sqrt(a^2 - x^2), P = pi E* a^2/4R,
 
-    gap = (1/2R)(x sqrt(x^2 - a^2) - a^2 arcosh(x/a)), approach = (a^2/2R)(ln(2d/a) + 1/2) (greatest at 2d).
+    gap = (1/2R)(x sqrt(x^2 - a^2) - a^2 arcosh(x/a)), approach = (a^2/2R)(ln(2d/a) + 1/2) (greatest at a = 2d).
+    K. L. Johnson, Contact Mechanics (1985), sec. 4.2, doi 10.1017/CBO9781139171731.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of curvature R of f = x^2/2R [m].
+    E_star : float
+        Reduced modulus [Pa].
+    half_width : float
+        Half width a of the zone [m].
+    datum : float or None
+        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+
+    Attributes
+    ----------
+    load : float
+        P per unit thickness [N/m]; the class method `from_load` makes the solution at a given P.
+    pressure, gap, zones, approach : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import HertzLine
+    >>> hertz = HertzLine.from_load(1e4, radius=1.0, E_star=1e9)
+    >>> bool(np.isclose(hertz.half_width, np.sqrt(4e4 / (np.pi * 1e9))))
+    True
+    >>> bool(np.isclose(hertz.max_pressure, 2e4 / (np.pi * hertz.half_width)))
+    True
     """
 
     radius: float
@@ -80,12 +114,47 @@ class HertzLine(IsolatedZone):
 
 @dataclass(frozen=True)
 class PeriodicParabola(PeriodicZone):
-    """Kuznetsov's load (28), P = -(L^2 E*/2 pi R) ln cos A, and by the superposition of punches in closed
+    """A parabola in a row: Kuznetsov's load (28), P = -(L^2 E*/2 pi R) ln cos A, and by the superposition of punches in closed
     form (derived here):
 
     p = (L E*/2 pi R) arcosh(cos u/cos A),   gap slope = (L/pi R) arccos(cos u/cos A),
     u = pi x/L, A = pi a/L,
     approach = (L^2/4 pi^2 R)(Li_2(sin^2 A) + ln sin^2 A ln cos^2 A), which tends to the mean height L^2/24R.
+
+    Ye. A. Kuznetsov, Sov. Appl. Mech. 12 (1976); (28) as given by Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of curvature R of f = x^2/2R, |x| <= L/2 [m].
+    period : float
+        Period L [m].
+    E_star : float
+        Reduced modulus [Pa].
+    half_width : float
+        Half width a of the zone [m].
+
+    Attributes
+    ----------
+    load : float
+        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and `from_contact_fraction` start from one of these numbers.
+    pressure, gap, zones, approach : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite, or the zone is as wide as its period.
+
+    Examples
+    --------
+    Half in contact, cos A = 1/sqrt(2): P = L^2 E* ln(2)/(4 pi R).
+
+    >>> import numpy as np
+    >>> from contact.exact import PeriodicParabola
+    >>> row = PeriodicParabola(radius=1.0, period=1e-2, E_star=1e9, half_width=2.5e-3)
+    >>> bool(np.isclose(row.load, 1e-4 * 1e9 * np.log(2) / (4 * np.pi)))
+    True
     """
 
     radius: float

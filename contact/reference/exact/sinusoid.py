@@ -32,11 +32,50 @@ from contact.reference.exact.base import (
 
 @dataclass(frozen=True)
 class Westergaard(PeriodicZone):
-    """Westergaard (1939), with p* = pi E* Delta/L and u = pi x/L, A = pi a/L:
+    """A wave f = Delta (1 - cos(2 pi x/L)) in partial contact (Westergaard 1939), p* = pi E* Delta/L, u = pi x/L, A = pi a/L:
 
     (18) p = sqrt2 p* cos u sqrt(cos 2u - cos 2A),   (19) mean pressure = p* sin^2 A,
     approach = Delta sin^2 A (1 - ln sin^2 A),
     gap = 2 Delta (s q - sin^2 A arcosh(s/sin A)), s = sin u, q^2 = s^2 - sin^2 A.
+
+    H. M. Westergaard, J. Appl. Mech. 6 (1939) A49-A53, doi 10.1115/1.4008919.
+
+    Parameters
+    ----------
+    amplitude : float
+        Delta, half of the height from valley to crest [m].
+    period : float
+        Period L [m].
+    E_star : float
+        Reduced modulus [Pa].
+    half_width : float
+        Half width a of the zone [m].
+
+    Attributes
+    ----------
+    load : float
+        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and `from_contact_fraction` start from one of these numbers.
+    full_contact_pressure : float
+        p*, the smallest mean pressure of full contact [Pa].
+    pressure, gap, zones, approach : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite, or the zone is as wide as its period.
+    OutOfRange
+        From `from_load` and `from_mean_pressure`, if contact is full at that load.
+
+    Examples
+    --------
+    Half of the period in contact carries half of the load of full contact.
+
+    >>> import numpy as np
+    >>> from contact.exact import Westergaard
+    >>> wave = Westergaard.from_contact_fraction(0.5, amplitude=1e-6, period=1e-4, E_star=1e9)
+    >>> bool(np.isclose(wave.mean_pressure, 0.5 * wave.full_contact_pressure))
+    True
     """
 
     amplitude: float
@@ -99,7 +138,49 @@ class Westergaard(PeriodicZone):
 
 @dataclass(frozen=True)
 class FullContactSinusoid:
-    """Full contact of the sinusoid, mean pressure >= p* = pi E* Delta/L: p = mean + p* cos(2 pi x/L)."""
+    """Full contact of the wave f = Delta (1 - cos(2 pi x/L)), mean pressure >= p* = pi E* Delta/L: p = mean + p* cos(2 pi x/L).
+
+    H. M. Westergaard, J. Appl. Mech. 6 (1939) A49-A53, doi 10.1115/1.4008919.
+
+    Parameters
+    ----------
+    amplitude : float
+        Delta, half of the height from valley to crest [m].
+    period : float
+        Period L [m].
+    E_star : float
+        Reduced modulus [Pa].
+    mean_pressure : float
+        Load per period over the period [Pa].
+
+    Attributes
+    ----------
+    load : float
+        P per period [N/m].
+    max_pressure, full_contact_pressure : float
+        mean + p*, and p* [Pa].
+    zones : array, (0, 2)
+        Empty: full contact has no ends. `contact_fraction` is 1, `approach` Delta, `stiffness` inf.
+    pressure, gap, displacement : callable
+        p [Pa], gap (0) and u [m] at positions x [m] of any shape.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+    OutOfRange
+        If the mean pressure is below p*: contact is partial.
+
+    Examples
+    --------
+    At p* the pressure of the valleys is just zero.
+
+    >>> import numpy as np
+    >>> from contact.exact import FullContactSinusoid
+    >>> wave = FullContactSinusoid(amplitude=1e-6, period=1e-4, E_star=1e9, mean_pressure=1e-2 * np.pi * 1e9)
+    >>> bool(abs(wave.pressure(0.5e-4)) < 1e-9 * wave.max_pressure)
+    True
+    """
 
     amplitude: float
     period: float
@@ -117,7 +198,7 @@ class FullContactSinusoid:
 
     @property
     def full_contact_pressure(self) -> float:
-        """p*."""
+        """p* = pi E* Delta/L [Pa], the smallest mean pressure of full contact."""
         return pi * self.E_star * self.amplitude / self.period
 
     zones = property(lambda self: np.empty((0, 2)))
@@ -151,7 +232,46 @@ class IsolatedSinusoid(IsolatedZone):
 
     The pressure is positive up to a/L = 0.3827, the first zero of J_0, where the load is greatest; beyond it
     (`admissible` is False) the formula is only an ingredient of the localized solution. `wavelength` is L:
-    nothing repeats here.
+    nothing repeats here. As given by Goryacheva & Tsukanov (2020), doi 10.3389/fmech.2020.00045.
+
+    Parameters
+    ----------
+    amplitude : float
+        Delta, half of the height from valley to crest [m].
+    wavelength : float
+        L [m].
+    E_star : float
+        Reduced modulus [Pa].
+    half_width : float
+        Half width a of the zone, below L/2 [m].
+    datum : float or None
+        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+
+    Attributes
+    ----------
+    load : float
+        P per unit thickness [N/m]; the class method `from_load` makes the solution at a given P.
+    admissible : bool
+        Whether the pressure is positive up to the ends.
+    pressure, gap, zones, approach : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite, or the zone is as wide as the wave.
+    OutOfRange
+        From `from_load`, past the greatest load of one wave.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import IsolatedSinusoid
+    >>> waves = [IsolatedSinusoid(1e-6, wavelength=1e-4, E_star=1e9, half_width=a) for a in (0.382e-4, 0.383e-4)]
+    >>> [wave.admissible for wave in waves]
+    [True, False]
+    >>> bool(np.isclose(waves[0].load, waves[1].load, rtol=1e-5))  # near the greatest load it hardly changes
+    True
     """
 
     amplitude: float
@@ -226,7 +346,32 @@ class IsolatedSinusoid(IsolatedZone):
 
 
 def sinusoid(mean_pressure: float, **shape: Any) -> Westergaard | FullContactSinusoid:
-    """The periodic sinusoid (amplitude, period, E_star) at any mean pressure, in partial or full contact."""
+    """The solution of the wave f = Delta (1 - cos(2 pi x/L)) at any mean pressure, in partial or full contact.
+
+    Parameters
+    ----------
+    mean_pressure : float
+        Load per period over the period [Pa].
+    **shape : float
+        amplitude Delta [m], period L [m] and E_star [Pa], by name.
+
+    Returns
+    -------
+    Westergaard or FullContactSinusoid
+        Full contact begins at p* = pi E* Delta/L.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+
+    Examples
+    --------
+    >>> from contact.exact import sinusoid
+    >>> wave = dict(amplitude=1e-6, period=1e-4, E_star=1e9)  # p* = 31.4 MPa
+    >>> [type(sinusoid(p, **wave)).__name__ for p in (31e6, 32e6)]
+    ['Westergaard', 'FullContactSinusoid']
+    """
     positive("mean_pressure", mean_pressure)
     for field, value in shape.items():
         positive(field, value)

@@ -21,7 +21,48 @@ from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, arcosh1p, zon
 
 
 class TiltedZone:
-    """One zone of half width `half_width` about `middle`; its families give formulas in distances from the ends."""
+    """One zone under a turned punch, the gap at no load being f(x) - tilt x; the base of its solutions.
+
+    M = int p x dx is the moment about the middle of the body, e = M/P the centre of the load. Derived here, see the head of this module.
+
+    Attributes
+    ----------
+    half_width, middle : float
+        Half width and middle of the zone [m].
+    E_star : float
+        Reduced modulus [Pa].
+    tilt : float
+        The angle, small [rad]; positive where the right side goes down.
+    load, moment : float
+        P [N/m] and M [N] per unit thickness.
+    datum : float or None
+        Distance at which the far field of u is zero [m].
+    approach : float or None
+        By how much the body has come down at x = 0 [m]; None without a datum.
+    max_pressure : float
+        Peak pressure [Pa]; inf where there is a corner or a tip in the zone.
+    zones : array, (1, 2)
+        The ends [m]; beside them `zone_widths` [m] and `zone_loads` [N/m], both (1,).
+    pressure, gap, height, slope : callable
+        p [Pa], gap [m], f [m] and f' - tilt at positions x [m] of any shape.
+    pressure_at : callable
+        p [Pa] at normalised positions t in [-1, 1] of the zone.
+
+    Raises
+    ------
+    SceneError
+        From `pressure_at`, if the zone is not 0.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import TiltedParabola, TiltedZone
+    >>> turned = TiltedParabola(radius=1.0, E_star=1e9, half_width=1e-3, tilt=5e-4)
+    >>> x, weights = np.polynomial.chebyshev.chebgauss(100)  # for int f/sqrt(1 - x^2) dx
+    >>> moment = 1e-3 * np.sum(weights * np.sqrt(1 - x**2) * turned.pressure_at(x) * (turned.middle + 1e-3 * x))
+    >>> isinstance(turned, TiltedZone), bool(np.isclose(moment, turned.moment))
+    (True, True)
+    """
 
     # Annotations only: a value here would become the default of a subclass's dataclass field of that name.
     E_star: float
@@ -44,6 +85,7 @@ class TiltedZone:
 
     @property
     def middle(self) -> float:
+        """Middle of the zone [m]."""
         raise NotImplementedError
 
     @property
@@ -72,14 +114,17 @@ class TiltedZone:
 
     @property
     def zones(self) -> Array:
+        """Ends of the zone [m], (1, 2)."""
         return np.array([[self.middle - self.half_width, self.middle + self.half_width]])
 
     @property
     def zone_widths(self) -> Array:
+        """Width of the zone [m], (1,)."""
         return np.array([2.0 * self.half_width])
 
     @property
     def zone_loads(self) -> Array:
+        """Load of the zone [N/m], (1,)."""
         return np.array([self.load])
 
     @property
@@ -111,7 +156,43 @@ class TiltedZone:
 
 @dataclass(frozen=True)
 class TiltedParabola(TiltedZone):
-    """f = x^2/2R: the zone of Hertz about x = R tilt, M = P R tilt, approach = that of Hertz - R tilt^2/2."""
+    """A turned parabola f = x^2/2R: the zone of Hertz about x = R tilt, M = P R tilt, approach = that of Hertz - R tilt^2/2.
+
+    Derived here: a parabola only moves its zone.
+
+    Parameters
+    ----------
+    radius : float
+        Radius R [m].
+    E_star : float
+        Reduced modulus [Pa].
+    half_width : float
+        Half width a of the zone [m].
+    tilt : float
+        The angle, small [rad].
+    datum : float or None
+        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+
+    Attributes
+    ----------
+    load, moment, middle : float
+        P [N/m], M [N] and R tilt [m].
+    pressure, gap, zones, approach : as in `TiltedZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a length or the modulus is not positive and finite, or the tilt not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import TiltedParabola
+    >>> turned = TiltedParabola(radius=1.0, E_star=1e9, half_width=1e-3, tilt=5e-4)
+    >>> bool(np.allclose(turned.zones, [[-5e-4, 1.5e-3]])), bool(np.isclose(turned.moment / turned.load, 5e-4))
+    (True, True)
+    """
 
     radius: float
     E_star: float
@@ -160,10 +241,49 @@ class TiltedParabola(TiltedZone):
 
 @dataclass(frozen=True)
 class TiltedWedge(TiltedZone):
-    """f = slope |x|, alpha = pi tilt / 2 slope, of half width w about w sin alpha, the tip at t = -sin alpha in the zone:
+    """A turned wedge f = slope |x|, alpha = pi tilt / 2 slope, of half width w about w sin alpha, the tip at t = -sin alpha in the zone:
 
     P = E* slope w cos alpha,   M = P w sin alpha / 2 = (P^2 / 2 E* slope) tan alpha,
     p = (E* slope/pi) arcosh((1 + t sin alpha)/|t + sin alpha|),   approach = (2P/pi E*)(ln(2d/w) + 1).
+
+    Derived here.
+
+    Parameters
+    ----------
+    wedge_slope : float
+        The slope of the flanks before it is turned.
+    E_star : float
+        Reduced modulus [Pa].
+    half_width : float
+        Half width w of the zone [m].
+    tilt : float
+        The angle, below the slope in size [rad].
+    datum : float or None
+        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+
+    Attributes
+    ----------
+    load, moment : float
+        P [N/m] and M [N]; the class method `balanced` starts from these.
+    rotational_stiffness : float
+        dM/d tilt at a given load [N].
+    pressure, gap, zones, approach : as in `TiltedZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a length, slope or modulus is not positive and finite, or the tilt not finite.
+    OutOfRange
+        If the wedge would lie on its flank.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import TiltedWedge
+    >>> wedge = TiltedWedge.balanced(load=1e4, moment=5.0, wedge_slope=0.01, E_star=1e9)
+    >>> bool(np.isclose(wedge.moment, 1e8 / (2 * 1e7) * np.tan(np.pi * wedge.tilt / 0.02)))
+    True
     """
 
     wedge_slope: float
@@ -249,11 +369,54 @@ class TiltedWedge(TiltedZone):
 
 @dataclass(frozen=True)
 class TiltedPunch(TiltedZone):
-    """A flat punch |x| <= a with sharp corners. Up to |e| = a/2 all of it is in contact,
+    """A flat punch |x| <= a with sharp corners under P and M, e = M/P. Up to |e| = a/2 all of it is in contact,
 
     p = (P + 2 M x/a^2) / (pi sqrt(a^2 - x^2)),   tilt = 4 M/(pi E* a^2),   approach = (2P/pi E*) ln(2d/a);
     beyond, a zone of half width w = 2 (a - |e|) at one corner, t = 1 there,
     p = (P/pi w) sqrt((1 + t)/(1 - t)),   |tilt| = 2P/(pi E* w),   approach = w |tilt| ln(2d/w) - (a - w)|tilt|.
+
+    Full contact: N. I. Muskhelishvili (1953), sec. 116, and K. L. Johnson, Contact Mechanics (1985), sec. 2.8; the rest derived here.
+
+    Parameters
+    ----------
+    corner : float
+        Half width a of the punch [m].
+    E_star : float
+        Reduced modulus [Pa].
+    load : float
+        P per unit thickness [N/m].
+    moment : float
+        M per unit thickness about the middle of the punch, below P a in size [N].
+    datum : float or None
+        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+
+    Attributes
+    ----------
+    lifted : bool
+        Whether one end is out of contact.
+    half_width, middle, tilt : float
+        Of the zone [m], and the angle [rad].
+    rotational_stiffness : float
+        dM/d tilt at a given load [N].
+    pressure, gap, zones, approach : as in `TiltedZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a length, the modulus or the load is not positive and finite, or the moment not finite.
+    OutOfRange
+        If the centre of the load is not between the corners.
+
+    Examples
+    --------
+    One end lifts off where the centre of the load is more than half way to a corner.
+
+    >>> import numpy as np
+    >>> from contact.exact import TiltedPunch
+    >>> punches = [TiltedPunch(corner=1.0, E_star=1e9, load=1e4, moment=1e4 * e) for e in (0.49, 0.6)]
+    >>> [punch.lifted for punch in punches], bool(np.allclose(punches[1].zones, [[-0.6, 1.0]]))
+    ([False, True], True)
     """
 
     corner: float

@@ -27,10 +27,42 @@ from contact.reference.exact.base import (
 
 @dataclass(frozen=True)
 class IsolatedWedge(IsolatedZone):
-    """Johnson (1985), sec. 5.2: p = (E* slope/pi) arcosh(a/|x|), P = E* slope a,
+    """A wedge f = slope |x| alone: p = (E* slope/pi) arcosh(a/|x|), P = E* slope a,
 
     gap = (2 slope/pi)(x arccos(a/x) - a arcosh(x/a)), approach = (2 slope a/pi)(ln(2d/a) + 1).
-    It is the first term of (26), whose |x| is missing in print.
+    K. L. Johnson, Contact Mechanics (1985), sec. 5.2, doi 10.1017/CBO9781139171731. It is the first term of (26), whose |x| is
+    missing in print.
+
+    Parameters
+    ----------
+    wedge_slope : float
+        The slope of the flanks.
+    E_star : float
+        Reduced modulus [Pa].
+    half_width : float
+        Half width a of the zone [m].
+    datum : float or None
+        Distance at which the far field of u is zero [m]; without it (None) there is no approach.
+
+    Attributes
+    ----------
+    load : float
+        P per unit thickness [N/m]; the class method `from_load` makes the solution at a given P.
+    pressure, gap, zones, approach : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import IsolatedWedge
+    >>> wedge = IsolatedWedge.from_load(1e4, wedge_slope=0.01, E_star=1e9)
+    >>> bool(np.isclose(wedge.half_width, 1e4 / (1e9 * 0.01)))
+    True
     """
 
     wedge_slope: float
@@ -76,12 +108,45 @@ class IsolatedWedge(IsolatedZone):
 
 @dataclass(frozen=True)
 class PeriodicWedge(PeriodicZone):
-    """Block & Keer (2008), u = pi x/L, A = pi a/L:
+    """A wedge in a row (Block & Keer 2008), u = pi x/L, A = pi a/L:
 
     (25) p = (E* slope/pi) arcosh(tan A/tan|u|),   mean pressure = (E* slope/pi) artanh(sin A),
     gap slope = (2 slope/pi) arccos(tan A/tan u),
     approach = (2 L slope/pi^2)(chi_2(s) - artanh(s) ln s), s = sin A,
     chi_2 Legendre's chi function (derived from dP/da).
+
+    J. M. Block & L. M. Keer, J. Mech. Mater. Struct. 3 (2008).
+
+    Parameters
+    ----------
+    wedge_slope : float
+        The slope of the flanks of f = slope |x|, |x| <= L/2.
+    period : float
+        Period L [m].
+    E_star : float
+        Reduced modulus [Pa].
+    half_width : float
+        Half width a of the zone [m].
+
+    Attributes
+    ----------
+    load : float
+        P per period [N/m]; the class methods `from_load`, `from_mean_pressure` and `from_contact_fraction` start from one of these numbers.
+    pressure, gap, zones, approach : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite, or the zone is as wide as its period.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import PeriodicWedge
+    >>> row = PeriodicWedge.from_contact_fraction(0.5, period=1e-3, wedge_slope=0.01, E_star=1e9)
+    >>> bool(np.isclose(row.mean_pressure, 1e7 / np.pi * np.arctanh(np.sin(np.pi / 4))))
+    True
     """
 
     wedge_slope: float

@@ -34,10 +34,64 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class AdhesiveDesign:
-    """An exact JKR contact of given zones (n, 2), ascending, within one period if there is one, given load per period (of any
-    sign) and work of adhesion [J/m^2].
+    """An exact JKR contact of given zones, load and work of adhesion, with p ~ -sqrt(E* w/pi)/sqrt(d) at every end.
 
-    Whether the surfaces keep apart between the zones is `is_admissible`: weak loads with strong adhesion may not be.
+    Whether the surfaces keep apart between the zones is `is_admissible`: weak loads with strong adhesion may not be. Derived from the
+    general solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11, and the intensity of K. L. Johnson,
+    Int. J. Solids Struct. 32 (1995) 423, doi 10.1016/0020-7683(94)00111-9; see the head of this module.
+
+    Parameters
+    ----------
+    zones : array_like, (n, 2)
+        Ends of the zones [m], ascending; within one period if there is one.
+    E_star : float
+        Reduced modulus [Pa].
+    load : float
+        P of all zones, of any sign, per unit thickness, per period if there is one [N/m].
+    work : float
+        Work of adhesion w [J/m^2].
+    period : float or None
+        Period L [m]; None: the body is alone.
+
+    Attributes
+    ----------
+    profile : DesignedProfile
+        The shape that has this contact.
+    is_admissible : bool
+        Whether the surfaces keep apart outside the zones.
+    intensity : float
+        sqrt(E* w/pi) [Pa m^(1/2)].
+    max_pressure : float
+        Greatest pressure [Pa].
+    zone_loads, zone_widths : array, (n,)
+        Load [N/m] and width [m] of every zone.
+    mean_pressure, contact_fraction : float or None
+        P/L [Pa], and the share of the period in contact; None without a period.
+    nearness : float
+        Narrowest gap over widest zone: what makes a problem hard.
+    approach, mean_gap : float or None
+        From min f = 0 and mean u = 0 [m]; None without a period.
+    pressure, gap, gap_slope, displacement, height, slope : callable
+        p [Pa], gap [m], its slope, u [m] (with a period), f [m] up to a constant and f' at positions x [m] of any shape.
+    pressure_at : callable
+        p [Pa] at normalised positions t in [-1, 1] of a zone, to rounding up to its ends.
+
+    Raises
+    ------
+    SceneError
+        If the modulus, the work or the period is not positive and finite, the load not finite, or the zones not strictly ascending
+        and within one period.
+
+    Examples
+    --------
+    One zone alone is that of a cylinder: P = pi E* a^2/4R - sqrt(2 pi E* a w).
+
+    >>> import numpy as np
+    >>> from contact.inverse import AdhesiveDesign
+    >>> load = np.pi / 4 - np.sqrt(2 * np.pi * 0.01)
+    >>> cylinder = AdhesiveDesign(np.array([[-1.0, 1.0]]), E_star=1.0, load=load, work=0.01)
+    >>> bool(np.isclose(cylinder.profile.coefficients[2], 0.5)), cylinder.is_admissible  # R = 1
+    (True, True)
     """
 
     zones: Array
@@ -206,10 +260,12 @@ class AdhesiveDesign:
 
     @property
     def zone_widths(self) -> Array:
+        """Width of every zone [m], (n,)."""
         return np.diff(self.zones, axis=1)[:, 0]
 
     @property
     def contact_fraction(self) -> float | None:
+        """The share of the period in contact; None without a period."""
         return None if self.period is None else float(np.sum(self.zone_widths)) / self.period
 
     @cached_property
@@ -339,5 +395,41 @@ class AdhesiveDesign:
 def adhesive_design(
     zones: ArrayLike, E_star: float, load: float, work: float, period: float | None = None
 ) -> AdhesiveDesign:
-    """The exact JKR contact with these zones, this load (per period) and this work of adhesion."""
+    """The exact JKR contact with these zones, this load (per period) and this work of adhesion.
+
+    Parameters
+    ----------
+    zones : array_like, (n, 2)
+        Ends of the zones [m], ascending; within one period if there is one.
+    E_star : float
+        Reduced modulus [Pa].
+    load : float
+        P of all zones, of any sign, per unit thickness, per period if there is one [N/m].
+    work : float
+        Work of adhesion w [J/m^2].
+    period : float or None
+        Period L [m]; None: the body is alone.
+
+    Returns
+    -------
+    AdhesiveDesign
+        With its `profile`, to be given to `contact.Scene` under `contact.JKR(work)`.
+
+    Raises
+    ------
+    SceneError
+        If the modulus, the work or the period is not positive and finite, the load not finite, or the zones not strictly ascending
+        and within one period.
+
+    Examples
+    --------
+    At every end p sqrt(d) tends to -sqrt(E* w/pi).
+
+    >>> import numpy as np
+    >>> from contact.inverse import adhesive_design
+    >>> made = adhesive_design([[-2.0, -1.0], [0.5, 3.0]], E_star=1.0, load=0.1, work=1e-4)
+    >>> p = [made.pressure_at(-1 + 2e-9, 0) * np.sqrt(1e-9), made.pressure_at(1 - 1e-9, 1) * np.sqrt(1.25e-9)]
+    >>> bool(np.allclose(p, -made.intensity, rtol=1e-4))
+    True
+    """
     return AdhesiveDesign(np.asarray(zones), E_star, load, work, period)

@@ -37,10 +37,57 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class DesignedContact:
-    """An exact contact of given zones (n, 2), ascending, within one period if there is one, and given load
-    per period.
+    """An exact contact of given zones and load: the profile is chosen such that they are right; see the head of this module.
 
-    `profile` is the shape that has it; pressures, gaps and loads are exact to rounding.
+    p = (E*/2)|X M| on the zones, gap slope = X M between them; pressures, gaps and loads are exact to rounding. Derived from the
+    general solution (34) of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11.
+
+    Parameters
+    ----------
+    zones : array_like, (n, 2)
+        Ends of the zones [m], ascending; within one period if there is one.
+    E_star : float
+        Reduced modulus [Pa].
+    load : float
+        P > 0 of all zones per unit thickness, per period if there is one [N/m].
+    period : float or None
+        Period L [m]; None: the body is alone.
+
+    Attributes
+    ----------
+    profile : DesignedProfile
+        The shape that has this contact.
+    max_pressure : float
+        Peak pressure [Pa].
+    zone_loads, zone_widths : array, (n,)
+        Load [N/m] and width [m] of every zone.
+    mean_pressure, contact_fraction : float or None
+        P/L [Pa], and the share of the period in contact; None without a period.
+    nearness : float
+        Narrowest gap over widest zone: what makes a problem hard.
+    approach, mean_gap : float or None
+        From min f = 0 and mean u = 0 [m]; None without a period.
+    pressure, gap, gap_slope, displacement, height, slope : callable
+        p [Pa], gap [m], its slope, u [m] (with a period), f [m] up to a constant and f' at positions x [m] of any shape.
+    pressure_at : callable
+        p [Pa] at normalised positions t in [-1, 1] of a zone, to rounding up to its ends.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite, or the zones are not strictly ascending and within one period.
+    NotConverged
+        From whatever is asked of it, if the roots of M are not found.
+
+    Examples
+    --------
+    One zone a period is that of a wave: P = pi E* Delta sin^2(pi a/L).
+
+    >>> import numpy as np
+    >>> from contact.inverse import DesignedContact
+    >>> wave = DesignedContact(np.array([[-0.25, 0.25]]), E_star=1.0, load=0.5 * np.pi, period=1.0)
+    >>> bool(np.isclose(wave.profile.cosine[0], -1.0))  # f = -Delta cos(2 pi x/L)
+    True
     """
 
     zones: Array
@@ -129,10 +176,12 @@ class DesignedContact:
 
     @property
     def zone_widths(self) -> Array:
+        """Width of every zone [m], (n,)."""
         return np.diff(self.zones, axis=1)[:, 0]
 
     @property
     def contact_fraction(self) -> float | None:
+        """The share of the period in contact; None without a period."""
         return None if self.period is None else float(np.sum(self.zone_widths)) / self.period
 
     @property
@@ -247,5 +296,39 @@ def least_value(function: Callable[[Array], Array], low: float, high: float, sam
 
 
 def design(zones: ArrayLike, E_star: float, load: float, period: float | None = None) -> DesignedContact:
-    """The exact contact with these zones and this load (per period)."""
+    """The exact contact with these zones and this load (per period).
+
+    Parameters
+    ----------
+    zones : array_like, (n, 2)
+        Ends of the zones [m], ascending; within one period if there is one.
+    E_star : float
+        Reduced modulus [Pa].
+    load : float
+        P > 0 of all zones per unit thickness, per period if there is one [N/m].
+    period : float or None
+        Period L [m]; None: the body is alone.
+
+    Returns
+    -------
+    DesignedContact
+        With its `profile`, to be given to `contact.Scene`.
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite, or the zones are not strictly ascending and within one period.
+
+    Examples
+    --------
+    The solver finds the zones that were asked for.
+
+    >>> import contact
+    >>> import numpy as np
+    >>> from contact.inverse import design
+    >>> made = design([[-2.0, -1.0], [0.5, 3.0]], E_star=1.0, load=0.1)
+    >>> found = contact.solve(contact.Scene(made.profile, 1.0, contact.Isolated(), load=0.1))
+    >>> bool(np.allclose(found.zones, made.zones, atol=1e-7))
+    True
+    """
     return DesignedContact(np.asarray(zones), E_star, load, period)

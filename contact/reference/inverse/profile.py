@@ -17,8 +17,45 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class DesignedProfile(Profile):
-    """f' = sum of Chebyshev polynomials on `hull`, or f = sum cosine[k-1] cos(2 pi k x/L) + sine[k-1] sin(2
-    pi k x/L)."""
+    """The shape of a designed contact: f' a sum of Chebyshev polynomials on `hull`, or with a period
+
+    f = sum cosine[k-1] cos(2 pi k x/L) + sine[k-1] sin(2 pi k x/L). It is made by `design`, and given to `contact.Scene`.
+
+    Parameters
+    ----------
+    period : float or None
+        Period L [m]; None: the body is alone.
+    slope_series : array, (2 n,)
+        Chebyshev coefficients of f' on the hull, for n zones; empty with a period.
+    hull : tuple of float
+        The outermost ends [m].
+    cosine, sine : array, (n,)
+        Fourier coefficients of f [m]; empty without a period.
+
+    Attributes
+    ----------
+    coefficients : array, (2 n + 1,)
+        Alone: f as a polynomial in x, lowest power first [m, 1, 1/m, ...]; loses digits beyond some ten zones.
+    height, slope : callable
+        f [m] and f' at positions x [m] of any shape.
+    resolution : float
+        A length the shape does not vary much within [m].
+
+    Raises
+    ------
+    SceneError
+        From `coefficients`, if there is a period.
+
+    Examples
+    --------
+    One zone alone is that of Hertz: f = x^2/2R with R = pi E* a^2/4P.
+
+    >>> import numpy as np
+    >>> from contact.inverse import design
+    >>> profile = design([[-1.0, 1.0]], E_star=1.0, load=0.25 * np.pi).profile
+    >>> type(profile).__name__, bool(np.isclose(profile.coefficients[2], 0.5))
+    ('DesignedProfile', True)
+    """
 
     period: float | None
     slope_series: Array
@@ -61,6 +98,7 @@ class DesignedProfile(Profile):
 
     @property
     def resolution(self) -> float:
+        """A length the shape does not vary much within [m]."""
         if self.period is None:
             return (self.hull[1] - self.hull[0]) / len(self.slope_series)
         return self.period / len(self.cosine)

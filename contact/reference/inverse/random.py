@@ -15,8 +15,32 @@ Array = NDArray[np.float64]
 def random_zones(
     rng: np.random.Generator, zones: int, spread: float = 10.0, fraction: float | None = None
 ) -> Array:
-    """n zones in a cell of length 1 from 0: widths and gaps log-uniform, each within a factor `spread` of its
-    kind; the zones together take `fraction` of the cell (random from 0.2 to 0.8 if left out)."""
+    """Random zones in a cell of length 1 from 0: widths and gaps log-uniform, each within a factor `spread` of its kind.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Where the numbers come from.
+    zones : int
+        How many zones n.
+    spread : float
+        Largest ratio of two widths, and of two gaps.
+    fraction : float or None
+        What the zones together take of the cell; random from 0.2 to 0.8 if left out.
+
+    Returns
+    -------
+    array, (n, 2)
+        The ends, ascending.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.inverse import random_zones
+    >>> zones = random_zones(np.random.default_rng(0), 5, fraction=0.3)
+    >>> zones.shape, bool(np.isclose(np.sum(np.diff(zones)), 0.3)), bool(np.all(np.diff(zones.ravel()) > 0))
+    ((5, 2), True, True)
+    """
     share = rng.uniform(0.2, 0.8) if fraction is None else fraction
     width = np.exp(rng.uniform(0.0, np.log(spread), zones))
     gap = np.exp(rng.uniform(0.0, np.log(spread), zones))
@@ -37,8 +61,43 @@ def random_problem(
 ) -> DesignedContact:
     """A random exact problem of 1 to 12 (or the given number of) zones, asymmetric and off the origin.
 
-    The load is strain * E_star * cell, the cell being the period or, alone, `length`; see `random_zones` for
-    the rest. With a period the left ends lie in [-L/2, L/2), ascending.
+    With a period the left ends lie in [-L/2, L/2), ascending.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Where the numbers come from.
+    zones : int or None
+        How many zones; None: 1 to 12.
+    period : float or None
+        Period L [m]; None: the body is alone.
+    E_star : float
+        Reduced modulus [Pa].
+    strain : float
+        The load is strain * E_star * cell, the cell being the period or, alone, `length`.
+    spread, fraction : float
+        See `random_zones`.
+    length : float
+        Length of the cell of a body that is alone [m].
+
+    Returns
+    -------
+    DesignedContact
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+
+    Examples
+    --------
+    The zones carry the load together.
+
+    >>> import numpy as np
+    >>> from contact.inverse import random_problem
+    >>> made = random_problem(np.random.default_rng(0), zones=4, period=1.0, strain=0.02)
+    >>> len(made.zones), bool(np.isclose(np.sum(made.zone_loads), 0.02))
+    (4, True)
     """
     count = int(rng.integers(1, 13)) if zones is None else zones
     cell = length if period is None else period
@@ -65,6 +124,38 @@ def random_adhesive_problem(
 
     The work of adhesion is that whose flat punches of these widths carry `pull` times the load together, halved until the
     surfaces keep apart between the zones and, if it is to be stable, the contact is so under its load.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Where the numbers come from.
+    zones : int or None
+        How many zones; None: 1 to 6.
+    period : float or None
+        Period L [m]; None: the body is alone.
+    pull : float
+        Load of the flat punches over the load, to begin with.
+    stable : bool
+        Whether the contact has to be locally stable under its load.
+    **shape : float
+        E_star, strain, spread, fraction and length of `random_problem`, by name.
+
+    Returns
+    -------
+    AdhesiveDesign
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.inverse import is_stable, random_adhesive_problem
+    >>> made = random_adhesive_problem(np.random.default_rng(0), zones=2, period=1.0)
+    >>> len(made.zones), made.is_admissible, is_stable(made)
+    (2, True, True)
     """
     count = int(rng.integers(1, 7)) if zones is None else zones
     free = random_problem(rng, count, period, **shape)  # type: ignore[arg-type]

@@ -24,9 +24,31 @@ Array = NDArray[np.float64]
 
 
 def second_variation(design: AdhesiveDesign) -> Array:
-    """d^2 energy/ds_i ds_j [J/m^3] by the outward movements of the ends in ascending order, (2n, 2n), at a held load.
+    """Second derivatives of the energy of a designed JKR contact by its ends, d^2 energy/ds_i ds_j, at a held load.
 
-    The contact is locally stable under that load where the matrix is positive definite."""
+    The contact is locally stable under that load where the matrix is positive definite. Derived here, see the head of this module.
+
+    Parameters
+    ----------
+    design : AdhesiveDesign
+        The contact, of n zones.
+
+    Returns
+    -------
+    array, (2 n, 2 n)
+        [J/m^3], by the outward movements of the ends in ascending order.
+
+    Examples
+    --------
+    At pull-off of a cylinder, a^3 = 2 R^2 w/(pi E*), the zone can widen on both sides without force.
+
+    >>> import numpy as np
+    >>> from contact.inverse import adhesive_design, second_variation
+    >>> load = np.pi / 4 - np.pi  # R = E* = a = 1 and w = pi/2
+    >>> matrix = second_variation(adhesive_design([[-1.0, 1.0]], E_star=1.0, load=load, work=np.pi / 2))
+    >>> bool(np.allclose(matrix, matrix.T)), bool(abs(np.sum(matrix)) < 1e-9 * np.max(np.abs(matrix)))
+    (True, True)
+    """
     product, n = design._product, len(design.zones)
     m, q = 2 * n, design._poles.astype(float)
     right = np.arange(m) % 2 == 1
@@ -53,7 +75,30 @@ def second_variation(design: AdhesiveDesign) -> Array:
 
 
 def is_stable(design: AdhesiveDesign) -> bool:
-    """Whether the design is locally stable under a held load."""
+    """Whether a designed JKR contact is locally stable under a held load: the second variation is positive definite.
+
+    Derived here, see the head of this module.
+
+    Parameters
+    ----------
+    design : AdhesiveDesign
+        The contact.
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    A cylinder is stable where its zone is wider than at pull-off, a^3 = 2 R^2 w/(pi E*).
+
+    >>> import numpy as np
+    >>> from contact.inverse import adhesive_design, is_stable
+    >>> works = [1.5, 1.6]  # R = E* = a = 1: pull-off at w = pi/2
+    >>> loads = [np.pi / 4 - np.sqrt(2 * np.pi * w) for w in works]
+    >>> [is_stable(adhesive_design([[-1.0, 1.0]], 1.0, load, w)) for load, w in zip(loads, works)]
+    [True, False]
+    """
     matrix = second_variation(design)
     return bool(np.min(np.linalg.eigvalsh(0.5 * (matrix + matrix.T))) > 0.0)
 

@@ -16,14 +16,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange
 from contact.model.profiles.base import Profile
-from contact.search.grid.conjugate_gradient import GridState, Influence, Mask, Rest, Symbol, solve_grid
+from contact.search.grid.conjugate_gradient import GridState, Mask, Response, solve_grid
 
 Array = NDArray[np.float64]
 Height = Callable[[Array], ArrayLike]
 
+_POINTS = 128  # of a window
 COARSEST = 64  # points of the first of the nested grids
 MOST_POINTS = 2**22  # of the last grid, however fine the shape is
 _PASSING = 1e-3  # tolerance of the grids before the last
+_PER_FEATURE = 16  # cells to the smallest length of a shape
 NARROW = 3  # cells: below this a zone or a gap is not resolved
 
 
@@ -157,63 +159,46 @@ def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> 
 def propose(
     height: Height,
     cell: tuple[float, float],
+    response: Response,
     *,
-    E: float,
     load: float | None = None,
     level: float | None = None,
-    periodic: bool = True,
-    images: int = 0,
-    datum: float = 1.0,
     resolution: float | None = None,
     points: int | None = None,
-    points_per_feature: int = 16,
     max_points: int = 2**17,
-    extra: Height | None = None,
-    rest: Rest | None = None,
-    symbol: Symbol | None = None,
-    compression: float = 0.0,
     tol: float = 1e-8,
+    near: GridState | None = None,
 ) -> Proposal:
-    """Zones of `height` (+ `extra`) on one period or window `cell` from nested grids.
+    """Zones of `height` on one period or window `cell` from nested grids.
 
     `resolution` is the smallest length of the shape and sets the first final grid, doubled up to `max_points`
-    while something is narrower than three cells; `points` fixes the final grid instead. `periodic=False` is isolated, with
-    `images` copies of the cell each side; then `level` is counted with the length `datum` in the
-    logarithm. `rest` is what the kernel has beyond the half-plane's; `symbol` and `compression` are the body's under a period
-    (contact.search.grid.conjugate_gradient)."""
+    while something is narrower than three cells; `points` fixes the final grid instead. near: a contact on the same cell, under
+    another load or to another tolerance, of which the first grid has the points."""
     width = cell[1] - cell[0]
     if points is not None:
         target = limit = int(points)
     else:
         features = 16.0 if resolution is None else width / resolution
-        wanted = max(4 * COARSEST, points_per_feature * features)
+        wanted = max(4 * COARSEST, _PER_FEATURE * features)
         target = 2 ** int(np.ceil(np.log2(wanted)))
         # A shape of known resolution is worth as many points as it asks for.
         limit = max_points if resolution is None else max(max_points, min(target, MOST_POINTS))
         target = min(target, limit)
-    n = target
-    while n % 2 == 0 and n // 2 >= COARSEST:
-        n //= 2
-    state: GridState | None = None
+    n, start = target, None
+    while n % 2 == 0 and n // 2 >= COARSEST and start is None:
+        start = near.pressure if near is not None and len(near.pressure) == n else None
+        n = n if start is not None else n // 2
     iterations = 0
     while True:
         x, h = _midpoints(cell, n), width / n
         f = np.asarray(height(x), dtype=np.float64)
-        if extra is not None:
-            f = f + np.asarray(extra(x), dtype=np.float64)
-        influence = (
-            Influence.periodic(n, h, E, symbol, compression)
-            if periodic
-            else Influence.isolated(n, h, E, images=images, datum=datum, rest=rest)
-        )
-        start = None if state is None else _refine(state.pressure, periodic)
         # What a grid before the last is wrong by, the next one puts right.
-        state = solve_grid(f, influence, load=load, level=level, start=start, tol=tol if n >= target else max(tol, _PASSING))
+        state = solve_grid(f, response.on(n, h), load=load, level=level, start=start, tol=tol if n >= target else max(tol, _PASSING))
         iterations += state.iterations
         resolved = narrowest(state) >= NARROW
         if n >= target and (resolved or 2 * n > limit):
             break
-        n *= 2
+        n, start = 2 * n, _refine(state.pressure, response.periodic)
     return Proposal(zones_of(state, x), n, iterations, state, state.full, resolved, state.touches_border)
 
 
@@ -229,16 +214,13 @@ def _refine(p: Array, periodic: bool) -> Array:
 
 def find_window(
     height: Height,
-    E: float,
+    response: Response,
     *,
     load: float | None = None,
     level: float | None = None,
     start_scale: float | None = None,
-    datum: float = 1.0,
     limits: tuple[float, float] | None = None,
-    points: int = 128,
     start: tuple[float, float] | None = None,
-    rest: Rest | None = None,
 ) -> tuple[float, float]:
     """A window of the line of which an isolated contact takes between about 20 % and 70 %, clear of its
     border.
@@ -247,7 +229,7 @@ def find_window(
     grows or shrinks by what the contact takes. A window returned with its border in contact is `limits` itself."""
     if (load is None) == (level is None):
         raise ValueError("exactly one of load and level")
-    search = _Window(height, E, datum, limits, points, rest)
+    search = _Window(height, response, limits)
     window = start or limits or (-(start_scale or 1.0), start_scale or 1.0)
     if load is not None:
         return search.at_load(load, window)[0]
@@ -258,14 +240,11 @@ def find_window(
 @dataclass(frozen=True)
 class _Window:
     height: Height
-    E: float
-    datum: float
+    response: Response
     limits: tuple[float, float] | None
-    points: int
-    rest: Rest | None = None
 
     def _solve(self, window: tuple[float, float], load: float) -> tuple[Array, GridState]:
-        x = _midpoints(window, self.points)
+        x = _midpoints(window, _POINTS)
         with np.errstate(over="ignore"):  # far outside heights may overflow to inf: these points do not touch
             f = np.asarray(self.height(x), dtype=np.float64)
         if np.any(np.isnan(f)) or np.any(f == -np.inf):
@@ -273,9 +252,7 @@ class _Window:
                 f"the profile is not a number, or unbounded below, somewhere in the window {window} [m]: if it is known on a part of the "
                 "line only, give it an `extent`, and a `resolution` to begin with"
             )
-        influence = Influence.isolated(
-            self.points, (window[1] - window[0]) / self.points, self.E, datum=self.datum, rest=self.rest
-        )
+        influence = self.response.on(_POINTS, (window[1] - window[0]) / _POINTS)
         with np.errstate(over="ignore", invalid="ignore"):
             return x, solve_grid(f, influence, load=load, tol=1e-3)
 
@@ -289,7 +266,7 @@ class _Window:
         for _ in range(300):
             x, state = self._solve(window, load)
             width = window[1] - window[0]
-            h = width / self.points
+            h = width / _POINTS
             touching = np.flatnonzero(state.contact)
             if len(touching) == 0:
                 break
@@ -322,15 +299,15 @@ class _Window:
 
     def at_level(self, level: float, window: tuple[float, float]) -> tuple[float, float]:
         """The level is concave in the load up to its maximum: Newton for the load, to a tenth, bracketed."""
-        load = 1e-3 * self.E * self.datum
+        load = 1e-3 * self.response.E * self.response.datum
         low, high = 0.0, np.inf
         for _ in range(200):
             window, state = self.at_load(load, window)
             lowest = float(np.min(state.f))
-            if load < 1e-40 * self.E * self.datum:
+            if load < 1e-40 * self.response.E * self.response.datum:
                 if level <= lowest:
                     raise OutOfRange(f"level {level} does not reach the profile, whose lowest point is {lowest}")
-                raise OutOfRange(f"level {level} is above the largest approach over a datum of {self.datum}")
+                raise OutOfRange(f"level {level} is above the largest approach over a datum of {self.response.datum}")
             slope = self._compliance(state)
             step = (level - state.level) / slope if slope > 0.0 else np.nan
             if abs(step) <= 0.1 * load or (high < np.inf and high - low <= 0.05 * high):

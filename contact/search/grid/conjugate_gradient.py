@@ -107,6 +107,27 @@ class Influence:
         return self.n if self.is_periodic or self.images else 2 * self.n
 
 
+@dataclass(frozen=True)
+class Response:
+    """What pressure does to the surface, on any grid. periodic: on a period, by the body's `symbol` and `compression`; else alone on the
+    line, with `images` copies of the cell each side, heights counted with the length `datum` in the logarithm, and `rest`: what the kernel
+    has beyond the half-plane's."""
+
+    E: float
+    periodic: bool = True
+    images: int = 0
+    datum: float = 1.0
+    rest: Rest | None = None
+    symbol: Symbol | None = None
+    compression: float = 0.0
+
+    def on(self, n: int, h: float) -> Influence:
+        """Its operator on n cells of width h."""
+        if self.periodic:
+            return Influence.periodic(n, h, self.E, self.symbol, self.compression)
+        return Influence.isolated(n, h, self.E, images=self.images, datum=self.datum, rest=self.rest)
+
+
 def _wave_stiffness(n: int, h: float, E: float) -> Array:
     return np.asarray(0.5 * E * (2.0 * np.pi / (n * h)) * np.arange(n // 2 + 1), dtype=np.float64)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
-from contact.formulation.units import Units
 from contact.model.interactions.periodic import Periodic
 from contact.search.grid.coarse import Proposal, grid_height, propose
+from contact.search.grid.conjugate_gradient import GridState, Response
 from contact.search.grid.scaling import ScaledScene
 from contact.search.grid.tilt import known_part
 from contact.search.grid.tilt_rate import AtTilt, balanced
@@ -31,9 +31,11 @@ _CENTRINGS = 6
 # much, cells to a shortest length of the shape, and its tolerance.
 _ABOUT, _SEEN, _PER_FEATURE, _ROUGHLY = 0.03, 64, 2, 1e-3
 # The same from the finest grid, of many zones and of few, how many such grids, and the least rate that a width grows with.
-_CLOSE, _FINE_GRIDS, _FLATTEST = (2e-3, 0.05), 3, 0.2
+_CLOSE, _FINE_GRIDS, _FLATTEST = (1e-3, 0.05), 3, 0.2
 # Zones missing, or too many, that a grid may leave to Newton, as far as the width tells.
 _MISSED = 0.3
+# Change of a load, over it, after which a grid's contact is a good start.
+_BESIDE = 0.02
 # Loads over each other that are near enough to begin with, whatever lies between.
 _CLOSE_BY = 1.1
 
@@ -41,7 +43,7 @@ _CLOSE_BY = 1.1
 @dataclass(frozen=True, eq=False)
 class Proposed:
     """Zones (n, 2) [m], the grid's points, whether it is in full contact or touches the border of what is known, the tilt
-    under which the moment is right, where that is unknown, and the load [N/m]."""
+    under which the moment is right, where that is unknown, the load [N/m], and the contact on the grid of a whole period."""
 
     zones: Array
     points: int
@@ -49,6 +51,7 @@ class Proposed:
     touches_border: bool
     tilt: float | None = None
     load: float = math.nan
+    state: GridState | None = field(default=None, repr=False)
 
     @property
     def width(self) -> float:
@@ -57,26 +60,29 @@ class Proposed:
 
 
 def proposed(
-    scaled: ScaledScene, problem: Problem, control: Control, points: int | None, tol: float = 1e-8, held: bool = False
+    scaled: ScaledScene, problem: Problem, control: Control, points: int | None, tol: float = 1e-8, held: bool = False,
+    near: Proposed | None = None,
 ) -> Proposed:
     """Zones from a grid of so many points, or of as many as the profile's resolution asks for, to a tolerance; held: of a strip that
-    stays where it is."""
+    stays where it is; near: under another load, to begin with."""
     if problem.moment is not None:
         return _by_moment(scaled, problem, control, points)
     units, profile, interaction = problem.units, problem.profile, problem.interaction
     operator, by_load = problem.operator, control.load is not None
     # Of a strip the grid of the whole period tells where to cut.
     whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
-    found = propose(
-        partial(grid_height, profile) if by_load else profile.height, scaled.cell, E=units.E_star,
-        periodic=interaction.needs_period, datum=operator.datum or 1.0, rest=None if interaction.needs_period else operator.rest,
+    response = Response(
+        units.E_star, interaction.needs_period, datum=operator.datum or 1.0, rest=None if interaction.needs_period else operator.rest,
         symbol=None if operator.is_plain else whole.multiplier, compression=operator.compression or 0.0,
+    )
+    found = propose(
+        partial(grid_height, profile) if by_load else profile.height, scaled.cell, response,
         resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
-        level=None if by_load else problem.lowest + control.value * units.height, tol=tol,
+        level=None if by_load else problem.lowest + control.value * units.height, tol=tol, near=None if near is None else near.state,
     )
     if interaction.strip and found.state.load > 0.0:
         return _in_strip(problem, control, points, found, held)
-    return Proposed(found.zones, found.points, found.full, found.touches_border, load=found.state.load)
+    return Proposed(found.zones, found.points, found.full, found.touches_border, load=found.state.load, state=found.state)
 
 
 def _in_strip(problem: Problem, control: Control, points: int | None, whole: Proposal, held: bool) -> Proposed:
@@ -89,13 +95,13 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     middle = _cut(whole, profile.x0, profile.period) + 0.5 * profile.period
     if held:
         middle = float(units.x(np.array(problem.centre)))
+    response = Response(units.E_star, False, interaction.neighbours, rest=problem.operator.strip_rest)
     for _ in range(_CENTRINGS):
         column = problem.about(float(units.scaled(np.array(middle)))).columns[0].primitive
         assert column is not None
         found = propose(
-            partial(grid_height, profile), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), E=units.E_star,
-            periodic=False, images=interaction.neighbours, rest=problem.operator.strip_rest, resolution=profile.feature,
-            points=points, load=load, extra=partial(_beyond, units, nominal, column),
+            partial(_pressed, problem, nominal, column), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), response,
+            resolution=profile.feature, points=points, load=load,
         )
         before, middle = middle, 0.5 * float(found.zones[0, 0] + found.zones[-1, 1])
         if held or abs(middle - before) <= _CELLS * profile.period / found.points:
@@ -103,9 +109,10 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     return Proposed(found.zones, found.points, False, found.touches_border)
 
 
-def _beyond(units: Units, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:
-    """What the nominal pressure beyond the strip adds to the shape [m]."""
-    return nominal * units.height * np.asarray(column(units.scaled(x)))
+def _pressed(problem: Problem, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:
+    """The shape [m] with what the nominal pressure beyond the strip adds to it."""
+    units = problem.units
+    return grid_height(problem.profile, x) + nominal * units.height * np.asarray(column(units.scaled(x)))
 
 
 def _cut(whole: Proposal, x0: float, period: float) -> float:
@@ -128,14 +135,14 @@ def _by_moment(scaled: ScaledScene, problem: Problem, control: Control, points: 
     assert problem.moment is not None
     centre, limits = problem.moment * units.moment / load, known_part(problem.profile) or (-math.inf, math.inf)
     lo, hi = scaled.cell
+    response = Response(units.E_star, False, rest=problem.operator.rest)
     for widened in range(_WIDENINGS + 1):
         cell, last = (lo, hi), widened == _WIDENINGS or (lo, hi) == limits
 
         def lean(tilt: float, cell: tuple[float, float] = cell, last: bool = last) -> AtTilt[Proposal]:
             profile = problem.turned_to(tilt).profile
             found = propose(
-                partial(grid_height, profile), cell, E=units.E_star, periodic=False, resolution=profile.feature,
-                points=points, load=load, rest=problem.operator.rest,
+                partial(grid_height, profile), cell, response, resolution=profile.feature, points=points, load=load,
             )
             if found.touches_border and not last:
                 raise _TooNarrow
@@ -155,10 +162,13 @@ def of_width(scaled: ScaledScene, problem: Problem, width: float) -> Proposed:
     first, then from one as fine as the profile's resolution does."""
     period, length = problem.period, problem.units.length
     assert period is not None
-    load, rate = _load_of_width(scaled, problem, width)
+    load, rate, roughly = _load_of_width(scaled, problem, width)
     before: tuple[float, float] | None = None
+    found = roughly
     for _ in range(_FINE_GRIDS):
-        found = proposed(scaled, problem, Load(load), None)
+        # Farther off than that, coarser grids are the shorter way.
+        beside = before is not None and abs(math.log(load / before[0])) < _BESIDE
+        found = proposed(scaled, problem, Load(load), None, near=found if beside else roughly)
         miss = _miss(found.width / length, width, period)
         if before is not None and math.isfinite(miss - before[1]) and load != before[0]:
             rate = max((miss - before[1]) / math.log(load / before[0]), _FLATTEST)
@@ -176,9 +186,9 @@ def _miss(found: float, width: float, period: float) -> float:
     return math.log(found / width * (period - width) / (period - found))
 
 
-def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple[float, float]:
-    """(a scaled load at which a grid's zones have about the given scaled total width, by false position, d miss / d log(load)). It is that
-    of a first guess: the grid is no finer than the width asks for."""
+def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple[float, float, Proposed]:
+    """(a scaled load at which a grid's zones have about the given scaled total width, by false position, d miss / d log(load), these). It
+    is that of a first guess: the grid is no finer than the width asks for."""
     assert problem.period is not None
     units, profile, period = problem.units, problem.profile, problem.period
     near_enough, least = _ABOUT * min(width, period - width), _SEEN * period / min(width, period - width)
@@ -186,8 +196,10 @@ def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple
     points = 2 ** int(np.clip(np.ceil(np.log2(max(_PER_FEATURE * features, least))), 8, 17))
     low, high, at_low, at_high, last, load = 0.0, math.inf, -math.inf, math.inf, 0.0, 0.1
     tried: list[tuple[float, float]] = []
+    near: Proposed | None = None
     for _ in range(60):
-        found = proposed(scaled, problem, Load(load), points, _ROUGHLY).width / units.length
+        near = proposed(scaled, problem, Load(load), points, _ROUGHLY, near=near)
+        found = near.width / units.length
         miss = _miss(found, width, period)
         tried.append((math.log(load), miss))
         if abs(found - width) < near_enough or high < _CLOSE_BY * low:
@@ -207,7 +219,8 @@ def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple
             share = at_high / (at_high - at_low) if math.isfinite(at_high - at_low) else 0.5
             load = high * (low / high) ** min(max(share, 0.02), 0.98)
     rises = [(miss - tried[-1][1]) / (at - tried[-1][0]) for at, miss in tried[-2:-1] if math.isfinite(miss - tried[-1][1])]
-    return load, max(rises[0], _FLATTEST) if rises else 1.0
+    assert near is not None
+    return load, max(rises[0], _FLATTEST) if rises else 1.0, near
 
 
 def placed(problem: Problem, zones: Array) -> Array:

@@ -25,7 +25,7 @@ from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
 from contact.search.grid.coarse import NoWindow, find_window, grid_height
-from contact.search.grid.tilt import Window, held_by, known_part, tilt_search, window_at_load
+from contact.search.grid.tilt import Window, held_by, known_part, response_of, tilt_search, window_at_load
 
 Array = NDArray[np.float64]
 
@@ -79,7 +79,7 @@ def _turned(scene: Scene, guess: float) -> ScaledScene:
 
 
 def _frame_of(scene: Scene, profile: Profile, window: Window) -> ScaledScene:
-    """ScaledScene by a window that holds the contact. The approach counts, at x = 0, from where the body is not turned."""
+    """Scaled by a window that holds the contact. The approach counts, at x = 0, from where the body is not turned."""
     length = 2.0 ** round(math.log2(0.5 * (window[1] - window[0])))
     units = Units(_middle_or_tip(profile, window), length, _typical_slope(scene, profile, length, window), scene.E_star)
     moment = None if scene.moment is None else scene.moment / units.moment
@@ -91,11 +91,11 @@ def _frame_of(scene: Scene, profile: Profile, window: Window) -> ScaledScene:
 def _window(scene: Scene, profile: Tilted) -> Window:
     """A window that holds the contact at the given tilt."""
     load, datum, fixed = scene.given_load, _datum(scene) or 1.0, held_by(profile)
-    find = partial(find_window, start_scale=profile.resolution, datum=datum, limits=profile.extent, rest=scene.operator.rest)
+    find = partial(find_window, response=response_of(scene, datum), start_scale=profile.resolution, limits=profile.extent)
     try:
         if load is not None:
             return window_at_load(scene, profile, load)
-        first = fixed or find(profile.height, scene.E_star, load=1e-3 * scene.E_star * datum)
+        first = fixed or find(profile.height, load=1e-3 * scene.E_star * datum)
         level, deepest = _lowest_unturned(scene), lowest(profile, first)
         value = scene.control[1]
         if level + value <= deepest:
@@ -103,7 +103,7 @@ def _window(scene: Scene, profile: Tilted) -> Window:
                 f"approach {value:.6g} m at x = 0 leaves the body clear: turned by {profile.tilt:.6g} it touches from "
                 f"{deepest - level:.6g} m on"
             )
-        return fixed or find(profile.height, scene.E_star, level=level + value)
+        return fixed or find(profile.height, level=level + value)
     except NoWindow as failure:
         raise OutOfRange(f"turned by {profile.tilt:.6g}, the body finds no hold: {failure}") from failure
 
@@ -114,9 +114,8 @@ def _lowest_unturned(scene: Scene) -> float:
     cell = profile.support or profile.extent
     if cell is None and profile.period is None and profile.summits is None:
         datum = _datum(scene) or 1.0
-        cell = find_window(
-            profile.height, scene.E_star, load=1e-3 * scene.E_star * datum, start_scale=profile.resolution, rest=scene.operator.rest
-        )
+        load = 1e-3 * scene.E_star * datum
+        cell = find_window(profile.height, response_of(scene, datum), load=load, start_scale=profile.resolution)
     return lowest(profile, cell)
 
 
@@ -133,27 +132,26 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
     if profile.support is not None:
         lo, hi = profile.support
         return 0.5 * (lo + hi), 0.5 * (hi - lo), (lo, hi)
-    rest = scene.operator.rest
-    if single and rest is None:
+    if single and scene.operator.rest is None:
         plain = Units(0.0, 1.0, 1.0, scene.E_star)
         rough = Problem(profile, scene.interaction, scene.substrate, scene.law, plain, float(profile.height(0.0)))
         a = guess_half_width(rough, scaled_control(scene, rough.units))
         return 0.0, a, (-2 * a, 2 * a)
     datum = _datum(scene)
-    find = partial(find_window, start_scale=profile.resolution, datum=datum or 1.0, limits=profile.extent, rest=rest)
+    find = partial(find_window, response=response_of(scene, datum or 1.0), start_scale=profile.resolution, limits=profile.extent)
     if kind == "load":
-        window = find(partial(grid_height, profile), scene.E_star, load=value)
+        window = find(partial(grid_height, profile), load=value)
         for _ in range(_DESCENTS):
             deeper = _deeper(profile, window)
             if deeper is None:
                 break
             # Any contact holds the lowest point: the points of wide windows missed it, or there was a tip before it.
             half = 0.5 * (window[1] - window[0])
-            window = find(profile.height, scene.E_star, load=value, start=(deeper - half, deeper + half))
+            window = find(profile.height, load=value, start=(deeper - half, deeper + half))
     else:
         # The lowest point is in contact at any load: a window of any contact holds it.
-        first = find(profile.height, scene.E_star, load=1e-3 * scene.E_star * (datum or 1.0))
-        window = find(profile.height, scene.E_star, level=lowest(profile, first) + value)
+        first = find(profile.height, load=1e-3 * scene.E_star * (datum or 1.0))
+        window = find(profile.height, level=lowest(profile, first) + value)
     origin = 0.0 if profile.symmetric else _middle_or_tip(profile, window)
     return origin, 0.5 * (window[1] - window[0]), window
 
@@ -176,7 +174,7 @@ def _deeper(profile: Profile, window: Window) -> float | None:
 
 def _middle_or_tip(profile: Profile, window: Window) -> float:
     """Where x is counted from: the lowest sharp tip within a window, since an end that comes close to one is known by its distance
-    from it (a wedge tilt_search on its flank); the middle, where there is none."""
+    from it (a wedge that stands on its flank); the middle, where there is none."""
     tips = profile.kinks[profile.kinks[:, 1] > 0, 0]
     tips = tips[(window[0] < tips) & (tips < window[1])]
     return float(tips[np.argmin(profile.height(tips))]) if len(tips) else 0.5 * (window[0] + window[1])

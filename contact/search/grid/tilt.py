@@ -18,6 +18,7 @@ from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
 from contact.search.grid.coarse import find_window, grid_height, propose
+from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.tilt_rate import AtTilt, balanced
 
 Array = NDArray[np.float64]
@@ -49,9 +50,14 @@ def window_at_load(
 ) -> Window:
     """A window that holds the contact of the profile as it stands."""
     return held_by(profile) or find_window(
-        partial(grid_height, profile), scene.E_star, load=load, start_scale=profile.resolution,
-        limits=limits or profile.extent, start=start, rest=scene.operator.rest,
+        partial(grid_height, profile), response_of(scene), load=load, start_scale=profile.resolution,
+        limits=limits or profile.extent, start=start,
     )
+
+
+def response_of(scene: Scene, datum: float = 1.0) -> Response:
+    """What pressure does to the surface of a body alone."""
+    return Response(scene.E_star, False, datum=datum, rest=scene.operator.rest)
 
 
 def tilt_search(scene: Scene, guess: float) -> AtTilt[Window]:
@@ -113,8 +119,8 @@ class _Tilting:
             self.windows[tilt] = window
         wide = self.whole is not None or (self.bounded and window == self.limits)
         found = propose(
-            partial(grid_height, profile), window, E=scene.E_star, load=self.load, periodic=False,
-            points=None if wide else _POINTS, resolution=profile.resolution, rest=scene.operator.rest,
+            partial(grid_height, profile), window, response_of(scene), load=self.load, points=None if wide else _POINTS,
+            resolution=profile.resolution,
         )
         extent = float(np.ptp(found.zones)) / found.state.influence.h if len(found.zones) else 1.0
         return AtTilt.of(tilt, window, found, max(1.0, _ROUGH * extent), window)

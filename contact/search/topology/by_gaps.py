@@ -45,7 +45,8 @@ class ByGaps:
         rounding of both."""
         problem, jumps = self.problem, self.problem.forcing
         right = sie.Forcing(
-            self.relief.forcing, breaks_at=np.asarray(jumps.steps_at), breaks=np.asarray(jumps.steps), break_orders=jumps.orders,
+            self.relief.forcing, density_jumps_at=np.asarray(jumps.jumps_at), density_jumps=np.asarray(jumps.jumps),
+            density_orders=jumps.orders,
             spline=jumps.value,
         )
         conditions, ends = control.gap_conditions(self.period, partial(mean_shape, problem), problem.compression)
@@ -62,11 +63,11 @@ class ByGaps:
             self.equation(control), zones, how.tolerance, steps, value=how.value, signs=(1.0, -1.0), near=how.near
         )
 
-    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None, settled: bool = False) -> GapFields:
-        """Fields with this number of gaps at a load, whatever the signs. decay, settled: see `sie.find_ends`."""
+    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None, bounded_ends: bool = False) -> GapFields:
+        """Fields with this number of gaps at a load, whatever the signs. decay, bounded_ends: see `sie.find_ends`."""
         equation = self.equation(Load(load))
         free = sie.find_ends(
-            equation, sie.Zones.of(table), tolerance, self.most_steps, signs=(1.0, -1.0), decay=decay, settled=settled
+            equation, sie.Zones.of(table), tolerance, self.most_steps, signs=(1.0, -1.0), decay=decay, bounded_ends=bounded_ends
         )
         if not free.converged:
             raise WrongTopology("the ends of the gaps did not settle", free)
@@ -79,7 +80,7 @@ class ByGaps:
         state, mean = free.state, float(free.density.amplitudes[0])
         if control.load is None:
             equation = self.equation(Load(mean * self.period))
-            state = sie.solve_fixed(equation, free.density.zones, max(0.1 * tolerance, 3e-16)).settled()
+            state = sie.solve_fixed(equation, free.density.zones, max(0.1 * tolerance, 3e-16)).with_bounded_ends()
         return GapFields(self.problem, state, mean, self.relief)
 
     def certificate(self, fields: GapFields, control: Control) -> Certificate:

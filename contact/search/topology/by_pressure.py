@@ -47,12 +47,12 @@ class ByPressure:
         steps = how.steps or self.most_steps
         return sie.find_ends(equation, zones, how.tolerance, steps, value=how.value, walls=problem.walls, near=how.near)
 
-    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None, settled: bool = False) -> ZoneFields:
-        """Fields with this number of zones at a load, whatever the signs. decay, settled: see `sie.find_ends`."""
+    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None, bounded_ends: bool = False) -> ZoneFields:
+        """Fields with this number of zones at a load, whatever the signs. decay, bounded_ends: see `sie.find_ends`."""
         control = Load(load)
         zones, equation = kinds(self.problem, control, table), self.problem.equation(control)
         try:
-            free = sie.find_ends(equation, zones, tolerance, walls=self.problem.walls, decay=decay, settled=settled)
+            free = sie.find_ends(equation, zones, tolerance, walls=self.problem.walls, decay=decay, bounded_ends=bounded_ends)
         except sie.SingularSystem as failure:
             raise WrongTopology(f"the equation has no solution on such zones ({failure})", None) from failure
         if not free.converged:
@@ -77,10 +77,10 @@ class ByPressure:
         # On about the same zones: with their modes, and by iteration from their solution.
         sizes = replace(free.state.sizes, value=0.0)
         state = sie.solve_zones(problem.equation(Load(total)), ends, max(0.1 * tolerance, 3e-16), sizes)
-        return ZoneFields(problem, state.settled())
+        return ZoneFields(problem, state.with_bounded_ends())
 
     def certificate(self, fields: ZoneFields, control: Control) -> Certificate:
-        return certify(fields, control.load, control.name)
+        return certify(fields, control.load, control)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
         """Those with pulling parts cut out, and a new one in every overlap."""
@@ -101,7 +101,7 @@ class ByPressure:
 
     def is_slight(self, found: Solved) -> bool:
         """A dip of the pressure, or a gap between zones."""
-        zones, reach = found.free.density.zones, off(found.free)
+        zones, reach = found.free.density.zones, off(found.free, found.fields.state)
         narrow = zones.a[1:] - zones.b[:-1] <= reach[1:, 0] + reach[:-1, 1]
         return found.certificate.dip <= 10 * found.tolerance or bool(np.any(narrow))
 

@@ -141,7 +141,7 @@ def _rounds(
             yield form.solved(free, fields, certificate, done, control, newton.tolerance)
             table, newton = ended, replace(newton, tolerance=TIGHT, near=False)
         else:
-            table, newton = _again(form, control, free, certificate, newton, tried)
+            table, newton = _again(form, control, free, fields.state, certificate, newton, tried)
     raise WrongTopology(f"the number of {form.what}s did not settle", free)
 
 
@@ -164,13 +164,15 @@ def _ended(form: Formulation[Kind], control: Control, table: Array, newton: Newt
 
 
 def _again(
-    form: Formulation[Kind], control: Control, free: sie.Free, certificate: Certificate, newton: Newton, tried: list[tuple[float, Array]]
+    form: Formulation[Kind], control: Control, free: sie.Free, state: sie.AnyState, certificate: Certificate, newton: Newton,
+    tried: list[tuple[float, Array]],
 ) -> tuple[Array, Newton]:
-    """Where to begin once more, and how, after signs have failed. tried: tolerances and intervals at which they did so before."""
+    """Where to begin once more, and how, after signs have failed. state: see `off`; tried: tolerances and intervals at which they did so
+    before."""
     ended, tighter = free.density.zones.table, replace(newton, tolerance=max(TIGHT, CLOSER * newton.tolerance))
     if control.half_width is not None:
         raise WrongTopology("pressure or gap change sign", free)
-    if newton.tolerance > TIGHT and _is_error(free, certificate):
+    if newton.tolerance > TIGHT and _is_error(free, state, certificate):
         return ended, tighter
     if newton.near:
         raise WrongTopology(certificate.note or f"there are other {form.what}s than these", free)
@@ -184,18 +186,19 @@ def _again(
     return table, newton
 
 
-def off(free: sie.Free) -> Array:
-    """How far the ends may be off (Z, 2), with a margin: signs so close to them tell nothing."""
+def off(free: sie.Free, state: sie.AnyState) -> Array:
+    """How far the ends may be off (Z, 2), with a margin: signs so close to them tell nothing. state: on the same zones, under the load
+    that they have, of which the certificate has asked the most already."""
     zones = free.density.zones
-    return np.asarray(MARGIN * (free.end_error + free.state.end_truncation) * (zones.b - zones.a)[:, None])
+    return np.asarray(MARGIN * (free.end_error + state.end_truncation) * (zones.b - zones.a)[:, None])
 
 
-def _is_error(free: sie.Free, certificate: Certificate) -> bool:
+def _is_error(free: sie.Free, state: sie.AnyState, certificate: Certificate) -> bool:
     """Whether all that fails lies so close to ends that their error may have made it."""
-    zones, reached = free.density.zones, off(free)
     bad = np.concatenate((certificate.negative, certificate.overlaps))
     if len(bad) == 0:
         return False
+    zones, reached = free.density.zones, off(free, state)
     ends, reach = np.concatenate((zones.a, zones.b)), np.concatenate((reached[:, 0], reached[:, 1]))
     near = (np.abs(bad[:, :1] - ends) <= reach) & (np.abs(bad[:, 1:] - ends) <= reach)
     return bool(near.any(axis=1).all())

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import sie
+from contact.errors import NotConverged, OutOfRange
 
 Array = NDArray[np.float64]
 
@@ -22,17 +25,30 @@ class WrongTopology(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Missed:
-    """reason: in words. free: the last Newton result. beyond: a zone reached the border of what is known of the profile."""
+    """reason: in words. free: the last Newton result. beyond: a zone reached the border of what is known of the profile. refusal: what is
+    raised if no other way leads on."""
 
     reason: str
     free: sie.Free | None = None
     beyond: bool = False
+    refusal: OutOfRange | NotConverged | None = None
 
     def same(self, other: Missed) -> bool:
         """Whether two searches ended in the same way with the same zones."""
         if self.reason != other.reason or self.free is None or other.free is None:
             return False
         return same(self.free.density.zones.table, other.free.density.zones.table)
+
+
+NOT_MINE = Missed("not a scene for this way")
+
+
+def attempted(way: Callable[[], Any]) -> Any:
+    """What a way leads to where others are left: its outcome, or a Missed, where it refuses too."""
+    try:
+        return way()
+    except (OutOfRange, NotConverged) as refusal:
+        return Missed(str(refusal), refusal=refusal)
 
 
 def same(table: Array, other: Array) -> bool:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
@@ -18,7 +17,7 @@ from contact.formulation.units import Units
 from contact.search.task import Task
 from contact.search.topology.by_gaps import ByGaps
 from contact.search.topology.loop import Newton, refine_topology
-from contact.search.topology.missed import Missed
+from contact.search.topology.missed import NOT_MINE, Missed, attempted
 from contact.search.ways.full_contact import full_under
 from contact.search.ways.gaps import OF_GAPS, by_gaps, tightened_gaps, worth_gaps
 from contact.search.ways.guesses import Outcome
@@ -34,29 +33,27 @@ _KEPT = 0.1
 _ROUNDS = 6
 # Zones that come or go between two values, up to which corrections find them; and zones of a first value among which there are no more.
 _OFTEN, _MANY = 8, 64
-NOT_ALONG = Missed("no solutions of the scene on a curve of its control's values")
 
 
 def from_last(task: Task) -> Outcome | Missed:
     """From the last solution of a curve and those before it."""
     if not task.along or not _is_followed(task):
-        return NOT_ALONG
+        return NOT_MINE
     if _changes_often(task.along):
         return Missed("so many zones come and go that a grid tells them sooner")
     fields, value = task.along[-1].fields, task.scene.control[1]
     if not isinstance(fields, ZoneFields | GapFields) or not 1 / _FARTHEST <= value / task.along[-1].scene.control[1] <= _FARTHEST:
-        return NOT_ALONG
+        return NOT_MINE
     problem = fields.problem
     control = task.control(problem)
     if full := full_under(task, control):
         return full
     table = _carried_on(task.along, value)
-    try:
-        if isinstance(fields, GapFields):
-            return _from_gaps(task, problem, fields, control, table)
-        return _from_zones(task, problem, control, table)
-    except OutOfRange as failure:
-        return Missed(str(failure))
+    if isinstance(fields, GapFields):
+        outcome: Outcome | Missed = attempted(lambda: _from_gaps(task, problem, fields, control, table))
+    else:
+        outcome = attempted(lambda: _from_zones(task, problem, control, table))
+    return outcome
 
 
 def _changes_often(along: tuple[Solution, ...]) -> bool:
@@ -75,7 +72,7 @@ def _is_followed(task: Task) -> bool:
 
 
 def _carried_on(along: tuple[Solution, ...], value: float) -> Array:
-    """ScaledScene zones or gaps at a value, by the polynomial through those of the last values, of as many as are alike."""
+    """Scaled zones or gaps at a value, by the polynomial through those of the last values, of as many as are alike."""
     last = along[-1]
     tables: list[Array] = []
     at: list[float] = []
@@ -140,4 +137,4 @@ def _from_gaps(task: Task, problem: Problem, fields: GapFields, control: Control
         if isinstance(found, Missed):
             return found
         found = tightened_gaps(task, found)
-    return found if np.isfinite(found.error) else NOT_ALONG
+    return found if np.isfinite(found.error) else NOT_MINE

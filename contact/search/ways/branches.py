@@ -16,13 +16,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-import sie
 from contact.errors import NotConverged, OutOfRange, unwarned
-from contact.formulation.controls import Load
-from contact.formulation.equilibria import Closed, Equilibria, Point, kind_of
-from contact.formulation.fields import ZoneFields
-from contact.formulation.maxima import maximum
-from contact.formulation.problem import Problem
+from contact.formulation.equilibria import Equilibria, Point
+from contact.search.equilibria.arc import pull_off
+from contact.search.equilibria.flow import Closed, receded
+from contact.search.equilibria.growth import grown, touched
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
 from contact.search.task import Task
@@ -30,47 +28,53 @@ from contact.search.topology.missed import Missed
 from contact.search.ways.full_contact import Full, no_inverse
 from contact.search.ways.guesses import Outcome
 from contact.solution.solution import Solution
-from contact.verify.certificate import certify
 
 Array = NDArray[np.float64]
 
 # Tolerance of solutions under the bare law, from which the branch is followed.
 _BARE = 1e-6
-# First touch over the width that adhesion makes of it, and a new zone over the overlap it begins in.
-_TOUCH, _NEW = 1e-3, 0.1
-# Heights that differ by this part of their range touch together.
-_TOGETHER = 1e-12
-_ROUNDS, _SCALINGS, _WIDENINGS = 60, 6, 120
+_SCALINGS, _WIDENINGS = 6, 120
 # The greatest contact is looked for in zones ever wider by this, and is one that is driven inward, as those so many times as wide are.
 _WIDEN, _WIDER = 1.25, (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
 
 
 def followed(task: Task) -> Outcome:
     """The contact of the scene on the branch that the task asks for; OutOfRange past pull-off."""
-    scene = task.scene
+    scene, told = task.scene, task.plan["branch"]
+    told.detail = f"{task.branch}, {way(task)}"
     if task.branch == "receding" and scene.period is not None:
-        return _full(task)
-    scaled = frame(task, abs(scene.law.intensity(scene.E_star)))
-    problem, control = scaled.problem, scaled.control
-    curve = Equilibria(problem, kind_of(control))
+        return closed(task)
+    scaled, curve = to_follow(task)
+    problem, control = curve.problem, curve.held
     try:
         with task.plan.timed("zone ends"):
             if task.branch == "receding":
                 last = _greatest(curve, scaled, control.value)
-                rest = curve.receded(last, control.value)
+                rest = receded(curve, last, control.value)
                 start: Point | None = None if rest is not None else _held_higher(curve, last, control.value)
             else:
-                start = _advanced(task, scaled, curve, max(control.value, 0.0))
-                rest = start if control.value >= 0.0 else curve.receded(start.table, control.value)
+                start = advancing(task, scaled, curve, max(control.value, 0.0))
+                rest = start if control.value >= 0.0 else receded(curve, start.table, control.value)
     except Closed:
-        return _full(task)
+        return closed(task)
     if rest is None:
         assert start is not None
-        raise OutOfRange(past(curve, curve.pull_off(start), task))
-    found = task.refine_topology(problem, control, rest.table, near=True)
+        raise OutOfRange(past(curve, pull_off(curve, start), task))
+    found = task.refine_topology(problem, control, curve.settled(rest).table, near=True)
     if isinstance(found, Missed):
         raise task.error(found, problem)
     return found
+
+
+def way(task: Task) -> str:
+    """How the contact is come by, in words."""
+    scene = task.scene
+    if task.branch == "receding":
+        return "lowered from full contact" if scene.period is not None else "lowered from the greatest contact"
+    if scene.control[1] > 0.0:
+        assert scene.law.bare is not None
+        return f"raised from the {scene.law.bare.name} contact, which lies within it"
+    return "raised from first touch" + (" to no load, then lowered" if scene.control[1] < 0.0 else "")
 
 
 def past(curve: Equilibria, last: Point, task: Task) -> str:
@@ -83,7 +87,7 @@ def past(curve: Equilibria, last: Point, task: Task) -> str:
     return f"{name} = {value:.6g} is past pull-off, which is at {told}: the surfaces come apart"
 
 
-def _full(task: Task) -> Full:
+def closed(task: Task) -> Full:
     """Full contact under the scene's load."""
     scene = task.scene
     if scene.given_load is None or scene.period is None:
@@ -93,6 +97,12 @@ def _full(task: Task) -> Full:
     if len(scene.profile.kinks) and np.any(scene.profile.kinks[:, 1] < 0):
         raise OutOfRange("the surfaces close altogether over valleys with kinks, where the pressure of full contact is infinite")
     return Full(scene.given_load / scene.period)
+
+
+def to_follow(task: Task) -> tuple[ScaledScene, Equilibria]:
+    """The scaled scene, and its equilibria under its control."""
+    scaled = frame(task, abs(task.scene.law.intensity(task.scene.E_star)))
+    return scaled, Equilibria(scaled.problem, task.control(scaled.problem))
 
 
 # frames ---------------------------------------------------------------------------------------------------------------
@@ -146,17 +156,10 @@ def bare(task: Task, load: float | None = None) -> Solution:
 
 
 # starts ---------------------------------------------------------------------------------------------------------------
-def _advanced(task: Task, scaled: ScaledScene, curve: Equilibria, value: float) -> Point:
+def advancing(task: Task, scaled: ScaledScene, curve: Equilibria, value: float) -> Point:
     """The least equilibrium about first touch under a value of the control, not negative."""
-    problem = scaled.problem
-    table = _touched(scaled, curve) if value == 0.0 else _pressed(task, scaled)
-    for _ in range(_ROUNDS):
-        here = curve.advanced(table, value)
-        new = _overlaps(problem, here)
-        if len(new) == 0:
-            return here
-        table = _with(here.table, new)
-    raise NotConverged("ever more zones begin under adhesion")
+    table = touched(curve, scaled.cell) if value == 0.0 else _pressed(task, scaled)
+    return grown(curve, table, value)
 
 
 def _pressed(task: Task, scaled: ScaledScene) -> Array:
@@ -165,53 +168,6 @@ def _pressed(task: Task, scaled: ScaledScene) -> Array:
     if len(found.zones) == 0:
         raise Closed
     return placed(scaled.problem, found.zones)
-
-
-def _touched(scaled: ScaledScene, curve: Equilibria) -> Array:
-    """Narrow zones about the lowest places."""
-    problem, (lo, hi) = scaled.problem, scaled.cell
-    period, profile = problem.period, problem.profile
-    per_feature = 0.0 if profile.resolution is None else 8 * (hi - lo) / profile.resolution
-    x = problem.units.scaled(np.linspace(lo, hi, int(np.clip(per_feature, 2049, 2**18))))
-    kinks = problem.forcing.kinks[0]
-    x = np.unique(np.concatenate((x, kinks[(kinks > x[0]) & (kinks < x[-1])])))
-    f = problem.shape(x)
-    least = f.min()
-    low = np.flatnonzero((f[1:-1] <= f[:-2]) & (f[1:-1] <= f[2:])) + 1
-    if period is not None and min(f[0], f[-1]) <= f[low].min(initial=np.inf):
-        low = np.append(low, 0)
-    step = float(np.diff(x).max())
-    tips = []
-    for i in low[f[low] - least <= 0.05 * np.ptp(f)]:
-        around = np.linspace(x[i] - 2 * step, x[i] + 2 * step, 65)
-        place, depth = maximum(lambda at: -problem.shape(np.asarray(at)), around)
-        tips.append((float(place), -depth))
-    lowest = min(depth for _, depth in tips)
-    chosen = sorted(place for place, depth in tips if depth - lowest <= _TOGETHER * max(float(np.ptp(f)), 1.0))
-    places = [p for k, p in enumerate(chosen) if k == 0 or p - chosen[k - 1] > step]
-    if period is not None and len(places) > 1 and places[0] + period - places[-1] <= step:
-        places = places[:-1]
-    if problem.profile.symmetric and problem.units.origin == 0.0:
-        places = [0.0 if abs(p) < 1e-6 * step else p for p in places]
-    half = 0.25 * _TOUCH * (1.0 if period is None else min(period, step * 1e3))
-    while True:
-        table = np.array([[place - half, place + half] for place in places])
-        if np.all(curve.at(table, 0.0).residual > 0.0) or half < 1e-12:
-            return table
-        half *= 0.1
-
-
-def _overlaps(problem: Problem, here: Point) -> Array:
-    """Where the surfaces would overlap."""
-    zones = sie.Zones.of(here.table, problem.end, problem.end)
-    state = sie.solve_zones(problem.equation(Load(here.load)), zones, 1e-12)
-    return certify(ZoneFields(problem, state), here.load).overlaps
-
-
-def _with(table: Array, overlaps: Array) -> Array:
-    middle, half = overlaps.mean(axis=1), 0.5 * _NEW * np.diff(overlaps, axis=1)[:, 0]
-    new = np.concatenate((table, np.column_stack((middle - half, middle + half))))
-    return np.asarray(new[np.argsort(new[:, 0])])
 
 
 def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
@@ -239,7 +195,7 @@ def _held_higher(curve: Equilibria, table: Array, value: float) -> Point:
     step = max(abs(value), unit)
     for _ in range(_WIDENINGS):
         value += step
-        rest = curve.receded(table, value)
+        rest = receded(curve, table, value)
         if rest is not None:
             return rest
         step *= 2.0

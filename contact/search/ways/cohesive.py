@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged, OutOfRange
-from contact.formulation.cohesive import TOO_NARROW, Cohesive, CohesivePoint
+from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.controls import Load
-from contact.formulation.equilibria import Closed, Point, kind_of
+from contact.formulation.equilibria import Closed, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
@@ -29,12 +29,13 @@ from contact.formulation.pulled_fields import PulledFields, PulledGapFields
 from contact.formulation.tension import Pulled
 from contact.formulation.tension_intervals import below, fitted, united_about
 from contact.model.scene import Scene
+from contact.search.equilibria.tension import TOO_NARROW, advanced, pull_off, pull_off_from_all, receded
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.shared import Shared
 from contact.search.task import Task
 from contact.search.topology.missed import Missed
-from contact.search.ways.branches import bare, frame, past
+from contact.search.ways.branches import bare, frame, past, way
 from contact.search.ways.full_contact import Full
 from contact.search.ways.gaps import by_gaps
 from contact.search.ways.guesses import Outcome
@@ -66,8 +67,9 @@ def followed_under_tension(task: Task) -> Outcome:
     scene = task.scene
     work = scene.law.tension * scene.law.reach
     scaled = frame(task, math.sqrt(scene.E_star * work / math.pi))
-    problem, value = scaled.problem, scaled.control.value
-    curve = Cohesive(problem, kind_of(scaled.control))
+    problem, held = scaled.problem, task.control(scaled.problem)
+    curve, value = Cohesive(problem, held), held.value
+    task.plan["branch"].detail = f"{task.branch}, {way(task)}"
     try:
         with task.plan.timed("zone ends"):
             if task.branch == "receding":
@@ -90,7 +92,7 @@ def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
     """Receded under the value, or below first touch from where zones under tension everywhere are in contact, and then lowered to it."""
     if curve.problem.period is None:
         return _receded(task, scaled, curve, value)
-    if curve.kind is Load or value > 0.0:
+    if curve.held.load is not None or value > 0.0:
         return _receded_from_all(task, curve, value)
     for part in _PARTS:
         above = part * mean_height(task.scene) / curve.problem.units.height
@@ -98,7 +100,7 @@ def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
             rest = _receded_from_all(replace(task, scene=_under(task.scene, above * curve.problem.units.height)), curve, above)
         except Closed:
             continue
-        return None if rest is None else curve.receded(rest.table, value)
+        return None if rest is None else receded(curve, rest.table, value)
     return None
 
 
@@ -110,19 +112,19 @@ def _lowered(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
         if value >= 0.0:
             raise
         return _greatest(task, scaled, curve, value)
-    return start if value >= 0.0 else curve.receded(start.table, value)
+    return start if value >= 0.0 else receded(curve, start.table, value)
 
 
 def _pulled_off(task: Task, scaled: ScaledScene, curve: Cohesive) -> Point:
     """Where a contact comes apart that has advanced under no load."""
     try:
-        return curve.pull_off(_advanced(task, scaled, curve, 0.0))
+        return pull_off(curve, _advanced(task, scaled, curve, 0.0))
     except Closed:
         nothing = replace(task, scene=_under(task.scene, 0.0))
         zones = _under_all(nothing, curve.problem)
         if zones is None:
             raise OutOfRange("the surfaces come apart from full contact") from None
-        return curve.pull_off_from_all(zones, 0.0)
+        return pull_off_from_all(curve, zones, 0.0)
 
 
 # starts ---------------------------------------------------------------------------------------------------------------
@@ -140,7 +142,7 @@ def _advanced(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
         zones = fields.density.zones.table
         table = united_about(below(zones, look, curve.reach, problem.period), _begun(curve, fields), problem.period)
         zones = fitted(zones, table, problem.period)
-    here = curve.advanced(_begun_wider(curve, table, value, zones), value)
+    here = advanced(curve, _begun_wider(curve, table, value, zones), value)
     assert isinstance(here, CohesivePoint)
     return here
 
@@ -152,7 +154,7 @@ def _begun_wider(curve: Cohesive, table: Array, value: float, zones: Array) -> A
             curve.from_zones(table, value, fitted(zones, table, curve.problem.period))
             return table
         except Covered as covered:
-            width, gaps = np.diff(table, axis=1)[:, 0], curve._gaps(table)
+            width, gaps = np.diff(table, axis=1)[:, 0], curve.gaps(table)
             left, right = covered.ends.reshape(2, -1)
             out = 0.5 * (_WIDEN - 1) * width
             table = table + np.column_stack((
@@ -221,10 +223,10 @@ def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
     for _ in range(_WIDENINGS):
         half *= _WIDEN
         if inward(half) and all(inward(half * wider) for wider in _WIDER):
-            rest = curve.receded(np.array([[middle - half, middle + half]]), max(value, 0.0))
+            rest = receded(curve, np.array([[middle - half, middle + half]]), max(value, 0.0))
             if rest is None or value >= 0.0:
                 return rest
-            return curve.receded(rest.table, value)
+            return receded(curve, rest.table, value)
     raise OutOfRange("no interval of tension is so wide that its ends recede: there is no greatest contact")
 
 
@@ -244,7 +246,7 @@ def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None
         curve.from_zones(table, value, fitted(zones, table, problem.period))
     except Lost:
         return None
-    return curve.receded(table, value)
+    return receded(curve, table, value)
 
 
 def _under_all(task: Task, problem: Problem) -> Array | None:
@@ -283,7 +285,7 @@ def _solved(task: Task, curve: Cohesive, here: Point) -> Found:
     assert isinstance(here, CohesivePoint)
     problem = curve.problem
     pulled = Pulled.of(problem, curve.stress, here.table)
-    by_load = Cohesive(problem, Load)
+    by_load = Cohesive(problem, Load(0.0))
     at_load = by_load.from_zones(here.table, here.load, here.zones)
     fields, free, control = _tight(task, pulled, at_load.load + pulled.pulling.total, here.zones)
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
@@ -326,6 +328,6 @@ def _everywhere(task: Task, problem: Problem) -> Outcome:
         return replace(gapped, fields=lowered)
     fields, free, control = _tight(task, pulled, load, zones)
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
-    curve = Cohesive(problem, Load)
+    curve = Cohesive(problem, Load(0.0))
     fields = replace(fields, law_problem=problem)
     return Found(free, fields, certified(certificate, curve, None, fields), 1, control, task.tolerance)

@@ -23,7 +23,7 @@ from contact.search.grid.coarse import MOST_POINTS
 from contact.search.grid.proposals import Proposed, about, placed, proposed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Task
-from contact.search.topology.missed import Missed
+from contact.search.topology.missed import NOT_MINE, Missed
 from contact.search.ways.full_contact import Full, full_under, no_inverse, refuse_full_approach
 from contact.search.ways.gaps import by_gaps, worth_gaps
 from contact.search.ways.loads import by_fraction
@@ -63,9 +63,6 @@ def search(task: Task, scaled: ScaledScene, start: Array | None = None) -> Outco
     if task.scene.contact_fraction is None:
         raise task.error(Missed("zones of the total width that the closure asks for were not found"), scaled.problem)
     return by_fraction(task, scaled)
-
-
-NOT_MINE = Missed("not a scene for this guess")
 
 
 def _near_by(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome | Missed:

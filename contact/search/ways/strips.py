@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import NotConverged, OutOfRange
+from contact.errors import OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
@@ -19,7 +19,7 @@ from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Task
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
-from contact.search.topology.missed import Missed
+from contact.search.topology.missed import Missed, attempted
 from contact.search.ways.first_order import FirstOrder
 from contact.search.ways.guesses import EXACT, from_grid, search
 from contact.verify.accuracy import Found
@@ -83,13 +83,10 @@ def _moved(task: Task, scaled: ScaledScene, found: Found, step: float, rate: Arr
         moved = refine_topology(ByPressure(there), scaled.control, expected, Newton(task.tolerance, near=True), formal=True)
         if isinstance(moved, Found):
             return moved, False
-        try:
-            again = from_grid(task, replace(scaled, problem=there), held=True)
-        except (NotConverged, OutOfRange):
-            step *= 0.25
-        else:
-            assert isinstance(again, Found)
+        again = attempted(lambda there=there: from_grid(task, replace(scaled, problem=there), held=True))  # type: ignore[misc]
+        if isinstance(again, Found):
             return again, True
+        step *= 0.25
     raise task.error(Missed(f"the zones do not follow the centre of the strip; {EXACT}", found.free), problem)
 
 

@@ -2,15 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Protocol
 
-from contact.studies.bench import machine, peers, plots, precision, report, required, scaling, stability
+from contact.errors import unwarned
+from contact.studies.bench import (
+    curves,
+    imports,
+    machine,
+    peers,
+    plots,
+    precision,
+    report,
+    required,
+    scaling,
+    stability,
+)
 from contact.studies.bench.cases import Case, suite
 from contact.studies.bench.precision import Row
 from contact.studies.bench.report import Table
+from contact.studies.bench.scaling import Scaled
 
-Progress = Callable[[str, int, int | None], None]
+
+class Progress(Protocol):
+    """Where it is told how far the measurements are, and what came of them so far."""
+
+    def __call__(self, stage: str, done: int, total: int | None) -> None: ...
+    def say(self, line: str) -> None: ...
 
 # A run of a peer after which no finer grid is tried.
 LONGEST, LONGEST_QUICK = 4.0, 0.5
@@ -23,15 +42,24 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
         peers.require_both()
     rows: list[Row] = []
     cases = suite(quick)
-    for k, case in enumerate(cases):
-        progress(case.name, k, len(cases))
-        rows += _case(case, quick, chosen)
+    total = len(cases) + sum(len(sizes) for _, sizes, _, _ in scaling.series(quick)) + len(scaling.SINGLE)
+    with unwarned():
+        for k, case in enumerate(cases):
+            progress("measured", k, total)
+            rows += _case(case, quick, chosen)
+            progress.say(report.told_of(rows, case.name))
     tables = [report.precision_table(rows), report.hierarchy_table(rows)]
     if chosen:
         tables.append(report.peers_table(rows, [peer.name for peer in chosen]))
-    progress("cost against size", 0, None)
-    scaled, single = list(scaling.measure(quick)), list(scaling.floors(quick))
+    scaled: list[Scaled] = []
+    single: list[Scaled] = []
+    for found, measured in ((scaled, scaling.measure(quick)), (single, scaling.floors(quick))):
+        for row in measured:
+            found.append(row)
+            progress("measured", len(cases) + len(scaled) + len(single), total)
+            progress.say(report.told_of_size(row))
     tables += [report.scaling_table(scaled), report.exponents_table(scaled), report.single_table(single)]
+    tables += [curves.table(quick), imports.table()]
     tables.append(required.table(rows, cases, single, [peer.name for peer in chosen]))
     tables.append(machine.table([peer.name for peer in chosen]))
     report.write_csv(folder / "precision.csv", rows)
@@ -64,5 +92,6 @@ def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Tabl
 
 
 def _write(folder: Path, tables: list[Table]) -> None:
+    made = f"\nMade at {machine.commit()}.\n"
     for table in tables:
-        (folder / f"{table.key}.md").write_text(report.markdown(table), encoding="utf-8")
+        (folder / f"{table.key}.md").write_text(report.markdown(table) + made, encoding="utf-8")

@@ -103,9 +103,12 @@ def measure(quick: bool) -> Iterator[Scaled]:
             yield one(name, size, scene_of(size), tol, 0.2 if quick else 0.5)
 
 
+SINGLE = (lambda: wave(0.4), lambda: wave(0.9), wedge, parabola, biquadratic)
+
+
 def floors(quick: bool) -> Iterator[Scaled]:
     """Single scenes to 1e-12 against their floor."""
-    for case in (wave(0.4), wave(0.9), wedge(), parabola(), biquadratic()):
+    for case in (make() for make in SINGLE):
         yield one(case.name, 1, case.scene, 1e-12, 0.2 if quick else 0.6)
 
 

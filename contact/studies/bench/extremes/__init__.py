@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from contact.studies.bench.extremes.adhesion import jkr
 from contact.studies.bench.extremes.base import Extreme
 from contact.studies.bench.extremes.large import equal_zones, noisy
+from contact.studies.bench.extremes.layers import layers
 from contact.studies.bench.extremes.loads import fractions, loads_near_full, merges
 from contact.studies.bench.extremes.neighbours import gaps, scales
 from contact.studies.bench.extremes.shapes import slopes, units
@@ -13,7 +15,7 @@ from contact.studies.bench.extremes.shapes import slopes, units
 __all__ = ["Extreme", "matrix"]
 
 GROUPS: tuple[Callable[[], Iterator[Extreme]], ...] = (
-    fractions, loads_near_full, gaps, merges, scales, units, slopes, equal_zones, noisy,
+    fractions, loads_near_full, gaps, merges, scales, units, slopes, layers, jkr, equal_zones, noisy,
 )
 
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 
 import sie
-from sie.jumps.density import Breaks
+from sie.jumps.density import DensityJumps
 from tests.sie import reference
 from tests.tiers import quick
 
@@ -20,8 +20,8 @@ each_place = pytest.mark.parametrize(("at", "order"), quick(PLACES, [(-0.45, 0),
 def single(at, order, height=0.8, kernel=None):
     """The density that a single jump is subtracted with, by the engine."""
     kernel = kernel or sie.cauchy()
-    breaks = Breaks.inside(ZONES, np.array([at]), np.array([height]), np.array([order]), kernel)
-    return breaks, sie.Density(ZONES, kernel, NO_COEFFICIENTS, breaks, np.zeros(0))
+    jumps = DensityJumps.inside(ZONES, np.array([at]), np.array([height]), np.array([order]), kernel)
+    return jumps, sie.Density(ZONES, kernel, NO_COEFFICIENTS, jumps, np.zeros(0))
 
 
 def density_of(density):
@@ -30,11 +30,11 @@ def density_of(density):
 
 @each_place
 def test_the_closed_density_is_the_sum_of_its_series(at, order):
-    breaks, density = single(at, order)
-    zone, count = int(breaks.zone[0]), 40000
+    jumps, density = single(at, order)
+    zone, count = int(jumps.zone[0]), 40000
     t = np.array([-0.95, -0.4, 0.13, 0.8])
     theta = np.arccos(t)
-    summed = np.cos(theta[:, None] * np.arange(count)) @ breaks.t_coefficients(ZONES, count)[zone] / np.sin(theta)
+    summed = np.cos(theta[:, None] * np.arange(count)) @ jumps.t_coefficients(ZONES, count)[zone] / np.sin(theta)
     assert density.at_t(zone, t) == pytest.approx(summed, abs=2e-3 / count**order)
 
 
@@ -75,7 +75,7 @@ def test_the_potential_is_that_of_the_density_on_and_off_the_zone(at, order):
 @each_place
 def test_the_integral_along_the_zone_is_that_of_the_density(at, order):
     _, density = single(at, order)
-    zone = int(density.steps.zone[0])
+    zone = int(density.jumps.zone[0])
     a, b = ZONES.table[zone]
     for x in np.linspace(a, b, 7)[1:]:
         pieces = [a, at, x] if at < x else [a, x]
@@ -96,7 +96,7 @@ def equation(kernel, at, order, height):
         # At a node on a break itself there is no logarithm left to take.
         return x + np.where((q > 0) & (away != 0), logs, 0.0) @ height / np.pi
 
-    forcing = sie.Forcing(value, breaks_at=np.array(at), breaks=np.array(height), break_orders=q)
+    forcing = sie.Forcing(value, density_jumps_at=np.array(at), density_jumps=np.array(height), density_orders=q)
     return sie.Equation(kernel, forcing, (sie.ZoneTotals(0.0),)), forcing
 
 
@@ -119,7 +119,7 @@ def test_a_zone_far_from_the_origin_loses_no_digit_to_its_width(half_width):
     # About 0.375 the zone is exact in binary, and so are its mirror images.
     half_width = 2.0 ** np.round(np.log2(half_width))
     zone = sie.Zones.of([[0.375 - half_width, 0.375 + half_width]], sie.SINGULAR, sie.SINGULAR)
-    forcing = sie.Forcing(np.zeros_like, breaks_at=np.array([0.375]), breaks=np.array([-1.0]))
+    forcing = sie.Forcing(np.zeros_like, density_jumps_at=np.array([0.375]), density_jumps=np.array([-1.0]))
     problem = sie.Equation(sie.cauchy(), forcing, (sie.ZoneTotals(0.0),))
     state = sie.solve_fixed(problem, zone)
     t = np.array([-0.9, -0.2, 0.3, 0.8])
@@ -142,10 +142,10 @@ def test_the_potential_rises_by_the_integral_of_the_transform_from_end_to_end(at
     assert np.diff(density.potential(np.array([lo, hi])))[0] == pytest.approx(risen, abs=1e-14)
 
 
-def test_steps_and_breaks_together_and_conditions_on_potentials_are_refused():
-    with pytest.raises(ValueError, match="steps or breaks"):
-        sie.Forcing(np.zeros_like, steps_at=np.zeros(1), steps=np.ones(1), breaks_at=np.zeros(1), breaks=np.ones(1))
-    forcing = sie.Forcing(np.zeros_like, breaks_at=np.zeros(1), breaks=np.ones(1))
+def test_forcing_and_density_jumps_together_and_conditions_on_potentials_are_refused():
+    with pytest.raises(ValueError, match="jumps or density_jumps"):
+        sie.Forcing(np.zeros_like, jumps_at=np.zeros(1), jumps=np.ones(1), density_jumps_at=np.zeros(1), density_jumps=np.ones(1))
+    forcing = sie.Forcing(np.zeros_like, density_jumps_at=np.zeros(1), density_jumps=np.ones(1))
     with pytest.raises(ValueError, match="potentials"):
         sie.Equation(sie.cauchy(), forcing, (sie.Total(1.0), sie.EqualPotential()))
 
@@ -155,16 +155,16 @@ OUTSIDE = [-1.31, 0.4, 0.4 + 1e-4, 0.89]
 
 def beside(at, kernel=None, height=0.8):
     kernel = kernel or sie.cauchy()
-    breaks = Breaks.inside(ZONES, np.array([at]), np.array([height]), np.zeros(1, dtype=int), kernel)
-    return breaks, sie.Density(ZONES, kernel, NO_COEFFICIENTS, breaks, np.zeros(0))
+    jumps = DensityJumps.inside(ZONES, np.array([at]), np.array([height]), np.zeros(1, dtype=int), kernel)
+    return jumps, sie.Density(ZONES, kernel, NO_COEFFICIENTS, jumps, np.zeros(0))
 
 
 @pytest.mark.parametrize("at", OUTSIDE)
 def test_a_logarithm_just_outside_has_its_own_bounded_density(at):
-    breaks, density = beside(at)
+    jumps, density = beside(at)
     count, t = 40000, np.array([-0.95, -0.4, 0.13, 0.8])
     theta = np.arccos(t)
-    for zone in set(breaks.logarithms.near.zone.tolist()):
+    for zone in set(jumps.logarithms.near.zone.tolist()):
         a, b = ZONES.table[zone]
         rho = np.sqrt(abs(at - b) * abs(at - a)) / (0.5 * (b - a))
         s = (2 * at - a - b) / (b - a)
@@ -173,7 +173,7 @@ def test_a_logarithm_just_outside_has_its_own_bounded_density(at):
         expected = -0.8 * 2 / np.pi * np.sin(theta[:, None] * j) @ (rho**j / j)
         slow = 2e-4 if abs(rho) > 0.99 else 1e-12
         assert density.at_t(zone, t) == pytest.approx(expected, abs=slow)
-        summed = np.cos(theta[:, None] * np.arange(count)) @ breaks.t_coefficients(ZONES, count)[zone] / np.sin(theta)
+        summed = np.cos(theta[:, None] * np.arange(count)) @ jumps.t_coefficients(ZONES, count)[zone] / np.sin(theta)
         assert density.at_t(zone, t) == pytest.approx(summed, abs=slow)
         assert density.at_t(zone, np.array([-1.0, 1.0])) == pytest.approx(0.0, abs=1e-15)
 

@@ -8,7 +8,7 @@ from scipy.interpolate import CubicSpline
 import sie
 from sie.collocation import modes
 from sie.collocation import spline_moments as module
-from sie.collocation.spline_moments import Stretches, coefficients, crowded
+from sie.collocation.spline_moments import Stretches, coefficients, many_jumps
 from sie.collocation.system import System
 
 ZONES = sie.Zones.of(np.array([[-0.83, -0.1], [0.01, 0.7]]))
@@ -25,13 +25,13 @@ def rough(knots, seed=0):
     slope = spline.derivative()
     jumps = 6 * np.diff(spline.c[0])
     orders = np.full(knots - 1, 2)
-    return spline, sie.Forcing(slope, spline, steps_at=x[1:-1], steps=jumps, orders=orders)
+    return spline, sie.Forcing(slope, spline, jumps_at=x[1:-1], jumps=jumps, orders=orders)
 
 
 def system(forcing, kernel):
-    steps = forcing.jumps_within(ZONES, kernel)
-    g = modes.sample(forcing, ZONES, steps, np.full(2, 16), 1e-13, 512).coefficients
-    return System(sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential())), ZONES, M, g, steps)
+    jumps = forcing.jumps_within(ZONES, kernel)
+    g = modes.sample(forcing, ZONES, jumps, np.full(2, 16), 1e-13, 512).coefficients
+    return System(sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential())), ZONES, M, g, jumps)
 
 
 def _cubic(c, x):
@@ -59,11 +59,11 @@ def exactly(spline, zone, weight, derivative):
 
 def test_coefficients_and_means_are_those_of_the_right_side_to_its_own_digits():
     spline, forcing = rough(120)
-    steps = forcing.jumps_within(ZONES, sie.cauchy())
-    chosen = crowded(forcing, ZONES, steps)
+    jumps = forcing.jumps_within(ZONES, sie.cauchy())
+    chosen = many_jumps(forcing, ZONES, jumps)
     assert list(chosen) == [0, 1]
-    found, means = coefficients(forcing, ZONES, steps, chosen, M)
-    powers = np.abs(steps.height).sum()
+    found, means = coefficients(forcing, ZONES, jumps, chosen, M)
+    powers = np.abs(jumps.height).sum()
     size = np.abs(forcing.value(np.linspace(-0.8, 0.7, 400))).max()
     assert powers > 1e3 * size  # what is not formed
     for zone, k in ((0, 1), (1, 9)):
@@ -78,9 +78,9 @@ def test_the_density_is_the_one_that_truncated_powers_give(kernel, monkeypatch):
     _, forcing = rough(100)
     equation = sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential()))
     state = sie.solve_fixed(equation, ZONES)
-    monkeypatch.setattr(module, "CROWD", 10**6)
+    monkeypatch.setattr(module, "MANY_JUMPS", 10**6)
     plain = sie.solve_fixed(equation, ZONES)
-    assert len(state.system.crowded) == 2 and len(plain.system.crowded) == 0
+    assert len(state.system.by_moments) == 2 and len(plain.system.by_moments) == 0
     t = np.linspace(-0.98, 0.98, 41)
     for zone in (0, 1):
         assert state.density.at_t(zone, t) == pytest.approx(plain.density.at_t(zone, t), abs=1e-9)
@@ -93,7 +93,7 @@ def test_levels_lose_their_digits_to_truncated_powers(monkeypatch):
     spline, forcing = rough(120)
     exact = [exactly(spline, zone, lambda a: 1, derivative=False) for zone in (0, 1)]
     between = system(forcing, sie.cauchy())._forcing_means()
-    monkeypatch.setattr(module, "CROWD", 10**6)
+    monkeypatch.setattr(module, "MANY_JUMPS", 10**6)
     powers = system(forcing, sie.cauchy())._forcing_means()
     assert np.abs(between - exact).max() < 1e-15 * np.abs(spline.c[3]).max()
     assert np.abs(powers - exact).max() > 100 * np.abs(between - exact).max()
@@ -101,8 +101,8 @@ def test_levels_lose_their_digits_to_truncated_powers(monkeypatch):
 
 def test_stretches_end_at_the_jumps_and_turn_no_further_than_their_rule_allows():
     _, forcing = rough(60)
-    steps = forcing.jumps_within(ZONES, sie.cauchy())
-    stretches = Stretches(steps, np.array([0, 1]), np.array([0, 700]))
+    jumps = forcing.jumps_within(ZONES, sie.cauchy())
+    stretches = Stretches(jumps, np.array([0, 1]), np.array([0, 700]))
     assert np.add.reduceat(stretches.weights, stretches.first) == pytest.approx(np.pi, rel=1e-14)
     sines = stretches.sines(np.ones(len(stretches.theta)))
     assert sines[1, 1] == pytest.approx(1.0, rel=1e-13) and np.abs(sines[1, 2:]).max() < 1e-14 and not sines[0].any()

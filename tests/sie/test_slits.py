@@ -1,4 +1,4 @@
-"""Narrow gaps as holes of wide zones: the same answer as zone by zone, and one that does not depend on the gap."""
+"""Narrow gaps as slits of wide zones: the same answer as zone by zone, and one that does not depend on the gap."""
 
 import numpy as np
 import pytest
@@ -6,20 +6,20 @@ import pytest
 import sie
 from contact.reference.inverse import design
 from sie.collocation.iterative import Iterative
-from sie.slits.merged import cut
-from sie.slits.slits import beyond
-from sie.slits.system import PiercedState, solve_zones
+from sie.slits.merged import merge
+from sie.slits.slits import off_slit
+from sie.slits.system import SlitState, solve_zones
 from tests.tiers import quick
 
 T = np.array([-0.999, -0.9, -0.5, 0.1, 0.7, 0.999])
 KERNELS = (sie.cauchy(), sie.hilbert(1.0), sie.images(1.3, 1))
 
 
-def equation(kernel, *steps):
+def equation(kernel, *jumps):
     forcing = sie.Forcing(
-        lambda x: np.sin(7 * x) + 2 * x + sum(j * (x > s) for s, j in steps),
-        lambda x: -np.cos(7 * x) / 7 + x * x + sum(j * np.maximum(x - s, 0.0) for s, j in steps),
-        np.array([s for s, _ in steps]), np.array([j for _, j in steps]),
+        lambda x: np.sin(7 * x) + 2 * x + sum(j * (x > s) for s, j in jumps),
+        lambda x: -np.cos(7 * x) / 7 + x * x + sum(j * np.maximum(x - s, 0.0) for s, j in jumps),
+        np.array([s for s, _ in jumps]), np.array([j for _, j in jumps]),
     )
     return sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential()))
 
@@ -44,57 +44,57 @@ class TestAgainstZoneByZone:
     @pytest.fixture
     def both(self, kernel, table, kinks):
         problem, zones = equation(kernel, *kinks), sie.Zones.of(table)
-        plain, pierced = sie.solve_fixed(problem, zones), solve_zones(problem, zones)
-        assert isinstance(pierced, PiercedState)
-        return plain, pierced
+        plain, slit = sie.solve_fixed(problem, zones), solve_zones(problem, zones)
+        assert isinstance(slit, SlitState)
+        return plain, slit
 
     def test_density_on_every_piece(self, both, table):
-        plain, pierced = both
+        plain, slit = both
         size = np.abs(plain.density.coefficients).max()
         for piece in range(len(table)):
-            difference = plain.density.at_t(piece, T) - pierced.density.at_t(piece, T)
+            difference = plain.density.at_t(piece, T) - slit.density.at_t(piece, T)
             assert np.abs(difference).max() < 3e-12 * size
 
     def test_intensities_and_edge_slopes(self, both):
-        plain, pierced = (state.density for state in both)
+        plain, slit = (state.density for state in both)
         for name, error in (("intensities", 1e-12), ("edge_slopes", 1e-10)):
-            one, other = np.array(getattr(plain, name)), np.array(getattr(pierced, name))
+            one, other = np.array(getattr(plain, name)), np.array(getattr(slit, name))
             assert np.abs(one - other).max() < error * np.abs(one).max()
 
     def test_transform_and_potential_on_the_line(self, both):
-        plain, pierced = (state.density for state in both)
+        plain, slit = (state.density for state in both)
         x = np.array([-0.5, -0.21, -0.0295, -0.1, 0.05, 0.1, 0.2, 0.3, 0.4])
-        assert np.abs(plain.transform(x) - pierced.transform(x)).max() < 1e-12
-        assert np.abs(plain.potential(x) - pierced.potential(x)).max() < 1e-14
+        assert np.abs(plain.transform(x) - slit.transform(x)).max() < 1e-12
+        assert np.abs(plain.potential(x) - slit.potential(x)).max() < 1e-14
 
     def test_totals_levels_and_response(self, both):
-        plain, pierced = both
-        assert pierced.density.total == pytest.approx(plain.density.total, rel=1e-14)
-        assert pierced.density.moment(0.1) == pytest.approx(plain.density.moment(0.1), rel=1e-12)
-        assert np.ptp(np.concatenate((plain.levels, pierced.levels))) < 1e-14
+        plain, slit = both
+        assert slit.density.total == pytest.approx(plain.density.total, rel=1e-14)
+        assert slit.density.moment(0.1) == pytest.approx(plain.density.moment(0.1), rel=1e-12)
+        assert np.ptp(np.concatenate((plain.levels, slit.levels))) < 1e-14
         unit = np.zeros(len(plain.condition_scale))
         unit[0] = 1.0
-        other = np.zeros(len(pierced.condition_scale))
+        other = np.zeros(len(slit.condition_scale))
         other[0] = 1.0
-        one, two = np.array(plain.response(unit).intensities), np.array(pierced.response(other).intensities)
+        one, two = np.array(plain.response(unit).intensities), np.array(slit.response(other).intensities)
         assert np.abs(one - two).max() < 1e-12 * np.abs(one).max()
-        assert plain.level_rates(unit).mean() == pytest.approx(pierced.level_rates(other).mean(), rel=1e-12)
+        assert plain.level_rates(unit).mean() == pytest.approx(slit.level_rates(other).mean(), rel=1e-12)
 
-    def test_a_wrong_sign_of_the_holes_would_show(self, both, table):
-        plain, pierced = both
-        smooth = pierced.density.smooth
-        i = pierced.cut.piece_zone[0]
-        half, w = pierced.cut.pieces.half[0], pierced.cut.wide.half[i]
-        left = (pierced.cut.start[0] + half * (1 + T)) / w
+    def test_a_wrong_sign_of_the_slits_would_show(self, both, table):
+        plain, slit = both
+        smooth = slit.density.smooth
+        i = slit.merged.piece_zone[0]
+        half, w = slit.merged.pieces.half[0], slit.merged.wide.half[i]
+        left = (slit.merged.start[0] + half * (1 + T)) / w
         without = smooth.at(np.full(len(T), i), left, 2 - left)
         assert np.abs(without - plain.density.at_t(0, T)).max() > 1e-4 * np.abs(without).max()
 
 
-def test_a_kink_beside_a_hole_is_carried():
+def test_a_kink_beside_a_slit_is_carried():
     problem, zones = equation(sie.hilbert(1.0), (-0.02, 0.7)), sie.Zones.of(TABLES[0])
-    plain, pierced = sie.solve_fixed(problem, zones), solve_zones(problem, zones)
+    plain, slit = sie.solve_fixed(problem, zones), solve_zones(problem, zones)
     for piece in range(2):
-        assert plain.density.at_t(piece, T) == pytest.approx(pierced.density.at_t(piece, T), abs=1e-12)
+        assert plain.density.at_t(piece, T) == pytest.approx(slit.density.at_t(piece, T), abs=1e-12)
 
 
 @pytest.mark.parametrize("kernel", KERNELS, ids=["line", "period", "images"])
@@ -109,25 +109,25 @@ def test_jumps_of_the_right_side_and_of_its_slope_in_one_gap_are_carried(kernel)
 
     forcing = sie.Forcing(value, primitive, np.array([at, at]), np.array([first, second]), np.array([0, 1]))
     problem, zones = sie.Equation(kernel, forcing, (sie.Total(0.3), sie.EqualPotential())), sie.Zones.of(TABLES[0])
-    plain, pierced = sie.solve_fixed(problem, zones), solve_zones(problem, zones)
-    assert isinstance(pierced, PiercedState)
+    plain, slit = sie.solve_fixed(problem, zones), solve_zones(problem, zones)
+    assert isinstance(slit, SlitState)
     size = np.abs(plain.density.coefficients).max()
     for piece in range(2):
-        assert plain.density.at_t(piece, T) == pytest.approx(pierced.density.at_t(piece, T), abs=3e-12 * size)
+        assert plain.density.at_t(piece, T) == pytest.approx(slit.density.at_t(piece, T), abs=3e-12 * size)
     for name, error in (("intensities", 1e-12), ("edge_slopes", 1e-10)):
-        one, other = (np.array(getattr(state.density, name)) for state in (plain, pierced))
+        one, other = (np.array(getattr(state.density, name)) for state in (plain, slit))
         assert np.abs(one - other).max() < error * np.abs(one).max()
     x = np.array([-0.5, -0.21, -0.0297, -0.0292, -0.1, 0.05, 0.2, 0.4])
-    assert np.abs(plain.density.transform(x) - pierced.density.transform(x)).max() < 1e-11
+    assert np.abs(plain.density.transform(x) - slit.density.transform(x)).max() < 1e-11
     # On the wide zone the potential of a jump of the slope is a series.
     off = x[[0, 1, 6, 7]]
-    assert np.abs(plain.density.potential(off) - pierced.density.potential(off)).max() < 1e-15
+    assert np.abs(plain.density.potential(off) - slit.density.potential(off)).max() < 1e-15
     # One that is not declared would be within the wide zone, as it is not in the zones by themselves.
     for some in ([0], [1]):
-        less = sie.Forcing(value, primitive, forcing.steps_at[some], forcing.steps[some], forcing.orders[some])
+        less = sie.Forcing(value, primitive, forcing.jumps_at[some], forcing.jumps[some], forcing.orders[some])
         other = solve_zones(sie.Equation(kernel, less, problem.conditions), zones)
-        assert not isinstance(other, PiercedState)
-        assert np.abs(other.density.at_t(0, T) - pierced.density.at_t(0, T)).max() < 1e-12 * size
+        assert not isinstance(other, SlitState)
+        assert np.abs(other.density.at_t(0, T) - slit.density.at_t(0, T)).max() < 1e-12 * size
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-5])
@@ -135,19 +135,19 @@ def test_the_gap_over_a_kink_opens_by_no_more_than_its_own_slopes(gap):
     """Between the two pieces the gap starts and ends at zero, its slope jumps by the kink and is s + g there."""
     kink = -0.03 + 0.3 * gap
     problem = equation(sie.cauchy(), (kink, -0.7))
-    pierced = solve_zones(problem, sie.Zones.of([[-0.2, -0.03], [-0.03 + gap, 0.15]]))
-    assert isinstance(pierced, PiercedState)
-    a, b = pierced.cut.holes.a[0], pierced.cut.holes.b[0]
-    assert np.abs(pierced.density.opening(np.array([a, b]))[1]).max() < 1e-10 * gap
+    slit = solve_zones(problem, sie.Zones.of([[-0.2, -0.03], [-0.03 + gap, 0.15]]))
+    assert isinstance(slit, SlitState)
+    a, b = slit.merged.slits.a[0], slit.merged.slits.b[0]
+    assert np.abs(slit.density.opening(np.array([a, b]))[1]).max() < 1e-10 * gap
     places = np.array([kink - 1e-3 * gap, kink + 1e-3 * gap])
-    before, after = pierced.density.slope_of_gap(places)
+    before, after = slit.density.slack(places)
     assert after - before == pytest.approx(-0.7, abs=0.02)
     x = np.linspace(a + 0.05 * gap, b - 0.05 * gap, 9)
-    opening = pierced.density.opening(x)[1]
-    rule = np.array([_integral(pierced.density.slope_of_gap, a, x_i, kink) for x_i in x])
+    opening = slit.density.opening(x)[1]
+    rule = np.array([_integral(slit.density.slack, a, x_i, kink) for x_i in x])
     assert opening == pytest.approx(rule, abs=1e-6 * gap)
-    # Below the hole the equation is that of the body: the transform is g - s.
-    assert pierced.density.transform(x) == pytest.approx(problem.forcing.value(x) - pierced.density.slope_of_gap(x), abs=1e-9)
+    # Below the slit the equation is that of the body: the transform is g - s.
+    assert slit.density.transform(x) == pytest.approx(problem.forcing.value(x) - slit.density.slack(x), abs=1e-9)
 
 
 def _integral(function, a, b, kink):
@@ -162,11 +162,11 @@ def _integral(function, a, b, kink):
     return total
 
 
-def test_wide_gaps_and_cracks_are_no_holes():
+def test_wide_gaps_and_cracks_are_no_slits():
     wide = sie.Zones.of([[-0.2, -0.03], [0.02, 0.15]])
-    assert cut(equation(sie.cauchy()), wide) is None
+    assert merge(equation(sie.cauchy()), wide) is None
     cracks = sie.Equation(sie.cauchy(), sie.Forcing(np.sin), (sie.ZoneTotals(0.0),))
-    assert cut(cracks, sie.Zones.of(TABLES[0])) is None
+    assert merge(cracks, sie.Zones.of(TABLES[0])) is None
 
 
 def test_a_period_is_cut_where_its_gap_is_widest():
@@ -174,31 +174,31 @@ def test_a_period_is_cut_where_its_gap_is_widest():
     wave = 2 * np.pi
     forcing = sie.Forcing(lambda x: np.sin(wave * x + 0.3), lambda x: -np.cos(wave * x + 0.3) / wave)
     problem = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(0.3), sie.EqualPotential()))
-    found = cut(problem, zones)
-    assert found is not None and len(found.wide) == 2 and len(found.holes) == 1
-    assert found.holes.table[0] == pytest.approx([0.4999, 0.5001])
-    plain, pierced = (solve(problem, zones) for solve in (sie.solve_fixed, solve_zones))
+    found = merge(problem, zones)
+    assert found is not None and len(found.wide) == 2 and len(found.slits) == 1
+    assert found.slits.table[0] == pytest.approx([0.4999, 0.5001])
+    plain, slit = (solve(problem, zones) for solve in (sie.solve_fixed, solve_zones))
     for piece in range(3):
-        assert plain.density.at_t(piece, T) == pytest.approx(pierced.density.at_t(piece, T), rel=1e-10)
+        assert plain.density.at_t(piece, T) == pytest.approx(slit.density.at_t(piece, T), rel=1e-10)
 
 
-def test_what_a_hole_does_off_it_is_a_cauchy_integral():
+def test_what_a_slit_does_off_it_is_a_cauchy_integral():
     d = np.array([0.3, -0.2, 0.5])
     theta = (np.arange(400) + 0.5) * np.pi / 400
     for z in (1.2, -3.0):
         integral = np.mean(np.polynomial.chebyshev.chebval(np.cos(theta), d) / (z - np.cos(theta)))
-        assert beyond(np.array([abs(z) - 1]), np.sign(z), d)[0] == pytest.approx(integral, rel=1e-13)
+        assert off_slit(np.array([abs(z) - 1]), np.sign(z), d)[0] == pytest.approx(integral, rel=1e-13)
 
 
 @pytest.mark.parametrize("period", [None, 1.0])
 def test_cost_does_not_grow_as_the_gap_narrows(period):
-    """Unknowns of the wide zones and modes of the hole, for gaps of 1e-3 ... 1e-7 of a width."""
+    """Unknowns of the wide zones and modes of the slit, for gaps of 1e-3 ... 1e-7 of a width."""
     kernel = sie.cauchy() if period is None else sie.hilbert(period)
     sizes = []
     for gap in 10.0 ** -np.arange(3, 8):
         state = solve_zones(equation(kernel), sie.Zones.of([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]]))
-        assert isinstance(state, PiercedState)
-        sizes.append(state.solver.size + sum(here.offset[-1] for here in state.release.holes))
+        assert isinstance(state, SlitState)
+        sizes.append(state.solver.size + sum(here.offset[-1] for here in state.slit_system.slits))
     assert max(sizes) == min(sizes) < 40
 
 
@@ -219,7 +219,7 @@ def test_newton_finds_designed_ends_across_a_narrow_gap(gap, period):
         assert error.max() < max(1e-12, 20 * 2.2e-16 / gap) * designed.max_pressure
 
 
-def test_many_zones_by_fast_sums_have_the_same_holes(monkeypatch):
+def test_many_zones_by_fast_sums_have_the_same_slits(monkeypatch):
     """Without a matrix, from the same profile and zones, two of their gaps narrow."""
     rng = np.random.default_rng(3)
     table = np.cumsum(rng.uniform(0.5, 1.5, 48)).reshape(24, 2) / 60

@@ -6,7 +6,7 @@ from scipy.integrate import quad
 from scipy.interpolate import CubicSpline
 
 import sie
-from sie.jumps.forcing import Steps
+from sie.jumps.forcing import ForcingJumps
 from tests.sie import reference
 from tests.tiers import quick
 
@@ -20,8 +20,8 @@ each_place = pytest.mark.parametrize(("at", "order"), quick(PLACES, [(-0.45, 0),
 def single(at, order, height=0.8, kernel=None):
     """The density that a single jump is subtracted with, and what the kernel makes of it, by the engine."""
     kernel = kernel or sie.cauchy()
-    steps = Steps.within(ZONES, np.array([at]), np.array([height]), np.array([order]), kernel.period)
-    return steps, sie.Density(ZONES, kernel, NO_COEFFICIENTS, steps, np.zeros(0))
+    jumps = ForcingJumps.within(ZONES, np.array([at]), np.array([height]), np.array([order]), kernel.period)
+    return jumps, sie.Density(ZONES, kernel, NO_COEFFICIENTS, jumps, np.zeros(0))
 
 
 def forcing(at, order, height=0.8, smooth=0.0):
@@ -39,11 +39,11 @@ def forcing(at, order, height=0.8, smooth=0.0):
 
 @each_place
 def test_the_closed_density_is_the_sum_of_its_series(at, order):
-    steps, density = single(at, order)
-    zone = int(steps.zone[0])
+    jumps, density = single(at, order)
+    zone = int(jumps.zone[0])
     t = np.array([-0.95, -0.4, 0.13, 0.8])
     count = 40000
-    series = steps.t_coefficients(ZONES, count)[zone]
+    series = jumps.t_coefficients(ZONES, count)[zone]
     theta = np.arccos(t)
     summed = np.cos(theta[:, None] * np.arange(count)) @ series / np.sin(theta)
     # Terms fall like l^-(1 + order) and alternate: what is left out is of the size of the last term over sin(theta).
@@ -151,8 +151,8 @@ def test_with_a_period_jumps_repeat():
 
 
 def test_jumps_outside_the_zones_are_left_alone():
-    steps = Steps.within(ZONES, np.array([-1.3, 0.4, 0.6, 5.0]), np.ones(4), np.zeros(4, dtype=int), None)
-    assert len(steps) == 0
+    jumps = ForcingJumps.within(ZONES, np.array([-1.3, 0.4, 0.6, 5.0]), np.ones(4), np.zeros(4, dtype=int), None)
+    assert len(jumps) == 0
 
 
 def test_a_column_of_unknown_amplitude_must_be_smooth():
@@ -169,26 +169,26 @@ def density_of(density):
 def test_the_integral_of_kinks_along_a_zone_is_that_of_the_density(at):
     breaks = [at]
     _, density = single(at, 0)
-    zone = int(density.steps.zone[0])
+    zone = int(density.jumps.zone[0])
     a, b = ZONES.table[zone]
     for x in np.linspace(a, b, 6)[1:]:
         pieces = [a, *(s for s in breaks if s < x), x]
         expected = sum(quad(density, lo, hi, epsabs=1e-12)[0] for lo, hi in zip(pieces, pieces[1:], strict=False))
         half = 0.5 * (b - a)
-        found = half * density.steps.integral(zone, np.array([(x - a) / half]), np.array([(b - x) / half]))
+        found = half * density.jumps.integral(zone, np.array([(x - a) / half]), np.array([(b - x) / half]))
         assert found == pytest.approx(expected, abs=1e-10)
 
 
 @each_place
 def test_the_slope_over_the_angle_is_that_of_the_density(at, order):
     _, density = single(at, order)
-    zone, step = int(density.steps.zone[0]), 1e-5
+    zone, step = int(density.jumps.zone[0]), 1e-5
 
     def value(theta):
-        return density.steps.density(zone, 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
+        return density.jumps.density(zone, 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
 
     theta = np.array([0.3, 1.0, 1.9, 2.9])
-    slope = density.steps.angular_slope(zone, 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
+    slope = density.jumps.angular_slope(zone, 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2)
     # Central differences, to the third derivative beside the jump.
     assert slope == pytest.approx((value(theta + step) - value(theta - step)) / (2 * step), rel=1e-5, abs=1e-8)
 
@@ -201,7 +201,7 @@ def many_knots():
     knots = np.linspace(-1, 1, 301)
     spline = CubicSpline(knots, 1e-3 * rng.normal(size=knots.size))
     third = np.diff(6 * spline.c[0])
-    g = sie.Forcing(lambda x: spline(x, 1), spline, steps_at=knots[1:-1], steps=third, orders=np.full(len(third), 2))
+    g = sie.Forcing(lambda x: spline(x, 1), spline, jumps_at=knots[1:-1], jumps=third, orders=np.full(len(third), 2))
     zones = sie.Zones.of([[-0.9, 0.95]], sie.SINGULAR, sie.SINGULAR)
     return spline, third, sie.solve_fixed(sie.Equation(sie.cauchy(), g, (sie.Total(1.0),)), zones, 1e-13).density
 

@@ -1,0 +1,26 @@
+"""`contact explore [SCENE]`: the page with sliders, served on this machine alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from contact.extras import require
+
+
+@click.command("explore")
+@click.argument("scene", type=click.Path(path_type=Path), required=False)
+@click.option("--port", type=click.IntRange(1, 65535), help="Of the page; one that is free if left out.")
+@click.option("--show/--no-show", default=True, help="Open a browser.")
+@click.option("--tol", type=float, default=1e-8, show_default=True, help="Largest relative error.")
+def explore_command(scene: Path | None, port: int | None, show: bool, tol: float) -> None:
+    """Turn a SCENE by sliders in a browser: surfaces, pressure, load curve and stated error follow. Without one: a wave.
+
+    The page is served on this machine alone (127.0.0.1), with all that it loads; it ends with Ctrl-C.
+    """
+
+    def ready(address: str) -> None:
+        click.echo(f"{address}  (Ctrl-C ends it)")
+
+    require("contact.explorer.explore").serve(scene, tol, port, ready, show)

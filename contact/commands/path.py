@@ -1,0 +1,137 @@
+"""`contact path SCENE --loads A:B:N`: a scene at many loads, up and down, with the loads at which zones come, go and merge."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import click
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.commands.options import QUIET, SCENE, TOL, scene_of
+from contact.commands.outputs import OVERWRITE, checked, checked_figure
+from contact.commands.ranges import values_of
+from contact.commands.trace import show_profile
+from contact.errors import SceneError
+from contact.model.scene import Scene
+from contact.model.units import column, quantity
+from contact.solution.terminal import Progress, show_table
+from contact.sweeps.adhesive import AdhesivePath
+from contact.sweeps.curve import solve_many
+from contact.sweeps.path import path
+from contact.sweeps.path_table import columns
+from contact.sweeps.paths import Path as LoadPath
+from contact.sweeps.points import NUMBERS
+
+# Columns of the table, with digits: what an 80-column screen holds.
+_SHOWN = {
+    "load": 4, "mean_pressure": 4, "max_pressure": 4, "approach": 4, "contact_fraction": 4, "total_width": 4, "mean_gap": 4, "stiffness": 3,
+    "zone_count": 5, "error": 2,
+}
+_HEADS = {"zone_count": "zones", "stiffness": "stiff-\nness"}
+
+
+@click.command("path")
+@SCENE
+@click.option("--loads", metavar="A:B:N[:log]", help="Loads [N/m], per period: N from A to B, or with commas between.")
+@click.option("--pressures", metavar="A:B:N[:log]", help="Mean pressures [Pa], in place of loads.")
+@click.option("--approaches", metavar="A:B:N[:log]", help="Approaches [m], in place of loads, of surfaces that adhere.")
+@click.option("--stiffness", type=float, metavar="K", help="Of a spring whose far end the approaches are [N/m^2].")
+@click.option("--back", is_flag=True, help="The same values back again.")
+@click.option("--no-events", is_flag=True, help="Do not look for where zones come, go and merge: much quicker where there are many.")
+@click.option("--csv", "table", type=click.Path(path_type=Path), metavar="OUT.csv", help="Write a row for each load.")
+@click.option("--plot", "figure", type=click.Path(path_type=Path), metavar="OUT.png", help="Draw contact and approach over the load.")
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
+@OVERWRITE
+@QUIET
+@TOL
+def path_command(
+    scene: Path, loads: str | None, pressures: str | None, approaches: str | None, stiffness: float | None, back: bool, no_events: bool,
+    table: Path | None, figure: Path | None, as_json: bool, overwrite: bool, quiet: bool, tol: float,
+) -> None:
+    """Solve a SCENE along loads, up and down, with what happens between them: zones are born, merge, fill the period, snap apart.
+
+    The scene's own control is replaced by the loads. Without adhesion a load of 0, where nothing touches, is left out.
+    """
+    problem = scene_of(scene)
+    control, values = _values(problem, {"loads": loads, "pressures": pressures, "approaches": approaches}, back)
+    if no_events and problem.law.pulls:
+        raise SceneError.of("--no-events", True, f"left out: under {problem.law.name} it matters which way the values go")
+    if table is not None:
+        checked("--csv", table, (".csv",), overwrite)
+    if figure is not None:
+        checked_figure(figure)
+    with Progress(wanted=not quiet) as progress:
+        if no_events:
+            alone = tuple(solve_many(problem, values, control, tol=tol, progress=progress))
+            found = LoadPath(alone, ((),) * len(alone))
+        else:
+            found = path(problem, values, tol=tol, progress=progress, control=control, stiffness=stiffness)
+    if table is not None:
+        found.save(table, overwrite)
+    if figure is not None:
+        found.plot().savefig(figure, dpi=200)
+    if as_json:
+        click.echo(json.dumps(found.to_dict(), allow_nan=False))
+    if as_json or quiet:
+        return
+    show_profile(problem.profile)
+    _show(found)
+    for written in (table, figure):
+        if written is not None:
+            click.echo(f"written: {written}")
+
+
+def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[str, NDArray[np.float64]]:
+    """The control, and its values."""
+    names = [name for name, text in given.items() if text is not None]
+    if len(names) != 1:
+        raise SceneError.of(" and ".join(f"--{name}" for name in names or given), "given" if names else None, "one of them")
+    text = given[names[0]] or ""
+    values = values_of(f"--{names[0]}", text)
+    if not scene.law.pulls:
+        # Without tension nothing touches under no load.
+        values = values[values != 0]
+        if not values.size:
+            raise SceneError.of(f"--{names[0]}", text, "at least one value other than 0")
+    control = {"loads": "load", "pressures": "mean_pressure", "approaches": "approach"}[names[0]]
+    return control, np.concatenate([values, values[-2::-1]]) if back else values
+
+
+def _show(found: LoadPath) -> None:
+    known = columns(found.solutions)
+    names, cells = [], []
+    for name, digits in _SHOWN.items():
+        if np.isnan(known[name]).all() or (name == "total_width" and "contact\nfraction" in names):
+            continue
+        head, (unit, _) = _HEADS.get(name, name.replace("_", "\n")), NUMBERS[name]
+        if unit != "1":
+            unit, told = column(known[name], unit, digits)
+            head = f"{head}\n[{unit}]"
+        else:
+            told = [f"{value:.{digits}g}" for value in known[name]]
+        names.append(head)
+        cells.append(told)
+    show_table("load path", names, list(zip(*cells, strict=True)), numeric=range(len(names)), close=True)
+    if found.events:
+        _show_events(found)
+
+
+def _show_events(found: LoadPath) -> None:
+    kinds, loads = [event.kind for event in found.events], [event.load for event in found.events]
+    jumps = found.events if isinstance(found, AdhesivePath) else ()
+    places = [event.position for event in found.events]
+    known: dict[str, tuple[Sequence[float | None], str]] = {"load": (loads, "N/m"), "position": (places, "m")}
+    if jumps:
+        known["energy lost"] = ([getattr(event, "lost", None) for event in jumps], "J/m")
+    heads, cells = ["event"], [kinds]
+    for name, (values, unit) in known.items():
+        prefixed, told = column(values, unit, 10 if name != "energy lost" else 6)
+        heads.append(f"{name} [{prefixed}]")
+        cells.append(told)
+    cells.append([event.change() for event in found.events])
+    show_table("events, in the order of the path", [*heads, "zones"], list(zip(*cells, strict=True)), numeric=range(1, len(heads)))
+    if isinstance(found, AdhesivePath) and found.dissipated is not None:
+        click.echo(f"lost in all: {quantity(found.dissipated, 'J/m')}; work of the load: {quantity(found.work, 'J/m')}")

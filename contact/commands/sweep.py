@@ -1,0 +1,110 @@
+"""`contact sweep SCENE --vary KEY=A:B:N --out OUT.nc`: a scene over a grid of values, on this machine or on a cluster, gone on with."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from contact.commands.options import QUIET, SCENE, TOL, scene_of
+from contact.commands.outputs import checked
+from contact.commands.ranges import values_of
+from contact.commands.trace import show_profile
+from contact.errors import NotConverged, OutOfRange, SceneError
+from contact.model.units import column, quantity
+from contact.solution.terminal import Progress, show_table
+from contact.sweeps.points import NUMBERS
+from contact.sweeps.sweep.run import sweep
+
+
+@click.command("sweep")
+@SCENE
+@click.option("--vary", "varied", multiple=True, required=True, metavar="KEY=A:B:N[:log]",
+              help="Values of TABLE.KEY of the scene: N from A to B, or with commas between. May be given again, for other keys.")
+@click.option("--out", type=click.Path(path_type=Path), required=True, metavar="OUT.nc", help="The table; gone on with if it is there.")
+@click.option("--scheduler", metavar="ADDRESS", help="Solve on the workers of this Dask scheduler, such as tcp://host:8786.")
+@click.option("--workers", type=int, metavar="N", help="Processes of this machine; as many as processors if left out.")
+@click.option("--retry", is_flag=True, help="Try again what failed, as OUT.nc says.")
+@click.option("--overwrite", is_flag=True, help="Write over OUT.nc, and solve all anew.")
+@QUIET
+@TOL
+def sweep_command(
+    scene: Path, varied: Sequence[str], out: Path, scheduler: str | None, workers: int | None, retry: bool, overwrite: bool, quiet: bool,
+    tol: float,
+) -> None:
+    """Solve a SCENE over a grid of values of its keys, such as --vary control.mean_pressure=1e6:1e8:20:log.
+
+    What is in OUT.nc is not solved again, so that a sweep that was broken off is gone on with by the same command.
+    """
+    problem = scene_of(scene)
+    over = _over(varied)
+    checked("--out", out, (".nc",), overwrite=True)
+    if scheduler is not None and workers is not None:
+        raise SceneError.of("--workers", workers, "left out with --scheduler, which has workers of its own")
+    if not quiet:
+        show_profile(problem.profile)
+    start = time.perf_counter()
+    with Progress(wanted=not quiet) as progress:
+        table = sweep(
+            problem, over, scheduler, tol=tol, workers=workers, out=out, overwrite=overwrite, retry=retry, progress=progress
+        )
+    if not quiet:
+        _show(table, time.perf_counter() - start)
+        click.echo(f"written: {out}")
+    _stop_where_nothing_is_solved(table)
+
+
+def _over(varied: Sequence[str]) -> dict[str, Any]:
+    over: dict[str, Any] = {}
+    for text in varied:
+        key, found, values = text.partition("=")
+        if not found or not key or not values:
+            raise SceneError.of("--vary", text, "KEY=VALUES, such as control.mean_pressure=1e6:1e8:20:log")
+        if key in over:
+            raise SceneError.of("--vary", text, f"a key that is not given yet: {key} is")
+        words = values.split(",")
+        over[key] = words if all(_is_word(word) for word in words) else values_of(f"--vary {key}", values)
+    return over
+
+
+def _is_word(text: str) -> bool:
+    return text[:1].isalpha() and ":" not in text and text.lower() not in ("nan", "inf", "infinity")
+
+
+def _show(table: Any, seconds: float) -> None:
+    known = [(key, len(table[key]), table[key].values, table[key].attrs.get("units", "")) for key in table.dims]
+    rows = [(key, f"{count}", _span(values, unit)) for key, count, values, unit in known]
+    show_table("grid", ("key", "values", "from, to"), rows, numeric=(1,))
+    failed = int(table["failed"].sum())
+    told = [(name.replace("_", " "), _span(table[name].values, unit)) for name, (unit, _) in NUMBERS.items()]
+    rows_of_numbers = [(name, span) for name, span in told if span]
+    counts = [("points", f"{table['failed'].size}"), ("failed", f"{failed}"), ("time", quantity(seconds, "s", 3))]
+    show_table("sweep", ("quantity", "least, greatest"), [*counts, *rows_of_numbers])
+
+
+def _span(values: Any, unit: str) -> str:
+    """The least and the greatest, in one unit; words as they are; nothing where there is nothing."""
+    flat = np.ravel(values)
+    if flat.dtype.kind not in "iuf":
+        return ", ".join(str(value) for value in flat)
+    flat = flat[~np.isnan(flat)]
+    if not flat.size:
+        return ""
+    ends = [float(flat.min()), float(flat.max())]
+    if unit in ("", "1"):
+        return ", ".join(f"{end:.6g}" for end in ends)
+    prefixed, cells = column(ends, unit)
+    return f"{', '.join(cells)} {prefixed}"
+
+
+def _stop_where_nothing_is_solved(table: Any) -> None:
+    """End as `contact solve` of a point would, where all have failed."""
+    if not bool(table["failed"].all()):
+        return
+    reasons = [str(reason) for reason in np.ravel(table["reason"].values)]
+    kind = NotConverged if any(reason.startswith("NotConverged") for reason in reasons) else OutOfRange
+    raise kind(f"no point is solved: {reasons[0]}")

@@ -1,0 +1,128 @@
+"""One frame of the page: a scene is solved, and what is drawn and said of it comes out; or a message, where it cannot be."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import ContactError, NotConverged, unwarned
+from contact.model.scene import Scene
+from contact.model.units import prefix, quantity
+from contact.solution.sampling import positions, window, zones_within
+from contact.solution.solution import Solution
+from contact.solver import solve
+
+Array = NDArray[np.float64]
+
+_POINTS = 4000  # of a stretch: a few on each pixel column of a screen
+_FLANK = 0.6  # how far beyond the rest a body without end is drawn
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What is drawn of a solution. Lengths along x, heights and pressures are in the units named, [µm] and the like."""
+
+    solution: Solution
+    seconds: float
+    surfaces: dict[str, Array]  # x, body, surface, touching
+    pressure: dict[str, Array]  # x, p
+    zones: dict[str, Array]  # left, right
+    along: str
+    up: str
+    push: str
+
+
+def solved(scene: Scene, tol: float, near: Solution | None, branch: str) -> Frame:
+    """The frame of a scene. near: the last solution, from whose zones the search starts where they are of the same shape."""
+    start = time.perf_counter()
+    alike = near is not None and all(getattr(near.scene, part) == getattr(scene, part) for part in _PARTS)
+    with unwarned():
+        solution = solve(scene, tol=tol, near=near if alike and not scene.law.pulls else None, branch=branch)
+    return drawn(solution, time.perf_counter() - start)
+
+
+_PARTS = ("profile", "interaction", "substrate", "law")
+
+
+def drawn(solution: Solution, seconds: float) -> Frame:
+    """The fields of a solution, where straight lines between the places show them."""
+    lo, hi = window(solution)
+    x = positions(solution, lo, hi, _POINTS)
+    surface = -solution.displacement(x)
+    body = surface + solution.gap(x)
+    pressure = solution.pressure(x)
+    zones = zones_within(solution, lo, hi)
+    seen = np.isfinite(body)
+    low, high = min(surface.min(), body[seen].min()), max(surface.max(), body[seen].max())
+    # A body with sharp corners goes up without end beside them.
+    body = np.where(seen, body, high + _FLANK * (high - low))
+    place = np.clip(np.searchsorted(zones[:, 0], x, side="right") - 1, 0, None)
+    inside = (x >= zones[place, 0]) & (x <= zones[place, 1]) if len(zones) else np.zeros(x.shape, dtype=bool)
+    along, up = prefix(max(abs(lo), abs(hi))), prefix(max(high - low, 1e-3 * max(abs(low), abs(high))))
+    top = solution.max_pressure if np.isfinite(solution.max_pressure) else _peak_shown(solution)
+    push = prefix(float(np.max(np.abs(pressure[np.isfinite(pressure)]), initial=0.0)) if top <= 0 else top)
+    # Where it is infinite, at corners and under adhesion, the line is cut.
+    shown = np.clip(np.nan_to_num(pressure, nan=0.0, posinf=2 * top, neginf=-2 * top), -1.5 * abs(top), 1.5 * abs(top))
+    return Frame(
+        solution, seconds,
+        {"x": x * along[0], "body": body * up[0], "surface": surface * up[0], "touching": np.where(inside, surface, np.nan) * up[0]},
+        {"x": x * along[0], "p": shown * push[0]},
+        {"left": zones[:, 0] * along[0], "right": zones[:, 1] * along[0]},
+        f"{along[1]}m", f"{up[1]}m", f"{push[1]}Pa",
+    )  # fmt: skip
+
+
+def _peak_shown(solution: Solution) -> float:
+    """Four times the mean pressure on the zones, where the highest is infinite."""
+    return float(4.0 * abs(solution.load) / max(np.sum(solution.zone_widths), 1e-300))
+
+
+def numbers(frame: Frame) -> list[tuple[str, str]]:
+    """What is said of a solution, by name."""
+    solution = frame.solution
+    zones = len(solution.zones)
+    said = [
+        ("stated error, at most", f"{solution.error:.1e}"),
+        ("certificate", "holds" if solution.certificate.holds else f"does not hold: {solution.certificate.to_dict()['note']}"),
+        ("load", quantity(solution.load, "N/m", 6)),
+        ("mean pressure", "" if solution.mean_pressure is None else quantity(solution.mean_pressure, "Pa", 6)),
+        ("highest pressure", quantity(solution.max_pressure, "Pa", 6)),
+        ("approach", "" if solution.approach is None else quantity(solution.approach, "m", 6)),
+        ("in contact", "" if solution.contact_fraction is None else f"{100 * solution.contact_fraction:.6g} %"),
+        ("zones", str(zones) if zones else "full contact"),
+        ("width of the zones", quantity(float(np.sum(solution.zone_widths)), "m", 6) if zones else ""),
+        ("solved in", quantity(frame.seconds, "s", 3)),
+    ]
+    return [(name, value) for name, value in said if value]
+
+
+def table(frame: Frame) -> str:
+    """The numbers and the warnings of a frame, as HTML."""
+    rows = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in numbers(frame))
+    doubts = "".join(f"<p class='warning'>{escape(text)}</p>" for text in frame.solution.warnings)
+    return f"<table class='numbers'>{rows}</table>{doubts}"
+
+
+def told(error: Exception) -> str:
+    """What is shown in place of a solution."""
+    if isinstance(error, NotConverged) and isinstance(error.best, Solution):
+        return f"{error}. The best that was reached has a stated error of {error.best.error:.1e}; it is not drawn."
+    if isinstance(error, ContactError):
+        return str(error)
+    return f"a fault of the program, not of the scene ({type(error).__name__}: {' '.join(str(error).split())})"
+
+
+def place_on_curve(solution: Any) -> tuple[float, float, tuple[str, str], tuple[str, str]]:
+    """Where a solution stands on its load curve: across, up, and for both what it is and its unit.
+
+    Across the approach, or where there is none the width in contact; up the mean pressure, or where there is none the load.
+    """
+    up = (solution.load, ("load", "N/m")) if solution.mean_pressure is None else (solution.mean_pressure, ("mean pressure", "Pa"))
+    if solution.approach is not None:
+        return float(solution.approach), float(up[0]), ("approach", "m"), up[1]
+    return float(np.sum(solution.zone_widths)), float(up[0]), ("width of the zones", "m"), up[1]

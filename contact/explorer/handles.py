@@ -1,0 +1,258 @@
+"""What can be turned of a scene: its control, the numbers of its parts, the size of its shape, and how many points a shape is read at.
+
+Nothing here knows a profile, a law or a body by name. A number of a part is a handle of its own. Lists of numbers are handled together:
+the lists that make all heights larger when they grow are the amplitude, those that make the shape longer its length; which these are is
+tried out.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from contact.errors import ContactError
+from contact.model.interactions.base import TURNING
+from contact.model.laws.base import CONTROLS
+from contact.model.profiles.base import Profile
+from contact.model.registry import PROFILES
+from contact.model.scene import Scene
+from contact.solution.solution import Solution
+
+UNITS = {
+    "load": "N/m", "mean_pressure": "Pa", "approach": "m", "half_width": "m", "contact_fraction": "", "tilt": "rad", "moment": "N",
+    "E_star": "Pa", "amplitude": "m", "period": "m", "length": "m", "radius": "m", "spacing": "m", "width": "m", "thickness": "m",
+    "height": "m", "work": "J/m²", "datum": "m",
+}  # fmt: skip
+# How far a number goes either way: a control much lower than higher, as contact soon is full.
+_CONTROL, _NUMBER = (1e-3, 10.0), (0.1, 10.0)
+_SAMPLES = (8, 1024)
+_PLACES = 33  # where it is tried out what lists of numbers do
+_SAME = 1e-9
+_HALVINGS = 12
+
+
+@dataclass(frozen=True)
+class Handle:
+    """One number that can be turned, from low to high; `at(scene, value)` is the scene with it.
+
+    log: by equal factors. whole: whole numbers, of which 0 means as it is.
+    """
+
+    name: str
+    unit: str
+    value: float
+    low: float
+    high: float
+    at: Callable[[Scene, float], Scene]
+    log: bool = True
+    whole: bool = False
+
+
+def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...]:
+    """What can be turned of a scene, its control first, in the order in which it is to be applied. solution: of it, where there is one."""
+    found = [_control(scene, solution)]
+    found += [
+        _signed(name, value, -2 * abs(value), 2 * abs(value)) for name in TURNING if (value := getattr(scene, name)) not in (None, 0.0)
+    ]
+    found += _shape(scene.profile)
+    found += [handle for place in ("substrate", "law", "interaction") for handle in _numbers(scene, place)]
+    found.append(_positive("E_star", scene.E_star, lambda now, value: replace(now, E_star=value)))
+    return _named_apart([*found, *_samples(scene.profile)])
+
+
+def _named_apart(found: list[Handle]) -> tuple[Handle, ...]:
+    """Numbers of two parts may have one name."""
+    seen: dict[str, int] = {}
+    for handle in found:
+        seen[handle.name] = seen.get(handle.name, 0) + 1
+    left = dict.fromkeys(seen, 0)
+    apart = []
+    for handle in found:
+        left[handle.name] += 1
+        apart.append(replace(handle, name=f"{handle.name} {left[handle.name]}") if seen[handle.name] > 1 else handle)
+    return tuple(apart)
+
+
+def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) -> Scene:
+    """The scene with the handles that were moved where they are now."""
+    for handle in known:
+        if handle.name in moved and moved[handle.name] != handle.value:
+            scene = handle.at(scene, moved[handle.name])
+    return scene
+
+
+def _positive(name: str, value: float, at: Callable[[Scene, float], Scene], reach: tuple[float, float] = _NUMBER) -> Handle:
+    return Handle(name, UNITS.get(name, ""), value, reach[0] * value, reach[1] * value, at)
+
+
+def _signed(name: str, value: float, low: float, high: float) -> Handle:
+    return Handle(name, UNITS.get(name, ""), value, low, high, lambda now, to: with_number(now, name, to), log=False)
+
+
+def with_number(scene: Scene, name: str, value: float) -> Scene:
+    """A scene with one of its own numbers changed."""
+    changed: dict[str, Any] = {name: value}
+    return replace(scene, **changed)
+
+
+def _control(scene: Scene, solution: Solution | None) -> Handle:
+    name, value = scene.control
+    if name == "contact_fraction":
+        return _signed(name, value, 0.005, 1.0)
+    if scene.law.pulls and name in ("load", "mean_pressure", "approach"):
+        off = solution.pull_off if solution is not None else None
+        pull = getattr(off, name, None) if off is not None else None
+        reach = max(abs(value), abs(pull or 0.0)) or scene.E_star * 1e-6
+        return _signed(name, value, -1.2 * reach, 4 * reach)
+    if value <= 0:
+        return _signed(name, value, -4 * abs(value) or -1.0, 4 * abs(value) or 1.0)
+    return _positive(name, value, lambda now, to: with_number(now, name, to), _CONTROL)
+
+
+def _numbers(scene: Scene, place: str) -> list[Handle]:
+    """Positive numbers that a part was made of."""
+    part = getattr(scene, place)
+    if not dataclasses.is_dataclass(part):
+        return []
+    found = []
+    for field in dataclasses.fields(part):
+        value = getattr(part, field.name)
+        if field.init and field.name not in CONTROLS and isinstance(value, float) and value > 0:
+
+            def at(now: Scene, to: float, name: str = field.name) -> Scene:
+                changed: dict[str, Any] = {place: replace(getattr(now, place), **{name: to})}
+                return replace(now, **changed)
+
+            found.append(_allowed(scene, _positive(field.name, value, at)))
+    return found
+
+
+def _allowed(scene: Scene, handle: Handle) -> Handle:
+    """Reaching no higher than a scene may be made with."""
+
+    def taken(value: float) -> bool:
+        try:
+            return handle.at(scene, value) is not None
+        except ContactError:
+            return False
+
+    high = handle.high
+    if not taken(high):
+        low = handle.value
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if taken(middle) else (low, middle)
+        high = max(low, handle.value * (1 + _SAME))
+    return replace(handle, high=high)
+
+
+# shapes ---------------------------------------------------------------------------------------------------------------
+def _shape(profile: Profile) -> list[Handle]:
+    """Positive numbers of a profile, and what its lists of numbers do together."""
+    given = {name: value for name, value in profile.parameters().items() if value is not None}
+    lists = [name for name, value in given.items() if np.ndim(value) == 1 and np.size(value)]
+    found = []
+    high = _together(profile, given, lists, _heights_grow)
+    if high:
+        found.append(_scale("amplitude", _depth(profile), high) if _cell(profile) else _scale("heights, times", 1.0, high))
+    lengths = [name for name in given if name not in high and (name in lists or name == "period")]
+    long = _together(profile, given, lengths, _shape_grows) if lists else ()
+    if long:
+        reach = profile.period or float(np.ptp(given[next(name for name in long if name in lists)]))
+        found.append(_scale("period" if profile.period is not None else "length", reach, long))
+    alone = [name for name, value in given.items() if name not in (*high, *long) and isinstance(value, float) and value > 0]
+    return found + [_positive(name, given[name], lambda now, to, name=name: _with(now, **{name: to})) for name in alone]  # type: ignore[misc]
+
+
+def _scale(name: str, size: float, parameters: tuple[str, ...]) -> Handle:
+    def at(now: Scene, to: float) -> Scene:
+        given = now.profile.parameters()
+        return _with(now, **{key: _times(given[key], to / size) for key in parameters})
+
+    return _positive(name, size, at)
+
+
+def _with(scene: Scene, **changed: Any) -> Scene:
+    """A scene with some parameters of its profile changed."""
+    profile = scene.profile
+    return replace(scene, profile=type(profile)(**{**profile.parameters(), **changed}))
+
+
+def _times(value: Any, factor: float) -> Any:
+    return factor * np.asarray(value) if np.ndim(value) else factor * value
+
+
+def _together(
+    profile: Profile, given: Mapping[str, Any], names: list[str], does: Callable[[Profile, Profile], bool]
+) -> tuple[str, ...]:
+    """The fewest parameters that do it when all are doubled."""
+    for count in range(1, len(names) + 1):
+        for chosen in combinations(names, count):
+            try:
+                other = type(profile)(**{**given, **{name: _times(given[name], 2.0) for name in chosen}})
+            except (ContactError, TypeError, ValueError):
+                continue
+            if does(profile, other):
+                return chosen
+    return ()
+
+
+def _heights_grow(profile: Profile, other: Profile) -> bool:
+    x = _places(profile)
+    return _alike(2.0 * np.asarray(profile.height(x)), np.asarray(other.height(x)))
+
+
+def _shape_grows(profile: Profile, other: Profile) -> bool:
+    x = _places(profile)
+    return _alike(np.asarray(profile.height(x)), np.asarray(other.height(2.0 * x)))
+
+
+def _alike(a: Any, b: Any) -> bool:
+    """But for a constant."""
+    away = (a - a[0]) - (b - b[0])
+    return bool(np.isfinite(away).all() and np.max(np.abs(away)) <= _SAME * np.ptp(a))
+
+
+def _places(profile: Profile) -> Any:
+    lo, hi = _cell(profile) or (-0.5, 0.5)
+    return lo + (hi - lo) * (np.arange(_PLACES) + 0.3) / _PLACES
+
+
+def _cell(profile: Profile) -> tuple[float, float] | None:
+    """What there is of a shape: its period, or where it is known; None: it goes on for ever."""
+    return profile.extent if profile.period is None else (profile.x0, profile.x0 + profile.period)
+
+
+def _depth(profile: Profile) -> float:
+    """From the highest to the lowest place."""
+    lo, hi = _cell(profile) or (-0.5, 0.5)
+    height = np.asarray(profile.height(np.linspace(lo, hi, 2001)))
+    return float(f"{np.ptp(height):.4g}")
+
+
+def _samples(profile: Profile) -> list[Handle]:
+    """A shape read at so many even places, with the spline of measured points through them: what a coarser instrument would see."""
+    if profile.support is not None or _cell(profile) is None:
+        return []
+
+    def at(now: Scene, to: float) -> Scene:
+        shape, count = now.profile, round(to)
+        lo, hi = _cell(shape) or (-0.5, 0.5)
+        x = np.linspace(lo, hi, count, endpoint=shape.period is None)
+        trace = PROFILES.find("sampled")(x, -np.asarray(shape.height(x)), shape.period)
+        return replace(now, profile=trace)
+
+    points = next((len(value) for value in profile.parameters().values() if np.ndim(value) == 1 and len(value) > _SAMPLES[0]), 0)
+    high = max(_SAMPLES[1], points)
+    return [Handle("samples", "", 0.0, _SAMPLES[0] - 1, high, at, log=True, whole=True)]
+
+
+def rounded(value: float, digits: int = 4) -> float:
+    """A number that a hand has turned to, with the digits it can mean."""
+    return float(f"{value:.{digits}g}") if math.isfinite(value) else value

@@ -1,0 +1,269 @@
+"""The page itself: sliders, pictures, numbers and text, by Panel and Bokeh.
+
+A slider that is dragged sends more values than can be solved: what came last when a frame is done is the next frame. All that a browser
+loads comes from the page's own server.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact.errors import ContactError, SceneError
+from contact.explorer.curve import along, same_curve
+from contact.explorer.frame import Frame, place_on_curve, solved, table, told
+from contact.explorer.handles import Handle, handles, rounded, turned
+from contact.extras import require
+from contact.model.scene import Scene
+from contact.model.scene_file import scene_from_tables
+from contact.model.scene_text import to_toml
+from contact.model.units import prefix
+from contact.solution.solution import Solution
+
+_BODY, _SURFACE, _PRESSURE, _ZONE = "#7a7a7a", "#1f5a92", "#b3261e", "#f2c14e"
+_DECADE = 0.01  # step of a slider by equal factors, in powers of ten
+_STEPS = 400
+_NEXT = 5  # ms from one thing to do to the next, so that what the page sends comes between
+_REST = 300  # ms without a change before the load curve is drawn
+_DEAR = 0.3  # s: the curve of a scene that takes longer is not drawn unasked
+_LONGEST = 20_000  # letters of a text that is shown
+
+_STYLE = """
+table.numbers { border-collapse: collapse; font: 14px sans-serif; }
+table.numbers th { text-align: left; font-weight: normal; padding: 1px 14px 1px 0; }
+table.numbers td { text-align: right; font-variant-numeric: tabular-nums; }
+table.numbers tr:first-child { font-weight: bold; }
+p.warning { color: #8a5a00; margin: 4px 0; font: 13px sans-serif; max-width: 26em; }
+p.refused { color: #b3261e; border-left: 4px solid #b3261e; padding: 6px 10px; margin: 4px 0; font: 14px sans-serif; }
+"""
+
+# The numbers, the stated error first, stay where they are when the page is scrolled.
+_SEEN = {"position": "sticky", "top": "0", "background": "white", "z-index": "5", "width": "100%"}
+
+# Text of a slider: the number with a prefix before its unit.
+_READOUT = """
+const value = log ? Math.pow(10, tick) : tick;
+if (whole) return value < least ? 'as it is' : value.toFixed(0);
+if (value == 0 || unit == '') return value.toPrecision(4).replace(/\\.?0+$/, '') + ' ' + unit;
+const power = Math.max(-12, Math.min(12, 3 * Math.floor(Math.log10(Math.abs(value)) / 3 + 1e-9)));
+const letter = {'-12': 'p', '-9': 'n', '-6': 'µ', '-3': 'm', '0': '', '3': 'k', '6': 'M', '9': 'G', '12': 'T'}[power];
+return (value / Math.pow(10, power)).toPrecision(4) + ' ' + letter + unit;
+"""
+
+
+class Explorer:
+    """A scene and the page that shows it. `layout` is what Panel serves and notebooks show."""
+
+    def __init__(self, scene: Scene, tol: float, table: Mapping[str, Any] | None = None, directory: str | Path = ".") -> None:
+        self.pn, self.models = require("panel"), require("bokeh.models")
+        self.tol, self.directory = tol, directory
+        self.frame: Frame | None = None
+        self.moved: dict[str, float] = {}
+        self._due = False
+        self._walk: Iterator[Solution] | None = None
+        self._make()
+        self._begin(scene, table)
+
+    # what stands on the page --------------------------------------------------------------------------------------------
+    def _make(self) -> None:
+        pn = self.pn
+        style = {"stylesheets": [_STYLE], "sizing_mode": "stretch_width"}
+        self.sliders = pn.Column(sizing_mode="stretch_width")
+        self.numbers, self.message = pn.pane.HTML("", **style, styles=_SEEN), pn.pane.HTML("", **style)
+        self.branch = pn.widgets.RadioButtonGroup(label="branch", options=["advancing", "receding"], visible=False)
+        self.branch.param.watch(lambda _: self._change(), "value")
+        self.text = pn.widgets.TextAreaInput(
+            label="scene file", rows=16, max_length=10**7, sizing_mode="stretch_width", stylesheets=["textarea { font-family: monospace; }"]
+        )
+        self.read = pn.widgets.Button(label="solve this text", color="primary")
+        self.read.on_click(lambda _: self._read())
+        copy = pn.widgets.Button(label="copy")
+        copy.js_on_click(args={"text": self.text}, code="navigator.clipboard.writeText(text.value)")
+        self.draw = pn.widgets.Button(label="draw the load curve", visible=False)
+        self.draw.on_click(lambda _: self._start_curve())
+        left = pn.Column(
+            self.message, self.numbers, self.branch, self.sliders, self.text, pn.Row(self.read, copy), width=380, margin=(0, 20, 0, 0)
+        )
+        right = pn.Column(*(pn.pane.Bokeh(figure, sizing_mode="stretch_width") for figure in self._figures()), self.draw,
+                          sizing_mode="stretch_width")  # fmt: skip
+        self.layout = pn.Row(left, right, sizing_mode="stretch_width")
+
+    def _figures(self) -> tuple[Any, Any, Any]:
+        models, figure = self.models, require("bokeh.plotting").figure
+        data = models.ColumnDataSource
+        nothing: list[float] = []
+        self.surfaces = data({"x": nothing, "body": nothing, "surface": nothing, "touching": nothing})
+        self.pressure, self.zones = data({"x": nothing, "p": nothing}), data({"left": nothing, "right": nothing})
+        self.line, self.point = data({"across": nothing, "up": nothing}), data({"across": nothing, "up": nothing})
+        common = {"height": 250, "sizing_mode": "stretch_width", "tools": "pan,box_zoom,wheel_zoom,reset,save", "min_border_left": 75}
+        top = figure(**common, y_axis_label="height")
+        bottom = figure(**common, x_range=top.x_range, y_axis_label="pressure")
+        curve = figure(**common)
+        for one in (top, bottom):
+            one.vstrip(x0="left", x1="right", source=self.zones, fill_color=_ZONE, fill_alpha=0.25, line_color=None)
+        top.line("x", "body", source=self.surfaces, color=_BODY, line_width=1.5, legend_label="profile")
+        top.line("x", "surface", source=self.surfaces, color=_SURFACE, line_width=1.5, legend_label="deformed surface")
+        top.line("x", "touching", source=self.surfaces, color=_PRESSURE, line_width=3, legend_label="contact")
+        bottom.varea("x", 0, "p", source=self.pressure, fill_color=_PRESSURE, fill_alpha=0.2)
+        bottom.line("x", "p", source=self.pressure, color=_PRESSURE, line_width=1.5)
+        curve.line("across", "up", source=self.line, color=_SURFACE, line_width=1.5)
+        curve.scatter("across", "up", source=self.line, color=_SURFACE, size=4)
+        curve.scatter("across", "up", source=self.point, color=_PRESSURE, size=11)
+        self.top, self.bottom, self.curve = top, bottom, curve
+        for one in (top, bottom, curve):
+            one.toolbar.logo = None
+        top.legend.background_fill_alpha = 0.6
+        return top, bottom, curve
+
+    # a scene ------------------------------------------------------------------------------------------------------------
+    def _begin(self, scene: Scene, table: Mapping[str, Any] | None) -> None:
+        """A new scene: its sliders, and its first frame. table: [profile] as it was written."""
+        self.base, self.table = scene, table
+        self.moved, self.known, self.frame = {}, handles(scene), None
+        self.branch.visible = scene.law.pulls
+        self._show()
+        if self.frame is not None and scene.law.pulls:
+            self.known = handles(scene, self.frame.solution)
+        self.sliders.objects = [self._slider(handle) for handle in self.known]
+
+    def _slider(self, handle: Handle) -> Any:
+        # What is as it is stands at the low end.
+        value = handle.low if handle.whole else handle.value
+        low, high, start, step = handle.low, handle.high, value, (handle.high - handle.low) / _STEPS
+        if handle.log:
+            low, high, start, step = math.log10(low), math.log10(high), math.log10(value), _DECADE
+        args = {"log": handle.log, "whole": handle.whole, "unit": handle.unit, "least": handle.low + 0.5}
+        readout = self.models.CustomJSTickFormatter(args=args, code=_READOUT)
+        slider = self.pn.widgets.FloatSlider(
+            label=handle.name.replace("_star", "*").replace("_", " "), start=low, end=high, step=step, value=start, format=readout,
+            tooltips=False, sizing_mode="stretch_width",
+        )  # fmt: skip
+
+        def move(event: Any) -> None:
+            self.moved[handle.name] = self._value(handle, event.new, abs(event.new - start) < 0.5 * step)
+            self._change()
+
+        slider.param.watch(move, "value")
+        return slider
+
+    @staticmethod
+    def _value(handle: Handle, at: float, unmoved: bool) -> float:
+        if unmoved:
+            return handle.value
+        value = 10.0**at if handle.log else at
+        if handle.whole:
+            return float(round(value)) if value > handle.low + 0.5 else handle.value
+        return rounded(value)
+
+    def _read(self) -> None:
+        """The text as it stands is the new scene."""
+        try:
+            tables = tomllib.loads(self.text.value or "")
+            scene = scene_from_tables(tables, self.directory)
+        except (ContactError, ValueError, OSError) as error:
+            self._refuse(str(error) if isinstance(error, ContactError) else f"is not a scene file: {error}")
+            return
+        self._begin(scene, tables["profile"])
+
+    # frames -------------------------------------------------------------------------------------------------------------
+    def _change(self) -> None:
+        """Something was moved: a frame is due."""
+        if not self._due:
+            self._due = True
+            self._soon(self._show)
+
+    def _soon(self, do: Callable[[], None], after: int = _NEXT) -> None:
+        """After what the browser has sent meanwhile; at once where there is no server, as in tests and notebooks."""
+        document = self.pn.state.curdoc
+        if document is not None and document.session_context is not None:
+            document.add_timeout_callback(do, after)
+        else:
+            do()
+
+    def _show(self) -> None:
+        """The frame of the scene as it stands; all of it reaches the browser in one message."""
+        self._due = False
+        with self.pn.io.hold():
+            self._show_all()
+
+    def _show_all(self) -> None:
+        last = self.frame
+        try:
+            scene = turned(self.base, self.moved, self.known)
+            self.frame = solved(scene, self.tol, last.solution if last else None, self.branch.value)
+            self._paint(self.frame)
+        except Exception as error:  # a page shows no traceback; what is no fault of the scene is told as such
+            self._refuse(told(error))
+            return
+        self.message.object, self.numbers.styles = "", _SEEN
+        self._soon(lambda: self._write(scene), _REST)
+        same = last is not None and same_curve(last.solution.scene, scene) and self._of_curve == self.branch.value
+        if not same or (self.draw.visible and self.frame.seconds <= _DEAR):
+            self._forget_curve(self.frame.seconds)
+
+    def _refuse(self, message: str) -> None:
+        old = "" if self.frame is None else " What is drawn, and the numbers, are of the last scene that was solved."
+        self.message.object = f"<p class='refused' role='alert'>{escape(message.rstrip('.'))}.{old}</p>"
+        self.numbers.styles = {**_SEEN, "color": "#999999"}
+
+    def _paint(self, frame: Frame) -> None:
+        self.surfaces.data, self.pressure.data, self.zones.data = frame.surfaces, frame.pressure, frame.zones
+        self.top.yaxis.axis_label, self.bottom.yaxis.axis_label = f"height [{frame.up}]", f"pressure [{frame.push}]"
+        self.bottom.xaxis.axis_label = f"x [{frame.along}]"
+        self.numbers.object = table(frame)
+        across, up, (name, unit), (what, whose) = place_on_curve(frame.solution)
+        if not self.line.data["across"]:
+            # The scales of the curve stay while it does.
+            self._across, self._up = prefix(abs(across)), prefix(abs(up))
+            self.curve.xaxis.axis_label, self.curve.yaxis.axis_label = f"{name} [{self._across[1]}{unit}]", f"{what} [{self._up[1]}{whose}]"
+        self.point.data = {"across": [across * self._across[0]], "up": [up * self._up[0]]}
+
+    def _write(self, scene: Scene) -> None:
+        """The text of the scene, once it is at rest; of a trace that is as its file has it, the file's name."""
+        if self.frame is None or scene is not self.frame.solution.scene:
+            return
+        try:
+            text = to_toml(scene, self.table if self.table is not None and scene.profile == self.base.profile else None)
+        except SceneError as error:
+            text = f"# {error}\n"
+        if len(text) > _LONGEST:
+            text = f"# {len(text):,} letters, most of them of points: save them to a file that [profile] names\n"
+        self.text.value = text
+
+    # the load curve -----------------------------------------------------------------------------------------------------
+    _of_curve = ""
+
+    def _forget_curve(self, seconds: float) -> None:
+        """What was drawn is of another scene."""
+        self._walk = None
+        self._of_curve = self.branch.value
+        self.line.data = {"across": [], "up": []}
+        assert self.frame is not None
+        self._paint(self.frame)
+        self.draw.visible = seconds > _DEAR
+        if not self.draw.visible:
+            self._start_curve()
+
+    def _start_curve(self) -> None:
+        if self.frame is not None:
+            self.draw.visible = False
+            self._walk = walk = along(self.frame.solution.scene, self.known[0], self.tol, self.branch.value)
+            self._soon(lambda: self._step(walk), _REST)
+
+    def _step(self, walk: Iterator[Solution]) -> None:
+        """One more point, unless the scene has changed; where frames are due, these first."""
+        if walk is not self._walk:
+            return
+        here = None if self._due else next(walk, None)
+        if here is not None:
+            across, up, *_ = place_on_curve(here)
+            points = np.array([[*self.line.data["across"], across * self._across[0]], [*self.line.data["up"], up * self._up[0]]])
+            self.line.data = {"across": points[0].tolist(), "up": points[1].tolist()}
+        if here is not None or self._due:
+            self._soon(lambda: self._step(walk))

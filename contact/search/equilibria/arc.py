@@ -1,0 +1,197 @@
+"""Along the curve of equilibria, by its arc: an equilibrium is followed as the control rises or falls, to where it ceases to be.
+
+There J = dr/ds has a zero eigenvalue, and along the arc the control has an extreme (a turning point). Motions are counted in the widths of
+the zones, the control in what moves an end by as much, so that a unit tangent tells both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import NotConverged
+from contact.formulation.equilibria import Equilibria, NoState, Point
+from contact.formulation.roots import bracketed
+from contact.search.equilibria.flow import receded
+
+Array = NDArray[np.float64]
+Recede = Callable[[Equilibria, Array, float], Point | None]
+
+# First and longest step, Newton's steps in one, how small its last one is, and how many steps; a step so small is none.
+_FIRST, _LONGEST, _CORRECTIONS, _TIGHT, _MOST_STEPS, _NO_STEP = 0.02, 0.3, 8, 1e-11, 3000, 1e-9
+# Of a step: how much longer the next one is, and how much shorter after one that failed.
+_LONGER, _SHORTER = 1.6, 0.3
+# Cosine of the angle by which a step may turn the tangent.
+_STRAIGHT = 0.85
+# Past a turning point ends are pushed on by this part of their zones.
+_PUSH = 0.03
+# Of the control, before the last turning point is looked for; and of steps of the control.
+_HALVINGS, _MOST_TRIES = 5, 160
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """An equilibrium on the curve: widths that motions are counted in (2n,), the unit of the control, and the unit tangent (2n + 1,)."""
+
+    at: Point
+    widths: Array
+    unit: float
+    tangent: Array
+
+    @property
+    def rises(self) -> float:
+        """Of the control, along the arc."""
+        return float(self.tangent[-1])
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """A step along the arc, of a length, from one equilibrium to another."""
+
+    curve: Equilibria
+    start: Place
+    length: float
+    end: Place
+
+    def at(self, length: float) -> Point:
+        """The equilibrium at a part of the step."""
+        found = _along(self.curve, self.start, length)
+        if found is None:
+            raise NotConverged("an equilibrium on the way along a curve was lost")
+        return found
+
+    @property
+    def turns(self) -> bool:
+        """Whether the control has its extreme in this step."""
+        return self.start.rises * self.end.rises <= 0.0
+
+    def turning(self) -> float:
+        """How far it is to there."""
+        return self.where(lambda at: _onward(self.start, at).rises, self.start.rises, self.end.rises)
+
+    def where(
+        self, function: Callable[[Point], float], first: float, last: float, length: float | None = None, near: float = 1e-14
+    ) -> float:
+        """How far it is to the zero of a function with these values of opposite signs at the start and at the end (or at a length); near:
+        so near, over the step."""
+        end = self.length if length is None else length
+        if first == 0.0 or last == 0.0:
+            return 0.0 if first == 0.0 else end
+        return bracketed(lambda part: function(self.at(part)), {0.0: first, end: last}, xtol=near * end)
+
+
+def steps(curve: Equilibria, here: Point, sense: float) -> Iterator[Step]:
+    """From an equilibrium, steps along the curve, the control first rising (sense 1) or falling (-1)."""
+    place, length = _begun(here, sense), _FIRST
+    for _ in range(_MOST_STEPS):
+        ahead = _along(curve, place, length)
+        onward = None if ahead is None else _onward(place, ahead)
+        if onward is None or not _keeps(place, onward):
+            length *= _SHORTER
+            if length < _NO_STEP:
+                break
+            continue
+        yield Step(curve, place, length, onward)
+        place, length = onward, min(_LONGER * length, _LONGEST)
+    raise NotConverged("the curve of equilibria was not followed on")
+
+
+def turning_point(curve: Equilibria, here: Point, sense: float = -1.0) -> Point:
+    """Where an equilibrium ceases to be as the control falls, or rises."""
+    step = next(step for step in steps(curve, here, sense) if step.turns)
+    return step.at(step.turning())
+
+
+def beyond(turned: Point, sense: float) -> Array:
+    """Zones from which ends move on to another equilibrium at a turning point: inward where the control falls."""
+    move = _begun(turned, sense).tangent[:-1]
+    move = move * (sense * np.sign(move.sum()) * _PUSH / np.abs(move).max())
+    return turned.moved(np.asarray(move * turned.widths))
+
+
+def pull_off(curve: Equilibria, here: Point, recede: Recede = receded) -> Point:
+    """Where the last zones come apart as the control falls from an equilibrium; those before do so one after the other. recede: how ends
+    that are driven inward come to rest."""
+    here, high = _apart(curve, here, recede)
+    # Between a value that holds and one that does not: near enough for the arc to have one turning point.
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (here.value + high)
+        rest = recede(curve, here.table, middle)
+        here, high = (rest, high) if rest is not None else (here, middle)
+    while True:
+        turned = turning_point(curve, curve.settled(here))
+        rest = recede(curve, beyond(turned, -1.0), turned.value)
+        if rest is None:
+            return turned
+        here = rest
+
+
+def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float]:
+    """(an equilibrium, a lower value of the control under which there is none) as the control falls."""
+    step = 1.0 / float(np.abs(here.by_value).max())
+    for _ in range(_MOST_TRIES):
+        rest = recede(curve, here.table, here.value - step)
+        if rest is None:
+            return here, here.value - step
+        here, step = rest, 2.0 * step
+    raise NotConverged("the surfaces do not come apart as the control falls")
+
+
+def _begun(here: Point, sense: float) -> Place:
+    unit = _unit(here)
+    tangent = _tangent(here, here.widths, unit)
+    return Place(here, here.widths, unit, tangent if tangent[-1] * sense >= 0.0 else -tangent)
+
+
+def _onward(before: Place, ahead: Point) -> Place:
+    """The same sense of the curve at another equilibrium of it."""
+    unit = _unit(ahead)
+    tangent = _tangent(ahead, ahead.widths, unit)
+    same = before.tangent @ np.append(tangent[:-1] * ahead.widths / before.widths, tangent[-1] * unit / before.unit) >= 0.0
+    return Place(ahead, ahead.widths, unit, tangent if same else -tangent)
+
+
+def _keeps(before: Place, ahead: Place) -> bool:
+    """Whether a step is short enough not to have left the curve: its tangents are alike, and stability was not lost without a turn."""
+    carried = np.append(ahead.tangent[:-1] * ahead.widths / before.widths, ahead.tangent[-1] * ahead.unit / before.unit)
+    alike = float(before.tangent @ carried) >= _STRAIGHT * float(np.linalg.norm(carried))
+    return alike and (before.at.growth >= 0.0 or ahead.at.growth < 0.0 or before.rises * ahead.rises <= 0.0)
+
+
+def _unit(at: Point) -> float:
+    """What the control is counted in: by it some end moves by its zone's width; not less than what drives one by the intensity asked."""
+    least = 1.0 / float(np.abs(at.by_value).max())
+    moves = np.abs(np.linalg.lstsq(at.rates, at.by_value, rcond=None)[0] / at.widths).max()
+    return max(least, 1.0 / float(moves))
+
+
+def _tangent(at: Point, widths: Array, unit: float) -> Array:
+    """Unit vector along the curve: motions over widths, and of the control over its unit."""
+    matrix = np.column_stack((at.rates * widths, at.by_value * unit))
+    return np.asarray(np.linalg.svd(matrix)[2][-1])
+
+
+def _along(curve: Equilibria, here: Place, length: float) -> Point | None:
+    """The equilibrium at a distance along the tangent, perpendicular to it; None if Newton does not come to it at once."""
+    widths, unit, tangent = here.widths, here.unit, here.tangent
+    moved, value = length * tangent[:-1] * widths, here.at.value + length * tangent[-1] * unit
+    for k in range(_CORRECTIONS):
+        table = here.at.moved(moved)
+        if np.any(np.diff(table.ravel()) <= 0) or curve.gaps(table)[-1] <= 0.0:
+            return None
+        try:
+            at = curve.at(table, value)
+        except NoState:
+            return None
+        matrix = np.block([[at.rates * widths, at.by_value[:, None] * unit], [tangent[None]]])
+        step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
+        size = float(np.abs(step).max())
+        if size > (0.3 * length if k == 0 else length) and size > _TIGHT:
+            return None
+        moved, value = moved + step[:-1] * widths, value + step[-1] * unit
+        if size < _TIGHT:
+            return curve.at(here.at.moved(moved), float(value))
+    return None

@@ -1,0 +1,171 @@
+r"""Ends of zones that are driven outward advance, and those driven inward recede, to the nearest equilibrium under a held control.
+
+With r_i = K_i - K* at every end (contact.formulation.equilibria), under a held load or approach the other ends only gain by one that
+advances, d r_j/ds_i >= 0, since what an end pulls down comes nearer for the others. So the ends that are driven outward everywhere
+advance, together and without turning back, to the least equilibrium that holds them, and those that are driven inward everywhere recede
+to the greatest one within them: what a slowly changed control leads to, too (cooperative systems: M. W. Hirsch, SIAM J. Math. Anal. 13,
+1982, 167). Steps that keep to that are those of
+
+    -J ds = r,   J = dr/ds,
+
+Newton's, over the ends that go no farther than they are let, given what the others do; where J has growing motions, mu D - J in place
+of -J, D diagonal, mu above their growth.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import NotConverged
+from contact.formulation.equilibria import Closed, Equilibria, Point
+
+Array = NDArray[np.float64]
+
+# A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's resolution.
+_INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
+# On the way the states are solved to this; ends at rest: the last step over the widths.
+_ROUGH, REST = 1e-9, 1e-6
+# By how much of r, and of K*, a step may pass a place of rest; from how near an equilibrium Newton's step is taken as it is.
+_OVERSHOT, _SLIGHT, _NEAR, _FAR = 0.1, 1e-4, 0.02, 0.05
+# A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
+_CLOSED, DRIVEN, _OPENED = 1e-2, 0.5, 0.02
+MOST_STEPS, MOST_TRIES = 600, 40
+_PLACES = np.linspace(0.05, 0.95, 10)
+
+
+def advanced(curve: Equilibria, table: Array, value: float) -> Point:
+    """The least equilibrium that holds these zones, of which all ends are driven outward; `Closed` if there is none."""
+    found = _flowed(curve, table, value, 1.0)
+    assert found is not None
+    return found
+
+
+def receded(curve: Equilibria, table: Array, value: float) -> Point | None:
+    """The greatest equilibrium within these zones, of which all ends are driven inward; None: all have come apart."""
+    return _flowed(curve, table, value, -1.0)
+
+
+def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point | None:
+    here = curve.at(table, value)
+    widths, residual = here.widths, here.residual
+    for _ in range(MOST_STEPS):
+        if sign > 0 and (merged := closing(curve, here)) is not None:
+            here = curve.at(merged, value)
+            continue
+        if sign < 0 and (apart := _come_apart(here, widths, residual)).any():
+            if apart.all():
+                return None
+            stays = np.tile(~apart, 2)
+            here, widths, residual = curve.at(here.table[~apart], value), widths[stays], residual[stays]
+            continue
+        here, move = _step(curve, here, sign)
+        if move <= REST and np.abs(here.residual).max() <= DRIVEN:
+            return here
+    raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
+
+
+def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
+    """(next state, largest move over the widths)."""
+    limit, back = limits(curve, here, sign)
+    for _ in range(MOST_TRIES):
+        step = kept_step(here, sign, limit, back)
+        # Of ends that are driven hard, little must be left out to know how those at rest are.
+        ahead = curve.at(here.moved(step), here.value, max(1e-14, _ROUGH / max(1.0, float(np.abs(here.residual).max()))))
+        gone_past = passed(here, ahead, step, sign)
+        if not gone_past.any():
+            return ahead, float(np.abs(step / here.widths).max())
+        # What has passed an equilibrium moves less; if that is of no avail, so do all.
+        limit = np.where(gone_past | (here.growth >= 0.0), 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
+    raise NotConverged("no step of the ends keeps to the branch")
+
+
+def limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
+    """How far ends may move onward, and back, in a step (2n,)."""
+    resolution = curve.problem.profile.resolution
+    known = np.inf if resolution is None else _OF_RESOLUTION * resolution / curve.problem.units.length
+    gaps = curve.gaps(here.table)
+    room = _INTO_GAP * np.concatenate((np.roll(gaps, 1), gaps))
+    # An end may reach the border, and is told of it then.
+    lo, hi = curve.problem.borders
+    room[0], room[-1] = min(room[0], 1.1 * (here.table[0, 0] - lo)), min(room[-1], 1.1 * (hi - here.table[-1, 1]))
+    inward, outward = np.minimum(_INWARD * here.widths, known), np.minimum(np.minimum(_OUTWARD * here.widths, room), known)
+    onward, back = (outward, inward) if sign > 0 else (inward, outward)
+    return onward, np.minimum(back, _NEAR * here.widths)
+
+
+def closing(curve: Equilibria, here: Point) -> Array | None:
+    """The zones without gaps that have closed; None if there is none."""
+    table, period = here.table, curve.problem.period
+    left, right = np.split(here.residual, 2)
+    widths = np.diff(table, axis=1)[:, 0]
+    gap = curve.gaps(table)
+    beside = np.minimum(widths, np.roll(widths, -1))
+    closes = (gap < _CLOSED * beside) & (right > DRIVEN) & (np.roll(left, -1) > DRIVEN)
+    if not closes.any():
+        return None
+    if closes.all():
+        raise Closed
+    if closes[-1]:
+        # The zones are counted on from one that begins at an open gap.
+        assert period is not None
+        start = int(np.flatnonzero(~closes)[0]) + 1
+        table = np.concatenate((table[start:], table[:start] + period))
+        closes = np.roll(closes, -start)
+    begins = np.concatenate(([True], ~closes[:-1]))
+    return np.column_stack((table[begins, 0], table[~closes, 1]))
+
+
+def _come_apart(here: Point, widths: Array, residual: Array) -> NDArray[np.bool_]:
+    """Which zones have come apart that were so wide and so driven: the narrower they are the more they are driven."""
+    driven = here.residual < np.minimum(-DRIVEN, 1.5 * residual)
+    return np.logical_and(*np.split(driven & (here.widths < _OPENED * widths), 2))
+
+
+def kept_step(here: Point, sign: float, limit: Array, most_back: Array) -> Array:
+    """Newton's step, in which ends go no farther than their limits, nor back but a little; where there are motions that run away,
+    damped by as much as keeps these within the limits."""
+    rates, residual = here.rates, here.residual
+    if here.growth >= 0.0:
+        return _damped_step(here, sign, limit)
+    step = np.linalg.solve(-rates, residual)
+    free = np.ones(len(residual), dtype=bool)
+    while True:
+        far, back = free & (sign * step > limit * (1 + 1e-12)), free & (sign * step < -most_back * (1 + 1e-12))
+        if not (far | back).any():
+            return np.asarray(step)
+        step[far], step[back] = sign * limit[far], -sign * most_back[back]
+        free &= ~(far | back)
+        if not free.any():
+            return np.asarray(step)
+        step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
+
+
+def _damped_step(here: Point, sign: float, limit: Array) -> Array:
+    """(mu D - J) ds = r, mu above the fastest growth and as near to it as the limits let it."""
+    # An end that has gone too far waits for what the others do.
+    free = sign * here.residual > -_SLIGHT
+    weight, rates, above = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
+    growth = max(float(np.linalg.eigvals(rates / weight[:, None]).real.max(initial=-1.0)), -above)
+    step = np.zeros_like(here.residual)
+    while True:
+        moved = np.linalg.solve(np.diag((growth + above) * weight) - rates, here.residual[free])
+        if np.all(np.abs(moved) <= limit[free]) or above > 1e9:
+            step[free] = np.where(sign * moved < 0, 0.0, moved)
+            return step
+        above *= 2.0
+
+
+def passed(here: Point, ahead: Point, step: Array, sign: float) -> NDArray[np.bool_]:
+    """Which ends have passed a place of rest in a step: they are driven the other way at its end or, by a cubic, on the way."""
+    before, after = sign * here.residual, sign * ahead.residual
+    allowed = np.minimum(-_OVERSHOT * np.minimum(np.abs(before), 1.0) - _SLIGHT, 1.1 * before - _SLIGHT)
+    # Beside a stable equilibrium an end that has gone a little too far comes back.
+    far = (np.abs(step) > _NEAR * here.widths) | (here.growth < 0.0 <= ahead.growth) | (after < -_FAR)
+    over = (after < allowed) & far
+    if float(np.abs(step / here.widths).max()) < _NEAR:
+        return np.asarray(over)
+    rise, fall = sign * (here.rates @ step), sign * (ahead.rates @ step)
+    u = _PLACES[:, None]
+    way = (1 + 2 * u) * (1 - u) ** 2 * before + u * (1 - u) ** 2 * rise + u**2 * (3 - 2 * u) * after + u**2 * (u - 1) * fall
+    return np.asarray(over | (far & np.any(way < np.minimum(allowed, after), axis=0)))

@@ -1,0 +1,72 @@
+"""Contact from first touch on: zones advance, and where the surfaces would overlap on the way new ones begin."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import NotConverged
+from contact.formulation.equilibria import Equilibria, Point
+from contact.formulation.maxima import maximum
+from contact.search.equilibria.flow import advanced
+from contact.verify.certificate import openings
+
+Array = NDArray[np.float64]
+
+# First touch over the width that adhesion makes of it, and a new zone over the overlap it begins in.
+_TOUCH, _NEW = 1e-3, 0.1
+# Heights that differ by this part of their range touch together.
+_TOGETHER = 1e-12
+_ROUNDS = 60
+
+
+def grown(curve: Equilibria, table: Array, value: float) -> Point:
+    """The least equilibrium without overlap that holds these zones, of which all ends are driven outward; `Closed` if there is none."""
+    for _ in range(_ROUNDS):
+        here = advanced(curve, table, value)
+        new = openings(curve.fields(here)).overlaps
+        if len(new) == 0:
+            return here
+        table = with_new(here.table, new)
+    raise NotConverged("ever more zones begin under adhesion")
+
+
+def with_new(table: Array, overlaps: Array) -> Array:
+    """The zones with narrow ones in the middle of overlaps."""
+    middle, half = overlaps.mean(axis=1), 0.5 * _NEW * np.diff(overlaps, axis=1)[:, 0]
+    new = np.concatenate((table, np.column_stack((middle - half, middle + half))))
+    return np.asarray(new[np.argsort(new[:, 0])])
+
+
+def touched(curve: Equilibria, cell: tuple[float, float]) -> Array:
+    """Narrow zones about the lowest places of a cell [m]."""
+    problem, (lo, hi) = curve.problem, cell
+    period, profile = problem.period, problem.profile
+    per_feature = 0.0 if profile.resolution is None else 8 * (hi - lo) / profile.resolution
+    x = problem.units.scaled(np.linspace(lo, hi, int(np.clip(per_feature, 2049, 2**18))))
+    kinks = problem.forcing.kinks[0]
+    x = np.unique(np.concatenate((x, kinks[(kinks > x[0]) & (kinks < x[-1])])))
+    f = problem.shape(x)
+    least = f.min()
+    low = np.flatnonzero((f[1:-1] <= f[:-2]) & (f[1:-1] <= f[2:])) + 1
+    if period is not None and min(f[0], f[-1]) <= f[low].min(initial=np.inf):
+        low = np.append(low, 0)
+    step = float(np.diff(x).max())
+    tips = []
+    for i in low[f[low] - least <= 0.05 * np.ptp(f)]:
+        around = np.linspace(x[i] - 2 * step, x[i] + 2 * step, 65)
+        place, depth = maximum(lambda at: -problem.shape(np.asarray(at)), around)
+        tips.append((float(place), -depth))
+    lowest = min(depth for _, depth in tips)
+    chosen = sorted(place for place, depth in tips if depth - lowest <= _TOGETHER * max(float(np.ptp(f)), 1.0))
+    places = [p for k, p in enumerate(chosen) if k == 0 or p - chosen[k - 1] > step]
+    if period is not None and len(places) > 1 and places[0] + period - places[-1] <= step:
+        places = places[:-1]
+    if problem.profile.symmetric and problem.units.origin == 0.0:
+        places = [0.0 if abs(p) < 1e-6 * step else p for p in places]
+    half = 0.25 * _TOUCH * (1.0 if period is None else min(period, step * 1e3))
+    while True:
+        table = np.array([[place - half, place + half] for place in places])
+        if np.all(curve.at(table, 0.0).residual > 0.0) or half < 1e-12:
+            return table
+        half *= 0.1

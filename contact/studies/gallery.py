@@ -1,0 +1,154 @@
+"""Runs the examples and keeps what they show: python -m contact.studies.gallery [NAME ...].
+
+Of each script of `examples` and `examples/engine` a picture of what it solved, docs/gallery/NAME.png, and what it printed,
+docs/gallery/NAME.txt. The pages themselves are made of script, picture and print when the site is built (docs/gallery.py).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import io
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import contact
+import sie
+from contact.extras import require
+from contact.model.units import prefix, quantity
+from contact.solution.sampling import positions, window
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
+KEPT = ROOT / "docs" / "gallery"
+LARGEST = 60_000  # bytes of a picture
+
+_COLOURS = ("#1f5a92", "#b3261e", "#3d7a4a", "#8a5a00", "#6a3d8a", "#444444")
+
+
+def scripts() -> dict[str, Path]:
+    """Name, and file, of every example that is a script."""
+    return {file.stem: file for file in (*sorted(EXAMPLES.glob("*.py")), *sorted((EXAMPLES / "engine").glob("*.py")))}
+
+
+@contextlib.contextmanager
+def _recorded(package: Any, found: list[Any]) -> Iterator[None]:
+    """What `package.solve` gives while this lasts."""
+    solve = package.solve
+
+    def recording(*given: Any, **options: Any) -> Any:
+        solution = solve(*given, **options)
+        found.append(solution)
+        return solution
+
+    package.solve = recording
+    try:
+        yield
+    finally:
+        package.solve = solve
+
+
+def run(file: Path) -> tuple[list[contact.Solution], list[sie.Solution], str]:
+    """What a script solves by `contact` and by `sie` alone, and what it prints."""
+    spec = importlib.util.spec_from_file_location(f"gallery_{file.stem}", file)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    contacts: list[Any] = []
+    equations: list[Any] = []
+    printed = io.StringIO()
+    with _recorded(contact, contacts), _recorded(sie, equations), contextlib.redirect_stdout(printed):
+        spec.loader.exec_module(module)
+        module.main()
+    return contacts, equations, printed.getvalue()
+
+
+def _distinct(solutions: list[contact.Solution]) -> list[contact.Solution]:
+    """The last of each model, or of each of several shapes, or else of each scene, as many as can be told apart."""
+    models = {repr(one.scene.interaction): one for one in solutions}
+    shapes = {repr(one.scene.profile): one for one in solutions}
+    last = models if len(models) > 1 else shapes if len(shapes) > 2 else {repr(one.scene): one for one in solutions}
+    return list(last.values())[-len(_COLOURS) :]
+
+
+def of_contact(solutions: list[contact.Solution]) -> Any:
+    """Surfaces of the last solution above, the pressures of all below."""
+    shown = _distinct(solutions)
+    figure = require("matplotlib.figure").Figure(figsize=(6.0, 4.2), layout="constrained")
+    top, bottom = figure.subplots(2, 1, sharex=True)
+    lo, hi = min(window(one)[0] for one in shown), max(window(one)[1] for one in shown)
+    along, letter = prefix(max(abs(lo), abs(hi)))
+    last = shown[-1]
+    x = positions(last, *window(last))
+    surface = -last.displacement(x)
+    body = np.where(np.isfinite(gap := last.gap(x)), surface + gap, np.nan)
+    reach = float(np.nanmax(np.append(body, surface)) - np.nanmin(np.append(body, surface)))
+    up, high = prefix(reach)
+    top.plot(x * along, body * up, color="#7a7a7a", lw=1.0)
+    top.plot(x * along, surface * up, color="#1f5a92", lw=1.4)
+    top.set_ylabel(f"height [{high}m]")
+    peaks = [one.max_pressure if np.isfinite(one.max_pressure) else 3.0 * abs(one.load) / one.zone_widths.sum() for one in shown]
+    push, size = prefix(max(peaks))
+    for one, colour in zip(shown, _COLOURS, strict=False):
+        x = positions(one, *window(one))
+        pressure = np.clip(one.pressure(x), -max(peaks), 1.5 * max(peaks))
+        bottom.plot(x * along, pressure * push, color=colour, lw=1.2, label=_label(one, shown))
+    bottom.set(ylabel=f"pressure [{size}Pa]", xlabel=f"x [{letter}m]", xlim=(lo * along, hi * along))
+    bottom.set_ylim(top=1.08 * max(peaks) * push)
+    bottom.legend(fontsize=7, frameon=False)
+    return figure
+
+
+def _label(one: contact.Solution, shown: list[contact.Solution]) -> str:
+    """What tells a scene from the others."""
+    if len({repr(other.scene.interaction) for other in shown}) > 1:
+        return f"{one.scene.interaction}".replace("closure=", "").replace("neighbours=", "")
+    if len({other.moment for other in shown}) > 1 and one.scene.moment is not None:
+        return f"moment {quantity(one.scene.moment, 'N')}"
+    if len({other.scene.profile.name for other in shown}) > 2:
+        return one.scene.profile.name
+    pressed = quantity(one.load, "N/m") if one.mean_pressure is None else quantity(one.mean_pressure, "Pa")
+    return f"{pressed}, {len(one.zones)} zones" if len(one.zones) > 1 else pressed
+
+
+def of_engine(found: list[sie.Solution]) -> Any:
+    """The densities of the last solutions on their intervals."""
+    figure = require("matplotlib.figure").Figure(figsize=(6.0, 3.2), layout="constrained")
+    axes = figure.subplots()
+    t = np.sin(np.linspace(-0.5, 0.5, 301) * np.pi)
+    top = low = 0.0
+    for one, colour in zip(found[-len(_COLOURS) :], _COLOURS, strict=False):
+        for zone, (a, b) in enumerate(zip(one.zones.a, one.zones.b, strict=True)):
+            x = 0.5 * (a + b) + 0.5 * (b - a) * t[1:-1]
+            density = one.density.at_t(zone, t[1:-1])
+            top = max(top, 4.0 * float(np.median(np.abs(density))))
+            low = min(low, float(np.min(density)))
+            axes.plot(x, density, color=colour, lw=1.2)
+    axes.axhline(0.0, color="black", lw=0.5)
+    axes.set(xlabel="x", ylabel="density", ylim=(max(low, -top) - 0.02 * top, top))
+    return figure
+
+
+def save(figure: Any, file: Path, dpi: int = 110) -> None:
+    """A figure as PNG of few colours, which takes a third of the room."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=dpi)
+    require("PIL.Image").open(stream).convert("RGB").quantize(128, method=2, dither=0).save(file, optimize=True)
+
+
+def keep(name: str, file: Path, folder: Path = KEPT) -> None:
+    """Run one example, and write its picture and its print."""
+    contacts, equations, printed = run(file)
+    folder.mkdir(parents=True, exist_ok=True)
+    save(of_contact(contacts) if contacts else of_engine(equations), folder / f"{name}.png")
+    (folder / f"{name}.txt").write_text(printed, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    wanted = sys.argv[1:] or list(scripts())
+    for name in wanted:
+        keep(name, scripts()[name])
+        print(f"written: {KEPT / name}.png, .txt")

@@ -1,0 +1,413 @@
+"""Paths of surfaces that adhere: up and down a list of values of a control, through every jump, with the energy that each loses.
+
+What happens between two values is followed (contact.search.equilibria.history); at the values themselves the contact is solved, with
+its stated error and certificate, from where it was followed to.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact.errors import OutOfRange, unwarned, warn
+from contact.formulation.energy import elastic_energy
+from contact.formulation.equilibria import Point
+from contact.formulation.full import FullFields
+from contact.model.checks import finite_array, positive
+from contact.model.laws.base import CONTROLS
+from contact.model.scene import Scene
+from contact.model.units import quantity
+from contact.search.equilibria.flow import Closed
+from contact.search.equilibria.history import History, Jump, Standing
+from contact.search.grid.tilt import known_part
+from contact.search.task import Task
+from contact.search.topology.loop import Progress
+from contact.search.topology.missed import Missed
+from contact.search.ways.branches import advancing, closed, to_follow
+from contact.solution import made
+from contact.solution.energy import Energy
+from contact.solution.plan import plan
+from contact.solution.solution import Solution
+from contact.solution.validity import of_solution
+from contact.solver import solved_at, task_of
+from contact.sweeps.adhesive_plot import Drawn, draw
+from contact.sweeps.paths import Event, Path
+
+Array = NDArray[np.float64]
+
+# Of a figure: points, and how much is shown beside the zones, over what they span.
+_PLACES, _AROUND = 601, 1.5
+_UNITS = {"load": "loads", "mean_pressure": "mean pressures", "approach": "approaches"}
+
+
+@dataclass(frozen=True, eq=False)
+class AdhesiveEvent(Event):
+    """A jump of surfaces that adhere, or a first touch.
+
+    Parameters
+    ----------
+    kind : str
+        jump-in (surfaces apart come together), birth (of a zone, by touch), merge (a gap snaps shut), jump (ends alone), full (the last gap
+        closes), death (zones come apart), pull-off (the last ones do).
+    load : float
+        The load just before it [N/m].
+    position : float
+        Where on the profile: of the touch, or of the end that moves first [m].
+    before, after : ndarray
+        The zones [m], (n, 2), just before and just after; none of surfaces apart, or in full contact.
+    value : float
+        Of the control, where it happens: exact to about 1e-12 of itself.
+    load_after : float
+        The load after it; 0 apart, whatever pulled before [N/m].
+    approach, approach_after : float or None
+        Before and after it [m]; None without one.
+    lost : float or None
+        Energy that it loses [J/m]: what is stored and what closing had released, before less after, and the work that the load does on the
+        way. None without an approach.
+    surfaces : ndarray or None
+        Of a pull-off, just before it: places, the deformed surface and the body above it [m], (3, n).
+
+    Examples
+    --------
+    A cylinder is pulled off at -3 (pi E* w^2 R/16)^(1/3), and what had been stored is lost.
+
+    >>> import contact
+    >>> scene = contact.Scene(contact.Parabola(1e-3), 1e9, contact.Isolated(datum=1e-2), law=contact.JKR(0.05), load=0.0)
+    >>> (event,) = contact.path(scene, [0.0, -30.0]).events
+    >>> event.kind, round(event.load, 6), event.lost > 0
+    ('pull-off', -23.665257, True)
+    """
+
+    value: float
+    load_after: float
+    approach: float | None
+    approach_after: float | None
+    lost: float | None
+    surfaces: Array | None = field(default=None, repr=False)
+
+    def change(self) -> str:
+        ends = "apart", "full contact"
+        before = len(self.before) or ends[0]
+        return f"{before} to {len(self.after) or ends[self.kind == 'full']}"
+
+
+@dataclass(frozen=True, eq=False)
+class AdhesivePath(Path):
+    """A path of surfaces that adhere, up and down.
+
+    Parameters
+    ----------
+    solutions : tuple of Solution
+        One for each value; with surfaces apart, of no load and no zones.
+    passed : tuple of tuple of AdhesiveEvent
+        For each value the events since the one before, in order.
+    values : ndarray
+        Of the control, (n,).
+    control : str
+        "load", "mean_pressure" or "approach".
+    stiffness : float or None
+        Of the spring whose far end the approaches are [N/m^2].
+    followed : ndarray
+        What was passed on the way, solved or not, (m, 4): load [N/m], approach [m], width in contact [m], and 1 where the control rose,
+        else 0; a row of nan where a jump breaks it.
+
+    Examples
+    --------
+    A wave under a load that rises and falls: it is pulled off below no load, and the energy lost is the work done.
+
+    >>> import contact
+    >>> wave = contact.Scene(contact.Sinusoid(0.01, 1.0), 1.0, contact.Periodic(), law=contact.JKR(1e-5), load=0.0)
+    >>> loop = contact.path(wave, [-2e-3, 4e-3, -2e-3])
+    >>> [event.kind for event in loop.events], abs(loop.work - loop.dissipated) < 1e-9 * loop.work
+    (['jump-in', 'pull-off'], True)
+    """
+
+    values: Array
+    control: str
+    stiffness: float | None
+    followed: Array = field(repr=False)
+
+    @property
+    def approaches(self) -> Array:
+        """[m]; nan where there is none."""
+        return np.array([np.nan if s.approach is None else s.approach for s in self.solutions], dtype=float)
+
+    @property
+    def dissipated(self) -> float | None:
+        """Energy lost in all jumps [J/m], per period where there is one; None without an approach."""
+        lost = [event.lost for event in self.events if isinstance(event, AdhesiveEvent)]
+        return None if any(part is None for part in lost) or self._ends is None else float(sum(part for part in lost if part is not None))
+
+    @property
+    def work(self) -> float | None:
+        """Work of the load from the first value to the last [J/m]: the energy of the last less that of the first, and what was lost. Of a
+        closed loop it is what was lost."""
+        dissipated = self.dissipated
+        return None if dissipated is None or self._ends is None else self._ends[1].total - self._ends[0].total + dissipated
+
+    def plot(self, ax: Any = None) -> Any:
+        """Load over approach, up and down with its jumps, and the surfaces as they come apart: a matplotlib figure.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, or two of them, or None
+            Where the load is drawn, and the surfaces; None: in a new figure.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        MissingExtra
+            Without matplotlib.
+        SceneError
+            If `ax` is no axes.
+        """
+        load, approach, width, rises = self.followed.T
+        by_approach = all(isinstance(event, AdhesiveEvent) and event.approach is not None for event in self.events) and np.isfinite(
+            self.approaches[np.array([len(s.zones) > 0 for s in self.solutions])]
+        ).all()
+        jumps = []
+        for event in self.events:
+            assert isinstance(event, AdhesiveEvent)
+            both = (event.approach, event.approach_after) if by_approach else (_width(event.before), _width(event.after))
+            if None not in both:
+                jumps.append((event.kind, (float(both[0] or 0.0), event.load), (float(both[1] or 0.0), event.load_after)))
+        label = "approach" if by_approach else "width in contact"
+        what, places, surface, body, zones = self._surfaces()
+        drawn = Drawn(
+            approach if by_approach else width, load, rises > 0.5, jumps, label, "m", places, surface, body, zones, what
+        )
+        return draw(drawn, ax)
+
+    def _surfaces(self) -> tuple[str, Array, Array, Array, Array]:
+        """(of what, places, surface, body, zones) [m]."""
+        parted = [event for event in self.events if isinstance(event, AdhesiveEvent) and event.surfaces is not None]
+        if parted:
+            event = parted[-1]
+            assert event.surfaces is not None
+            return "just before pull-off", *event.surfaces, _images(event.before, self.solutions[0].scene.period)
+        touching = [s for s in self.solutions if np.isfinite(s.gap(0.0)).all()] or list(self.solutions)
+        last = touching[-1]
+        x = _places(last.scene, last.zones)
+        surface = -last.displacement(x)
+        closed = len(last.zones) == 0 and last.load != 0.0
+        zones = np.array([[x[0], x[-1]]]) if closed else _images(last.zones, last.scene.period)
+        return f"at load {quantity(last.load, 'N/m')}", x, surface, surface + last.gap(x), zones
+
+    def to_dict(self) -> dict[str, Any]:
+        """Of a path, and its control, what was lost and the work of the load."""
+        units = {"lost": "J/m", "dissipated": "J/m", "work": "J/m", "load_after": "N/m", "approach_after": "m"}
+        told = super().to_dict()
+        told["units"] |= units
+        return told | {"control": self.control, "values": self.values.tolist(), "dissipated": self.dissipated, "work": self.work}
+
+    @cached_property
+    def _ends(self) -> tuple[Energy, Energy] | None:
+        first, last = self.solutions[0].energy, self.solutions[-1].energy
+        return None if first is None or last is None else (first, last)
+
+
+def adhesive_path(
+    scene: Scene, values: ArrayLike, tol: float, progress: Progress | None, control: str, stiffness: float | None
+) -> AdhesivePath:
+    """See `contact.path`."""
+    given = finite_array(_UNITS[control], values)
+    give = None if stiffness is None else 1.0 / positive("stiffness", stiffness)
+    run = _Run(_under(scene, control, 0.0), control, tol, give)
+    run.refuse(given)
+    solutions: list[Solution] = []
+    passed: list[tuple[Event, ...]] = []
+    with unwarned():
+        here = run.first(float(given[0]))
+        for k, value in enumerate(given):
+            if progress is not None:
+                progress(control, k, len(given))
+            before = here.value
+            events: list[Event] = []
+            run.rises = 1.0 if value / run.unit >= before else 0.0
+            for found in run.history.to(here, float(value) / run.unit):
+                if isinstance(found, Jump):
+                    run.jumped(found)
+                    events.append(run.event(found))
+                else:
+                    here = found
+            if not here.closed:
+                run.note(here.point, here.value)
+            solutions.append(run.solved(here, float(value), here.value >= before, before))
+            passed.append(tuple(events))
+    warn(of_solution(max(solutions, key=lambda solution: solution.load)))
+    return AdhesivePath(tuple(solutions), tuple(passed), given, control, stiffness, np.array(run.followed).reshape(-1, 4))
+
+
+def _width(zones: Array) -> float:
+    return float(np.sum(zones[:, 1] - zones[:, 0]))
+
+
+def _images(zones: Array, period: float | None) -> Array:
+    """With those of the period on either side."""
+    return zones if period is None else np.concatenate((zones - period, zones, zones + period))
+
+
+def _places(scene: Scene, zones: Array) -> Array:
+    """Where surfaces are drawn: about the zones, as far as the profile is known, and no more than a period."""
+    lo, hi = scene.profile.x0, scene.profile.x0 + (scene.period or 1.0)
+    if len(zones):
+        first, last = float(zones[0, 0]), float(zones[-1, 1])
+        known = known_part(scene.profile) or (-np.inf, np.inf)
+        around = max(known[0], first - _AROUND * (last - first)), min(known[1], last + _AROUND * (last - first))
+        lo, hi = around if scene.period is None or around[1] - around[0] < scene.period else (lo, hi)
+    even, angles = np.linspace(lo, hi, _PLACES), np.linspace(0.0, np.pi, 33)
+    beside = [a + (b - a) * np.sin(0.5 * angles) ** 2 for a, b in _images(zones, scene.period)]
+    x = np.unique(np.concatenate([even, *beside]))
+    return np.asarray(x[(x >= lo) & (x <= hi)])
+
+
+def _under(scene: Scene, control: str, value: float) -> Scene:
+    controls: dict[str, float | None] = {**dict.fromkeys(CONTROLS), control: value}
+    return replace(scene, **controls)  # type: ignore[arg-type]
+
+
+class _Run:
+    """scene: under the control, at no value. give: of the spring [m per N/m]."""
+
+    def __init__(self, scene: Scene, control: str, tol: float, give: float | None) -> None:
+        self.scene, self.control, self.tol = scene, control, tol
+        self.task = replace(task_of(scene, tol), give=give)
+        scaled, curve = to_follow(self.task)
+        self.scaled, self.curve, self.problem = scaled, curve, curve.problem
+        self.history = History(curve, scaled.cell, self.note)
+        self.followed: list[tuple[float, float, float, float]] = []
+        self.rises = 1.0
+
+    def note(self, point: Point | None, value: float = 0.0) -> None:
+        """An equilibrium on the way, or surfaces apart at a value."""
+        units = self.problem.units
+        if point is not None:
+            approach = -point.level * units.height if self.problem.operator.has_approach else np.nan
+            width = float(np.diff(point.table).sum()) * units.length
+            self.followed.append((point.load * units.load, approach, width, self.rises))
+        elif self.curve.held.yields is not None:
+            self.followed.append((0.0, value * units.height, 0.0, self.rises))
+
+    def jumped(self, jump: Jump) -> None:
+        for standing, after in ((jump.before, False), (jump.after, True)):
+            if after:
+                self.followed.append((np.nan,) * 3 + (self.rises,))
+            if not standing.closed:
+                self.note(standing.point, standing.value)
+
+    @property
+    def unit(self) -> float:
+        """Of the control's values over its scaled ones."""
+        unit = self.curve.held.unit(self.problem.units)
+        return unit / self.scene.profile.period if self.control == "mean_pressure" and self.scene.profile.period else unit
+
+    def refuse(self, values: Array) -> None:
+        """Approaches that no equilibrium has."""
+        if self.control != "approach" or self.task.give is not None or self.scene.period is None or self.task.operator.compression:
+            return
+        highest = made.mean_height(self.scene)
+        if values.max() >= highest:
+            raise OutOfRange(
+                f"approach {values.max():.6g} m is not below {highest:.6g} m, the mean of the profile: under a held approach the surfaces "
+                "come ever nearer to it, and close at none below"
+            )
+
+    def first(self, value: float) -> Standing:
+        """Where the path begins: below first touch the surfaces are apart, else it is the advancing contact."""
+        if value < 0.0:
+            return Standing(value / self.unit)
+        if self.task.give is not None:
+            # The contact without adhesion under an approach of the far end need not lie within.
+            *_, found = self.history.to(Standing(-1.0), value / self.unit)
+            assert isinstance(found, Standing)
+            return found
+        task = replace(self.task, scene=_under(self.scene, self.control, value))
+        try:
+            start = advancing(task, self.scaled, self.curve, value / self.unit)
+        except Closed:
+            return Standing(value / self.unit, closed=True)
+        return Standing(value / self.unit, self.curve.settled(start))
+
+    def solved(self, here: Standing, value: float, rose: bool, before: float) -> Solution:
+        """The solution where the path stands."""
+        scene = _under(self.scene, self.control, value)
+        way = "advancing" if rose else "receding"
+        told = f"{way}, {'raised' if rose else 'lowered'} from {self.control} {before * self.unit:.6g}"
+        task = replace(self.task, scene=scene, plan=plan(scene), branch=way)
+        if here.point is None:
+            return self._without_zones(task, here)
+        found = task.refine_topology(self.problem, replace(self.curve.held, value=here.value), here.point.table, near=True)
+        if isinstance(found, Missed):
+            raise task.error(found, self.problem)
+        solution = solved_at(task, found, told)
+        return solution if task.give is None else replace(solution, scene=_under(self.scene, "load", solution.load))
+
+    def _without_zones(self, task: Task, here: Standing) -> Solution:
+        held, units = self.curve.held, self.problem.units
+        if here.closed:
+            load = self._closed_load(here.value)
+            scene = task.scene if held.load is not None else _under(self.scene, "load", load)
+            return made.of_full(scene, task.full, closed(replace(task, scene=scene)).mean_pressure, task.plan, task.tol, task.branch)
+        return made.of_apart(task.scene, self.problem, None if held.yields is None else here.value * units.height, task.plan)
+
+    def _closed_load(self, value: float) -> float:
+        """Of surfaces closed altogether [N/m]."""
+        held, units, period = self.curve.held, self.problem.units, self.scene.period
+        assert period is not None
+        if held.load is not None:
+            return value * units.load
+        if not held.yields:
+            raise OutOfRange("the surfaces close altogether, and in full contact the approach does not tell the load: give a load")
+        # What the base gives way to a mean pressure, and the spring to the load.
+        base = 2 * (self.task.operator.compression or 0.0) / self.scene.E_star / period
+        return (value * units.height - made.mean_height(self.scene)) / (base + held.yields * units.height / units.load)
+
+    def event(self, jump: Jump) -> AdhesiveEvent:
+        units = self.problem.units
+        load, approach, energy, zones = self._state(jump.before)
+        load_after, approach_after, energy_after, zones_after = self._state(jump.after)
+        if jump.kind == "pull-off" and self.curve.held.load is not None:
+            # They part where they are; how far a dead load takes them then is nothing of theirs.
+            approach_after = approach
+        lost = None
+        if energy is not None and energy_after is not None and approach is not None and approach_after is not None:
+            lost = energy - energy_after + 0.5 * (load + load_after) * (approach_after - approach)
+        surfaces = None
+        if jump.kind == "pull-off" and jump.before.point is not None:
+            fields = self.curve.fields(jump.before.point)
+            x = _places(self.scene, zones)
+            surfaces = np.array([x, -fields.displacement(x), fields.gap(x) - fields.displacement(x)])
+        value = jump.before.value * self.unit
+        place = float(units.x(np.array(jump.place)))
+        return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, surfaces)
+
+    def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
+        """(load, approach, energy, zones) [N/m, m, J/m, m]."""
+        units, law, none = self.problem.units, self.scene.law, np.zeros((0, 2))
+        if standing.point is not None:
+            return self._of_point(standing.point)
+        if standing.closed:
+            assert self.scene.period is not None
+            load = self._closed_load(standing.value)
+            fields = FullFields(made.of_period(self.scene), load / self.scene.period, self.task.full.relief, made.mean_height(self.scene))
+            elastic = elastic_energy(fields)
+            surface = law.surface_energy(fields, self.scene.period)
+            return load, fields.approach, None if elastic is None else elastic + surface, none
+        held = self.curve.held
+        approach: float | None = 0.0 if held.yields is None else standing.value * units.height
+        return 0.0, approach if self.problem.operator.has_approach else None, 0.0, none
+
+    def _of_point(self, point: Point) -> tuple[float, float | None, float | None, Array]:
+        units = self.problem.units
+        fields = self.curve.fields(point)
+        elastic = elastic_energy(fields)
+        width = float(np.diff(point.table).sum()) * units.length
+        energy = None if elastic is None else elastic + self.scene.law.surface_energy(fields, width)
+        return point.load * units.load, fields.approach, energy, made.in_cell(self.scene, np.asarray(units.x(point.table)))

@@ -1,0 +1,97 @@
+"""`contact.path`: one scene along a list of values of its control, with what happens between them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.errors import SceneError
+from contact.model.checks import finite_array
+from contact.model.scene import Scene
+from contact.search.topology.loop import Progress
+from contact.solver import tolerance
+from contact.sweeps.adhesive import adhesive_path
+from contact.sweeps.paths import Path, growing_path
+
+CONTROLS = ("load", "mean_pressure", "approach")
+
+
+def path(
+    scene: Scene, values: ArrayLike, tol: float = 1e-8, progress: Progress | None = None, control: str | None = None,
+    stiffness: float | None = None,
+) -> Path:
+    """Solve a scene along values of a control, each from the last, with all events between them.
+
+    The scene's own control is replaced by each value in turn; its tilt or its moment stays. Frictionless contact grows with the load, and
+    the values are loads. Under adhesion the way matters: values may rise and fall, and what snaps in, together or apart is told where it
+    does, with the energy that it loses (`contact.AdhesivePath`, docs/adhesion.md).
+
+    Parameters
+    ----------
+    scene : Scene
+        What is pressed, under any control.
+    values : array_like
+        One or more, (n,), in any order, of the control: loads [N/m] (per period where there is one), mean pressures [Pa] or approaches [m].
+        Positive without adhesion. With it a path begins with the surfaces apart where its first value is negative, else with the contact
+        that is reached from first touch by raising the control.
+    tol : float
+        Largest stated error of each solution.
+    progress : callable or None
+        Called with (stage, done, total or None).
+    control : str or None
+        "load", "mean_pressure" or, with adhesion, "approach"; None: the load, or the approach where a stiffness is given.
+    stiffness : float or None
+        Of a spring between the body and what moves it [N/m^2] (per unit thickness, and period where there is one): the approaches are then
+        those of its far end, which the contact's own stay behind by load/stiffness. None: nothing gives way.
+
+    Returns
+    -------
+    Path
+        `contact.AdhesivePath` under adhesion.
+
+    Raises
+    ------
+    SceneError, OutOfRange, NotConverged
+        As `contact.solve`; SceneError also if the law is one whose path is not followed, or the control is none of its.
+
+    Examples
+    --------
+    >>> import contact
+    >>> wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), load=1.0)
+    >>> found = contact.path(wave, [1e3, 2e3, 4e3])
+    >>> [event.kind for event in found.events], len(found.solutions)
+    (['full'], 3)
+
+    A soft spring lets go sooner than a stiff one.
+
+    >>> rubber = contact.Scene(contact.Parabola(1e-3), 1e6, contact.Isolated(datum=1e-2), law=contact.JKR(0.05), load=0.0)
+    >>> ends = [contact.path(rubber, [0.0, -3e-3], stiffness=k).events[-1] for k in (1e3, 1e6)]
+    >>> [event.kind for event in ends], ends[0].approach > ends[1].approach
+    (['pull-off', 'pull-off'], True)
+    """
+    if not isinstance(scene, Scene):
+        raise SceneError.of("scene", scene, "a contact.Scene")
+    tol = tolerance(tol)
+    if control not in (None, *CONTROLS):
+        raise SceneError.of("control", control, f"None, or one of {', '.join(CONTROLS)}")
+    if stiffness is not None and control not in (None, "approach"):
+        raise SceneError.of("stiffness", stiffness, f"left out under {control}: it is that of a spring whose far end's approach is given")
+    name = control or ("load" if stiffness is None else "approach")
+    if scene.law.tension:
+        raise SceneError.of("law", scene.law.name, "one without a tension beside the contact: solve each load on its branch")
+    if scene.law.bare is not None:
+        return adhesive_path(scene, values, tol, progress, name, stiffness)
+    if not scene.law.convex:
+        raise SceneError.of("law", scene.law.name, "one under which contact only grows with the load: a path under others is not followed")
+    if name == "approach":
+        given = control if stiffness is None else stiffness
+        what = "control" if stiffness is None else "stiffness"
+        raise SceneError.of(what, given, f"left out: under {scene.law.name} a path goes by the load, and no spring changes it")
+    loads = finite_array("loads" if name == "load" else "mean pressures", values)
+    if np.any(loads <= 0):
+        raise SceneError.of("loads" if name == "load" else "mean pressures", values, "positive")
+    if name == "mean_pressure":
+        if scene.profile.period is None:
+            raise SceneError.of("control", control, "load: without a period there is no mean pressure")
+        loads = loads * scene.profile.period
+    return growing_path(scene, loads, tol, progress)

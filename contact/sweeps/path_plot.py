@@ -1,0 +1,125 @@
+"""One figure of a load path: contact and approach over the load, with the events marked.
+
+Contact is the contact fraction, or the width in contact where there is no period. Events are lines at their own loads, and marks on the
+curve as it is drawn. What is drawn of a load that falls is broken: without adhesion it lies on what is drawn of a rising one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import SceneError
+from contact.extras import require
+from contact.model.units import prefix
+from contact.solution.answer import Answer
+from contact.sweeps.path_table import Passed, columns
+
+Array = NDArray[np.float64]
+
+_FRACTION = "contact fraction"
+_CURVE, _EVENT = "#1f5a92", "#555555"
+# Colours and marks of the kinds of events; others, of someone's own, are drawn as circles.
+_MARKS = {
+    "birth": ("#3d7a4a", "^"), "death": ("#3d7a4a", "v"), "merge": ("#b3261e", "D"), "split": ("#b3261e", "s"), "full": ("#111111", "*"),
+}
+# A path most of whose loads are below this part of the highest is drawn over the logarithm of the load.
+_MOSTLY_LOW = 0.1
+# Lines of more events than this would be all that is seen.
+_LINES = 40
+
+
+def plot_path(solutions: Sequence[Answer], passed: Passed, ax: Any = None) -> Any:
+    """A matplotlib Figure: contact over the load, and where there is one the approach over the load."""
+    known = columns(solutions)
+    table = {name: np.array(values, dtype=float) for name, values in known.items()}
+    curves = [_contact(table)]
+    if np.isfinite(table["approach"]).all():
+        curves.append(("approach", table["approach"], "m"))
+    figure, panels = _panels(ax, len(curves))
+    for panel, (label, values, unit) in zip(panels, curves, strict=False):
+        _draw(panel, table["load"], passed, label, values, unit)
+    return figure
+
+
+def _contact(table: dict[str, Array]) -> tuple[str, Array, str]:
+    fraction = table["contact_fraction"]
+    return (_FRACTION, fraction, "") if np.isfinite(fraction).all() else ("width in contact", table["total_width"], "m")
+
+
+def _panels(ax: Any, count: int) -> tuple[Any, Sequence[Any]]:
+    """The figure and its axes, or those given."""
+    if ax is None:
+        figure = require("matplotlib.figure").Figure(figsize=(4.6 * count + 0.6, 3.9), layout="constrained")
+        require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
+        return figure, figure.subplots(1, count, squeeze=False)[0]
+    given = list(np.ravel(np.asarray(ax, dtype=object)))
+    axes = require("matplotlib.axes").Axes
+    if not 1 <= len(given) <= count or not all(isinstance(one, axes) for one in given):
+        most = "one matplotlib Axes, or two" if count == 2 else "one matplotlib Axes: the scene has no approach"
+        raise SceneError.of("ax", ax, f"None, or {most}")
+    return given[0].figure, given
+
+
+def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, unit: str) -> None:
+    along, along_letter = prefix(float(np.abs(loads).max()))
+    up, letter = prefix(float(np.abs(values).max())) if unit else (1.0, "")
+    if np.all(loads > 0) and np.median(loads) < _MOSTLY_LOW * loads.max():
+        axes.set_xscale("log")
+        if np.all(values > 0):
+            axes.set_yscale("log")
+    x, y = _vertices(loads, values, passed, {"full": 1.0} if label == _FRACTION else {})
+    for start, end, rising in _runs(x):
+        axes.plot(
+            x[start:end] * along, y[start:end] * up, color=_CURVE, linewidth=1.4, linestyle="-" if rising else (0, (4, 2)),
+            marker="." if end - start <= _LINES else None, markersize=4, label="load rising" if rising else "load falling",
+        )
+    events = [(event, k) for k, since in enumerate(passed) for event in since]
+    for event, k in events:
+        colour, mark = _MARKS.get(event.kind, (_EVENT, "o"))
+        if len(events) <= _LINES:
+            axes.axvline(event.load * along, color=colour, linewidth=0.6, alpha=0.45, zorder=0)
+        # Hollow where the load falls: the same states on the way up stay seen.
+        face = colour if loads[k] >= loads[k - 1] else "none"
+        style = {"linestyle": "none", "marker": mark, "color": colour, "markerfacecolor": face, "markersize": 6 if face == colour else 10}
+        step = (x >= min(loads[k - 1], loads[k])) & (x <= max(loads[k - 1], loads[k]))
+        axes.plot(event.load * along, _on_line(axes, event.load, x[step], y[step]) * up, label=event.kind, **style)
+    axes.set_xlabel(f"load [{along_letter}N/m]")
+    axes.set_ylabel(f"{label} [{letter}{unit}]" if unit else label)
+    axes.tick_params(direction="in", top=True, right=True)
+    axes.grid(alpha=0.25)
+    handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+    if len(handles) > 1:
+        axes.legend(handles.values(), handles.keys(), frameon=False, fontsize=8)
+
+
+def _vertices(loads: Array, values: Array, passed: Passed, known: dict[str, float]) -> tuple[Array, Array]:
+    """The points of the curve, and the events at which its value is known by their kind."""
+    points: list[tuple[float, float]] = []
+    for load, value, since in zip(loads, values, passed, strict=True):
+        points += [(event.load, known[event.kind]) for event in since if event.kind in known]
+        points.append((float(load), float(value)))
+    x, y = np.array(points).T
+    return x, y
+
+
+def _on_line(axes: Any, load: float, x: Array, y: Array) -> float:
+    """Where the line through points is at a load, as it is drawn."""
+    order = np.argsort(x, kind="stable")
+    to_x: Any = np.log if axes.get_xscale() == "log" else np.asarray
+    to_y, back = (np.log, np.exp) if axes.get_yscale() == "log" else (np.asarray, np.asarray)
+    return float(back(np.interp(to_x(load), to_x(x[order]), to_y(y[order]))))
+
+
+def _runs(loads: Array) -> list[tuple[int, int, bool]]:
+    """(first, behind the last, whether the load rises) of each stretch of the path that goes one way; neighbours share their ends."""
+    runs: list[tuple[int, int, bool]] = []
+    start = 0
+    for k in range(1, len(loads)):
+        if k + 1 == len(loads) or (loads[k + 1] > loads[k]) != (loads[k] > loads[k - 1]):
+            runs.append((start, k + 1, bool(loads[k] > loads[k - 1])))
+            start = k
+    return runs or [(0, 1, True)]

@@ -1,0 +1,45 @@
+"""What a solution is as one point of a curve: its numbers by name, each in its SI unit."""
+
+from __future__ import annotations
+
+from math import nan
+
+from contact.solution.answer import Answer
+
+# Name: (unit, what it is).
+NUMBERS = {
+    "load": ("N/m", "load, per period where there is one"),
+    "mean_pressure": ("Pa", "load over the period"),
+    "max_pressure": ("Pa", "highest pressure"),
+    "approach": ("m", "approach of the bodies"),
+    "contact_fraction": ("1", "width in contact over the period"),
+    "total_width": ("m", "width in contact"),
+    "stiffness": ("N/m^2", "d load / d approach"),
+    "mean_gap": ("m", "mean of the gap over the period"),
+    "zone_count": ("1", "number of contact zones, 0 in full contact and apart"),
+    "error": ("1", "stated bound of the relative error"),
+}
+
+
+def numbers(solution: Answer) -> dict[str, float]:
+    """All of them, nan for what the scene does not define; inf where a pressure, or the stiffness of full contact, is infinite."""
+    values = {
+        "load": solution.load,
+        "mean_pressure": solution.mean_pressure,
+        "max_pressure": solution.max_pressure,
+        "approach": solution.approach,
+        "contact_fraction": solution.contact_fraction,
+        "total_width": total_width(solution),
+        "stiffness": solution.stiffness,
+        "mean_gap": solution.mean_gap,
+        "zone_count": len(solution.zones),
+        "error": solution.error,
+    }
+    return {name: nan if value is None else value if isinstance(value, int) else float(value) for name, value in values.items()}
+
+
+def total_width(solution: Answer) -> float:
+    """Length in contact: of all zones, or the period at full contact; 0 of surfaces apart."""
+    if len(solution.zones) == 0:
+        return (solution.contact_fraction or 0.0) * (solution.scene.period or 0.0)
+    return float(solution.zone_widths.sum())

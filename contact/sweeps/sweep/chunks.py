@@ -1,0 +1,111 @@
+"""Points of a grid that are solved together: along the control of one scene they share work, as those of `contact.solve_many` do."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from math import ceil, nan
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import unwarned
+from contact.model.scene import Scene
+from contact.solution.solution import Solution
+from contact.solver import solve
+from contact.sweeps.curve import Curve
+from contact.sweeps.points import NUMBERS, numbers
+from contact.sweeps.sweep.keys import Axis, Value, varied
+
+# Numbers by name, `failed`, `reason` and `warning`.
+Row = dict[str, Any]
+Rows = list[tuple[int, Row]]
+
+# For each that solves there are so many chunks: the last ones end about together.
+_EACH = 4
+# A curve of fewer points is hardly one: the first of each costs a search.
+_SHORTEST = 6
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Places in the grid, in the order in which they are solved, and what is set at each; `control`: what goes along them, if any does."""
+
+    places: tuple[int, ...]
+    settings: tuple[dict[str, Value], ...]
+    control: str
+
+    def singly(self) -> Iterator[Chunk]:
+        """Its points, each a chunk."""
+        for place, setting in zip(self.places, self.settings, strict=True):
+            yield Chunk((place,), (setting,), self.control)
+
+
+def chunks_of(axes: Sequence[Axis], wanted: NDArray[np.bool_], solvers: int | None) -> list[Chunk]:
+    """What is wanted of the grid (flat), cut for so many solvers; None: each curve is one chunk."""
+    at = next((place for place, axis in enumerate(axes) if axis.control), None)
+    control = "" if at is None else axes[at].control
+    shape = [len(axis.values) for axis in axes]
+    indices = np.arange(wanted.size).reshape(shape)
+    if at is None:
+        lines = indices.reshape(-1, 1)
+    else:
+        upwards = np.argsort(np.array(axes[at].values, dtype=float), kind="stable")
+        lines = np.moveaxis(indices, at, -1)[..., upwards].reshape(-1, shape[at])
+    most = wanted.size if solvers is None else max(_SHORTEST, ceil(int(wanted.sum()) / (_EACH * solvers)))
+    settings = [dict(zip((axis.key for axis in axes), point, strict=True)) for point in itertools.product(*(axis.values for axis in axes))]
+    found = []
+    for line in lines:
+        places = [int(place) for place in line if wanted[place]]
+        # As even as can be.
+        for part in np.array_split(places, ceil(len(places) / most)) if places else ():
+            found.append(Chunk(tuple(int(p) for p in part), tuple(settings[p] for p in part), control))
+    return found
+
+
+def solve_chunk(scene: Scene, chunk: Chunk, tol: float) -> Rows:
+    """Its rows; whatever goes wrong at a point is that point's."""
+    return list(solved(scene, chunk, tol))
+
+
+def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
+    """The same, one after another."""
+    curve = _curve(scene, chunk, tol)
+    for place, setting in zip(chunk.places, chunk.settings, strict=True):
+        try:
+            with unwarned():
+                here = varied(scene, setting)
+                row = _row(solve(here, tol) if curve is None else curve.at(here.control[1]))
+        except Exception as error:
+            # Errors of the package, and those of a user's own profile: the other points are none the worse for it.
+            row = failure(f"{type(error).__name__}: {' '.join(str(error).split())}")
+        yield place, row
+
+
+def _curve(scene: Scene, chunk: Chunk, tol: float) -> Curve | None:
+    """The curve that the points are on, with what can be solved of them at once; None without a control, or without any scene."""
+    if not chunk.control:
+        return None
+    known: list[Scene] = []
+    for setting in chunk.settings:
+        # What is wrong with a point is told where that one is solved.
+        with suppress(Exception):
+            known.append(varied(scene, setting))
+    if not known:
+        return None
+    curve = Curve(known[0], chunk.control, tol)
+    with suppress(Exception), unwarned():
+        curve.look_at(np.array([here.control[1] for here in known]))
+    return curve
+
+
+def failure(reason: str) -> Row:
+    """The row of a point without a solution."""
+    return {**dict.fromkeys(NUMBERS, nan), "failed": True, "reason": reason, "warning": ""}
+
+
+def _row(solution: Solution) -> Row:
+    return {**numbers(solution), "failed": False, "reason": "", "warning": "; ".join(solution.warnings)}

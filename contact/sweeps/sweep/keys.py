@@ -1,0 +1,119 @@
+"""What of a scene can be varied: the keys of its tables, as a scene file has them, `TABLE.KEY`, and the scene with other values of them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from contact.errors import SceneError
+from contact.model.interactions.base import CONTROLS, TURNING
+from contact.model.scene import Scene
+
+Value = float | int | str
+
+PARTS = ("profile", "interaction", "substrate", "law")
+MODULUS = "material.E_star"
+OF_CONTROLS = {
+    "load": "N/m", "mean_pressure": "Pa", "approach": "m", "half_width": "m", "contact_fraction": "1", "tilt": "rad", "moment": "N",
+}
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One key, its values in the order in which they were given, and their unit where it is known."""
+
+    key: str
+    values: tuple[Value, ...]
+    unit: str = ""
+
+    @property
+    def control(self) -> str:
+        """The control that it is, or nothing."""
+        table, _, name = self.key.partition(".")
+        return name if table == "control" and name in CONTROLS else ""
+
+
+def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
+    """The axes of a grid, checked: known keys, values that are distinct, and at most one control."""
+    if not isinstance(over, Mapping) or not over:
+        raise SceneError.of("over", over, "a mapping of one or more keys, such as 'control.load' or 'profile.amplitude', to their values")
+    known = keys_of(scene)
+    for key in over:
+        if key not in known:
+            raise SceneError.unknown("key", key, known)
+    axes = tuple(Axis(key, _values(key, given, known[key]), _unit(scene, key)) for key, given in over.items())
+    controls = [axis.key for axis in axes if axis.control]
+    if len(controls) > 1:
+        raise SceneError.of("over", " and ".join(controls), "one control: the others follow from it")
+    turning = [axis.key for axis in axes if axis.key.removeprefix("control.") in TURNING]
+    if len(turning) > 1:
+        raise SceneError.of("over", " and ".join(turning), "one of them: the other follows from it")
+    return axes
+
+
+def keys_of(scene: Scene) -> dict[str, Any]:
+    """Keys that can be varied, with their present values: all of the scene that is not an array."""
+    known: dict[str, Any] = {MODULUS: scene.E_star}
+    for table in PARTS:
+        for name, value in parameters(getattr(scene, table)).items():
+            if value is None or np.ndim(value) == 0:
+                known[f"{table}.{name}"] = value
+    return known | {f"control.{name}": getattr(scene, name) for name in (*CONTROLS, *TURNING)}
+
+
+def parameters(part: Any) -> dict[str, Any]:
+    """What to give the class of a part of a scene, by name, to make it again."""
+    if hasattr(part, "parameters"):
+        return dict(part.parameters())
+    return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
+
+
+def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
+    """The scene with other values; a control replaces the one that it has."""
+    changed: dict[str, Any] = {}
+    for key, value in settings.items():
+        table, _, name = key.partition(".")
+        if key == MODULUS:
+            changed["E_star"] = value
+        elif table == "control":
+            changed |= {other: None for other in (CONTROLS if name in CONTROLS else TURNING)} | {name: value}
+        else:
+            part = getattr(scene, table)
+            changed[table] = type(part)(**{**parameters(changed.get(table, part)), name: value})
+    return replace(scene, **changed)
+
+
+def _values(key: str, given: Any, present: Any) -> tuple[Value, ...]:
+    """Numbers or words, one or more, none twice; whole numbers where the parameter is one."""
+    allowed = "a list of distinct finite numbers, or of distinct words"
+    if isinstance(given, str) or not (isinstance(given, Sequence) or (isinstance(given, np.ndarray) and given.ndim == 1)) or not len(given):
+        raise SceneError.of(key, given, allowed)
+    whole = isinstance(present, int) and not isinstance(present, bool)
+    values = tuple(_value(value, whole) for value in given)
+    if None in values or len({type(v) is str for v in values}) > 1:
+        raise SceneError.of(key, given, allowed)
+    twice = [value for place, value in enumerate(values) if value in values[:place]]
+    if twice:
+        raise SceneError.of(key, given, f"{allowed}: {twice[0]!r} is there twice")
+    return tuple(value for value in values if value is not None)
+
+
+def _value(value: Any, whole: bool) -> Value | None:
+    if isinstance(value, str):
+        return str(value)
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, float, np.integer, np.floating)) or not np.isfinite(value):
+        return None
+    return int(value) if whole and value == int(value) else float(value)
+
+
+def _unit(scene: Scene, key: str) -> str:
+    """As the class declares it; empty where it does not."""
+    table, _, name = key.partition(".")
+    if key == MODULUS:
+        return "Pa"
+    units = OF_CONTROLS if table == "control" else getattr(type(getattr(scene, table)), "units", {})
+    return str(units.get(name, "")) if isinstance(units, Mapping) else ""

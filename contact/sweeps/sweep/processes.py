@@ -1,0 +1,156 @@
+"""Chunks solved in this process, or in others of this machine.
+
+A process that ends on the way, killed or out of memory, loses nothing but its time: what ran when it ended is solved again, point by
+point, and a point that ends its process once more is a failed one. Where others cannot be started, this one solves.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import pickle
+import signal
+import sys
+import threading
+import warnings
+from collections import deque
+from collections.abc import Generator, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing import connection
+
+from contact.extras import version
+from contact.model.scene import Scene
+from contact.sweeps.sweep.chunks import Chunk, Rows, failure, solved
+from contact.sweeps.sweep.sent import cannot_receive, solve_sent
+
+_ENDED = "the process that solved it ended, killed or out of memory"
+# Each process has one thread: as many as there are processors would get in one another's way.
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def processors() -> int:
+    """How many this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def solved_here(scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
+    """Rows as they come, one by one."""
+    for chunk in chunks:
+        for row in solved(scene, chunk, tol):
+            yield [row]
+
+
+def solved_in_processes(scene: Scene, chunks: Sequence[Chunk], tol: float, workers: int) -> Generator[Rows]:
+    """Rows of chunks as these are done, in any order."""
+    _not_in_a_copy_of_the_script()
+    waiting = deque(chunks)
+    while waiting:
+        lost: list[Chunk] = []
+        with _pool(workers) as pool:
+            given, why = _sent(pool, scene)
+            if why:
+                warnings.warn(f"solved in this process alone, as other processes {why}", RuntimeWarning, stacklevel=4)
+                break
+            running: dict[Future[Rows], Chunk] = {}
+            broken = False
+            while (waiting or running) and not broken:
+                while waiting and len(running) < workers and not broken:
+                    chunk = waiting.popleft()
+                    try:
+                        running[_submitted(pool, solve_sent, given, chunk, tol)] = chunk
+                    except BrokenProcessPool:
+                        waiting.appendleft(chunk)
+                        broken = True
+                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                    if isinstance(future.exception(), BrokenProcessPool):
+                        broken = True
+                    else:
+                        del running[future]
+                        yield future.result()
+            lost = list(running.values())
+        for chunk in lost:
+            yield from _point_by_point(given, chunk, tol)
+    yield from solved_here(scene, waiting, tol)
+
+
+def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
+    """The scene for other processes, and why there it is of no use."""
+    script = getattr(sys.modules["__main__"], "__file__", None)
+    if script is not None and not os.path.exists(script):
+        return b"", f"import the script first, and {script} is no file"
+    try:
+        given = pickle.dumps(scene)
+    except Exception as error:
+        return b"", f"cannot be sent the scene ({type(error).__name__}: {error})"
+    try:
+        return given, str(_submitted(pool, cannot_receive, given, version()).result())
+    except BrokenProcessPool:
+        return given, (
+            "cannot be started: they import the script first, in which what calls contact.sweep belongs under "
+            "`if __name__ == '__main__':`"
+        )
+
+
+def _point_by_point(given: bytes, chunk: Chunk, tol: float) -> Generator[Rows]:
+    points = deque(chunk.singly())
+    while points:
+        with _pool(1) as pool:
+            while points:
+                point = points.popleft()
+                try:
+                    yield _submitted(pool, solve_sent, given, point, tol).result()
+                except BrokenProcessPool:
+                    yield [(point.places[0], failure(_ENDED))]
+                    break
+
+
+@contextmanager
+def _pool(workers: int) -> Iterator[ProcessPoolExecutor]:
+    """Processes that end when they are no longer needed, whatever the reason."""
+    others = set(multiprocessing.active_children())
+    pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), initializer=_end_with_parent)
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in set(multiprocessing.active_children()) - others:
+            process.terminate()
+        raise
+    pool.shutdown()
+
+
+def _submitted(pool: ProcessPoolExecutor, *call: object) -> Future[Rows]:
+    """A process that is started for it has one thread, and leaves Ctrl-C to this one."""
+    unset = [name for name in _THREADS if name not in os.environ]
+    os.environ.update(dict.fromkeys(unset, "1"))
+    handler = signal.signal(signal.SIGINT, signal.SIG_IGN) if threading.current_thread() is threading.main_thread() else None
+    try:
+        return pool.submit(*call)  # type: ignore[arg-type]
+    finally:
+        if handler is not None:
+            signal.signal(signal.SIGINT, handler)
+        for name in unset:
+            os.environ.pop(name, None)
+
+
+def _end_with_parent() -> None:
+    """In another process: none is left behind where this one is killed."""
+    parent = multiprocessing.parent_process()
+
+    def watch() -> None:
+        if parent is not None:
+            connection.wait([parent.sentinel])
+            os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def _not_in_a_copy_of_the_script() -> None:
+    """End this process, silently, where it is one that was started to solve and imports the script that started it."""
+    frame = sys._getframe()
+    while frame.f_back is not None:
+        frame = frame.f_back
+        if frame.f_globals.get("__name__") == "__mp_main__" and frame.f_code.co_name == "<module>":
+            raise SystemExit(1)

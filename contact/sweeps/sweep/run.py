@@ -1,0 +1,194 @@
+"""A scene over a grid of values of its parameters, solved in many processes."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import closing
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import SceneError, warn
+from contact.extras import require
+from contact.model.checks import integer
+from contact.model.scene import Scene
+from contact.search.topology.loop import Progress
+from contact.solver import tolerance
+from contact.sweeps.sweep.chunks import Rows, chunks_of
+from contact.sweeps.sweep.cluster import Cluster
+from contact.sweeps.sweep.keys import Axis, axes_of, varied
+from contact.sweeps.sweep.processes import processors, solved_here, solved_in_processes
+from contact.sweeps.sweep.table import Table
+
+# What is solved is written this often [s], or where writing takes long, so many times what it takes.
+_OFTEN, _SHARE = 2.0, 10.0
+
+
+def sweep(
+    scene: Scene,
+    over: Mapping[str, Any],
+    scheduler: Any = None,
+    tol: float = 1e-8,
+    *,
+    workers: int | None = None,
+    out: str | PathLike[str] | None = None,
+    overwrite: bool = False,
+    retry: bool = False,
+    progress: Progress | None = None,
+) -> Any:
+    """Solve a scene over a grid of values of its parameters, in processes of this machine or on a cluster.
+
+    Points along a control of one scene share work, as those of `contact.solve_many` do. A point that fails is told as failed, and costs
+    the others nothing. With `out` what is solved is kept in a file as it comes, and what is in the file is not solved again.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is pressed.
+    over : mapping
+        Keys of the scene's tables, as a scene file has them ("control.mean_pressure", "profile.amplitude", "material.E_star",
+        "substrate.thickness", ...), to lists of values (numbers, or words where the parameter is one). A control replaces the scene's own.
+    scheduler : str, dask.distributed.Client or None
+        Address of a Dask scheduler whose workers solve; None: processes of this machine.
+    tol : float
+        Largest stated error of each solution.
+    workers : int or None
+        Processes of this machine: as many as there are processors if None; 1: none but this one.
+    out : str, path or None
+        A netCDF file (.nc) that is written, or gone on with if it is there.
+    overwrite : bool
+        Whether a file that is there is written over, and all is solved anew.
+    retry : bool
+        Whether points that failed, as the file says, are tried again.
+    progress : callable or None
+        Called with ("points", done, total).
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions named after the keys; load, mean_pressure, max_pressure, approach, contact_fraction, total_width, stiffness, mean_gap,
+        zone_count (0 in full contact) and error, in SI units, nan for what the scene does not define and where a point failed; `failed`,
+        and in words `reason` and `warning`.
+
+    Raises
+    ------
+    SceneError
+        If a key or a value is none of the scene's, nothing answers at the scheduler's address, or the file is of another scene or has
+        points that are not asked for.
+    MissingExtra
+        Without xarray, or with a scheduler without Dask.
+
+    Warns
+    -----
+    ModelWarning
+        If points failed, or the model hardly covers some.
+
+    Examples
+    --------
+    >>> import contact
+    >>> wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), load=1.0)
+    >>> over = {"profile.amplitude": [1e-6, 2e-6], "control.contact_fraction": [0.2, 0.4, 0.6]}
+    >>> table = contact.sweep(wave, over, workers=1)
+    >>> dict(table.sizes), bool(table.failed.any())
+    ({'profile.amplitude': 2, 'control.contact_fraction': 3}, False)
+    >>> float((table["load"][1] / table["load"][0]).max().round(6))
+    2.0
+    """
+    if not isinstance(scene, Scene):
+        raise SceneError.of("scene", scene, "a contact.Scene")
+    require("xarray")
+    axes = axes_of(scene, over)
+    _check_values(scene, axes)
+    table = Table(scene, axes, tolerance(tol))
+    path = None if out is None else _checked(out)
+    if path is not None and path.exists() and not overwrite:
+        table.take_over(path)
+    cluster = None if scheduler is None else Cluster(scheduler)
+    solvers = cluster.solvers or 1 if cluster else processors() if workers is None else integer("workers", workers, 1)
+    try:
+        _fill(table, path, _solving(scene, table, cluster, solvers, retry), progress, table.size - int(_wanted(table, retry).sum()))
+    finally:
+        if cluster:
+            cluster.close()
+    _tell(table)
+    return table.to_dataset()
+
+
+def _solving(scene: Scene, table: Table, cluster: Cluster | None, solvers: int, retry: bool) -> Generator[Rows]:
+    """Rows of what is not solved yet."""
+    wanted = _wanted(table, retry)
+    # In this process alone rows come one by one, and nothing is gained by cutting curves.
+    chunks = chunks_of(table.axes, wanted, solvers if cluster or solvers > 1 else None)
+    if cluster:
+        return cluster.solved(scene, chunks, table.tol)
+    if min(solvers, len(chunks)) <= 1:
+        return solved_here(scene, chunks, table.tol)
+    return solved_in_processes(scene, chunks, table.tol, min(solvers, len(chunks)))
+
+
+def _wanted(table: Table, retry: bool) -> NDArray[np.bool_]:
+    """Points that are not solved yet."""
+    return np.asarray(~table.solved & (~table.failed | retry))
+
+
+def _fill(table: Table, path: Path | None, solving: Generator[Rows], progress: Progress | None, done: int) -> None:
+    """Put rows into the table as they come, and the table into the file, whatever breaks it off."""
+    due = time.monotonic() + _OFTEN
+    try:
+        with closing(solving):
+            for rows in solving:
+                table.put(rows)
+                done += len(rows)
+                if progress is not None:
+                    progress("points", done, table.size)
+                if path is not None and time.monotonic() > due:
+                    start = time.monotonic()
+                    table.save(path)
+                    due = time.monotonic() + max(_OFTEN, _SHARE * (time.monotonic() - start))
+    finally:
+        if path is not None:
+            table.save(path)
+
+
+def _check_values(scene: Scene, axes: Sequence[Axis]) -> None:
+    """Refuse a value that makes no scene with any of the others."""
+    for number, axis in enumerate(axes):
+        for value in axis.values:
+            first: SceneError | None = None
+            others = [axis.values if place != number else (value,) for place, axis in enumerate(axes)]
+            for point in itertools.product(*others):
+                try:
+                    varied(scene, dict(zip((axis.key for axis in axes), point, strict=True)))
+                    break
+                except SceneError as error:
+                    first = first or error
+            else:
+                assert first is not None
+                raise SceneError(f"{axis.key} = {value!r}: {first}", axis.key, value, first.allowed) from first
+
+
+def _checked(out: str | PathLike[str]) -> Path:
+    if not isinstance(out, (str, PathLike)) or Path(out).suffix.lower() != ".nc":
+        raise SceneError.of("out", out, "the name of a file that ends in .nc")
+    path = Path(out)
+    if path.is_dir() or not path.parent.is_dir():
+        raise SceneError.of("out", str(path), "a file in a folder that exists")
+    for needed in ("h5netcdf", "h5py"):
+        require(needed)
+    return path
+
+
+def _tell(table: Table) -> None:
+    """One warning for all that failed, and one for all that the model hardly covers."""
+    failed, odd = np.flatnonzero(table.failed), np.flatnonzero(table.words["warning"] != "")
+    lines = [
+        f"{len(places)} of {table.size} points {what}: at {table.point(places[0])}: {table.words[word][places[0]]}"
+        for places, word, what in ((failed, "reason", "failed"), (odd, "warning", "are hardly covered by the model"))
+        if len(places)
+    ]
+    warn(lines, stacklevel=4)

@@ -1,0 +1,152 @@
+"""The table of a sweep: numbers over the grid, what failed and why; as an xarray.Dataset, and in a netCDF file that can be gone on with."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import SceneError, shown
+from contact.extras import require, version
+from contact.model.scene import Scene
+from contact.solution.export import plain
+from contact.sweeps.points import NUMBERS
+from contact.sweeps.sweep.chunks import Rows
+from contact.sweeps.sweep.keys import MODULUS, OF_CONTROLS, PARTS, Axis, parameters
+
+_WORDS = {"reason": "why a point failed", "warning": "what the model hardly covers"}
+# Of an array: what is told of it as it is; a longer one by its shape and its sum.
+_LONGEST = 64
+
+
+class Table:
+    """Numbers of all points, flat; what is not solved yet is nan."""
+
+    def __init__(self, scene: Scene, axes: Sequence[Axis], tol: float) -> None:
+        self.axes, self.tol = tuple(axes), tol
+        self.scene = told(scene, {axis.key for axis in axes})
+        self.shape = tuple(len(axis.values) for axis in axes)
+        size = int(np.prod(self.shape))
+        self.numbers = {name: np.full(size, np.nan) for name in NUMBERS}
+        self.words = {name: np.full(size, "", dtype=object) for name in _WORDS}
+        self.failed = np.zeros(size, dtype=bool)
+
+    @property
+    def size(self) -> int:
+        return int(self.failed.size)
+
+    @property
+    def solved(self) -> NDArray[np.bool_]:
+        """Points whose stated error is within the tolerance."""
+        with np.errstate(invalid="ignore"):
+            return np.asarray(self.numbers["error"] <= self.tol)
+
+    def put(self, rows: Rows) -> None:
+        for place, row in rows:
+            for name, values in (*self.numbers.items(), *self.words.items()):
+                values[place] = row[name]
+            self.failed[place] = row["failed"]
+
+    def point(self, place: int) -> str:
+        """A point in words."""
+        index = np.unravel_index(place, self.shape)
+        return ", ".join(f"{axis.key} = {axis.values[i]}" for axis, i in zip(self.axes, index, strict=True))
+
+    def to_dataset(self) -> Any:
+        """On the grid, with units."""
+        dims = [axis.key for axis in self.axes]
+        data: dict[str, Any] = {
+            name: (dims, self.numbers[name].reshape(self.shape), {"units": unit, "long_name": label})
+            for name, (unit, label) in NUMBERS.items()
+        }
+        data["failed"] = (dims, self.failed.reshape(self.shape), {"long_name": "whether there is no solution"})
+        data |= {name: (dims, self.words[name].reshape(self.shape), {"long_name": label}) for name, label in _WORDS.items()}
+        coordinates = {a.key: (a.key, np.array(a.values), {"units": a.unit} if a.unit else {}) for a in self.axes}
+        attributes = {
+            "title": "elastic contact over a grid", "source": f"sie-contact {version()}", "version": version(), "tol": self.tol,
+            "scene": json.dumps(self.scene),
+        }
+        return require("xarray").Dataset(data, coords=coordinates, attrs=attributes)
+
+    def save(self, path: Path) -> None:
+        """Write the file anew, in one step: who reads it, or goes on with it, never sees half of it."""
+        beside = path.with_name(f".{path.name}.{os.getpid()}")
+        try:
+            self.to_dataset().to_netcdf(beside, engine="h5netcdf")
+            os.replace(beside, path)
+        finally:
+            beside.unlink(missing_ok=True)
+
+    def take_over(self, path: Path) -> None:
+        """What is in the file, which must be of the same scene and keys, and have no point that is not asked for."""
+        known = _read(path)
+        dims = [axis.key for axis in self.axes]
+        if sorted(map(str, known.dims)) != sorted(dims):
+            raise self._other(path, f"over {', '.join(map(str, known.dims))}", f"not over {', '.join(dims)}")
+        self._same_scene(path, json.loads(known.attrs["scene"]))
+        known = known.transpose(*dims)
+        places = np.zeros(known["error"].shape, dtype=int)
+        for number, axis in enumerate(self.axes):
+            there = known[axis.key].values.tolist()
+            for value in there:
+                if value not in axis.values:
+                    raise self._other(path, f"at {axis.key} = {value!r}", "which is not among the values given")
+            index = np.array([axis.values.index(value) for value in there])
+            places = places * len(axis.values) + index.reshape([-1 if n == number else 1 for n in range(len(dims))])
+        flat = places.ravel()
+        for name, values in (*self.numbers.items(), *self.words.items()):
+            values[flat] = known[name].values.ravel()
+        self.failed[flat] = known["failed"].values.astype(bool).ravel()
+
+    def _same_scene(self, path: Path, there: Mapping[str, Any]) -> None:
+        for table in dict.fromkeys([*there, *self.scene]):
+            old, new = there.get(table, {}), self.scene.get(table, {})
+            for key in dict.fromkeys([*old, *new]):
+                if old.get(key) != new.get(key):
+                    raise self._other(
+                        path, f"with {table}.{key} = {shown(old.get(key))}", f"where the scene has {shown(new.get(key))} now"
+                    )
+
+    def _other(self, path: Path, there: str, here: str) -> SceneError:
+        allowed = f"of this scene and grid: its points are {there}, {here}; name another file, or have this one written over"
+        return SceneError.of("out", str(path), allowed)
+
+
+def _read(path: Path) -> Any:
+    try:
+        with require("xarray").open_dataset(path, engine="h5netcdf") as opened:
+            known = opened.load()
+        missing = {*NUMBERS, *_WORDS, "failed"} - set(known.data_vars) or {"scene"} - set(known.attrs)
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise SceneError.of("out", str(path), f"a file that a sweep has written ({' '.join(str(error).split())})") from error
+    if missing:
+        raise SceneError.of("out", str(path), f"a file that a sweep has written ({', '.join(sorted(missing))} missing)")
+    return known
+
+
+def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
+    """The tables of a scene, without the keys that are varied; long arrays by their shape and their sum."""
+    tables: dict[str, dict[str, Any]] = {"material": {"E_star": scene.E_star}}
+    for table in PARTS:
+        part = getattr(scene, table)
+        name = {"shape" if table == "profile" else "model": part.name or type(part).__qualname__}
+        tables[table] = {**name, **{key: _short(value) for key, value in parameters(part).items()}}
+    controls = {name: value for name in OF_CONTROLS if (value := getattr(scene, name)) is not None}
+    replaced = scene.control[0] if any(f"control.{name}" in but for name in OF_CONTROLS if name not in ("tilt", "moment")) else ""
+    tables["control"] = {name: value for name, value in controls.items() if name != replaced}
+    if MODULUS in but:
+        del tables["material"]["E_star"]
+    return {table: {key: value for key, value in values.items() if f"{table}.{key}" not in but} for table, values in tables.items()}
+
+
+def _short(value: Any) -> Any:
+    if np.size(value) <= _LONGEST:
+        return plain(value)
+    array = np.ascontiguousarray(value, dtype=float)
+    return f"array of shape {array.shape}, sha256 {hashlib.sha256(array.tobytes()).hexdigest()[:16]}"

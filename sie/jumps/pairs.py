@@ -1,0 +1,163 @@
+"""Jumps of very many zones with few of them each: all pairs of points and jumps at once, by the closed forms of `forcing`.
+
+Zone by zone, a dozen operations on a dozen numbers take their time from being called, and there are thousands of zones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sie.basis.interval import LOG2
+from sie.basis.kept import Kept
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+# Jumps of a zone at the most: of more the series of all of them is shorter beside the zone.
+MOST = 9
+# From so many zones on that have few jumps.
+_LEAST = 32
+# Seen from farther than this rho, closed forms cancel, and so many terms of the series are enough.
+FAR, TERMS = 0.25, 32
+# Pairs handled at once: they stay in the cache.
+_PAIRS = 1 << 15
+
+
+@dataclass(frozen=True, eq=False)
+class FewJumps(Kept):
+    """Jumps zone after zone: count and first place of each zone's (Z,), 0 of zones that are not among them; then of every jump s and
+    its distance from the left end, phi, pi - phi, sin(phi), h / pi, and the order; series: coefficients of each zone's parts (Z, TERMS)."""
+
+    count: Index
+    first: Index
+    left: Array
+    phi: Array
+    psi: Array
+    sine: Array
+    weight: Array
+    order: Index
+    series: Array
+
+    @classmethod
+    def none(cls) -> FewJumps:
+        nothing, nowhere = np.zeros(0), np.zeros(0, dtype=np.intp)
+        return cls(nowhere, nowhere, nothing, nothing, nothing, nothing, nothing, nowhere, np.zeros((0, TERMS)))
+
+    @classmethod
+    def of(cls, zone: Index, others: Index, parts: tuple[Array, ...], order: Index, coefficients: Callable[..., Array]) -> FewJumps:
+        """Of jumps in these zones, none of them in the zones `others`; parts: left, phi, psi, sine, h / pi; coefficients(jumps, rows,
+        number of rows, terms): of their series, added up in rows."""
+        count = np.bincount(zone, minlength=1).astype(np.intp)
+        count[(count > MOST) | np.isin(np.arange(len(count)), others)] = 0
+        if np.count_nonzero(count) < _LEAST:
+            return cls.none()
+        k = np.flatnonzero(count[zone] > 0)
+        k = k[np.argsort(zone[k], kind="stable")]
+        series = coefficients(k, zone[k], len(count), TERMS)
+        left, phi, psi, sine, weight = (part[k] for part in parts)
+        return cls(count, np.cumsum(count) - count, left, phi, psi, sine, weight, order[k], series)
+
+    def holds(self, zone: Index) -> NDArray[np.bool_]:
+        """Whether the jumps of these zones are here, and there are any."""
+        if len(self.count) == 0:
+            return np.zeros(len(zone), dtype=bool)
+        return np.asarray((zone < len(self.count)) & (self.count[np.minimum(zone, len(self.count) - 1)] > 0))
+
+    def _blocks(self, zone: Index) -> list[tuple[slice, Index, Index]]:
+        """(stretch of the points, pairs' points counted from its start, pairs' jumps)."""
+        count = self.count[zone]
+        total, out, begin = np.cumsum(count), [], 0
+        while begin < len(zone):
+            done = int(total[begin - 1]) if begin else 0
+            end = max(begin + 1, int(np.searchsorted(total, done + _PAIRS)))
+            here = count[begin:end]
+            row = np.repeat(np.arange(end - begin), here)
+            jump = np.arange(len(row)) - np.repeat(np.cumsum(here) - here, here) + np.repeat(self.first[zone[begin:end]], here)
+            out.append((slice(begin, end), row, jump))
+            begin = end
+        return out
+
+    def _polynomial(self, k: Index, t: Array) -> Array:
+        """P_q."""
+        q, sine = self.order[k], self.sine[k]
+        second = (t - 2 * (self.left[k] - 1)) * sine + np.sin(2 * self.phi[k]) / 4
+        return np.where(q == 2, second, np.where(q == 1, sine, 0.0))
+
+    def _power(self, away: Array, k: Index, more: int = 0) -> Array:
+        """away^(q + more)."""
+        q = self.order[k]
+        out = np.where(q == 2, away * away, np.where(q == 1, away, 1.0))
+        return out * away if more else out
+
+    def smooth_part(self, zone: Index, left: Array) -> Array:
+        """What to add to g at points of zones to make it smooth."""
+        out = np.empty(len(left))
+        for here, row, k in self._blocks(zone):
+            at = left[here][row]
+            away = at - self.left[k]
+            angle = np.where(away > 0, -self.psi[k], self.phi[k])
+            value = (angle * self._power(away, k) + self._polynomial(k, at - 1)) * self.weight[k]
+            out[here] = np.bincount(row, value, here.stop - here.start)
+        return out
+
+    def transform(self, zone: Index, z: Array, rho: Array) -> Array:
+        """Transform of the parts of zones at points off them."""
+        out = np.empty(len(z))
+        far = np.abs(rho) < FAR
+        r, total, c = rho[far], np.zeros(int(far.sum())), self.series[zone[far]].T
+        for l in range(TERMS - 1, -1, -1):
+            total = total * r + c[l]
+        out[far] = total * (2 * r / (1 - r * r))
+        near = np.flatnonzero(~far)
+        z, rho, found = z[near], rho[near], np.empty(len(near))
+        for here, row, k in self._blocks(zone[near]):
+            at = z[here][row]
+            value = self._power(at - (self.left[k] - 1), k) * self._angle(k, rho[here][row]) - self._polynomial(k, at)
+            found[here] = np.bincount(row, value * self.weight[k], here.stop - here.start)
+        out[near] = found
+        return out
+
+    def _angle(self, k: Index, rho: Array) -> Array:
+        return np.asarray(2 * np.arctan2(rho * self.sine[k], 1 - rho * np.cos(self.phi[k])))
+
+    def potential(self, zone: Index, left: Array, right: Array, rho: Array) -> Array:
+        """Potential of the parts of zones over their half widths w, less c_0 log(w), by distances from the ends of the zones over w, and
+        rho off them."""
+        out = np.empty(len(left))
+        on = (left >= 0) & (right >= 0)
+        far = ~on & (np.abs(rho) < FAR)
+        r, total, c = rho[far], np.zeros(int(far.sum())), self.series[zone[far]].T
+        for l in range(TERMS - 1, 0, -1):
+            total = (total + c[l] / l) * r
+        out[far] = -c[0] * np.log(2 * np.abs(r)) - total
+        near = np.flatnonzero(~far)
+        left, right, rho, on = left[near], right[near], rho[near], on[near]
+        beyond = np.where(on, 0.0, np.maximum(-left, -right))
+        grown = 2 * np.arcsinh(np.sqrt(0.5 * beyond))
+        root = np.where(left > 0, 1.0, -1.0) * np.sqrt(beyond * (beyond + 2))
+        z, found = 0.5 * (left - right), np.empty(len(near))
+        for here, row, k in self._blocks(zone[near]):
+            away = left[here][row] - self.left[k]
+            turn = np.where(away > 0, self.psi[k], -self.phi[k])
+            off = np.flatnonzero(~on[here][row])
+            turn[off] = self._angle(k[off], rho[here][row[off]])
+            rest = self._rest(k, z[here][row], grown[here][row], root[here][row])
+            value = self._power(away, k, 1) * turn / (self.order[k] + 1) + self.sine[k] * rest
+            found[here] = np.bincount(row, value * self.weight[k], here.stop - here.start)
+        out[near] = found
+        return out
+
+    def _rest(self, k: Index, z: Array, grown: Array, root: Array) -> Array:
+        """R_q."""
+        q, s, sine = self.order[k], self.left[k] - 1, self.sine[k]
+        square = sine * sine
+        second = (grown * (0.5 + s * s) + root * (0.5 * z - 2 * s)) / 3 - z * (0.5 * z - 1.5 * s)
+        second += square / 9 - s * s / 2 - 1 / 12 - LOG2 * (square / 6 + s * s / 2)
+        if np.all(q == 2):
+            return np.asarray(second)
+        first = 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * LOG2)
+        return np.where(q == 2, second, np.where(q == 1, first, grown - LOG2 - 1))

@@ -1,0 +1,238 @@
+"""Paths under adhesion: jumps where the closed forms have them, and all energy accounted for."""
+
+from __future__ import annotations
+
+import warnings
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import contact
+from contact import exact
+
+E, DELTA, WORK = 1.0, 0.01, 1e-5
+WAVE = exact.JKRWave(DELTA, 1.0, E, WORK)
+CYLINDER = exact.JKRCylinder(1.0, E, 1e-6, datum=1.0)
+SCENES = {
+    "wave": contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(WORK), load=0.0),
+    "cylinder": contact.Scene(contact.Parabola(1.0), E, contact.Isolated(datum=1.0), law=contact.JKR(1e-6), load=0.0),
+}
+LOOPS = {
+    "wave": {"load": [-2e-3, 4e-3, -2e-3], "approach": [-4e-3, 6e-3, -4e-3], "spring": [-0.05, 0.02, -0.05]},
+    "cylinder": {"load": [-1e-3, 1e-3, -1e-3], "approach": [-1e-2, 1e-3, -1e-2], "spring": [-0.01, 1e-3, -0.01]},
+}
+STIFF = {"wave": 0.2, "cylinder": 0.05}
+REFERENCES = {"wave": WAVE, "cylinder": CYLINDER}
+
+
+@lru_cache
+def loop(body, held):
+    kwargs = {"stiffness": STIFF[body]} if held == "spring" else {"control": held}
+    return contact.path(SCENES[body], LOOPS[body][held], **kwargs)
+
+
+def value(state, held, stiffness):
+    return {"load": state.load, "approach": state.approach, "spring": state.approach + state.load / stiffness}[held]
+
+
+def half_widths(body, held):
+    """Of the closed forms: where the control has its minimum, after the jump from first touch, and at the greatest value."""
+    reference, stiffness = REFERENCES[body], STIFF[body]
+
+    def of(a):
+        return value(reference.at(a), held, stiffness)
+
+    a = np.geomspace(1e-4, 0.45, 400) if body == "wave" else np.geomspace(1e-4, 0.3, 400)
+    values = np.array([of(x) for x in a])
+    low = int(np.argmin(values[: 300]))
+
+    def slope(x):
+        return (of(x * (1 + 1e-5)) - of(x * (1 - 1e-5))) / (2e-5 * x)
+
+    least = brentq(slope, a[low - 2], a[low + 2], xtol=1e-14)
+    top = low + int(np.flatnonzero(values[low:] > LOOPS[body][held][1])[0])
+    reach = [brentq(lambda x, v=v: of(x) - v, least, a[top], xtol=1e-15) for v in (0.0, LOOPS[body][held][1])]
+    return least, *reach
+
+
+def work(reference, first, last):
+    """int P d(approach) over half widths, by Gauss's rule on P(a) and approach(a) alone."""
+    t, weights = np.polynomial.legendre.leggauss(40)
+    a = 0.5 * (first + last) + 0.5 * (last - first) * t
+    states, (start, end) = [reference.at(x) for x in a], (reference.at(first), reference.at(last))
+    slopes = [reference._rates(x)[0] for x in a]
+    by_parts = 0.5 * (last - first) * sum(w * s * r.approach for w, s, r in zip(weights, slopes, states, strict=True))
+    return end.load * end.approach - start.load * start.approach - by_parts
+
+
+@pytest.mark.parametrize("held", ["load", "approach", "spring"])
+@pytest.mark.parametrize("body", ["wave", "cylinder"])
+def test_a_loop_loses_the_work_of_its_load_by_the_closed_forms(body, held):
+    reference, found = REFERENCES[body], loop(body, held)
+    least, touched, top = half_widths(body, held)
+    jump_in, pull_off = found.events
+    assert (jump_in.kind, pull_off.kind) == ("jump-in", "pull-off")
+    assert jump_in.value == 0.0 and pull_off.value == pytest.approx(value(reference.at(least), held, STIFF[body]), rel=1e-10)
+    assert jump_in.after[0, 1] == pytest.approx(touched, rel=1e-9)
+    assert pull_off.before[0, 1] == pytest.approx(least, rel=1e-6)
+    # The load's work over the loop: on the curve, and on the jumps' straight lines; under a dead load they part where they are.
+    on, off = reference.at(touched), reference.at(least)
+    done = work(reference, touched, top) + work(reference, top, least) + 0.5 * on.load * on.approach
+    if held == "spring":
+        done += 0.5 * off.load * off.load / STIFF[body]
+    assert found.dissipated == pytest.approx(done, rel=1e-8)
+    assert found.work == pytest.approx(done, rel=1e-8)
+    assert jump_in.lost > 0.0 < pull_off.lost
+
+
+@pytest.mark.parametrize("held", ["load", "approach", "spring"])
+def test_every_point_of_a_loop_has_its_error_its_certificate_and_its_way(held):
+    found = loop("wave", held)
+    below, top, again = found.solutions
+    assert below.load == again.load == 0.0 and below.contact_fraction == 0.0 and len(below.zones) == 0
+    assert below.energy.total == 0.0 and np.all(below.pressure([0.0, 0.3]) == 0.0)
+    assert (top.branch, again.branch) == ("advancing", "receding") and "raised" in top.plan["branch"].detail
+    assert top.error <= 1e-8 and top.certificate.holds and top.certificate.stability > 0.0
+    least = value(WAVE.at(top.zones[0, 1]), held, STIFF["wave"])
+    assert least == pytest.approx(LOOPS["wave"][held][1], rel=1e-9)
+    pull_off = top.pull_off
+    assert value(WAVE.at(pull_off.zones[0, 1]), held, STIFF["wave"]) == pytest.approx(found.events[-1].value, rel=1e-9)
+
+
+def test_a_spring_pulls_off_between_a_held_approach_and_a_held_load():
+    ends = [contact.path(SCENES["cylinder"], [0.0, -1.0], stiffness=k).events[-1] for k in (1e3, 1e-3)]
+    assert ends[0].approach == pytest.approx(CYLINDER.pull_off(0.0).approach, rel=1e-3)
+    assert ends[1].load == pytest.approx(CYLINDER.pull_off_load, rel=1e-3)
+
+
+def test_a_jump_into_full_contact_is_johnsons_and_full_contact_does_not_open_again():
+    wave = exact.JKRWave(DELTA, 1.0, E, 3e-5)
+    scene = contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(3e-5), load=0.0)
+    found = contact.path(scene, [0.0, 0.03, -0.5])
+    (event,) = found.events
+    last = wave.jump_into_full_contact
+    assert event.kind == "full" and event.value == pytest.approx(last.load, rel=1e-10)
+    lost = last.energy - wave.full_contact_energy + last.load * (DELTA - last.approach)
+    assert event.lost == pytest.approx(lost, rel=1e-8)
+    assert [len(s.zones) for s in found.solutions] == [1, 0, 0] and found.solutions[-1].contact_fraction == 1.0
+    assert found.work == pytest.approx(found.solutions[-1].energy.total - found.solutions[0].energy.total + event.lost, rel=1e-12)
+    # A flaw of half width c has K = tension sqrt(c/2).
+    flaw = 2 * E * 3e-5 / np.pi / found.solutions[-1].certificate.smallest_pressure ** 2
+    assert f"half width {flaw * 1e6:.3g} µm would open" in found.solutions[-1].certificate.note
+    # Under a spring the load is what the spring makes of the approach of full contact.
+    sprung = contact.path(scene, [0.0, 0.05], stiffness=1.0)
+    assert sprung.events[-1].kind == "full" and sprung.solutions[-1].load == pytest.approx(0.05 - DELTA, rel=1e-12)
+
+
+def test_above_the_critical_work_the_wave_closes_as_it_touches():
+    scene = contact.Scene(
+        contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(1.01 * WAVE.self_closing_work), load=0.0
+    )
+    found = contact.path(scene, [-1e-3, 1e-3])
+    assert [event.kind for event in found.events] == ["full"] and found.events[0].value == 0.0
+
+
+def rough():
+    rng = np.random.default_rng(0)
+    k, phase = np.arange(1, 7), rng.uniform(0, 2 * np.pi, 6)
+    size = 1e-7 / k
+    profile = contact.Fourier(1e-4, size * np.cos(phase), size * np.sin(phase))
+    return contact.Scene(profile, 1e9, contact.Periodic(), law=contact.JKR(1e-3), load=0.0)
+
+
+@lru_cache
+def rough_loop():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", contact.ModelWarning)
+        return contact.path(rough(), [-100.0, 13.0, 40.0, 13.0, -100.0])
+
+
+def test_a_rough_body_hangs_on_more_than_it_was_pressed_on_and_every_jump_loses_energy():
+    found = rough_loop()
+    kinds = [event.kind for event in found.events]
+    assert kinds[0] == "jump-in" and kinds[-1] == "pull-off" and len(kinds) > 4
+    assert all(event.lost > 0.0 for event in found.events)
+    rising, falling = found.solutions[1], found.solutions[3]
+    assert falling.zone_widths.sum() > 1.01 * rising.zone_widths.sum()
+    assert falling.energy.total != pytest.approx(rising.energy.total, rel=1e-3)
+    assert found.work == found.dissipated
+    for event in found.events:
+        before, after = np.diff(event.before).sum(), np.diff(event.after).sum()
+        assert (after > before) == (event.kind in ("jump-in", "birth", "merge"))
+
+
+def test_on_the_way_up_a_path_has_the_advancing_contacts():
+    alone = contact.solve(contact.Scene(rough().profile, 1e9, contact.Periodic(), law=contact.JKR(1e-3), load=40.0))
+    assert rough_loop().solutions[2].zones == pytest.approx(alone.zones, abs=1e-8 * alone.zone_widths.min())
+
+
+@pytest.mark.parametrize("start", [1, 3])
+def test_between_jumps_the_work_of_the_load_is_the_change_of_energy(start):
+    found = rough_loop()
+    first = found.solutions[start]
+    last = 0.98 * first.load if start == 3 else 1.02 * first.load
+    t, weights = np.polynomial.legendre.leggauss(6)
+    loads = 0.5 * (first.load + last) + 0.5 * (last - first.load) * t
+    values = np.concatenate(([13.0], [40.0, 13.0] if start == 3 else [], loads, [last]))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", contact.ModelWarning)
+        piece = contact.path(rough(), values)
+    one, *inner, two = piece.solutions[-8:]
+    assert one.zones == pytest.approx(first.zones, abs=1e-9 * first.zone_widths.min()) and len(one.zones) == len(two.zones)
+    by_parts = 0.5 * (last - first.load) * float(weights @ [s.approach for s in inner])
+    done = two.load * two.approach - one.load * one.approach - by_parts
+    assert two.energy.total - one.energy.total == pytest.approx(done, rel=1e-8)
+
+
+def test_without_a_datum_jumps_are_where_they_are_and_nothing_is_said_of_their_energy():
+    pair = contact.Scene(contact.Biquadratic(1.0, 0.2), 1.0, contact.Isolated(), law=contact.JKR(1e-6), load=0.0)
+    found = contact.path(pair, [0.0, 5e-3])
+    assert [event.kind for event in found.events] == ["merge"] and found.dissipated is None is found.work
+    assert found.events[0].lost is None
+
+
+def test_what_a_path_cannot_follow_is_refused_by_name():
+    wave = SCENES["wave"]
+    bare = contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), load=1.0)
+    wrong = ({"control": "half_width"}, "control"), ({"stiffness": -1.0}, "stiffness"), ({"stiffness": 1.0, "control": "load"}, "stiffness")
+    for kwargs, name in wrong:
+        with pytest.raises(contact.SceneError, match=name):
+            contact.path(wave, [0.0], **kwargs)
+    with pytest.raises(contact.SceneError, match="loads"):
+        contact.path(wave, [])
+    with pytest.raises(contact.OutOfRange, match="mean of the profile"):
+        contact.path(wave, [0.0, DELTA], control="approach")
+    for kwargs in ({"control": "approach"}, {"stiffness": 1.0}):
+        with pytest.raises(contact.SceneError, match="frictionless"):
+            contact.path(bare, [1e-3], **kwargs)
+    lone = contact.Scene(contact.Parabola(1.0), E, contact.Isolated(), law=contact.JKR(1e-6), load=0.0)
+    with pytest.raises(contact.SceneError, match="approach"):
+        contact.path(lone, [0.0], control="approach")
+
+
+def test_the_figure_has_both_ways_every_jump_and_the_surfaces_at_pull_off():
+    found = loop("wave", "load")
+    figure = found.plot()
+    curve, surfaces = figure.axes
+    told = [text.get_text() for text in curve.get_legend().get_texts()]
+    assert told == ["rising", "falling", "jump-in", "pull-off"] and surfaces.get_title() == "just before pull-off"
+    rising, falling = (line.get_ydata()[np.isfinite(line.get_ydata())] for line in curve.get_lines()[:2])
+    assert rising.max() == pytest.approx(4.0) and falling.min() == pytest.approx(1e3 * found.events[-1].load, rel=1e-9)
+    x, surface, body = found.events[-1].surfaces
+    a = found.events[-1].before[0, 1]
+    touching, apart = np.abs(x) < a, np.abs(x) > a * (1 + 1e-9)
+    assert np.all(body[touching] == surface[touching]) and np.all(body[apart] > surface[apart])
+    assert found.plot(surfaces) is figure
+    with pytest.raises(contact.SceneError, match="ax"):
+        found.plot("axes")
+
+
+def test_what_was_followed_lies_on_the_curve_of_equilibria():
+    load, approach, width, _ = loop("wave", "spring").followed.T
+    on = np.flatnonzero(width > 0.0)
+    assert len(on) > 10
+    for k in on:
+        state = WAVE.at(0.5 * width[k])
+        assert (load[k], approach[k]) == pytest.approx((state.load, state.approach), rel=1e-8, abs=1e-11)

@@ -1,0 +1,252 @@
+"""Scenes of one interval: the direct way has the answers of the general one, to what both state, and is left where anything is in doubt."""
+
+import copy
+import pickle
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import contact
+import contact.solver
+from contact.formulation.direct.fields import DirectFields
+from contact.reference.exact import IsolatedBiquadratic, PeriodicParabola, PeriodicWedge, Westergaard
+
+PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated(datum=3.0)
+
+
+@dataclass(frozen=True)
+class Even(contact.Profile):
+    """Someone's own symmetric body with one tip."""
+
+    b: float
+    symmetric = property(lambda self: True)
+    summits = property(lambda self: np.zeros(1))
+
+    def height(self, x):
+        return np.asarray(x) ** 2 / 2 + self.b * np.asarray(x) ** 4
+
+    def slope(self, x):
+        return np.asarray(x) + 4 * self.b * np.asarray(x) ** 3
+
+
+@dataclass(frozen=True)
+class Waves(contact.Profile):
+    """A wave and its second harmonic: one tip up to a = 1/4, two beyond."""
+
+    a: float
+    period: float = 1.0
+    symmetric = property(lambda self: True)
+    resolution = property(lambda self: 0.5 * self.period)
+
+    @property
+    def summits(self):
+        tip = np.arccos(1 / max(4 * self.a, 1)) / (2 * np.pi) * self.period
+        return np.array([-tip, tip]) if tip else np.zeros(1)
+
+    def height(self, x):
+        u = 2 * np.pi * np.asarray(x) / self.period
+        return 1e-3 * (self.a * np.cos(2 * u) - np.cos(u))
+
+    def slope(self, x):
+        u = 2 * np.pi * np.asarray(x) / self.period
+        return 2e-3 * np.pi / self.period * (np.sin(u) - 2 * self.a * np.sin(2 * u))
+
+
+# Profiles of a length and a slope, and whether they repeat.
+SHAPES = {
+    "wave": (lambda L, slope, room: contact.Sinusoid(slope * L, L), True),
+    "lone wave": (lambda L, slope, room: contact.Sinusoid(slope * L, L), False),
+    "parabolas": (lambda L, slope, room: contact.Parabola(L / slope, L), True),
+    "parabola": (lambda L, slope, room: contact.Parabola(L / slope), False),
+    "one of the parabolas": (lambda L, slope, room: contact.Parabola(L / slope, L), False),
+    "wedges": (lambda L, slope, room: contact.Wedge(slope, L), True),
+    "wedge": (lambda L, slope, room: contact.Wedge(slope), False),
+    "pairs": (lambda L, slope, room: contact.Biquadratic(L / slope, L, room * L), True),
+    "pair": (lambda L, slope, room: contact.Biquadratic(L / slope, L), False),
+    "punches": (lambda L, slope, room: contact.Flat(L, room * L), True),
+    "punch": (lambda L, slope, room: contact.Flat(L), False),
+    "own body": (lambda L, slope, room: Even(room), False),
+    "own waves": (lambda L, slope, room: Waves(room / 6, L), True),
+    "one of them": (lambda L, slope, room: Waves(room / 6, L), False),
+}
+
+
+def drawn(name, rng):
+    """A scene of any size, under a load over ten decades."""
+    make, repeats = SHAPES[name]
+    L, slope, E_star = 10 ** rng.uniform(-6, 1), 10 ** rng.uniform(-4, -1), 10 ** rng.uniform(0, 11)
+    L = 1.0 if name == "own body" else L
+    profile = make(L, slope, rng.uniform(1.05, 6.0))
+    model = PERIODIC if repeats else contact.Isolated(datum=L * 10 ** rng.uniform(0, 2))
+    size = 1e-3 if name in ("own waves", "one of them") else 1.0 if name == "own body" else slope
+    return contact.Scene(profile, E_star, model, load=E_star * L * size * 10 ** rng.uniform(-9, 0.3))
+
+
+def generally(scene, monkeypatch, tol=1e-7):
+    with monkeypatch.context() as patched:
+        patched.setattr(contact.solver, "directly", lambda scene, tol: None)
+        return contact.solve(scene, tol)
+
+
+def unit_of(solution):
+    peak = solution.max_pressure
+    return peak if np.isfinite(peak) else solution.load / solution.zone_widths.sum()
+
+
+@pytest.mark.filterwarnings("ignore::contact.ModelWarning")
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_direct_way_has_the_answer_of_the_general_one_over_ten_decades_of_load(name, monkeypatch):
+    rng, direct = np.random.default_rng(list(map(ord, name))), 0
+    for _ in range(4):
+        scene = drawn(name, rng)
+        try:
+            one, other = contact.solve(scene, 1e-8), generally(scene, monkeypatch)
+        except contact.OutOfRange:
+            with pytest.raises(contact.OutOfRange):
+                contact.solve(scene, 1e-8)
+            continue
+        direct += isinstance(one.fields, DirectFields)
+        assert one.certificate.holds and one.zones.shape == other.zones.shape
+        if len(one.zones) == 0:
+            continue
+        error, unit = one.error + other.error, unit_of(other)
+        width = other.zone_widths
+        assert np.all(np.abs(one.zones - other.zones) <= error * width[:, None])
+        t = np.cos(np.linspace(0.03, np.pi - 0.04, 21))
+        # Beside a corner or a tip with a kink the pressure is not bounded: there it is counted over its singularity.
+        weight = np.sqrt(1 - t**2) if not np.isfinite(other.max_pressure) else 1.0
+        for zone in range(len(one.zones)):
+            assert np.all(weight * np.abs(one.pressure_at(t, zone) - other.pressure_at(t, zone)) <= error * unit)
+        length = scene.period or width.max()
+        slack = 3 * error * unit * length / scene.E_star
+        assert np.abs(one.zone_loads - other.zone_loads).max() <= 3 * error * unit * width.max()
+        assert abs(one.approach - other.approach) <= slack + other.certificate.gap_rounding
+        assert abs(1 / one.stiffness - 1 / other.stiffness) <= 4 * error / scene.E_star + 1e-14 / abs(other.stiffness)
+        assert (one.max_pressure == other.max_pressure) or abs(one.max_pressure - other.max_pressure) <= error * unit
+        x = other.zones[-1, 1] + width[-1] * np.array([0.01, 0.3, 2.0])
+        here, there = one.gap(x), other.gap(x)
+        known = np.isfinite(there)
+        assert np.all(np.isinf(here[~known])) and np.all(np.abs(here[known] - there[known]) <= slack + 10 * other.certificate.gap_rounding)
+    assert direct >= 2
+
+
+@pytest.mark.parametrize("fraction", [1e-4, 0.1, 0.5, 0.85])
+def test_the_true_error_is_at_most_the_stated_one(fraction):
+    a = 0.5 * fraction
+    for answer, profile in [
+        (Westergaard(1e-3, 1.0, 1.0, a), contact.Sinusoid(1e-3, 1.0)),
+        (PeriodicParabola(1.0, 1.0, 1.0, a), contact.Parabola(1.0, 1.0)),
+        (PeriodicWedge(0.01, 1.0, 1.0, a), contact.Wedge(0.01, 1.0)),
+    ]:
+        found = contact.solve(contact.Scene(profile, 1.0, PERIODIC, load=answer.load), 1e-11)
+        assert isinstance(found.fields, DirectFields)
+        assert abs(found.zones[0, 1] - a) <= 2 * a * found.error
+        t = np.linspace(-0.99, 0.99, 40)
+        assert np.all(np.abs(found.pressure_at(t) - answer.pressure(a * t)) <= found.error * unit_of(found))
+
+
+@pytest.mark.parametrize("inner", [0.049, 0.02, 1e-3])
+def test_a_pair_is_found_up_to_where_its_zones_meet(inner):
+    answer = IsolatedBiquadratic.from_inner_end(inner, radius=1.0, spacing=0.1, E_star=1.0)
+    found = contact.solve(contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, ISOLATED, load=answer.load), 1e-9)
+    assert isinstance(found.fields, DirectFields) and len(found.zones) == 2
+    assert np.all(np.abs(found.zones - answer.zones) <= found.error * found.zone_widths[:, None])
+
+
+def test_a_given_width_and_a_load_lead_to_each_other():
+    for profile, model in [(contact.Sinusoid(1e-3, 1.0), PERIODIC), (contact.Wedge(0.01), ISOLATED), (Even(3.0), ISOLATED)]:
+        wide = contact.solve(contact.Scene(profile, 1.0, model, half_width=0.2), 1e-12)
+        back = contact.solve(contact.Scene(profile, 1.0, model, load=wide.load), 1e-12)
+        assert back.zones[0, 1] == pytest.approx(0.2, rel=1e-12) and wide.zones.tolist() == [[-0.2, 0.2]]
+
+
+class Stuck(contact.Law):
+    """Frictionless, with a word of its own on what is found."""
+
+    name = "stuck"
+    convex = turns = by_gaps = full_contact = True
+
+    def fault(self, fields, load):
+        return "it never holds"
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        contact.Scene(contact.Parabola(1.0), 1.0, ISOLATED, load=1e-3, tilt=1e-3),
+        contact.Scene(contact.Parabola(1.0, 1.0), 1.0, PERIODIC, substrate=contact.Layer(0.2, 0.3), load=1e-3),
+        contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), substrate=contact.Layer(0.2, 0.3), load=1e-3),
+        contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, contact.Localized("self-consistent"), load=1e-4),
+        contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, law=contact.JKR(1e-9), load=1e-4),
+        contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, load=3.1e-3),
+        contact.Scene(contact.Fourier(1.0, [-1e-3, 4e-4]), 1.0, PERIODIC, load=1e-4),
+        contact.Scene(contact.Parabola(1.0), 1.0, ISOLATED, approach=1e-3),
+    ],
+    ids=["turned", "layer", "lone layer", "localized", "adhesion", "nearly full", "tips unknown", "approach"],
+)
+def test_what_is_more_than_one_interval_is_left_to_the_general_ways(scene):
+    assert not isinstance(contact.solve(scene).fields, DirectFields)
+
+
+def test_a_law_with_a_word_of_its_own_is_asked():
+    with pytest.raises(contact.NotConverged):
+        contact.solve(contact.Scene(contact.Parabola(1.0), 1.0, ISOLATED, law=Stuck(), load=1e-3))
+
+
+@dataclass(frozen=True)
+class Shouldered(contact.Profile):
+    """One tip, and shoulders on which the body touches as well, though they are no tips: a steep flank beyond a flat one."""
+
+    symmetric = property(lambda self: True)
+    summits = property(lambda self: np.zeros(1))
+
+    def height(self, x):
+        return np.asarray(x) ** 2 / 2 - 0.6 * self.bump(np.asarray(x))
+
+    def slope(self, x):
+        x = np.asarray(x)
+        return x - 0.6 * (self.bump(x + 1e-6) - self.bump(x - 1e-6)) / 2e-6
+
+    def bump(self, x):
+        return np.exp(-(((np.abs(x) - 1.2) / 0.25) ** 2))
+
+
+def test_a_profile_that_touches_beside_its_tip_is_not_taken_for_one_zone():
+    found = contact.solve(contact.Scene(Shouldered(), 1.0, ISOLATED, load=0.3), 1e-3)
+    assert len(found.zones) > 1 and not isinstance(found.fields, DirectFields)
+
+
+def test_all_members_work_and_survive_a_pickle_and_a_copy():
+    for scene in (
+        contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, load=1e-3),
+        contact.Scene(contact.Biquadratic(1.0, 0.1), 1.0, ISOLATED, load=1e-4),
+        contact.Scene(contact.Flat(0.5, 1.0), 1.0, PERIODIC, load=1e-3),
+    ):
+        first = contact.solve(scene)
+        for again in (pickle.loads(pickle.dumps(first)), copy.deepcopy(first)):
+            assert type(again) is contact.Solution and again.to_dict() == first.to_dict()
+            x = np.linspace(-1, 1, 33)
+            for name in ("pressure", "gap", "displacement"):
+                assert np.array_equal(getattr(again, name)(x), getattr(first, name)(x))
+            assert str(again.plan) == str(first.plan) and "one interval" in str(first.plan)
+            assert again.certificate.to_dict() == first.certificate.to_dict()
+
+
+def test_a_curve_of_one_interval_is_solved_without_the_engine(monkeypatch):
+    monkeypatch.setattr("contact.solver._run", lambda task: pytest.fail("the general machine ran"))
+    wave = contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, mean_pressure=1e-3)
+    pressures = np.linspace(0.01, 0.9, 50) * np.pi * 1e-3
+    found = contact.solve_many(wave, pressures)
+    assert all(s.certificate.holds and s.error < 1e-12 for s in found)
+    assert np.allclose([np.sin(np.pi * s.zones[0, 1]) ** 2 for s in found], pressures / (np.pi * 1e-3), rtol=1e-12)
+    assert contact.path(wave, pressures).events == ()
+
+
+@pytest.mark.parametrize("name", ["wave", "wedge", "pair", "parabolas"])
+def test_the_ends_of_zones_move_as_the_rates_have_it(name):
+    scene = drawn(name, np.random.default_rng(3)).under("load", 1.0)
+    scene = scene.under("load", 0.1 * scene.E_star * (1e-6 if name == "pair" else 1e-4) * (scene.period or 1.0))
+    low, here, high = (contact.solve(scene.under("load", scene.load * np.exp(d)), 1e-11) for d in (-1e-4, 0.0, 1e-4))
+    outward = (high.zones - low.zones) / 2e-4 * [-1, 1]
+    assert here.fields.spreading * [1, 1] == pytest.approx(outward, rel=1e-6)

@@ -1,0 +1,408 @@
+"""A scene over a grid: its numbers are those of single solves, whoever solved them, whatever failed, however often it was broken off."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import contact
+from contact.commands import cli
+from contact.sweeps.points import NUMBERS, numbers
+from contact.sweeps.sweep import processes, run
+from contact.sweeps.sweep.chunks import chunks_of
+from contact.sweeps.sweep.keys import axes_of
+
+xarray = pytest.importorskip("xarray")
+pytest.importorskip("h5netcdf")
+
+WAVE = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), load=1.0)
+PUNCH = contact.Scene(contact.Flat(0.5, 1.0), 1.0, contact.Periodic(), load=1e-3)
+GRID = {"profile.amplitude": [1e-2, 2e-2], "control.contact_fraction": [0.6, 0.2, 1.0]}
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    """The points that this process solves."""
+    places: list[int] = []
+    real = processes.solved
+
+    def counting(scene, chunk, tol):
+        for place, row in real(scene, chunk, tol):
+            places.append(place)
+            yield place, row
+
+    monkeypatch.setattr(processes, "solved", counting)
+    return places
+
+
+def test_every_point_has_the_numbers_of_a_solve_of_its_own():
+    table = contact.sweep(WAVE, GRID, workers=1)
+    assert dict(table.sizes) == {"profile.amplitude": 2, "control.contact_fraction": 3}
+    assert {table[name].attrs["units"] for name in ("load", "approach", "profile.amplitude")} == {"N/m", "m"}
+    for i, amplitude in enumerate(GRID["profile.amplitude"]):
+        for j, fraction in enumerate(GRID["control.contact_fraction"]):
+            scene = contact.Scene(contact.Sinusoid(amplitude, 1.0), 1.0, contact.Periodic(), contact_fraction=fraction)
+            alone = numbers(contact.solve(scene))
+            for name in set(NUMBERS) - {"error"}:
+                # Stated errors are 1e-8 at most, and a mean gap is a difference of approaches.
+                assert float(table[name][i, j]) == pytest.approx(alone[name], rel=1e-6, abs=1e-9), name
+    assert not table["failed"].any() and float(table["error"].max()) <= 1e-8
+
+
+@pytest.mark.parametrize(
+    ("scene", "over", "name", "exact"),
+    [
+        (WAVE, {"profile.amplitude": [1e-2, 3e-2], "control.contact_fraction": [1.0]}, "load", np.pi * np.array([[1e-2], [3e-2]])),
+        (WAVE, {"material.E_star": [1.0, 7.0], "control.contact_fraction": [1.0]}, "load", np.pi * 1e-2 * np.array([[1.0], [7.0]])),
+        (PUNCH, {"profile.width": [0.25, 0.75]}, "contact_fraction", np.array([0.25, 0.75])),
+        (WAVE, {"profile.period": [1.0, 2.0], "control.mean_pressure": [1e-2]}, "load", np.array([[1e-2], [2e-2]])),
+    ],
+    ids=["amplitude", "modulus", "width", "period"],
+)
+def test_a_key_of_any_table_is_what_is_varied(scene, over, name, exact):
+    table = contact.sweep(scene, over, workers=1)
+    assert table[name].values == pytest.approx(exact, rel=1e-8)
+
+
+def test_words_and_whole_numbers_are_values_too():
+    local = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Localized("self-consistent"), load=1e-2)
+    table = contact.sweep(local, {"interaction.neighbours": [0.0, 1, np.int64(2)]}, workers=1)
+    exact = contact.solve(contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), load=1e-2)).max_pressure
+    off = np.abs(table["max_pressure"].values / exact - 1)
+    assert np.all(np.diff(off) < 0)
+    layer = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), substrate=contact.Layer(0.2, 0.3), load=1e-3)
+    bases = contact.sweep(layer, {"substrate.base": ["bonded", "smooth"]}, workers=1)
+    assert bases["substrate.base"].values.tolist() == ["bonded", "smooth"] and float(np.ptp(bases["approach"].values)) > 0
+
+
+def test_along_a_control_points_share_one_search(monkeypatch):
+    searches = []
+    real = contact.sweeps.curve.Shared
+    monkeypatch.setattr("contact.sweeps.curve.Shared", lambda scene: searches.append(1) or real(scene))
+    contact.sweep(WAVE, {"profile.amplitude": [1e-2, 2e-2], "control.load": [1e-3, 3e-3, 2e-3, 4e-3]}, workers=1)
+    assert len(searches) == 2
+
+
+def test_a_point_that_fails_says_why_and_the_others_are_solved():
+    lone = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Isolated(), load=1e-3)
+    with pytest.warns(contact.ModelWarning, match=r"1 of 3 points failed: at control.load = 1.0: OutOfRange"):
+        table = contact.sweep(lone, {"control.load": [1e-3, 1.0, 2e-3]}, workers=1)
+    assert table["failed"].values.tolist() == [False, True, False] and np.isnan(table["load"].values[1])
+    assert "border" in str(table["reason"].values[1]) and table["zone_count"].values[[0, 2]].tolist() == [1, 1]
+
+
+def test_an_error_of_a_user_s_own_profile_is_one_of_its_point():
+    class Broken(contact.Sinusoid):
+        def slope(self, x):
+            # Past the first look that is taken when the scene is made.
+            if self.amplitude == 2e-2 and np.size(x) > 20:
+                raise ZeroDivisionError("by nothing")
+            return super().slope(x)
+
+    scene = contact.Scene(Broken(1e-2, 1.0), 1.0, contact.Periodic(), load=1e-3)
+    with pytest.warns(contact.ModelWarning, match="failed"):
+        table = contact.sweep(scene, {"profile.amplitude": [1e-2, 2e-2]}, workers=1)
+    assert table["failed"].values.tolist() == [False, True] and "by nothing" in str(table["reason"].values[1])
+
+
+BAD = [
+    ({}, "over"), (None, "over"), ({"profile.amplitud": [1.0]}, "did you mean 'profile.amplitude'"), ({"load": [1.0]}, "key"),
+    ({"control.load": []}, "control.load"), ({"control.load": 1.0}, "control.load"), ({"control.load": [1.0, 1.0]}, "twice"),
+    ({"control.load": [np.nan]}, "control.load"), ({"control.load": [True]}, "control.load"), ({"control.load": "many"}, "control.load"),
+    ({"control.load": [1.0, -1.0]}, r"control.load = -1.0"), ({"profile.amplitude": [1.0, "high"]}, "profile.amplitude"),
+    ({"control.load": [1.0], "control.approach": [1.0]}, "one control"), ({"profile.amplitude": ["high"]}, "high"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("over", "told"), BAD)
+def test_keys_and_values_that_are_none_are_refused_by_name(over, told):
+    with pytest.raises(contact.SceneError, match=told):
+        contact.sweep(WAVE, over)
+
+
+@pytest.mark.parametrize("options", [{"workers": 0}, {"workers": 1.5}, {"tol": 2}, {"out": "x.csv"}, {"out": 3}, {"out": "none/x.nc"}])
+def test_options_that_are_none_are_refused_by_name(options):
+    with pytest.raises(contact.SceneError, match=next(iter(options))):
+        contact.sweep(WAVE, {"control.load": [1e-3]}, **options)
+
+
+def test_what_is_in_the_file_is_not_solved_again(tmp_path, counted):
+    out = tmp_path / "sweep.nc"
+    first = contact.sweep(WAVE, GRID, workers=1, out=out)
+    assert len(counted) == 6
+    wider = {"control.contact_fraction": [0.2, 0.6, 0.8, 1.0], "profile.amplitude": [1e-2, 2e-2]}
+    second = contact.sweep(WAVE, wider, workers=1, out=out)
+    assert len(counted) == 8
+    with xarray.open_dataset(out, engine="h5netcdf") as kept:
+        assert kept.load().identical(second)
+    same = second.sel({"control.contact_fraction": GRID["control.contact_fraction"]}).transpose(*first["load"].dims)
+    assert all(same[name].equals(first[name]) for name in first.data_vars)
+    contact.sweep(WAVE, wider, workers=1, out=out, overwrite=True)
+    assert len(counted) == 16
+    # Every point that is not good to the new tolerance, and no other.
+    tight = int((second["error"] > 1e-11).sum())
+    contact.sweep(WAVE, wider, tol=1e-8, workers=1, out=out)
+    assert len(counted) == 16
+    contact.sweep(WAVE, wider, tol=1e-11, workers=1, out=out)
+    assert len(counted) == 16 + tight
+
+
+def test_a_sweep_that_is_broken_off_is_gone_on_with(tmp_path, counted):
+    out = tmp_path / "sweep.nc"
+
+    def stop(stage, done, total):
+        if done == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        contact.sweep(WAVE, GRID, workers=1, out=out, progress=stop)
+    with xarray.open_dataset(out, engine="h5netcdf") as kept:
+        assert int(kept["error"].notnull().sum()) == 4
+    assert not contact.sweep(WAVE, GRID, workers=1, out=out)["load"].isnull().any()
+    assert sorted(counted) == [0, 1, 2, 3, 4, 5] and [p.name for p in tmp_path.iterdir()] == ["sweep.nc"]
+
+
+def test_what_failed_is_tried_again_only_when_told(tmp_path, counted):
+    lone = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Isolated(), load=1e-3)
+    for retry in (False, False, True):
+        with pytest.warns(contact.ModelWarning, match="failed"):
+            contact.sweep(lone, {"control.load": [1e-3, 1.0]}, workers=1, out=tmp_path / "sweep.nc", retry=retry)
+    assert counted == [0, 1, 1]
+
+
+CHANGED = [
+    (contact.Scene(contact.Sinusoid(1e-2, 1.0), 2.0, contact.Periodic(), load=1.0), GRID, "material.E_star = 1.0"),
+    (contact.Scene(contact.Sinusoid(1e-2, 2.0), 1.0, contact.Periodic(), load=1.0), GRID, "profile.period = 1.0"),
+    (contact.Scene(contact.Fourier(1.0, [1e-2]), 1.0, contact.Periodic(), load=1.0), {"control.load": [1e-3]}, "contact_fraction"),
+    (contact.Scene(WAVE.profile, 1.0, contact.Periodic(), substrate=contact.Layer(0.5, 0.3), load=1.0), GRID, "substrate.model"),
+    (WAVE, {**GRID, "profile.amplitude": [1e-2]}, "profile.amplitude = 0.02"),
+    (WAVE, {"profile.amplitude": [1e-2, 2e-2], "control.load": [1e-3]}, "contact_fraction"),
+]
+
+
+def test_a_file_of_another_scene_or_grid_is_refused_by_what_differs(tmp_path, counted):
+    out = tmp_path / "sweep.nc"
+    contact.sweep(WAVE, GRID, workers=1, out=out)
+    for scene, over, told in CHANGED:
+        with pytest.raises(contact.SceneError, match=told):
+            contact.sweep(scene, over, workers=1, out=out)
+    out.write_text("no such thing")
+    with pytest.raises(contact.SceneError, match="a file that a sweep has written"):
+        contact.sweep(WAVE, GRID, workers=1, out=out)
+    contact.solve(WAVE).to_dataset().to_netcdf(out, engine="h5netcdf")
+    with pytest.raises(contact.SceneError, match="missing"):
+        contact.sweep(WAVE, GRID, workers=1, out=out)
+    assert len(counted) == 6
+
+
+def test_a_trace_with_one_height_changed_is_another_scene(tmp_path):
+    x = np.linspace(0.0, 1.0, 129)
+    heights = 1e-2 * np.cos(2 * np.pi * x)
+    for place in (None, 70):
+        changed = heights.copy()
+        if place:
+            changed[place] *= 1 + 1e-12
+        scene = contact.Scene(contact.Sampled(x, changed, 1.0), 1.0, contact.Periodic(), load=1.0)
+        if place is None:
+            contact.sweep(scene, {"control.load": [1e-3]}, workers=1, out=tmp_path / "sweep.nc")
+        else:
+            with pytest.raises(contact.SceneError, match="profile.height"):
+                contact.sweep(scene, {"control.load": [1e-3]}, workers=1, out=tmp_path / "sweep.nc")
+
+
+def test_a_scene_that_cannot_be_sent_is_solved_here(counted):
+    class Local(contact.Sinusoid):
+        """No other process can import it."""
+
+    scene = contact.Scene(Local(1e-2, 1.0), 1.0, contact.Periodic(), load=1.0)
+    with pytest.warns(RuntimeWarning, match="cannot be sent the scene"):
+        table = contact.sweep(scene, {"profile.amplitude": [1e-2, 2e-2]}, workers=2)
+    assert sorted(counted) == [0, 1] and not table["failed"].any()
+
+
+# A profile that tells, in a file, by which process its points are solved.
+TOLD = '''
+import os, time
+from dataclasses import dataclass
+import numpy as np
+import contact
+
+@dataclass(frozen=True)
+class Told(contact.Sinusoid):
+    log: str = ""
+
+    def slope(self, x):
+        if "told" not in vars(self):
+            object.__setattr__(self, "told", True)
+            with open(self.log, "a") as log:
+                log.write(f"{os.getpid()} {self.amplitude!r}\\n")
+            time.sleep(0.2)
+        return super().slope(x)
+'''
+AMPLITUDES = np.linspace(1e-2, 2e-2, 11).round(4).tolist()
+
+
+@pytest.fixture
+def told(tmp_path, monkeypatch):
+    (tmp_path / "told.py").write_text(TOLD)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), str(Path(contact.__file__).parents[1])]))
+    import told
+
+    yield contact.Scene(told.Told(1e-2, 1.0, str(tmp_path / "log")), 1.0, contact.Periodic(), load=1e-3)
+    del sys.modules["told"]
+
+
+def solved_by(log: Path) -> dict[str, list[int]]:
+    """For each point, the processes that began it."""
+    by: dict[str, list[int]] = {}
+    for line in log.read_text().splitlines():
+        pid, amplitude = line.split()
+        if int(pid) != os.getpid():
+            by.setdefault(amplitude, []).append(int(pid))
+    return by
+
+
+class Killer:
+    """A progress that kills a process which solves, once some points have come in."""
+
+    def __init__(self, log: Path) -> None:
+        self.log, self.killed, self.begun, self.done = log, 0, set(), 0
+
+    def __call__(self, stage: str, done: int, total: int | None) -> None:
+        if done >= 3 and not self.killed:
+            self.killed = next(reversed(solved_by(self.log).values()))[-1]
+            os.kill(self.killed, signal.SIGKILL)
+            self.begun, self.done = set(solved_by(self.log)), done
+
+    def check(self, table) -> None:
+        """All points are there, and of those that were begun no more were begun again than had not come in."""
+        by = solved_by(self.log)
+        assert self.killed and not table["failed"].any() and not table["load"].isnull().any()
+        assert set(by) == {repr(a) for a in AMPLITUDES}
+        assert len([a for a in self.begun if len(by[a]) > 1]) <= len(self.begun) - self.done
+
+
+@pytest.mark.slow
+def test_a_process_that_is_killed_loses_no_point_and_what_was_done_is_not_done_twice(told, tmp_path):
+    killer = Killer(tmp_path / "log")
+    killer.check(contact.sweep(told, {"profile.amplitude": AMPLITUDES}, workers=2, progress=killer))
+
+
+@pytest.mark.slow
+def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_is_not_done_twice(told, tmp_path):
+    pytest.importorskip("distributed")
+    dask, where = str(Path(sys.executable).with_name("dask")), tmp_path / "scheduler.json"
+    silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
+    local = ["--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
+    started = [subprocess.Popen([dask, "scheduler", *local, "--scheduler-file", where], **silent)]
+    try:
+        deadline = time.monotonic() + 60
+        while not where.exists() and time.monotonic() < deadline:
+            time.sleep(0.1)
+        address = json.loads(where.read_text())["address"]
+        started += [subprocess.Popen([dask, "worker", address, "--nthreads", "1", "--no-dashboard"], **silent) for _ in range(2)]
+        killer, out = Killer(tmp_path / "log"), tmp_path / "sweep.nc"
+        table = contact.sweep(told, {"profile.amplitude": AMPLITUDES}, address, out=out, progress=killer)
+        killer.check(table)
+        with xarray.open_dataset(out, engine="h5netcdf") as kept:
+            assert kept.load().identical(table)
+        by = solved_by(tmp_path / "log")
+        contact.sweep(told, {"profile.amplitude": AMPLITUDES}, address, out=out)
+        assert solved_by(tmp_path / "log") == by
+        along = contact.sweep(WAVE, {"control.load": [1e-3, 2e-3, 3e-3]}, address)
+        assert along["load"].values == pytest.approx([1e-3, 2e-3, 3e-3])
+    finally:
+        for process in started[::-1]:
+            process.terminate()
+        for process in started:
+            process.wait(30)
+
+
+def test_an_address_at_which_nothing_answers_is_refused_by_name(monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("contact.sweeps.sweep.cluster._PATIENCE", "0.2s")
+    for address in ("tcp://127.0.0.1:9", "nowhere", 3):
+        with pytest.raises(contact.SceneError, match="scheduler"):
+            contact.sweep(WAVE, {"control.load": [1e-3]}, address)
+
+
+TEXT = """
+profile = {shape = "sinusoid", amplitude = 0.01, period = 1.0}
+material = {E_star = 1.0}
+interaction = {model = "periodic"}
+control = {load = 1.0}
+"""
+
+
+def command(*arguments, text=TEXT):
+    return CliRunner().invoke(cli.main, ["sweep", "-", "--workers", "1", *(str(argument) for argument in arguments)], input=text)
+
+
+def test_the_command_writes_the_table_of_the_call_and_goes_on_with_it(tmp_path, counted):
+    out = tmp_path / "sweep.nc"
+    given = ["--vary", "control.load=1e-3:1e-2:3:log", "--vary", "profile.amplitude=0.01,0.02", "--out", out]
+    done = command(*given)
+    assert done.exit_code == 0, done.output
+    assert "points" in done.stdout and "[" not in done.stdout and str(out) in done.stdout
+    table = contact.sweep(WAVE, {"control.load": [1e-3, 10**-2.5, 1e-2], "profile.amplitude": [0.01, 0.02]}, workers=1)
+    with xarray.open_dataset(out, engine="h5netcdf") as kept:
+        assert kept["load"].values == pytest.approx(table["load"].values) and dict(kept.sizes) == dict(table.sizes)
+    solved = len(counted)
+    assert command(*given, "-q").output == "" and len(counted) == solved
+    changed = command(*given, text=TEXT.replace("E_star = 1.0", "E_star = 2.0"))
+    assert changed.exit_code == 2 and "material.E_star" in changed.stderr and changed.stdout == ""
+    assert command(*given, "--overwrite", text=TEXT.replace("E_star = 1.0", "E_star = 2.0")).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--vary", "control.load"], "--vary"), (["--vary", "=1,2"], "--vary"), (["--vary", "control.load=1:2"], "--vary control.load"),
+        (["--vary", "control.load=1,x"], "--vary control.load"), (["--vary", "control.lod=1,2"], "did you mean"),
+        (["--vary", "control.load=1,2", "--vary", "control.load=3"], "not given yet"), ([], "--vary"),
+        (["--vary", "control.load=1,2", "--scheduler", "tcp://a:1"], "--workers"),
+    ],
+)  # fmt: skip
+def test_what_the_command_cannot_do_is_refused_by_name(tmp_path, arguments, told):
+    refused = command(*arguments, "--out", tmp_path / "sweep.nc")
+    assert refused.exit_code == 2 and told in refused.stderr and refused.stderr.count("\n") == 1 and refused.stdout == ""
+    assert "--out" in command("--vary", "control.load=1e-3,2e-3", "--out", tmp_path / "sweep.csv").stderr
+
+
+def test_where_no_point_is_solved_the_command_ends_as_solve_would(tmp_path):
+    text = TEXT.replace('"periodic"', '"isolated"')
+    failed = command("--vary", "control.load=1,2", "--out", tmp_path / "sweep.nc", "-q", text=text)
+    assert failed.exit_code == 2 and failed.stderr.splitlines()[-1].startswith("contact: no point is solved: OutOfRange")
+
+
+def test_a_sweep_without_xarray_says_what_to_install(monkeypatch):
+    def missing(name):
+        raise contact.MissingExtra(f"{name}: pip install 'sie-contact[io]'")
+
+    monkeypatch.setattr(run, "require", missing)
+    with pytest.raises(contact.MissingExtra, match="io"):
+        contact.sweep(WAVE, GRID)
+
+
+def test_points_are_cut_evenly_and_none_is_in_two_chunks():
+    axes = axes_of(WAVE, {"control.load": np.linspace(1, 2, 50)[::-1], "profile.amplitude": [1.0, 2.0, 3.0]})
+    wanted = np.ones(150, dtype=bool)
+    wanted[::7] = False
+    for solvers in (None, 1, 2, 16):
+        chunks = chunks_of(axes, wanted, solvers)
+        assert Counter(place for chunk in chunks for place in chunk.places) == Counter(np.flatnonzero(wanted).tolist())
+        for chunk in chunks:
+            assert len({setting["profile.amplitude"] for setting in chunk.settings}) == 1
+            assert np.all(np.diff([setting["control.load"] for setting in chunk.settings]) > 0)
+    assert len(chunks_of(axes, wanted, None)) == 3 and len(chunks_of(axes, wanted, 2)) >= 8

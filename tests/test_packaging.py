@@ -1,0 +1,81 @@
+"""What the package says of itself agrees in every place, and what it tells to install can be installed."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+import yaml
+from click.testing import CliRunner
+
+import contact
+from contact import extras
+from contact.commands.cli import main
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+RECIPE = yaml.safe_load((ROOT / "conda" / "recipe.yaml").read_text(encoding="utf-8"))
+CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+CONTAINER = (ROOT / "Containerfile").read_text(encoding="utf-8")
+
+
+def bounds(requirements: list[str]) -> dict[str, str]:
+    """Lower bound of each package, under the name it has on conda-forge."""
+    found = (re.match(r"([\w-]+) ?(.*)", line) for line in requirements)
+    return {one[1].replace("matplotlib-base", "matplotlib"): one[2] for one in found if one and one[1] != "python"}
+
+
+def test_recipe_and_citation_name_the_same_package_version_and_licence() -> None:
+    assert RECIPE["context"]["name"] == PROJECT["name"]
+    assert RECIPE["context"]["version"] == CITATION["version"] == PROJECT["version"]
+    assert RECIPE["about"]["license"] == CITATION["license"] == PROJECT["license"]
+    assert f">={RECIPE['context']['python_min']}" == PROJECT["requires-python"]
+
+
+def test_the_recipe_needs_what_the_package_needs() -> None:
+    assert bounds(RECIPE["requirements"]["run"]) == bounds(PROJECT["dependencies"])
+    optional = bounds([line for name in ("plot", "io", "explore") for line in PROJECT["optional-dependencies"][name]])
+    assert bounds(RECIPE["requirements"]["run_constraints"]) == optional
+    assert RECIPE["build"]["python"]["entry_points"] == [f"{name} = {place}" for name, place in PROJECT["scripts"].items()]
+
+
+def test_all_brings_every_extra_but_the_other_codes() -> None:
+    brought = set(re.findall(r"[\w-]+", PROJECT["optional-dependencies"]["all"][0].partition("[")[2]))
+    assert brought >= set(PROJECT["optional-dependencies"]) - {"all", "peers"}
+
+
+def test_what_the_container_copies_is_there() -> None:
+    for line in re.findall(r"^COPY (.*)$", CONTAINER, re.MULTILINE):
+        assert all((ROOT / name).exists() for name in line.split()[:-1]), line
+    (wanted,) = re.findall(r'"\.\[([\w,]+)\]"', CONTAINER)
+    assert set(wanted.split(",")) <= set(PROJECT["optional-dependencies"])
+
+
+@pytest.mark.parametrize("checkout", [True, False])
+def test_what_is_missing_is_installed_as_this_package_was(checkout: bool, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(extras, "SOURCE", ROOT if checkout else tmp_path)
+    monkeypatch.setitem(extras.EXTRAS, "no_such_package", "plot")
+    with pytest.raises(contact.MissingExtra) as told:
+        extras.require("no_such_package")
+    assert str(told.value).endswith(f"pip install -e '.[plot]' in {ROOT}" if checkout else "pip install 'sie-contact[plot]'")
+
+
+@pytest.mark.parametrize("other", [[], ["contact-forms"]])
+def test_a_package_that_takes_the_name_is_told_with_the_version(other: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    metadata = extras.require("importlib.metadata")
+    seen = {"contact": ["sie_contact", *other]}
+    stand_in = SimpleNamespace(packages_distributions=lambda: seen, version=lambda name: PROJECT["version"])
+    require = extras.require
+    monkeypatch.setattr(extras, "require", lambda name: stand_in if name == metadata.__name__ else require(name))
+    done = CliRunner().invoke(main, ["--version"])
+    assert done.stdout == f"contact {PROJECT['version']}\n"
+    told = "contact: warning: contact-forms is imported as `contact` too: keep one of them in an environment\n"
+    assert done.stderr == (told if other else "")
+
+
+def test_dir_of_the_package_shows_what_is_public_and_no_more() -> None:
+    assert set(dir(contact)) == {*contact.__all__, "__version__"}
+    assert all(hasattr(contact, name) for name in dir(contact))
