@@ -101,6 +101,8 @@ def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan)
 def _told_of_full(scene: Scene, least: float) -> str:
     if least >= 0.0 or not scene.law.pulls:
         return "full contact: the pressure is nowhere negative"
+    if scene.law.tension:
+        return "full contact, under tension in places: nowhere above what the surfaces pull with"
     # Half width c of a flaw under a tension s, K = s sqrt(c/2), that releases the work of adhesion w = (pi/E*) K^2.
     flaw = 2 * (scene.law.intensity(scene.E_star) / least) ** 2
     told = "full contact, under tension in places: what is closed stays closed"
