@@ -66,13 +66,7 @@ def moved_ends(state: sie.AnyState) -> Array:
     moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
     k, a = np.array(state.response(values).intensities), np.array(state.density.edge_slopes)
     if follows(state):
-        rates = sie.end_rates(state.whole)
-        out = np.zeros_like(k)
-        for (side, i), motion in zip(rates.ends, -np.linalg.solve(rates.intensities, [k[end] for end in rates.ends]), strict=True):
-            out[side, i] = motion
-            if zones.symmetric:
-                out[1 - side, len(zones) - 1 - i] = motion
-        return out
+        return sie.end_motions(state.whole, -k)[0]
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(moves, 2 * k / a, 0.0)
 
@@ -139,8 +133,10 @@ class ZoneFields(sie.Kept):
             values[index[2]] = self.amplitude_rate
         rate = -float(self.state.level_rates(values).mean())
         if follows(self.state):
-            rates, motions = sie.end_rates(self.state.whole), moved_ends(self.state)
-            rate -= float((rates.levels @ [motions[end] for end in rates.ends]).mean())
+            loaded = np.zeros(len(self.state.condition_scale))
+            loaded[index[0]] = 1.0
+            k = np.array(self.state.response(loaded).intensities)
+            rate -= float(sie.end_motions(self.state.whole, -k)[1].mean())
         units = self.problem.units
         return units.load / (units.height * rate)
 

@@ -43,10 +43,10 @@ def of_zones(
     if plan["kinks"].used:
         plan["kinks"].reason = f"{len(density.jumps)} jumps of the slope or its derivatives inside zones"
     if density.slit_count:
-        plan["holes"].used, plan["holes"].reason = True, "narrow gaps between zones"
-        plan["holes"].detail = f"{density.slit_count} in {len(zones) - density.slit_count} wide zones"
+        plan["slits"].used, plan["slits"].reason = True, "narrow gaps between zones"
+        plan["slits"].detail = f"{density.slit_count} in {len(zones) - density.slit_count} wide zones"
     else:
-        plan["holes"].reason = "no narrow gaps between zones"
+        plan["slits"].reason = "no narrow gaps between zones"
     _tell_sizes(plan, len(zones), found.free.state)
     table = in_cell(scene, np.asarray(problem.units.x(zones.table)))
     solution = Solution(scene, table, found.fields, found.error, found.certificate, plan, found.free.trace)

@@ -26,7 +26,7 @@ _FIRST, _LONGEST, _CORRECTIONS, _TIGHT, _MOST_STEPS, _NO_STEP = 0.02, 0.3, 8, 1e
 _LONGER, _SHORTER = 1.6, 0.3
 # Cosine of the angle by which a step may turn the tangent.
 _STRAIGHT = 0.85
-# Past a turning point ends are pushed on by this part of their zones.
+# Past a turning point ends are pushed on by this part of their zones, or of the gaps beside them.
 _PUSH = 0.03
 # Of the control, before the last turning point is looked for; and of steps of the control.
 _HALVINGS, _MOST_TRIES = 5, 160
@@ -105,11 +105,12 @@ def turning_point(curve: Equilibria, here: Point, sense: float = -1.0) -> Point:
     return step.at(step.turning())
 
 
-def beyond(turned: Point, sense: float) -> Array:
+def beyond(curve: Equilibria, turned: Point, sense: float) -> Array:
     """Zones from which ends move on to another equilibrium at a turning point: inward where the control falls."""
-    move = _begun(turned, sense).tangent[:-1]
-    move = move * (sense * np.sign(move.sum()) * _PUSH / np.abs(move).max())
-    return turned.moved(np.asarray(move * turned.widths))
+    move = _begun(turned, sense).tangent[:-1] * turned.widths
+    gaps = curve.gaps(turned.table)
+    room = np.minimum(turned.widths, np.concatenate((np.roll(gaps, 1), gaps)))
+    return turned.moved(np.asarray(move * (sense * np.sign(move.sum()) * _PUSH / np.abs(move / room).max())))
 
 
 def pull_off(curve: Equilibria, here: Point, recede: Recede = receded) -> Point:
@@ -123,7 +124,7 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded) -> Point:
         here, high = (rest, high) if rest is not None else (here, middle)
     while True:
         turned = turning_point(curve, curve.settled(here))
-        rest = recede(curve, beyond(turned, -1.0), turned.value)
+        rest = recede(curve, beyond(curve, turned, -1.0), turned.value)
         if rest is None:
             return turned
         here = rest

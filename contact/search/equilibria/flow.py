@@ -60,7 +60,8 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
             here, widths, residual = curve.at(here.table[~apart], value), widths[stays], residual[stays]
             continue
         here, move = _step(curve, here, sign)
-        if move <= REST and np.abs(here.residual).max() <= DRIVEN:
+        driven = float(np.abs(here.residual).max())
+        if move <= REST and driven <= (DRIVEN if here.growth < 0.0 else _SLIGHT):
             return here
     raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
 
@@ -75,8 +76,12 @@ def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
         gone_past = passed(here, ahead, step, sign)
         if not gone_past.any():
             return ahead, float(np.abs(step / here.widths).max())
+        if here.growth >= 0.0:
+            # A damped step keeps its shape as it is shortened: all ends are limited alike, else those at rest hold up the others.
+            limit = 0.5 * limit * float((np.abs(step) / limit).max())
+            continue
         # What has passed an equilibrium moves less; if that is of no avail, so do all.
-        limit = np.where(gone_past | (here.growth >= 0.0), 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
+        limit = np.where(gone_past, 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
     raise NotConverged("no step of the ends keeps to the branch")
 
 
