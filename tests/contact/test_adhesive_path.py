@@ -238,3 +238,13 @@ def test_what_was_followed_lies_on_the_curve_of_equilibria():
     for k in on:
         state = WAVE.at(0.5 * width[k])
         assert (load[k], approach[k]) == pytest.approx((state.load, state.approach), rel=1e-8, abs=1e-11)
+
+
+def test_surfaces_apart_are_shown_over_their_period_and_a_lone_body_s_are_not():
+    below = loop("wave", "approach").solutions[0]
+    surfaces, pressure = below.plot().axes
+    assert not any(np.isfinite(line.get_ydata()).any() for line in surfaces.get_lines() if line.get_label() == "contact")
+    assert pressure.get_ylim() == (0.0, pytest.approx(1.08))
+    assert below.gap([0.0, 0.5]) == pytest.approx([4e-3, 4e-3 + 2 * DELTA]) and below.to_dict()["certificate"]["holds"]
+    with pytest.raises(contact.SceneError, match="apart"):
+        loop("cylinder", "approach").solutions[0].plot()
