@@ -95,6 +95,8 @@ def test_every_point_of_a_loop_has_its_error_its_certificate_and_its_way(held):
     below, top, again = found.solutions
     assert below.load == again.load == 0.0 and below.contact_fraction == 0.0 and len(below.zones) == 0
     assert below.energy.total == 0.0 and np.all(below.pressure([0.0, 0.3]) == 0.0)
+    twice = contact.path(SCENES["cylinder"], [1e-3, 0.0, 0.0]).solutions
+    assert [solution.branch for solution in twice] == ["advancing", "receding", "receding"]
     assert (top.branch, again.branch) == ("advancing", "receding") and "raised" in top.plan["branch"].detail
     assert top.error <= 1e-8 and top.certificate.holds and top.certificate.stability > 0.0
     least = value(WAVE.at(top.zones[0, 1]), held, STIFF["wave"])
