@@ -23,10 +23,9 @@ from sie.basis.interval import Outside, fall
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
-from sie.density.field import panels_over
 from sie.fast import lazy
 from sie.fast.far import FarSum, Nested
-from sie.fast.panels import Panels, Spread
+from sie.fast.panels import Panels, Spread, panels_over
 from sie.fast.tree import TERMS, Pairs, Tree
 
 Array = NDArray[np.float64]
