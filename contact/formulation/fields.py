@@ -38,6 +38,8 @@ class Fields(Protocol):
     @property
     def starts(self) -> Array: ...
     @property
+    def cohesive(self) -> Array: ...
+    @property
     def load(self) -> float: ...
     @property
     def loads(self) -> Array: ...
@@ -168,6 +170,11 @@ class ZoneFields(sie.Kept):
             matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / (float(state.level_rates(values).mean()) - yields)
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
         return np.asarray(root[:, None] * matrix * root / wanted)
+
+    @property
+    def borne_beside(self) -> float:
+        """Scaled int p (F - gap) dx beside the zones, of what acts there."""
+        return 0.0
 
     @cached_property
     def mean_gap(self) -> float:
@@ -356,6 +363,11 @@ class ZoneFields(sie.Kept):
             middle = 0.5 * float(zones.a[0] + zones.b[-1])
             scaled = scaled - np.floor((scaled - middle) / problem.period + 0.5) * problem.period
         return np.asarray(scaled)
+
+    @property
+    def cohesive(self) -> Array:
+        """None: nothing acts beside the contact."""
+        return np.zeros((0, 2))
 
     @property
     def starts(self) -> Array:

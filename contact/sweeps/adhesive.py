@@ -14,13 +14,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange, unwarned, warn
+from contact.formulation.controls import Approach
 from contact.formulation.energy import elastic_energy
-from contact.formulation.equilibria import Point
+from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.full import FullFields
 from contact.model.checks import finite_array, positive
 from contact.model.laws.base import CONTROLS
 from contact.model.scene import Scene
 from contact.model.units import quantity
+from contact.search.equilibria.arc import pull_off
 from contact.search.equilibria.flow import Closed
 from contact.search.equilibria.history import History, Jump, Standing
 from contact.search.grid.tilt import known_part
@@ -373,12 +375,12 @@ class _Run:
         units = self.problem.units
         load, approach, energy, zones = self._state(jump.before)
         load_after, approach_after, energy_after, zones_after = self._state(jump.after)
-        if jump.kind == "pull-off" and self.curve.held.load is not None:
-            # They part where they are; how far a dead load takes them then is nothing of theirs.
-            approach_after = approach
+        by_load = self.curve.held.load is not None
+        if jump.kind == "pull-off" and by_load and approach is not None:
+            approach_after = self._parted(jump.before)
         lost = None
         if energy is not None and energy_after is not None and approach is not None and approach_after is not None:
-            lost = energy - energy_after + 0.5 * (load + load_after) * (approach_after - approach)
+            lost = energy - energy_after + (load if by_load else 0.5 * (load + load_after)) * (approach_after - approach)
         surfaces = None
         if jump.kind == "pull-off" and jump.before.point is not None:
             fields = self.curve.fields(jump.before.point)
@@ -387,6 +389,13 @@ class _Run:
         value = jump.before.value * self.unit
         place = float(units.x(np.array(jump.place)))
         return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, surfaces)
+
+    def _parted(self, last: Standing) -> float:
+        """The approach [m] at which surfaces let go that a dead load draws apart: the contact follows the approach, as the load is slow to
+        move, until no contact answers it."""
+        assert last.point is not None
+        curve = Equilibria(self.problem, Approach(-last.point.level))
+        return float(-pull_off(curve, curve.at(last.point.table, -last.point.level)).level * self.problem.units.height)
 
     def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
         """(load, approach, energy, zones) [N/m, m, J/m, m]."""

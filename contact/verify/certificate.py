@@ -35,11 +35,21 @@ _ON_ZONES = np.cos(np.pi * np.array([0.125, 0.375, 0.625, 0.875]))
 _MOST_KNOWN, _MOST = 2**17, 4000
 # A miss of the intensity beyond rounding, over what is wanted, or over what bends the surfaces, where that is more.
 _INTENSITY = 1e-7
-# Points in one of a few gaps at the least: beside an end about to move far the body may touch once more, between the end and the
-# second point, where they are half as many.
-_FEWEST = 48
+# Points in a gap at the least. Beside an end about to move far the body may touch once more, nearer to the end than the second point if
+# they were half as many: in this part of the gap on either side, that is; of many gaps, the rest has no more than half of them.
+_FEWEST, _BESIDE = 48, 0.05
 # What sums of some hundred terms are rounded to, relative to the largest of them: no error is stated below it.
 ROUNDING = 4e-14
+
+
+def _thinned() -> Array:
+    """The least number of points in (0, 1), but in the middle every second one."""
+    every, second = (np.sin(0.5 * np.pi * (np.arange(n) + 0.5) / n) ** 2 for n in (_FEWEST, _FEWEST // 2))
+    beside = np.minimum(every, 1 - every) < _BESIDE
+    return np.asarray(np.sort(np.concatenate((every[beside], second[np.minimum(second, 1 - second) >= _BESIDE]))))
+
+
+_THINNED = _thinned()
 
 
 @dataclass(frozen=True)
@@ -271,7 +281,7 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
     smallest: float | None = None
     points = 0
     for lo, hi, left_zone, right_zone in fields.open_intervals():
-        x = _between(lo, hi, fields, left_zone, right_zone, _FEWEST)
+        x = _between(lo, hi, fields, left_zone, right_zone)
         scaled_gap = fields.gap_between(lo, hi)
         gap = scaled_gap(x)
         points += len(x)
@@ -305,7 +315,7 @@ def _gaps_together(fields: ZoneFields, rounding: float) -> tuple[float | None, A
     Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones.
     """
     intervals = list(fields.open_intervals())
-    parts = [_between(lo, hi, fields, left, right) for lo, hi, left, right in intervals]
+    parts = [_between(lo, hi, fields, left, right, thinned=True) for lo, hi, left, right in intervals]
     points = np.concatenate(parts)
     place = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
     count = len(points)
@@ -367,14 +377,16 @@ def _overlaps(x: Array, fails: NDArray[np.bool_], lo: float, hi: float) -> list[
     ]
 
 
-def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool, least: int = 24) -> Array:
+def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool, thinned: bool = False) -> Array:
     """Points in (lo, hi), evenly at least as close as the fields' spacing asks for, quadratically closer next to zones; tips among
-    them, and the limit of what is looked at: the body may touch right there. least: so many at least."""
+    them, and the limit of what is looked at: the body may touch right there. thinned: between zones no more than the spacing asks for, if
+    that is less than the least number, but beside their ends."""
     known = fields.problem.profile.resolution is not None and (fields.is_bounded or (left_zone and right_zone))
-    n = int(np.clip(4 * (hi - lo) / fields.spacing, least, _MOST_KNOWN if known else _MOST))
+    asked = 4 * (hi - lo) / fields.spacing
+    n = int(np.clip(asked, _FEWEST, _MOST_KNOWN if known else _MOST))
     s = (np.arange(n) + 0.5) / n
     if left_zone and right_zone:
-        s = np.sin(0.5 * np.pi * s) ** 2
+        s = _THINNED if thinned and asked <= _FEWEST // 2 else np.sin(0.5 * np.pi * s) ** 2
     elif left_zone:
         s = np.append(s * s, 1.0)
     elif right_zone:

@@ -42,6 +42,10 @@ from sie.jumps.pairs import FewJumps
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
+# From this number of jumps of order 2 on a spline takes their place. What the powers of n of them lose, n^2 units in the last digit, the
+# zones beside this one see; those of the right side need not tell these, since what is seen of them is found from g itself.
+_MANY = 128
+
 
 @dataclass(frozen=True, eq=False)
 class Logarithms:
@@ -113,7 +117,7 @@ class DensityJumps(ForcingJumps):
             logarithms = Logarithms(kernel, zones, at[kinks], weight, own, near)
         i, at, w = i[inside], at[inside], w[inside]
         found = cls(i, zones.beyond_a(at, i) / w, zones.before_b(at, i) / w, size[inside], orders[inside], logarithms=logarithms)
-        return found if spline is None else found._with_splines(zones, spline, LocalSpline.inside)
+        return found if spline is None else found._with_splines(zones, spline, LocalSpline.inside, _MANY)
 
     def __len__(self) -> int:
         return len(self.zone) + (0 if self.logarithms is None else len(self.logarithms.near))

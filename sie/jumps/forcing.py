@@ -107,11 +107,12 @@ class ForcingJumps(Kept):
         i = np.searchsorted(zones.a, at, side="right") - 1
         return at, np.maximum(i, 0), (i >= 0) & (zones.beyond_a(at, i) > 0) & (zones.before_b(at, i) > 0)
 
-    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline) -> Self:
-        """The same with splines of f, made of knots, their jumps and f, in every zone of many jumps of order 2 and no others."""
+    def _with_splines(self, zones: Zones, f: Callable[[Array], Array], made: MadeSpline, least: int = MANY) -> Self:
+        """The same with splines of f, made of knots, their jumps and f, in every zone of many jumps of order 2, at the least so many, and
+        no others."""
         height, more = self.height.copy(), []
         splines: dict[int, Spline] = {}
-        for zone in np.flatnonzero(np.bincount(self.zone, minlength=1) >= MANY).tolist():
+        for zone in np.flatnonzero(np.bincount(self.zone, minlength=1) >= least).tolist():
             k = self.by_zone[zone]
             if np.any(self.order[k] != HIGHEST):
                 continue

@@ -77,11 +77,13 @@ def test_a_loop_loses_the_work_of_its_load_by_the_closed_forms(body, held):
     assert jump_in.value == 0.0 and pull_off.value == pytest.approx(value(reference.at(least), held, STIFF[body]), rel=1e-10)
     assert jump_in.after[0, 1] == pytest.approx(touched, rel=1e-9)
     assert pull_off.before[0, 1] == pytest.approx(least, rel=1e-6)
-    # The load's work over the loop: on the curve, and on the jumps' straight lines; under a dead load they part where they are.
+    # The load's work over the loop: on the curve, on the jumps' straight lines, and of a dead load until no approach holds any more.
     on, off = reference.at(touched), reference.at(least)
     done = work(reference, touched, top) + work(reference, top, least) + 0.5 * on.load * on.approach
     if held == "spring":
         done += 0.5 * off.load * off.load / STIFF[body]
+    if held == "load":
+        done += off.load * (reference.pull_off(0.0).approach - off.approach)
     assert found.dissipated == pytest.approx(done, rel=1e-8)
     assert found.work == pytest.approx(done, rel=1e-8)
     assert jump_in.lost > 0.0 < pull_off.lost

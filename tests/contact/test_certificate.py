@@ -7,6 +7,7 @@ import pytest
 
 import contact
 from contact.formulation.controls import Load
+from contact.formulation.fields import ZoneFields
 from contact.reference.inverse import design
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
@@ -51,3 +52,25 @@ def test_a_contact_whose_gap_is_not_zero_on_its_zones_is_not_certified():
 
     with pytest.raises(contact.NotConverged, match="height and slope do not go together"):
         contact.solve(contact.Scene(Bent([0.0, 0.0, 1.0]), 1.0, contact.Isolated(), load=1e-3))
+
+
+def test_of_many_gaps_each_is_looked_at_beside_its_ends_as_closely_as_one_of_a_few(monkeypatch):
+    looked: list[np.ndarray] = []
+    real = ZoneFields.formal_gap
+
+    def recorded(self, x):
+        looked.append(x)
+        return real(self, x)
+
+    waves = 40
+    profile = contact.Fourier(1.0, [*np.zeros(waves - 1), -0.01 / waves])
+    found = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=0.5))
+    fields = found.fields
+    monkeypatch.setattr(ZoneFields, "formal_gap", recorded)
+    certify(fields, fields.density.total)
+    gaps, looks = fields.density.zones.b[:-1], np.sort(np.concatenate(looked))
+    width = fields.density.zones.a[1:] - gaps
+    assert len(gaps) == waves - 1
+    # A second touch has been seen to begin within a hundredth of the gap from its end.
+    within = np.searchsorted(looks, gaps + 0.01 * width) - np.searchsorted(looks, gaps, side="right")
+    assert within.min() >= 3

@@ -1,11 +1,14 @@
 """Free ends: found where the closed forms have them, quadratically, whatever the start, the scale and the control."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import sie
+from sie.free_ends.newton import INWARD, OUTWARD, _bordered
+from sie.free_ends.progress import Progress
 from tests.sie import exact
 
 T = np.cos(np.pi * np.arange(1, 39) / 39)
@@ -344,3 +347,22 @@ def test_every_search_says_why_it_stopped():
     assert "3 steps" in few.reason and few.stable is None
     equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(-1.0),))
     assert "shrunk away" in sie.find_ends(equation, sie.Zones.of([[-1, 1]])).reason
+
+
+def test_an_end_beside_which_the_density_has_hardly_a_slope_does_not_tell_the_unknown_value():
+    # The narrow zone asks to be a million times as wide; it will be made half as wide again at either end.
+    zones = sie.Zones.of([[0.0, 1.0], [2.0, 2.01]])
+    held = SimpleNamespace(end_conditions=(sie.TotalWidth(1.11),))
+    slope = np.array([[1.0, 1e6], [1.0, 1e6]])
+    delta, change = _bordered(held, zones, np.zeros((2, 2)), slope, INWARD, OUTWARD)
+    assert change == pytest.approx(0.5 * (0.1 - 0.01))
+    np.testing.assert_allclose(delta, change * slope)
+
+
+def test_a_zone_that_step_by_step_asks_for_nothing_to_be_left_of_it_is_lost():
+    zones = sie.Zones.of([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]])
+    progress = Progress(1e-12, np.ones(3), np.ones(3))
+    asked = [[False, True, False], [False, True, True], [False, True, True]]
+    lost = [progress.vanished(zones, np.ones(3), np.array(one), np.zeros(3, dtype=bool), 1e-3)[0].tolist() for one in asked]
+    # The search begins anew: with it goes the other one that has asked more than once.
+    assert lost == [[], [], [1, 2]]
