@@ -232,7 +232,8 @@ def adhesive_path(
                 progress(control, k, len(given))
             before = here.value
             events: list[Event] = []
-            run.rises = 1.0 if value / run.unit >= before else 0.0
+            if value / run.unit != before:
+                run.rises = float(value / run.unit > before)
             for found in run.history.to(here, float(value) / run.unit):
                 if isinstance(found, Jump):
                     run.jumped(found)
@@ -241,9 +242,9 @@ def adhesive_path(
                     here = found
             if not here.closed:
                 run.note(here.point, here.value)
-            solutions.append(run.solved(here, float(value), here.value >= before, before))
+            solutions.append(run.solved(here, float(value), before if k else 0.0))
             passed.append(tuple(events))
-    warn(of_solution(max(solutions, key=lambda solution: solution.load)))
+    warn(of_solution(max(solutions, key=lambda solution: solution.load)), stacklevel=4)
     return AdhesivePath(tuple(solutions), tuple(passed), given, control, stiffness, np.array(run.followed).reshape(-1, 4))
 
 
@@ -337,11 +338,11 @@ class _Run:
             return Standing(value / self.unit, closed=True)
         return Standing(value / self.unit, self.curve.settled(start))
 
-    def solved(self, here: Standing, value: float, rose: bool, before: float) -> Solution:
+    def solved(self, here: Standing, value: float, before: float) -> Solution:
         """The solution where the path stands."""
         scene = _under(self.scene, self.control, value)
-        way = "advancing" if rose else "receding"
-        told = f"{way}, {'raised' if rose else 'lowered'} from {self.control} {before * self.unit:.6g}"
+        way = "advancing" if self.rises else "receding"
+        told = f"{way}, {'raised' if self.rises else 'lowered'} from {self.control} {before * self.unit:.6g}"
         task = replace(self.task, scene=scene, plan=plan(scene), branch=way)
         if here.point is None:
             return self._without_zones(task, here)

@@ -149,8 +149,7 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False) -> Outcome:
             # The first grid of a curve's next load begins where the last one's ended.
             beside = task.shared.grid if points is None and task.along and control.load is not None and not held else None
             proposal = proposed(scaled, problem, control, points, held=held, near=beside)
-        if task.along:
-            task.shared.grid = proposal
+        task.shared.grid = proposal
         if points is None:
             most = max(most, min(4 * proposal.points, MOST_POINTS))
         points, full = proposal.points, proposal.full
