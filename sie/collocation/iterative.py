@@ -1,6 +1,6 @@
 """The system of many zones without its matrix: rows applied to unknowns by fast sums, solved by preconditioned GMRES.
 
-The rows are those of `assemble`: a zone's own part of them is -c_k, and what is left couples the zones. The preconditioner is
+The rows are those of `system`: a zone's own part of them is -c_k, and what is left couples the zones. The preconditioner is
 that own part and, for the zones' loads, a coarse problem: flat punches, each seen by the others through its load alone, with the
 same side conditions. What is left to the iterations is how zones bend each other, which falls off as the square of the
 distance, so their number does not grow with that of the zones.
