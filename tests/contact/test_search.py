@@ -373,3 +373,15 @@ def test_limits_are_kept_and_a_contact_that_reaches_them_says_so() -> None:
 def test_a_profile_without_a_bottom_is_refused() -> None:
     with pytest.raises(OutOfRange):
         find_window(lambda x: x**3, Response(E, False), load=1.0)
+
+
+def test_a_grid_beside_a_known_contact_proposes_the_same_zones_in_fewer_iterations():
+    def height(x):
+        return -np.cos(2 * np.pi * x) - 0.1 * np.cos(14 * np.pi * x)
+
+    response = Response(1.0, True)
+    known = propose(height, (0.0, 1.0), response, load=1.0, points=1024)
+    alone = propose(height, (0.0, 1.0), response, load=1.001, points=1024)
+    beside = propose(height, (0.0, 1.0), response, load=1.001, points=1024, near=known.state)
+    np.testing.assert_allclose(beside.zones, alone.zones, rtol=0, atol=1e-6)
+    assert beside.iterations < alone.iterations
