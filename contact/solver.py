@@ -11,13 +11,15 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from numbers import Real
 
 from contact.errors import NotConverged, SceneError, warn
+from contact.formulation.fields import ZoneFields
 from contact.model.checks import one_of
 from contact.model.scene import Scene
-from contact.search.equilibria.parting import Parting
+from contact.search.equilibria.parting import Parting, PartingUnderTension
 from contact.search.find import found
 from contact.search.refine import refined
 from contact.search.shared import Shared
@@ -27,6 +29,7 @@ from contact.search.ways.direct import directly
 from contact.search.ways.full_contact import Full
 from contact.search.ways.guesses import Outcome
 from contact.solution import made, validity
+from contact.solution.pull_off import PullOff
 from contact.solution.solution import Solution
 from contact.verify.accuracy import Found
 from contact.verify.gap_accuracy import FoundByGaps
@@ -151,6 +154,11 @@ def _run(task: Task) -> Solution:
         task.plan.seconds = time.perf_counter() - start
 
 
+def _parting(task: Task, found: Found) -> Callable[[ZoneFields], PullOff]:
+    held = task.control(found.fields.problem)
+    return PartingUnderTension(held) if task.scene.law.tension else Parting(held)
+
+
 def _solution(task: Task, outcome: Outcome) -> Solution:
     scene, plan, tol = task.scene, task.plan, task.tol
     followed = task.follows_branch
@@ -159,4 +167,4 @@ def _solution(task: Task, outcome: Outcome) -> Solution:
         return made.of_full(scene, task.full, outcome.mean_pressure, plan, tol, branch)
     if isinstance(outcome, FoundByGaps):
         return made.of_gaps(scene, outcome, plan, tol)
-    return made.of_zones(scene, outcome, plan, tol, branch, Parting(outcome.control) if followed else None)
+    return made.of_zones(scene, outcome, plan, tol, branch, _parting(task, outcome) if followed else None)

@@ -6,6 +6,8 @@ Pictures and prints are kept in docs/gallery, where `python -m contact.studies.g
 from __future__ import annotations
 
 import ast
+import re
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -13,21 +15,29 @@ from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = {"Contact": ROOT / "examples", "The engine on its own": ROOT / "examples" / "engine"}
+FILES = {
+    "Contact": (ROOT / "examples", "*.py"),
+    "The engine on its own": (ROOT / "examples" / "engine", "*.py"),
+    "Scene files": (ROOT / "examples", "*.toml"),
+}
 PLACE = "<!-- gallery -->"
 
 
 def scripts() -> dict[str, list[Path]]:
     """The examples under the headings of the gallery."""
-    return {heading: sorted(folder.glob("*.py")) for heading, folder in FOLDERS.items()}
+    return {heading: sorted(folder.glob(ending)) for heading, (folder, ending) in FILES.items()}
 
 
 def told(script: Path) -> tuple[str, str]:
-    """Title and text of an example: the first line of its docstring, up to the colon and from there on."""
-    said = ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or ""
+    """Title and text of an example: the first line of its docstring, or of its comment, up to a colon or a full stop, and from there on."""
+    source = script.read_text(encoding="utf-8")
+    if script.suffix == ".py":
+        said = ast.get_docstring(ast.parse(source)) or ""
+    else:
+        said = "\n".join(line.lstrip("# ") for line in takewhile(lambda line: line.startswith("#"), source.splitlines()))
     first, _, rest = said.partition("\n")
-    title, colon, more = first.partition(": ")
-    text = f"{more[:1].upper()}{more[1:]}" if colon else ""
+    title, *more = re.split(r": |\. ", first, maxsplit=1)
+    text = "".join(f"{part[:1].upper()}{part[1:]}" for part in more)
     return title.rstrip("."), "\n".join(part for part in (text, rest) if part).strip()
 
 
@@ -35,10 +45,10 @@ def page(script: Path) -> str:
     """Markdown of one example."""
     title, text = told(script)
     parts = [f"# {title}", text, f"![{title}]({script.stem}.png)"]
-    parts.append(f'```python\n--8<-- "{script.relative_to(ROOT).as_posix()}"\n```')
+    parts.append(f'```{"python" if script.suffix == ".py" else "toml"}\n--8<-- "{script.relative_to(ROOT).as_posix()}"\n```')
     printed = (ROOT / "docs" / "gallery" / f"{script.stem}.txt").read_text(encoding="utf-8")
     if printed:
-        parts += ["It prints", f"```text\n{printed}```"]
+        parts += ["It prints" if script.suffix == ".py" else "Solved:", f"```text\n{printed}```"]
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -55,7 +65,7 @@ def index() -> str:
 
 def on_config(config: Any, **_: Any) -> Any:
     """Called by mkdocs first: the pages stand in the navigation below the gallery."""
-    below = [{told(script)[0]: f"gallery/{script.stem}.md"} for files in scripts().values() for script in files]
+    below = [{heading: [{told(script)[0]: f"gallery/{script.stem}.md"} for script in files]} for heading, files in scripts().items()]
     config["nav"] = [{"Examples": ["examples.md", *below]} if entry == {"Examples": "examples.md"} else entry for entry in config["nav"]]
     return config
 

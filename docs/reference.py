@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[1]
+# Whose pages are lists of names; those of parts of a package name the part.
+PACKAGES = ("contact", "sie")
 
 
 def public(package: str) -> list[str]:
@@ -31,5 +33,5 @@ def completed(page: str, package: str) -> str:
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Called by mkdocs with the text of every page."""
-    folder, _, name = page.file.src_uri.partition("/")
-    return completed(markdown, name.removesuffix(".md")) if folder == "api" else markdown
+    package = page.file.src_uri.removeprefix("api/").removesuffix(".md")
+    return completed(markdown, package) if page.file.src_uri == f"api/{package}.md" and package in PACKAGES else markdown

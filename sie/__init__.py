@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     )
     from sie.equation.equation import CountError, Equation, Forcing
     from sie.fast.piecewise import PiecewiseTransform
-    from sie.free_ends.end_rates import EndRates, end_rates
+    from sie.free_ends.end_rates import EndRates, end_motions, end_rates
     from sie.free_ends.newton import Free, find_ends
     from sie.free_ends.sources import Answers, answers
     from sie.slits.density import SlitDensity
@@ -38,8 +38,8 @@ __all__ = [
     "Amplitude", "Answers", "AnyDensity", "AnyState", "BOUNDED", "Condition", "CountError", "Density", "End", "EndRates",
     "EqualPotential", "Equation", "FREE", "Forcing", "Free", "IntervalPotential", "Kept", "Kernel", "Level", "NotConverged",
     "PiecewiseTransform", "Rows", "SINGULAR", "SingularSystem", "SlitDensity", "Smooth", "Solution", "State", "Total",
-    "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_rates", "find_ends",
-    "free_with_intensity", "hilbert", "images", "moment", "solve", "solve_fixed", "solve_zones",
+    "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_motions", "end_rates",
+    "find_ends", "free_with_intensity", "hilbert", "images", "moment", "solve", "solve_fixed", "solve_zones",
 ]
 
 # Loaded when they are first asked for: a program that needs a zone does not load the search for ends. The imports above, for readers and
@@ -55,7 +55,7 @@ _HOMES = {
     "sie.equation.conditions": "Amplitude Condition EqualPotential Level Rows Total TotalWidth Weighted ZoneMoments ZoneTotals moment",
     "sie.equation.equation": "CountError Equation Forcing",
     "sie.fast.piecewise": "PiecewiseTransform",
-    "sie.free_ends.end_rates": "EndRates end_rates",
+    "sie.free_ends.end_rates": "EndRates end_motions end_rates",
     "sie.free_ends.newton": "Free find_ends",
     "sie.free_ends.sources": "Answers answers",
     "sie.slits.density": "SlitDensity",
@@ -65,11 +65,13 @@ _HOMES = {
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'sie' has no attribute {name!r}")
-    found = globals()[name] = getattr(lazy.module(_HOME[name]), name)
-    return found
+if not TYPE_CHECKING:  # to a type checker, a name that is not among these is none
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOME:
+            raise AttributeError(f"module 'sie' has no attribute {name!r}")
+        found = globals()[name] = getattr(lazy.module(_HOME[name]), name)
+        return found
 
 
 def __dir__() -> list[str]:

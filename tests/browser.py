@@ -78,7 +78,7 @@ class Page:
             raise RuntimeError(f"{script}: {done['exceptionDetails']}")
         return done["result"].get("value")
 
-    def until(self, holds: Callable[[], Any], seconds: float = 30.0) -> Any:
+    def until(self, holds: Callable[[], Any], seconds: float = 60.0) -> Any:
         """What `holds` gives once it is true."""
         end = time.monotonic() + seconds
         while not (value := holds()):

@@ -13,6 +13,7 @@ import pytest
 
 import contact
 from contact.model import registry
+from contact.studies.gallery import numbers
 from tests.tiers import quick
 
 FOLDER = Path(__file__).parents[1] / "examples"
@@ -40,7 +41,7 @@ def own_names():
             known.forget(name)
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda f: f.stem)
+@pytest.mark.parametrize("script", [*SCRIPTS, *SCENES], ids=lambda f: f.stem)
 def test_an_example_has_at_most_forty_lines_and_a_picture(script: Path) -> None:
     assert len(script.read_text(encoding="utf-8").splitlines()) <= 40
     picture = (DOCS / "gallery" / f"{script.stem}.png").read_bytes()
@@ -141,6 +142,7 @@ def test_a_scene_file_is_solved_to_the_tolerance_with_a_certificate(scene: Path,
     assert solution.error <= 1e-8
     assert solution.certificate.holds
     assert_within(scene.stem, work)
+    assert differing((DOCS / "gallery" / f"{scene.stem}.txt").read_text(encoding="utf-8"), numbers(solution)) == []
 
 
 def test_the_rounded_wedge_carries_the_load_of_its_closed_form(own_names) -> None:

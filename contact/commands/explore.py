@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from contact.commands.options import TOL, scene_of
 from contact.extras import require
 
 
@@ -13,7 +14,7 @@ from contact.extras import require
 @click.argument("scene", type=click.Path(path_type=Path), required=False)
 @click.option("--port", type=click.IntRange(1, 65535), help="Of the page; one that is free if left out.")
 @click.option("--show/--no-show", default=True, help="Open a browser.")
-@click.option("--tol", type=float, default=1e-8, show_default=True, help="Largest relative error.")
+@TOL
 def explore_command(scene: Path | None, port: int | None, show: bool, tol: float) -> None:
     """Turn a SCENE by sliders in a browser: surfaces, pressure, load curve and stated error follow. Without one: a wave.
 
@@ -23,4 +24,5 @@ def explore_command(scene: Path | None, port: int | None, show: bool, tol: float
     def ready(address: str) -> None:
         click.echo(f"{address}  (Ctrl-C ends it)")
 
-    require("contact.explorer.explore").serve(scene, tol, port, ready, show)
+    given = scene_of(scene) if scene is not None and str(scene) == "-" else scene
+    require("contact.explorer.explore").serve(given, tol, port, ready, show)

@@ -104,7 +104,7 @@ def with_number(scene: Scene, name: str, value: float) -> Scene:
 def _control(scene: Scene, solution: Solution | None) -> Handle:
     name, value = scene.control
     if name == "contact_fraction":
-        return _signed(name, value, 0.005, 1.0)
+        return _signed(name, value, min(0.005, value), 1.0)
     if scene.law.pulls and name in ("load", "mean_pressure", "approach"):
         off = solution.pull_off if solution is not None else None
         pull = getattr(off, name, None) if off is not None else None

@@ -36,6 +36,10 @@ class ApartFields(sie.Kept):
         raise IndexError("surfaces apart have no zones: use pressure(x)")
 
     @property
+    def cohesive(self) -> Array:
+        return np.zeros((0, 2))
+
+    @property
     def starts(self) -> Array:
         return np.zeros(0)
 

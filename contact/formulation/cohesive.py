@@ -13,50 +13,71 @@ are held with singular ends, whose intensities move these by 2 K/A.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact.errors import NotConverged, OutOfRange
-from contact.formulation import equilibria
-from contact.formulation.controls import Control, Load
-from contact.formulation.equilibria import Closed, Equilibria, Point
+from contact.errors import OutOfRange
+from contact.formulation.controls import Control
+from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
+from contact.formulation.pulled_contact import contact_under
 from contact.formulation.tension import Pulled
+from contact.formulation.tension_intervals import fitted, interval_of
 
 Array = NDArray[np.float64]
 
-# Newton's steps of the zones under a given tension, and how often their number may change.
-_STEPS, _ROUNDS = 80, 16
-# A zone's end moves at most by these parts of its width, and of the gap beside it; it comes so much nearer to the end of its interval.
-_INWARD, _OUTWARD, _INTO_GAP, _NEARER = 0.3, 0.5, 0.45, 0.25
-# A zone narrower than this part of what it was, and a gap beside which both ends go on, are gone.
-_GONE = 1e-3
-# Of the overlap in which a new zone begins, and of the part of a gap below the reach in which a new interval does.
-_NEW = 0.5
-# Points between two zones, or in a part of an interval, at the least, and at the most; how far from the zones of a lone body.
-_FEWEST, _MOST, _FAR = 24, 20000, 1e3
-_TRIES = 12
-
-
-class Lost(Exception):
-    """No contact is left under a tension."""
+# States that are remembered.
+_KNOWN = 256
 
 
 @dataclass(frozen=True, eq=False)
 class CohesivePoint(Point):
-    """table: the intervals I; zones: the contact within them (n, 2); fields: of q; by_ends: motions of the zones' ends (2n,) by those of I,
-    and by the value of the control, the last column; look: sampled places without contact, ascending, and the gap there."""
+    """table: the intervals I; zones: the contact within them (n, 2); q: its fields; by_ends, level_rates: motions of the zones' ends (2n,),
+    and of the level, by those of I and by the value of the control, the last column; look: sampled places without contact, ascending, and
+    the gap there."""
 
     zones: Array
-    fields: ZoneFields
+    q: ZoneFields
     by_ends: Array
+    level_rates: Array
     look: tuple[Array, Array]
+
+    @property
+    def rate(self) -> float:
+        """d load/d approach on the curve of equilibria, of a state under a held load."""
+        ends = np.linalg.solve(-self.rates, self.by_value)
+        return float(-1.0 / (self.level_rates[-1] + self.level_rates[:-1] @ ends))
+
+    @property
+    def contact(self) -> Array:
+        return self.zones
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """Of a state, what first guesses of others come from."""
+
+    table: Array
+    value: float
+    zones: Array
+    by_ends: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Loose(Point):
+    """A state of which only its intervals, zones (n, 2), load and level are told."""
+
+    zones: Array
+
+    @classmethod
+    def of(cls, table: Array, value: float, load: float, level: float, zones: Array) -> Loose:
+        none = np.zeros(0)
+        return cls(table, float(value), none, np.zeros((0, 0)), none, float(load), float(level), zones)
 
     @property
     def contact(self) -> Array:
@@ -68,8 +89,8 @@ class Cohesive(Equilibria):
     """Those of a problem whose law has a tension and a reach, both scaled here."""
 
     problem: Problem
-    kind: type[Control]
-    last: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
+    held: Control
+    known: list[Known] = field(default_factory=list, compare=False, repr=False)
 
     @cached_property
     def stress(self) -> float:
@@ -79,12 +100,21 @@ class Cohesive(Equilibria):
     def reach(self) -> float:
         return self.problem.law.reach / self.problem.units.height
 
+    @property
+    def everywhere(self) -> Pulled:
+        """The problem under tension in all of a period."""
+        return Pulled.of(self.problem, self.stress, np.zeros((0, 2)), everywhere=True)
+
     # one state --------------------------------------------------------------------------------------------------------
     def at(self, table: Array, value: float, tolerance: float = 1e-13) -> CohesivePoint:
         """The contact under the tension on given intervals; zones are looked for from those of the last state."""
-        before = self.last.get("point")
-        assert before is not None
-        return self.from_zones(table, value, _followed(before, table, value, self.problem.period))
+        return self.from_zones(table, value, _followed(self._nearest(table), table, value, self.problem.period))
+
+    def _nearest(self, table: Array) -> Known:
+        """Of the states known, the one of the nearest intervals as many as these; else the last."""
+        known = self.known
+        alike = [one for one in known if one.table.shape == table.shape]
+        return min(reversed(alike), key=lambda one: float(np.abs(one.table - table).max())) if alike else known[-1]
 
     def from_zones(self, table: Array, value: float, zones: Array) -> CohesivePoint:
         """The same from a first guess of the zones."""
@@ -92,113 +122,30 @@ class Cohesive(Equilibria):
         if table[0, 0] <= lo or table[-1, 1] >= hi:
             raise OutOfRange("the tension reaches the border of the part of the profile that is known")
         pulled = Pulled.of(self.problem, self.stress, table)
-        fields, look = self.contact(pulled, value, zones)
+        fields, look = self.contact_under(pulled, value, zones)
         point = self._point(table, value, fields, look)
-        self.last["point"] = point
+        self.known.append(Known(table, value, point.zones, point.by_ends))
+        del self.known[:-_KNOWN]
         return point
+
+    def contact_under(self, pulled: Pulled, value: float, zones: Array) -> tuple[ZoneFields, tuple[Array, Array]]:
+        """(fields of q on the zones of contact under a tension and a value of the control, the gap beside them)."""
+        return contact_under(pulled, self.control(pulled, value), zones)
 
     def control(self, pulled: Pulled, value: float) -> Control:
         """That of q: its load has the tension, too."""
-        return self.kind(value + pulled.pulling.total) if self.kind is Load else self.kind(value)
+        return replace(self.held, value=value + self.yields * pulled.pulling.total)
 
-    def contact(self, pulled: Pulled, value: float, zones: Array) -> tuple[ZoneFields, tuple[Array, Array]]:
-        """(fields of q on the zones of contact under a tension, the gap beside them)."""
-        control = self.control(pulled, value)
-        if control.load is not None and not control.load > 0.0:
-            raise Lost
-        for _ in range(_ROUNDS):
-            state = self._settled(pulled, control, zones)
-            fields = ZoneFields(pulled, state)
-            look = self._look(fields)
-            found = _corrected(fields, look)
-            if found is None:
-                return fields, look
-            zones = _fitted(found, pulled.pulling.table, self.problem.period, pulled.pulling.everywhere)
-            if len(zones) == 0:
-                raise Lost
-        raise NotConverged("the zones under a given tension did not settle")
+    @property
+    def yields(self) -> float:
+        """What a unit of load adds to the value of the control."""
+        if self.held.load is not None:
+            return 1.0
+        return float(self.held.yields or 0.0)
 
-    def _settled(self, pulled: Pulled, control: Control, zones: Array) -> sie.State:
-        """Newton on the ends of zones whose number is given, or falls."""
-        equation, first = pulled.equation(control), np.diff(zones, axis=1)[:, 0]
-        for _ in range(_STEPS):
-            state = sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-14)
-            k, slope = np.array(state.density.intensities), np.array(state.density.edge_slopes)
-            width, (room, shared) = np.diff(zones, axis=1)[:, 0], self._room(pulled, zones)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                step = np.where(slope > 0, 2 * k / slope, np.copysign(np.inf, k))
-            # Beside the end of an interval K goes with the root of the distance from there.
-            near = np.minimum(np.maximum(1 - step / (2 * np.where(shared, np.inf, room)), np.sqrt(_NEARER)), 4.0)
-            rooted = np.where(shared | ~np.isfinite(step), step, room * (1 - near**2))
-            step = np.where(np.abs(step) < 0.1 * room, step, rooted)
-            least = np.minimum(width, np.where(shared, np.inf, room))
-            if float(np.abs(step / least).max()) < 1e-11:
-                return state
-            limit = np.minimum(_OUTWARD * width, np.where(shared, _INTO_GAP, 1 - _NEARER) * room)
-            moved = np.clip(step, -_INWARD * width, limit)
-            if float(np.abs(moved / least).max()) < 1e-9:
-                zones = zones + np.column_stack((-moved[0], moved[1]))
-                return sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-14)
-            lost = (width < _GONE * first) & (step < -_INWARD * width).all(axis=0)
-            if lost.any():
-                if lost.all():
-                    raise Lost
-                zones, first = zones[~lost], first[~lost]
-                continue
-            zones = zones + np.column_stack((-moved[0], moved[1]))
-            zones, first = self._joined(pulled, zones, first, step)
-        raise NotConverged("the ends of zones under a given tension did not come to rest")
-
-    def _room(self, pulled: Pulled, zones: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """(how far each end (2, n) is from what is next to it, whether that is another zone: else the end of its interval)."""
-        period, tension = self.problem.period, pulled.pulling
-        if period is None:
-            gaps = np.concatenate(([np.inf], zones[1:, 0] - zones[:-1, 1], [np.inf]))
-        else:
-            inner = zones[1:, 0] - zones[:-1, 1]
-            around = zones[0, 0] + period - zones[-1, 1]
-            gaps = np.concatenate(([around], inner, [around]))
-        beside = np.array([gaps[:-1], gaps[1:]])
-        if tension.everywhere or len(tension.table) == 0:
-            return beside, np.ones(beside.shape, dtype=bool)
-        i = _interval_of(zones, tension.table)
-        away = np.array([zones[:, 0] - tension.table[i, 0], tension.table[i, 1] - zones[:, 1]])
-        return np.minimum(beside, away), beside < away
-
-    def _joined(self, pulled: Pulled, zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
-        """Zones between which nothing is left as one."""
-        gap = zones[1:, 0] - zones[:-1, 1]
-        width = np.diff(zones, axis=1)[:, 0]
-        meets = (gap < _GONE * np.minimum(width[1:], width[:-1])) & (step[1, :-1] > 0.3 * gap) & (step[0, 1:] > 0.3 * gap)
-        if not meets.any():
-            return zones, first
-        begins, ends = np.append(True, ~meets), np.append(~meets, True)
-        return np.column_stack((zones[begins, 0], zones[ends, 1])), first[begins]
-
-    def _look(self, fields: ZoneFields) -> tuple[Array, Array]:
-        """(places without contact, the gap there)."""
-        zones, pulled = fields.density.zones.table, fields.problem
-        assert isinstance(pulled, Pulled)
-        table, period = pulled.pulling.table, self.problem.period
-        lo, hi = self.problem.borders
-        if period is not None:
-            left, right = [float(zones[-1, 1]) - period], [float(zones[0, 0]) + period]
-            edges = [(float(b), float(a)) for b, a in zip(zones[:, 1], [*zones[1:, 0], right[0]], strict=True)]
-            marks = np.concatenate((table.ravel(), table.ravel() + period, table.ravel() - period))
-        else:
-            both = np.concatenate((table.ravel(), zones.ravel()))
-            span = float(both.max() - both.min())
-            left, right = [max(lo, both.min() - _FAR * span)], [min(hi, both.max() + _FAR * span)]
-            edges = [(float(b), float(a)) for b, a in zip([*left, *zones[:, 1]], [*zones[:, 0], *right], strict=True)]
-            marks = table.ravel()
-        spacing = fields.spacing if self.problem.profile.resolution is not None else np.inf
-        found = []
-        for begin, end in edges:
-            cuts = np.concatenate(([begin], np.sort(marks[(marks > begin) & (marks < end)]), [end]))
-            for a, b in zip(cuts[:-1], cuts[1:], strict=True):
-                found.append(_places(float(a), float(b), 0.25 * spacing))
-        x = np.concatenate(found)
-        return x, fields.formal_gap(x)
+    def fields(self, here: Point) -> ZoneFields:
+        assert isinstance(here, CohesivePoint)
+        return here.q
 
     # how it follows ---------------------------------------------------------------------------------------------------
     def _point(self, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array]) -> CohesivePoint:
@@ -206,195 +153,51 @@ class Cohesive(Equilibria):
         assert isinstance(pulled, Pulled)
         tension, density, count = pulled.pulling, state.density, len(table)
         at = np.concatenate((table[:, 0], table[:, 1]))
-        outward = np.concatenate((-np.ones(count), np.ones(count)))
         strengths = np.hstack((self.stress * np.eye(2 * count), np.zeros((2 * count, 1))))
         values = np.zeros((len(state.condition_scale), 2 * count + 1))
         first = state.condition_index[0]
-        by_load = self.kind is Load
-        if by_load:
+        if self.held.load is not None:
             values[first, :-1], values[first, -1] = self.stress, 1.0
         else:
-            values[first : first + len(density.zones), -1] = -1.0
+            # Minus the value stands in the row of every zone.
+            values[first : first + len(density.zones)] = np.append(np.full(2 * count, -self.yields * self.stress), -1.0)
         answers = sie.answers(state, at, strengths, values, at)
-        level = answers.levels.mean(axis=0) if by_load else np.append(np.zeros(2 * count), -1.0)
+        level = np.append(np.zeros(2 * count), -1.0) if self.held.approach is not None else answers.levels.mean(axis=0)
         change = level - answers.potentials
         matrix = change[:, :-1]
-        lag = at[:, None] - at
-        np.fill_diagonal(lag, 1.0)
-        between = self.stress / np.pi * tension.log(lag)
-        own = np.concatenate((tension.log(table[:, 1] - table[:, 0]),) * 2) * self.stress / np.pi
-        slope = pulled.own_slope(at) - density.transform(at) + np.array([tension.others(j % count, float(x)) for j, x in enumerate(at)])
-        np.fill_diagonal(between, own + outward * slope)
+        between = self.explicit(pulled, at, density.transform(at))
         gap = fields.formal_gap(at)
         with np.errstate(divide="ignore"):
             moved = 2 * answers.intensities / np.array(density.edge_slopes)[:, :, None]
         return CohesivePoint(
             table, value, 1 - gap / self.reach, -(matrix + between) / self.reach, -change[:, -1] / self.reach,
-            density.total - tension.total, float(fields.level), density.zones.table, fields, moved.reshape(-1, 2 * count + 1), look,
+            density.total - tension.total, float(fields.level), density.zones.table, fields, moved.reshape(-1, 2 * count + 1), level, look,
         )
 
-    # growing and shrinking --------------------------------------------------------------------------------------------
-    def _flowed(self, table: Array, value: float, sign: float) -> CohesivePoint | None:
-        here = self.at(table, value)
-        for _ in range(equilibria._MOST_STEPS):
-            new = self._parted(here) if sign < 0 else self._grown(here)
-            if new is not None:
-                if len(new) == 0:
-                    return None
-                try:
-                    here = self.at(new, value)
-                except Lost:
-                    if sign > 0:
-                        raise
-                    return None
-                continue
-            try:
-                ahead, move = self._step(here, sign)
-            except Lost:
-                if sign > 0:
-                    raise
-                return None
-            assert isinstance(ahead, CohesivePoint)
-            here = ahead
-            if move <= equilibria._REST and np.abs(here.residual).max() <= equilibria._DRIVEN:
-                return here
-        raise NotConverged("the ends of the tension did not come to rest under a held control")
-
-    def _step(self, here: Point, sign: float) -> tuple[Point, float]:
-        limit, back = self._limits(here, sign)
-        lost = 0
-        for _ in range(equilibria._MOST_TRIES):
-            step = equilibria._kept_step(here, sign, limit, back)
-            try:
-                ahead = self.at(here.moved(step), here.value)
-            except Lost:
-                lost += 1
-                if lost > _TRIES:
-                    raise
-                self.last["point"] = here
-                limit = 0.3 * np.minimum(limit, np.abs(step))
-                continue
-            passed = equilibria._passed(here, ahead, step, sign)
-            if not passed.any():
-                return ahead, float(np.abs(step / here.widths).max())
-            self.last["point"] = here
-            kept = np.where(passed | (here.growth >= 0.0), 0.5, 0.9)
-            limit = kept * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
-        raise NotConverged("no step of the ends keeps to the branch")
-
-    def _grown(self, here: CohesivePoint) -> Array | None:
-        """The intervals with new ones, and with those as one between which the gap is below the reach; None if there are none."""
-        (x, gap), table, period = here.look, here.table, self.problem.period
-        new, joins = [], np.zeros(len(table), dtype=bool)
-        for i, (a, b) in enumerate(self._outside(table)):
-            inner = _within(x, a, b, period)
-            below = gap[inner] < self.reach
-            if len(inner) and below.all() and np.isfinite(a) and np.isfinite(b):
-                joins[i - (period is None)] = True
-                continue
-            for s, e in _runs(below):
-                if s > 0 and e < len(inner) - 1:
-                    place = _unwrapped(x[inner], a, b, period)
-                    lo, hi = place[s - 1], place[e + 1]
-                    middle, half = 0.5 * (place[s] + place[e]), 0.5 * _NEW * max(place[e] - place[s], 0.1 * (hi - lo))
-                    new.append((middle - half, middle + half))
-        if not new and not joins.any():
-            return None
-        if joins.all() and period is not None:
-            raise Closed
-        return _joined_table(np.asarray(table), joins, new, period)
-
-    def _parted(self, here: CohesivePoint) -> Array | None:
-        """The intervals without parts over which the gap is above the reach, but those that begin at their ends; None if there are none."""
-        (x, gap), table, period = here.look, here.table, self.problem.period
-        out, changed = [], False
-        for a, b in table:
-            inner = _within(x, a, b, period)
-            above = gap[inner] > self.reach
-            if len(inner) and above.all() and not np.any(_interval_of(here.zones, table) == len(out)) and not self._holds(here, a, b):
-                changed = True
-                continue
-            left = a
-            place = _unwrapped(x[inner], a, b, period)
-            for s, e in _runs(above):
-                if s > 0 and e < len(inner) - 1:
-                    out.append((left, place[s - 1]))
-                    left, changed = place[e + 1], True
-            out.append((left, b))
-        return np.array(out).reshape(-1, 2) if changed else None
-
-    def _holds(self, here: CohesivePoint, a: float, b: float) -> bool:
-        return bool(np.any((here.zones[:, 0] > a) & (here.zones[:, 1] < b)))
-
-    def _outside(self, table: Array) -> list[tuple[float, float]]:
-        """Between the intervals: with a period the last one ends at the first interval of the next."""
-        if self.problem.period is not None:
-            return list(zip(table[:, 1], np.append(table[1:, 0], table[0, 0] + self.problem.period), strict=True))
-        return list(zip(np.append(-np.inf, table[:, 1]), np.append(table[:, 0], np.inf), strict=True))
-
-    def _merged(self, here: Point) -> Array | None:
-        return None
+    def explicit(self, pulled: Pulled, at: Array, transform: Array) -> Array:
+        """Rates of the gap at the ends of the tension by their outward motions, but for what the contact answers; transform: of q there."""
+        tension, count = pulled.pulling, len(at) // 2
+        table = tension.table
+        lag = at[:, None] - at
+        np.fill_diagonal(lag, 1.0)
+        between = self.stress / np.pi * tension.log(lag)
+        own = np.concatenate((tension.log(table[:, 1] - table[:, 0]),) * 2) * self.stress / np.pi
+        others = np.array([tension.others(j % count, float(x)) for j, x in enumerate(at)])
+        outward = np.concatenate((-np.ones(count), np.ones(count)))
+        np.fill_diagonal(between, own + outward * (pulled.own_slope(at) - transform + others))
+        return between
 
 
-# zones and intervals --------------------------------------------------------------------------------------------------
-def _places(a: float, b: float, spacing: float) -> Array:
-    """Points in (a, b), closer beside its ends."""
-    count = int(np.clip((b - a) / spacing, _FEWEST, _MOST))
-    return a + (b - a) * np.sin(0.5 * np.pi * (np.arange(count) + 0.5) / count) ** 2
-
-
-def _within(x: Array, a: float, b: float, period: float | None) -> NDArray[np.intp]:
-    """Which places lie in (a, b), from left to right."""
-    place = _unwrapped(x, a, b, period)
-    inner = np.flatnonzero((place > a) & (place < b))
-    return np.asarray(inner[np.argsort(place[inner])])
-
-
-def _unwrapped(x: Array, a: float, b: float, period: float | None) -> Array:
-    return x if period is None else x - np.floor((x - a) / period) * period
-
-
-def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
-    return [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]
-
-
-def _interval_of(zones: Array, table: Array) -> NDArray[np.intp]:
-    """The interval that each zone lies in."""
-    return np.maximum(np.searchsorted(table[:, 0], zones.mean(axis=1), side="right") - 1, 0)
-
-
-def _fitted(zones: Array, table: Array, period: float | None, everywhere: bool = False) -> Array:
-    """Zones moved by periods into intervals, and cut to lie within."""
-    if everywhere or len(table) == 0:
-        return zones[np.argsort(zones[:, 0])]
-    out = []
-    for a, b in zones:
-        middle = 0.5 * (a + b)
-        shift = 0.0 if period is None else -np.floor((middle - table[0, 0]) / period) * period
-        a, b, middle = a + shift, b + shift, middle + shift
-        i = max(int(np.searchsorted(table[:, 0], middle, side="right")) - 1, 0)
-        lo, hi = table[i]
-        if middle >= hi or middle <= lo:
-            continue
-        slack = 1e-2 * (hi - lo)
-        a, b = (max(a, lo + slack) if a <= lo else a), (min(b, hi - slack) if b >= hi else b)
-        if a < b:
-            out.append((a, b))
-    found = np.array(out).reshape(-1, 2)
-    return np.asarray(found[np.argsort(found[:, 0])])
-
-
-def _followed(before: CohesivePoint, table: Array, value: float, period: float | None) -> Array:
+def _followed(before: Known, table: Array, value: float, period: float | None) -> Array:
     """Where the zones of a state are about to be after its intervals and the value have moved."""
     zones = before.zones
     if len(before.table) != len(table):
-        return _fitted(zones, table, period)
+        return fitted(zones, table, period)
     outward = np.concatenate((before.table[:, 0] - table[:, 0], table[:, 1] - before.table[:, 1]))
     move = before.by_ends @ np.append(outward, value - before.value)
     count = len(zones)
     width = np.diff(zones, axis=1)[:, 0]
-    i = _interval_of(zones, before.table)
+    i = interval_of(zones, before.table)
     left = np.clip(move[:count], -0.4 * width, None)
     right = np.clip(move[count:], -0.4 * width, None)
     new = zones + np.column_stack((-left, right))
@@ -405,59 +208,5 @@ def _followed(before: CohesivePoint, table: Array, value: float, period: float |
     middle, share = 0.5 * (zones[1:, 0] + zones[:-1, 1]), 1e-3 * (zones[1:, 0] - zones[:-1, 1])
     new[1:, 0], new[:-1, 1] = np.maximum(new[1:, 0], middle + share), np.minimum(new[:-1, 1], middle - share)
     if np.any(new[:, 1] <= new[:, 0]) or np.any(new[1:, 0] <= new[:-1, 1]):
-        return _fitted(zones, table, period)
+        return fitted(zones, table, period)
     return np.asarray(new)
-
-
-def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
-    """Zones with pulling parts cut out and new ones where the surfaces overlap; None where there are no such places."""
-    density, (x, gap) = fields.density, look
-    zones, out, changed = density.zones, [], False
-    for i, n in enumerate(density.sampling):
-        theta = (np.arange(n) + 0.5) * np.pi / n
-        left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
-        q = density.at(np.full(n, i), left, right)[::-1] / np.sqrt(left * right)
-        place = zones.a[i] + zones.half[i] * left[::-1]
-        begin = float(zones.a[i])
-        for s, e in _runs(q < -1e-9 * np.abs(q).max()):
-            changed = True
-            if s > 0:
-                out.append((begin, float(0.5 * (place[s] + place[s - 1]))))
-            begin = float(0.5 * (place[e] + place[e + 1])) if e < n - 1 else np.inf
-        if np.isfinite(begin):
-            out.append((begin, float(zones.b[i])))
-    rounding = fields.gap_rounding + 2 * float(np.abs(fields.formal_gap(zones.middle)).max())
-    inside = density.locate(x)[2]
-    for s, e in _runs((gap < -rounding) & ~inside):
-        lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
-        if (s == 0 or lo in zones.table) and (e == len(x) - 1 or hi in zones.table):
-            continue
-        middle, half = 0.5 * (x[s] + x[e]), 0.5 * _NEW * max(x[e] - x[s], 0.2 * (hi - lo))
-        out.append((float(middle - half), float(middle + half)))
-        changed = True
-    if not changed:
-        return None
-    found = np.array(sorted(out)).reshape(-1, 2)
-    overlapping = found[1:, 0] <= found[:-1, 1]
-    begins, ends = np.append(True, ~overlapping), np.append(~overlapping, True)
-    return np.column_stack((found[begins, 0], found[ends, 1]))
-
-
-def _joined_table(table: Array, joins: NDArray[np.bool_], new: list[tuple[float, float]], period: float | None) -> Array:
-    """The intervals, those after which joins is set as one with the next, and the new ones."""
-    joins = joins.copy()
-    if period is None:
-        joins[-1] = False
-    if joins[-1]:
-        start = int(np.flatnonzero(~joins)[0]) + 1
-        table = np.concatenate((table[start:], table[:start] + period))
-        joins = np.roll(joins, -start)
-    begins = np.concatenate(([True], ~joins[:-1]))
-    table = np.column_stack((table[begins, 0], table[~joins, 1]))
-    if new:
-        added = np.array(new)
-        if period is not None:
-            added = added - np.floor((added[:, :1] - table[0, 0]) / period) * period
-        table = np.concatenate((table, added))
-        table = table[np.argsort(table[:, 0])]
-    return np.asarray(table)

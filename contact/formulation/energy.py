@@ -35,7 +35,7 @@ def elastic_energy(fields: Fields) -> float | None:
     approach = fields.approach
     if approach is None or problem.interaction.strip:
         return None
-    pressed = _of_period(fields) if isinstance(fields, FullFields) else _of_zones(fields)
+    pressed = _of_period(fields) if isinstance(fields, FullFields) else _of_zones(fields) + fields.borne_beside
     return float(0.5 * (fields.load * approach - pressed * units.load * units.height))
 
 

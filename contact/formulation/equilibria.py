@@ -25,6 +25,14 @@ Array = NDArray[np.float64]
 _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
 
 
+class Closed(Exception):
+    """All gaps of a period have closed."""
+
+
+class NoState(Exception):
+    """There is no contact on such intervals."""
+
+
 @dataclass(frozen=True, eq=False)
 class Point:
     """Zones (n, 2) under a value of the control. residual: r over |K*| of the left and then the right ends (2n,); rates: dr/ds (2n, 2n);
@@ -37,6 +45,11 @@ class Point:
     by_value: Array
     load: float
     level: float
+
+    @property
+    def contact(self) -> Array:
+        """The zones of contact."""
+        return self.table
 
     @property
     def widths(self) -> Array:

@@ -38,6 +38,8 @@ class Fields(Protocol):
     @property
     def starts(self) -> Array: ...
     @property
+    def cohesive(self) -> Array: ...
+    @property
     def load(self) -> float: ...
     @property
     def loads(self) -> Array: ...
@@ -64,13 +66,7 @@ def moved_ends(state: sie.AnyState) -> Array:
     moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
     k, a = np.array(state.response(values).intensities), np.array(state.density.edge_slopes)
     if follows(state):
-        rates = sie.end_rates(state.whole)
-        out = np.zeros_like(k)
-        for (side, i), motion in zip(rates.ends, -np.linalg.solve(rates.intensities, [k[end] for end in rates.ends]), strict=True):
-            out[side, i] = motion
-            if zones.symmetric:
-                out[1 - side, len(zones) - 1 - i] = motion
-        return out
+        return sie.end_motions(state.whole, -k)[0]
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(moves, 2 * k / a, 0.0)
 
@@ -137,8 +133,10 @@ class ZoneFields(sie.Kept):
             values[index[2]] = self.amplitude_rate
         rate = -float(self.state.level_rates(values).mean())
         if follows(self.state):
-            rates, motions = sie.end_rates(self.state.whole), moved_ends(self.state)
-            rate -= float((rates.levels @ [motions[end] for end in rates.ends]).mean())
+            loaded = np.zeros(len(self.state.condition_scale))
+            loaded[index[0]] = 1.0
+            k = np.array(self.state.response(loaded).intensities)
+            rate -= float(sie.end_motions(self.state.whole, -k)[1].mean())
         units = self.problem.units
         return units.load / (units.height * rate)
 
@@ -172,6 +170,11 @@ class ZoneFields(sie.Kept):
             matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / (float(state.level_rates(values).mean()) - yields)
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
         return np.asarray(root[:, None] * matrix * root / wanted)
+
+    @property
+    def borne_beside(self) -> float:
+        """Scaled int p (F - gap) dx beside the zones, of what acts there."""
+        return 0.0
 
     @cached_property
     def mean_gap(self) -> float:
@@ -360,6 +363,11 @@ class ZoneFields(sie.Kept):
             middle = 0.5 * float(zones.a[0] + zones.b[-1])
             scaled = scaled - np.floor((scaled - middle) / problem.period + 0.5) * problem.period
         return np.asarray(scaled)
+
+    @property
+    def cohesive(self) -> Array:
+        """None: nothing acts beside the contact."""
+        return np.zeros((0, 2))
 
     @property
     def starts(self) -> Array:

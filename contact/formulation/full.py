@@ -108,6 +108,11 @@ class FullFields(sie.Kept):
         raise IndexError("full contact has no zones: use pressure(x)")
 
     @property
+    def cohesive(self) -> Array:
+        """None: nothing acts beside the contact."""
+        return np.zeros((0, 2))
+
+    @property
     def starts(self) -> Array:
         return np.zeros(0)
 

@@ -125,6 +125,15 @@ class GapFields(sie.Kept):
         return np.asarray(self.approach - height + self.gap(x))
 
     @property
+    def borne_beside(self) -> float:
+        return 0.0
+
+    @property
+    def cohesive(self) -> Array:
+        """None: nothing acts beside the contact."""
+        return np.zeros((0, 2))
+
+    @property
     def starts(self) -> Array:
         return self.problem.units.x(self.zones[:, 0])
 

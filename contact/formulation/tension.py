@@ -16,7 +16,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import spence
+from scipy.special import zeta
 
 import sie
 from contact.formulation.problem import Problem
@@ -25,6 +25,9 @@ Array = NDArray[np.float64]
 
 # Nodes on a panel of the quadrature of a kernel's regular potential, and panels to the length over which it varies.
 _NODES, _PER_LENGTH = 16, 4.0
+# Of Clausen's integral up to pi: what follows is below rounding.
+_ORDERS = np.arange(1, 27)
+_CLAUSEN = zeta(2.0 * _ORDERS) / (_ORDERS * (2 * _ORDERS + 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +85,7 @@ class Tension(sie.Kept):
         out = np.zeros(np.shape(x))
         for left, right in self.table:
             out += self._primitive(x - left) - self._primitive(x - right)
-        if not self.plain:
+        if not self.plain and len(self.table):
             out += self._regular(np.asarray(x, dtype=float))
         return self.stress / np.pi * out
 
@@ -151,19 +154,14 @@ class Tension(sie.Kept):
 
 
 def clausen(angle: Array) -> Array:
-    """Cl_2 = -int_0^angle ln|2 sin(t/2)| dt, the imaginary part of the dilogarithm on the unit circle."""
+    """Cl_2 = -int_0^angle ln|2 sin(t/2)| dt = t (1 - ln t + sum_k zeta(2k)/(k (2k + 1)) (t/2 pi)^2k), 0 < t <= pi, odd and of period
+    2 pi (L. Lewin, Polylogarithms and Associated Functions, 1981, section 4.3)."""
     angle = np.asarray(angle, dtype=float)
     turned = angle - np.round(angle / (2 * np.pi)) * 2 * np.pi
-    size = np.abs(turned)
-    # 1 - exp(i t) = 2 sin(t/2) (sin(t/2) - i cos(t/2)): no digit is lost beside zero.
-    half = 0.5 * size
-    far = spence(2 * np.sin(half) * (np.sin(half) - 1j * np.cos(half))).imag
-    # Beside zero its parts cancel: there the series in Bernoulli's numbers (L. Lewin, Polylogarithms, 1981, 4.3).
-    square = size * size
-    near = 1.0 + square * (1 / 72 + square * (1 / 14400 + square * (1 / 1270080 + square / 87091200)))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        near = np.where(size > 0, size * (near - np.log(np.maximum(size, 1e-300))), 0.0)
-    return np.asarray(np.sign(turned) * np.where(size < 0.25, near, far))
+    square, series = (turned / (2 * np.pi)) ** 2, np.zeros(np.shape(angle))
+    for coefficient in _CLAUSEN[::-1]:
+        series = (series + coefficient) * square
+    return np.asarray(turned * (1.0 + series - np.log(np.maximum(np.abs(turned), 1e-300))))
 
 
 @dataclass(frozen=True, eq=False)

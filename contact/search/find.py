@@ -21,6 +21,7 @@ from contact.search.task import Task
 from contact.search.topology.missed import NOT_MINE, Missed, attempted
 from contact.search.ways.along import from_last
 from contact.search.ways.branches import followed
+from contact.search.ways.cohesive import followed_under_tension
 from contact.search.ways.full_contact import smallest_full
 from contact.search.ways.guesses import Outcome, search
 from contact.search.ways.loads import NEAR_LOAD, at_approach, at_level
@@ -57,7 +58,9 @@ def _full(task: Task, refused: Missed | None) -> Outcome | Missed:
 
 def _branch(task: Task, refused: Missed | None) -> Outcome | Missed:
     """One of several equilibria."""
-    return followed(task) if task.follows_branch else NOT_MINE
+    if not task.follows_branch:
+        return NOT_MINE
+    return (followed_under_tension if task.scene.law.tension else followed)(task)
 
 
 def _along(task: Task, refused: Missed | None) -> Outcome | Missed:

@@ -25,7 +25,8 @@ _FAR_OFF = 64.0
 
 def refined(task: Task, found: Outcome, again: Callable[[Task], Outcome]) -> Outcome:
     """again: the whole search, for a task that asks for more."""
-    if isinstance(found, Full):
+    # Under a tension what belongs to it is solved as tightly as there is where it is found.
+    if isinstance(found, Full) or task.scene.law.tension:
         return found
     if isinstance(found, FoundByGaps) and found.error > task.tol:
         found = _by_zones(task, found)

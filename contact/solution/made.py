@@ -43,10 +43,10 @@ def of_zones(
     if plan["kinks"].used:
         plan["kinks"].reason = f"{len(density.jumps)} jumps of the slope or its derivatives inside zones"
     if density.slit_count:
-        plan["holes"].used, plan["holes"].reason = True, "narrow gaps between zones"
-        plan["holes"].detail = f"{density.slit_count} in {len(zones) - density.slit_count} wide zones"
+        plan["slits"].used, plan["slits"].reason = True, "narrow gaps between zones"
+        plan["slits"].detail = f"{density.slit_count} in {len(zones) - density.slit_count} wide zones"
     else:
-        plan["holes"].reason = "no narrow gaps between zones"
+        plan["slits"].reason = "no narrow gaps between zones"
     _tell_sizes(plan, len(zones), found.free.state)
     table = in_cell(scene, np.asarray(problem.units.x(zones.table)))
     solution = Solution(scene, table, found.fields, found.error, found.certificate, plan, found.free.trace)
@@ -101,6 +101,8 @@ def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan)
 def _told_of_full(scene: Scene, least: float) -> str:
     if least >= 0.0 or not scene.law.pulls:
         return "full contact: the pressure is nowhere negative"
+    if scene.law.tension:
+        return "full contact, under tension in places: nowhere above what the surfaces pull with"
     # Half width c of a flaw under a tension s, K = s sqrt(c/2), that releases the work of adhesion w = (pi/E*) K^2.
     flaw = 2 * (scene.law.intensity(scene.E_star) / least) ** 2
     told = "full contact, under tension in places: what is closed stays closed"

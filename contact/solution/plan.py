@@ -164,7 +164,7 @@ def plan(scene: Scene) -> Plan:
             not given,
             "half width given" if kind == "half_width" else "sharp corners hold them" if given else "unknown: Newton",
         ),
-        Part("holes", False, "no zones beside narrow gaps known"),
+        Part("slits", False, "no zones beside narrow gaps known"),
         Part("fast sums", False, "few zones: sums are direct"),
         Part("certificate", True, "always"),
         Part("fields", False, "computed when asked"),

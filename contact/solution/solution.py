@@ -205,10 +205,22 @@ class Solution(sie.Kept):
             what = f"the law {law.name}" if law.bare is None else "a given half width"
             raise SceneError(f"there is no pull-off under {what}: it is that of adhesion under a load or an approach", "pull_off")
         if not isinstance(self.fields, ZoneFields):
+            if law.tension:
+                raise SceneError("pull-off is told of contact that is not nearly full: ask for it under a smaller load", "pull_off")
             return None
         if self.parting is None:
             raise SceneError("there is no pull-off of a state that did not converge", "pull_off")
         return self.parting(self.fields)
+
+    @property
+    def cohesive(self) -> Array:
+        """Intervals [m], (m, 2), in which the gap is below the reach of the law's tension, contact within them included: all of it is
+        pulled, and the pressure beside the contact is minus that tension. (0, 2) under laws that do nothing beside the contact."""
+        table, period = self.fields.cohesive, self.scene.period
+        if period is None or len(table) == 0:
+            return table
+        table = table - np.floor((table[:, :1] - self.scene.profile.x0) / period) * period
+        return np.asarray(table[np.argsort(table[:, 0])])
 
     @property
     def tilt(self) -> float | None:

@@ -1,7 +1,7 @@
 """Runs the examples and keeps what they show: python -m contact.studies.gallery [NAME ...].
 
-Of each script of `examples` and `examples/engine` a picture of what it solved, docs/gallery/NAME.png, and what it printed,
-docs/gallery/NAME.txt. The pages themselves are made of script, picture and print when the site is built (docs/gallery.py).
+Of each script of `examples` and `examples/engine`, and of each scene file, a picture of what is solved, docs/gallery/NAME.png, and what
+is printed, docs/gallery/NAME.txt. The pages themselves are made of script, picture and print when the site is built (docs/gallery.py).
 """
 
 from __future__ import annotations
@@ -31,8 +31,9 @@ _COLOURS = ("#1f5a92", "#b3261e", "#3d7a4a", "#8a5a00", "#6a3d8a", "#444444")
 
 
 def scripts() -> dict[str, Path]:
-    """Name, and file, of every example that is a script."""
-    return {file.stem: file for file in (*sorted(EXAMPLES.glob("*.py")), *sorted((EXAMPLES / "engine").glob("*.py")))}
+    """Name, and file, of every example."""
+    found = ((EXAMPLES, "*.py"), (EXAMPLES / "engine", "*.py"), (EXAMPLES, "*.toml"))
+    return {file.stem: file for folder, ending in found for file in sorted(folder.glob(ending))}
 
 
 @contextlib.contextmanager
@@ -132,6 +133,17 @@ def of_engine(found: list[sie.Solution]) -> Any:
     return figure
 
 
+def numbers(solution: contact.Solution) -> str:
+    """A scene's numbers, a line each."""
+    fraction = solution.contact_fraction
+    told = [
+        ("zones", str(len(solution.zones))), ("load", quantity(solution.load, "N/m")),
+        ("highest pressure", quantity(solution.max_pressure, "Pa")), ("approach", quantity(solution.approach, "m")),
+        ("in contact", "not defined" if fraction is None else f"{100 * fraction:.4g} %"), ("stated error", f"{solution.error:.0e}"),
+    ]  # fmt: skip
+    return "".join(f"{name:18}{value}\n" for name, value in told)
+
+
 def save(figure: Any, file: Path, dpi: int = 110) -> None:
     """A figure as PNG of few colours, which takes a third of the room."""
     stream = io.BytesIO()
@@ -141,8 +153,13 @@ def save(figure: Any, file: Path, dpi: int = 110) -> None:
 
 def keep(name: str, file: Path, folder: Path = KEPT) -> None:
     """Run one example, and write its picture and its print."""
-    contacts, equations, printed = run(file)
     folder.mkdir(parents=True, exist_ok=True)
+    if file.suffix == ".toml":
+        solution = contact.solve(contact.load_scene(file))
+        save(solution.plot(), folder / f"{name}.png", dpi=80)
+        (folder / f"{name}.txt").write_text(numbers(solution), encoding="utf-8")
+        return
+    contacts, equations, printed = run(file)
     save(of_contact(contacts) if contacts else of_engine(equations), folder / f"{name}.png")
     (folder / f"{name}.txt").write_text(printed, encoding="utf-8")
 

@@ -14,13 +14,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange, unwarned, warn
+from contact.formulation.controls import Approach
 from contact.formulation.energy import elastic_energy
-from contact.formulation.equilibria import Point
+from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.full import FullFields
 from contact.model.checks import finite_array, positive
 from contact.model.laws.base import CONTROLS
 from contact.model.scene import Scene
 from contact.model.units import quantity
+from contact.search.equilibria.arc import pull_off
 from contact.search.equilibria.flow import Closed
 from contact.search.equilibria.history import History, Jump, Standing
 from contact.search.grid.tilt import known_part
@@ -230,7 +232,8 @@ def adhesive_path(
                 progress(control, k, len(given))
             before = here.value
             events: list[Event] = []
-            run.rises = 1.0 if value / run.unit >= before else 0.0
+            if value / run.unit != before:
+                run.rises = float(value / run.unit > before)
             for found in run.history.to(here, float(value) / run.unit):
                 if isinstance(found, Jump):
                     run.jumped(found)
@@ -239,9 +242,9 @@ def adhesive_path(
                     here = found
             if not here.closed:
                 run.note(here.point, here.value)
-            solutions.append(run.solved(here, float(value), here.value >= before, before))
+            solutions.append(run.solved(here, float(value), before if k else 0.0))
             passed.append(tuple(events))
-    warn(of_solution(max(solutions, key=lambda solution: solution.load)))
+    warn(of_solution(max(solutions, key=lambda solution: solution.load)), stacklevel=4)
     return AdhesivePath(tuple(solutions), tuple(passed), given, control, stiffness, np.array(run.followed).reshape(-1, 4))
 
 
@@ -335,11 +338,11 @@ class _Run:
             return Standing(value / self.unit, closed=True)
         return Standing(value / self.unit, self.curve.settled(start))
 
-    def solved(self, here: Standing, value: float, rose: bool, before: float) -> Solution:
+    def solved(self, here: Standing, value: float, before: float) -> Solution:
         """The solution where the path stands."""
         scene = _under(self.scene, self.control, value)
-        way = "advancing" if rose else "receding"
-        told = f"{way}, {'raised' if rose else 'lowered'} from {self.control} {before * self.unit:.6g}"
+        way = "advancing" if self.rises else "receding"
+        told = f"{way}, {'raised' if self.rises else 'lowered'} from {self.control} {before * self.unit:.6g}"
         task = replace(self.task, scene=scene, plan=plan(scene), branch=way)
         if here.point is None:
             return self._without_zones(task, here)
@@ -373,12 +376,12 @@ class _Run:
         units = self.problem.units
         load, approach, energy, zones = self._state(jump.before)
         load_after, approach_after, energy_after, zones_after = self._state(jump.after)
-        if jump.kind == "pull-off" and self.curve.held.load is not None:
-            # They part where they are; how far a dead load takes them then is nothing of theirs.
-            approach_after = approach
+        by_load = self.curve.held.load is not None
+        if jump.kind == "pull-off" and by_load and approach is not None:
+            approach_after = self._parted(jump.before)
         lost = None
         if energy is not None and energy_after is not None and approach is not None and approach_after is not None:
-            lost = energy - energy_after + 0.5 * (load + load_after) * (approach_after - approach)
+            lost = energy - energy_after + (load if by_load else 0.5 * (load + load_after)) * (approach_after - approach)
         surfaces = None
         if jump.kind == "pull-off" and jump.before.point is not None:
             fields = self.curve.fields(jump.before.point)
@@ -387,6 +390,13 @@ class _Run:
         value = jump.before.value * self.unit
         place = float(units.x(np.array(jump.place)))
         return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, surfaces)
+
+    def _parted(self, last: Standing) -> float:
+        """The approach [m] at which surfaces let go that a dead load draws apart: the contact follows the approach, as the load is slow to
+        move, until no contact answers it."""
+        assert last.point is not None
+        curve = Equilibria(self.problem, Approach(-last.point.level))
+        return float(-pull_off(curve, curve.at(last.point.table, -last.point.level)).level * self.problem.units.height)
 
     def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
         """(load, approach, energy, zones) [N/m, m, J/m, m]."""

@@ -21,10 +21,10 @@ from sie.collocation.rounding import density_rounding, intensity_rounding
 from sie.collocation.symmetry import MirrorSymmetry
 from sie.collocation.system import Layout, System
 from sie.density.density import Density
-from sie.density.field import panels_over
 from sie.equation.checks import look_at
 from sie.equation.conditions import asked
 from sie.equation.equation import Equation
+from sie.fast.panels import panels_over
 from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]

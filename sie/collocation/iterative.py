@@ -62,13 +62,10 @@ def _gauss_legendre() -> tuple[Array, Array, Array]:
 
 def unfit(equation: Equation, zones: Zones) -> str | None:
     """What the conditions lack of a coarse problem, or the kernel of fast sums; None if nothing."""
-    ends = {*zones.left, *zones.right}
     if len(zones.solved) < 2:
         return "one zone is too few"
     if not reaches(equation.kernel, zones):
         return "the kernel is too general"
-    if any(end.intensity not in (None, 0.0) for end in ends):
-        return "no intensities may be prescribed"
     per_zone = [c for c in equation.conditions if by_zone(c, zones) is not None]
     if sum(c.count(zones) for c in equation.conditions if c not in per_zone) > _FEW_ROWS:
         return "there are too many conditions that are of no zone by itself"
@@ -83,7 +80,9 @@ class IterativeSystem(System):
 
     def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps) -> None:
         super().__init__(equation, zones, m, coefficients, jumps)
-        solved = zones.solved
+        solved, kernel = zones.solved, equation.kernel
+        if kernel.regular is not None and kernel.regular_potential is None and self.wants_levels:
+            raise ValueError("a condition on potentials needs the regular kernel's potential")
         self.sums = ZoneSums(zones, equation.kernel, self.layout)
         self.symmetry = MirrorSymmetry.of(zones, self.layout)
         self._weights: dict[Callable[[Array], Array], tuple[list[Array], Array]] = {}
@@ -520,7 +519,9 @@ class Iterative:
             _, constants, wanted = asked(condition, nothing, 1)
             values.append(wanted - constants + (self.value if condition.open else 0.0))
         if len(self.preconditioner.held):
-            values.append(-nothing.held()[1])
+            zones = system.zones
+            kinds = zip((zones.left, zones.right), zones.held, strict=True)
+            values.append(np.array([ends[zones.solved[p]].intensity for ends, places in kinds for p in places]) - nothing.held()[1])
         return np.concatenate((system.equation_right, *values))
 
     def __call__(
@@ -534,7 +535,7 @@ class Iterative:
             return self.rows(folded, rough) if taken is None else self.rows(folded, rough) - taken(folded)
 
         plain = self.preconditioner(right)
-        scale = self._scale(plain if near is None else near)
+        scale = self.scale_of(plain if near is None else near)
         wanted = max(self.tolerance if tolerance is None else tolerance, 4 * _ROUNDING * math.sqrt(len(self.system.zones.solved)))
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
@@ -564,7 +565,7 @@ class Iterative:
         out[zones.solved] = self._largest(folded)
         return np.maximum(out, out[::-1]) if zones.symmetric else out
 
-    def _scale(self, folded: Array) -> Array:
+    def scale_of(self, folded: Array) -> Array:
         """Largest unknown of its zone for every unknown, but not below a small part of the largest of all; 1 for amplitudes."""
         largest = self._largest(folded)
         top = float(largest.max())

@@ -24,10 +24,10 @@ from sie.basis.kernels import Kernel, regular_size
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
-from sie.density.field import moments_of, panels_over
+from sie.density.field import moments_of
 from sie.equation.conditions import Linear, multiplicity
 from sie.equation.equation import Equation
-from sie.fast.panels import TERMS, Panels, Spread
+from sie.fast.panels import TERMS, Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]

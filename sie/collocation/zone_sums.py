@@ -23,10 +23,9 @@ from sie.basis.interval import Outside, fall
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
-from sie.density.field import panels_over
 from sie.fast import lazy
 from sie.fast.far import FarSum, Nested
-from sie.fast.panels import Panels, Spread
+from sie.fast.panels import Panels, Spread, panels_over
 from sie.fast.tree import TERMS, Pairs, Tree
 
 Array = NDArray[np.float64]
@@ -123,7 +122,10 @@ class PanelSums:
 
     def at_targets(self, moments: Array) -> tuple[Array, Array]:
         """(transform at the inner nodes of each solved zone, one after the other; potential at their middles)."""
-        return self.panels.at(self.targets, moments, False), self.panels.at(self.middles, moments, True)
+        transform = self.panels.at(self.targets, moments, False)
+        if self.panels.kernel.regular_potential is None:  # then no condition asks for potentials
+            return transform, np.zeros(len(self.zones.solved))
+        return transform, self.panels.at(self.middles, moments, True)
 
 
 class ZoneSums:

@@ -31,7 +31,6 @@ from sie.basis.zones import Zones
 from sie.density.field import (
     Sources,
     moments_of,
-    panels_over,
     potential_at,
     quadrature,
     transform_at,
@@ -40,7 +39,7 @@ from sie.density.interval_potential import IntervalPotential
 from sie.density.plane import Plane
 from sie.density.treecode import Treecode
 from sie.fast.far import reaches
-from sie.fast.panels import Panels
+from sie.fast.panels import Panels, panels_over
 from sie.jumps.forcing import SERIES_REACH, ForcingJumps
 
 Array = NDArray[np.float64]

@@ -17,7 +17,7 @@ from sie.basis.interval import OnLine, potential_of, transform_of
 from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.zones import Zones
 from sie.density.series import Evaluated, Series
-from sie.fast.panels import Panels, Spread, panels_of
+from sie.fast.panels import Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
 
 Array = NDArray[np.float64]
@@ -139,11 +139,6 @@ def regular_at(density: Evaluated, x: Array, regular: Regular) -> Array:
         for s in range(0, len(x), block):
             out[s : s + block] += regular(x[s : s + block, None], xi[None, :]) @ weights
     return out
-
-
-def panels_over(kernel: Kernel, zones: Zones) -> Panels | None:
-    """The panels of a kernel's regular part over all zones."""
-    return panels_of(kernel, float(zones.a[0]), float(zones.b[-1]))
 
 
 def moments_of(panels: Panels, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> Array:

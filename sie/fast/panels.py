@@ -1,12 +1,13 @@
-r"""A smooth kernel of the lag x - xi between even panels of the line, on each of which it is a short Chebyshev series in both variables.
+r"""A smooth kernel between even panels of the line, on each of which it is a short Chebyshev series in both variables.
 
 Nothing is said of a user's kernel but that it is smooth: on what length, is looked at. The panels over all zones are halved until its
 coefficients have decayed between any two of them,
 
     k(x, xi) = sum_kl K^(d)_kl T_k(t) T_l(tau),      d: how many panels x lies farther right than xi,
 
-which is one matrix for each lag d. What zones do at points then goes by moments of the panels, sum_q w_q T_l(tau_q) over the quadrature
-nodes of the zones, and by series on the panels: in time linear in zones and points.
+which is one matrix for each lag d, or, if it is not of the lag alone, for each pair of panels: its low rank. What zones do at points
+then goes by moments of the panels, sum_q w_q T_l(tau_q) over the quadrature nodes of the zones, and by series on the panels: in time
+linear in zones and points.
 """
 
 from __future__ import annotations
@@ -23,14 +24,16 @@ from scipy import fft
 from sie.basis import chebyshev
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
+from sie.basis.zones import Zones
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 Function = Callable[[Array, Array], Array]
 
 TERMS = 24
-# Panels over the zones, and over half a period, at the most: a kernel that varies over less is summed as it is.
-_MOST = 512
+# Panels over the zones, and over half a period, at the most: a kernel that varies over less is summed as it is. Of very many zones, so
+# many panels to each; and where each pair of panels has a matrix of its own, for which there must be so many zones.
+_MOST, _EACH, _MOST_PAIRS, _ZONES = 512, 8, 64, 32
 # Coefficients that have decayed, over the largest; and those that are the kernel's own rounding, if half the width leaves them.
 _DECAYED, _ROUNDING, _FALLS = 1e-15, 1e-12, 0.3
 # Pairs of points and nodes, and lags, handled at once.
@@ -39,22 +42,31 @@ _BLOCK, _LAGS = 200_000, 64
 _REACH = 0.5 * math.sinh(-math.log(_DECAYED) / TERMS)
 
 
-def panels_of(kernel: Kernel, lo: float, hi: float) -> Panels | None:
-    """The panels of the kernel's regular part over [lo, hi]; None where it has none, is none of the lag, or varies over too little."""
-    if kernel.regular is None or kernel.sure or not kernel.of_lag or not hi > lo:
+def panels_over(kernel: Kernel, zones: Zones) -> Panels | None:
+    """The panels of a kernel's regular part over all zones; None where it has none, or varies over too little."""
+    if kernel.regular is None or kernel.sure or not (kernel.of_lag or len(zones) >= _ZONES):
         return None
+    most = max(_MOST, _EACH * len(zones)) if kernel.of_lag else _MOST_PAIRS
+    return panels_of(kernel, float(zones.a[0]), float(zones.b[-1]), most)
+
+
+def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels | None:
+    """The panels of the kernel's regular part over [lo, hi], no more than so many."""
+    if kernel.regular is None or kernel.sure or not hi > lo:
+        return None
+    made = Panels if kernel.of_lag else PairPanels
     step, before = 2.0 ** math.ceil(math.log2(max(hi - lo, kernel.period or 0.0))), math.inf
     while True:
         first = math.floor(lo / step)
         count = math.floor(hi / step) - first + 1
         # Of a period all that lies within half of one of their middle is asked for.
-        away = 0.0 if kernel.period is None else 0.5 * (kernel.period + hi - lo)
+        away = 0.0 if kernel.period is None or not kernel.of_lag else 0.5 * (kernel.period + hi - lo)
         farthest = max(count - 1, math.ceil(away / step))
-        if farthest >= _MOST:
+        if farthest >= most:
             return None
         key = step, first, count
         if key not in kernel.kept_panels:
-            kernel.kept_panels[key] = Panels(kernel, step, first, count, farthest)
+            kernel.kept_panels[key] = made(kernel, step, first, count, farthest)
         found: Panels = kernel.kept_panels[key]
         tail = found.tail
         if tail <= _DECAYED or (tail <= _ROUNDING and tail > _FALLS * before):
@@ -169,6 +181,41 @@ class Panels(Kept):
         for s in range(0, len(x), block):
             out[s : s + block] = np.asarray(function(x[s : s + block, None], nodes)) @ weights
         return out
+
+
+@dataclass(frozen=True, eq=False)
+class PairPanels(Panels):
+    """The same of a kernel that is not of the lag alone: a matrix for each pair of panels."""
+
+    @cached_property
+    def tail(self) -> float:
+        corners = np.unique([0, self.count // 2, self.count - 1])
+        few = _tail(np.concatenate([self._blocks(False, corners, int(corner)) for corner in corners]))
+        return _tail(self._table(False).reshape(-1, TERMS, TERMS)) if few <= _ROUNDING else few
+
+    def _blocks(self, potential: bool, targets: Index, source: int) -> Array:
+        """K of these target panels by one source panel, (targets, TERMS, TERMS)."""
+        function = self.kernel.regular_potential if potential else self.kernel.regular
+        if function is None:
+            raise ValueError("a condition on potentials needs the regular kernel's potential")
+        nodes = 0.5 * self.step * chebyshev.gauss(TERMS)
+        x = ((self.first + targets + 0.5) * self.step)[:, None] + nodes
+        xi = (self.first + source + 0.5) * self.step + nodes
+        values = np.asarray(function(x[:, :, None], np.broadcast_to(xi, (len(targets), 1, TERMS))))
+        return np.asarray(_to_series().T @ values @ _to_series())
+
+    def _table(self, potential: bool) -> Array:
+        """K of all pairs, (targets, sources, TERMS, TERMS)."""
+        if potential not in self._tables:
+            every = np.arange(self.count)
+            self._tables[potential] = np.stack([self._blocks(potential, every, int(source)) for source in every], axis=1)
+        return self._tables[potential]
+
+    def _series(self, moments: Array, low: int, high: int, potential: bool) -> Array:
+        pairs = self._table(potential)[low - self.first : high - self.first + 1].transpose(0, 2, 1, 3)
+        wanted = high - low + 1
+        rows = pairs.reshape(wanted * TERMS, self.count * TERMS) @ moments.reshape(self.count * TERMS, -1)
+        return np.asarray(rows.reshape(wanted, TERMS, -1))
 
 
 def _tail(blocks: Array) -> float:

@@ -19,11 +19,19 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import lu_factor
 
-from sie.collocation.fixed import State, rows_of
+from sie.collocation.fixed import Factored, SingularSystem, State, rows_of
 from sie.equation.conditions import of_levels, speaks_of_levels
+from sie.free_ends.iterated import IteratedMotions
+from sie.free_ends.motions import Moved, free_ends, spread
 
 Array = NDArray[np.float64]
+
+# Condition of the rates of K from which on they are rounding.
+NEUTRAL_FROM = 1e14
+# Beyond this number of unknowns a matrix costs more than as many solutions by iteration as there are ends.
+_MANY = 8000
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,22 +92,15 @@ def end_rates(state: State) -> EndRates:
     True
     """
     system, zones, layout = state.system, state.density.zones, state.system.layout
-    solved, count = zones.solved, len(zones)
-    ends = free_ends(state)
-    k, slope = np.array(state.density.intensities), np.array(state.density.edge_slopes)
-    singular = np.zeros((layout.size, len(ends)))
-    own_level, own = np.zeros((count, len(ends))), np.zeros((2, count, len(ends)))
-    for j, (side, i) in enumerate(ends):
-        moved = {(side, i), (1 - side, count - 1 - i)} if zones.symmetric else {(side, i)}
-        for s, z in moved:
-            w, order = float(zones.half[z]), np.arange(layout.m[z] + 1)
-            strength = -k[s, z] / (np.sqrt(2.0) * w**1.5)
-            turned = 1.0 if s == 1 else 1.0 - 2.0 * (order % 2)
-            singular[layout.offset[z] + order, j] += strength * -2.0 * order * turned
-            own_level[z, j] -= w * strength
-            root = strength * np.sqrt(w / 2)
-            own[s, z, j] += 0.25 * root - 0.5 * slope[s, z]
-            own[1 - s, z, j] += 0.5 * root
+    solved, ends, iteration = zones.solved, free_ends(state), state.iteration
+    if iteration is not None and layout.size > _MANY:
+        motions = IteratedMotions(state, iteration)
+        columns = [motions.rates(one) for one in np.eye(len(ends))]
+        told = iteration.system.wants_levels and len(ends) > 0
+        levels = np.column_stack([levels for _, levels in columns]) if told else np.zeros((len(solved), 0))
+        return EndRates(ends, np.array([k for k, _ in columns]).reshape(len(ends), len(ends)).T, levels)
+    moved = Moved.of(state, spread(state, ends, np.eye(len(ends))))
+    singular, own_level, own = moved.coefficients, moved.own_level, moved.own
     right = np.empty((state.solver.size, len(ends)))
     matrix = rows_of(state)
     folded = singular if state.symmetry.keep is None else singular[state.symmetry.keep]
@@ -118,7 +119,8 @@ def end_rates(state: State) -> EndRates:
         for p in places:
             right[at] = own[side, solved[p]] / state.condition_scale[at - state.conditions_from]
             at += 1
-    answer = np.asarray(state.solver(-right))
+    factors = state.direct or Factored(*lu_factor(matrix, check_finite=False))
+    answer = np.asarray(factors(-right))
     unknowns = np.column_stack([state.symmetry.unfold(column) for column in answer.T]) if len(ends) else np.zeros((layout.size, 0))
     linear = np.array([part @ unknowns for part, _ in system.intensities()])
     rates = linear + own[:, solved]
@@ -130,11 +132,53 @@ def end_rates(state: State) -> EndRates:
     return EndRates(ends, intensities, levels)
 
 
-def free_ends(state: State) -> list[tuple[int, int]]:
-    """(side, zone) of the ends that move, of mirrored pairs the right one."""
-    zones = state.density.zones
-    mirrored = int(zones.solved[0]) if zones.central else -1
-    kinds = (zones.left, zones.right)
-    return [
-        (side, int(i)) for side in (0, 1) for i in zones.solved if kinds[side][i].moves and (side, i) != (0, mirrored)
-    ]
+def end_motions(state: State, change: Array) -> tuple[Array, Array]:
+    """The motions of the free ends by which the intensities change as wanted, the values of the side conditions held.
+
+    Of very many ends, where the rates of each by each would be too many, they are found by iteration.
+
+    Parameters
+    ----------
+    state : State
+        A solution on zones with free ends.
+    change : (2, Z) array
+        Wanted of K at the left and right ends; only that at free ends counts.
+
+    Returns
+    -------
+    motions : (2, Z) array
+        Outward.
+    levels : (Z,) array
+        What they do to the levels of the solved zones; none where no condition speaks of levels.
+
+    Raises
+    ------
+    SingularSystem
+        If some motion leaves all intensities as they are.
+
+    Examples
+    --------
+    An adhering contact under a held load, whose K at both ends is to change by 0.01: as the rates have it.
+
+    >>> import numpy as np
+    >>> import sie
+    >>> end = sie.free_with_intensity(-0.1)
+    >>> equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(1.0),))
+    >>> state = sie.solve_fixed(equation, sie.Zones.of([[-1.0, 1.2]], end, end))
+    >>> motions, _ = sie.end_motions(state, np.full((2, 1), 0.01))
+    >>> (sie.end_rates(state).intensities @ motions[:, 0]).round(12).tolist()
+    [0.01, 0.01]
+    """
+    if state.iteration is not None:
+        motions = IteratedMotions(state, state.iteration)
+        ends = motions.ends
+        found = motions.meeting(change[motions.side, motions.zone], 0.0)
+        levels = motions.rates(found)[1]
+    else:
+        rates = end_rates(state)
+        ends = rates.ends
+        if len(ends) and not np.linalg.cond(rates.intensities) < NEUTRAL_FROM:
+            raise SingularSystem("some motion of the ends leaves the intensities as they are")
+        found = np.linalg.solve(rates.intensities, np.array([change[end] for end in ends]))
+        levels = rates.levels @ found if rates.levels.size else np.zeros(0)
+    return spread(state, ends, found), levels

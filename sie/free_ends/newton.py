@@ -5,11 +5,12 @@ K is the prescribed one. Moving ends outward by delta changes K_i by -(A_i / 2) 
 intensities are zero: the first-order change of a bounded density with the ends has no singular homogeneous part. So
 delta = 2 K / A is a Newton step with one linear solve. A condition on the ends alone (their total width) borders this
 diagonal by the response of K to the unknown value it fixes. Where an intensity is prescribed, the density's own change
-with the end is d^(-3/2)-singular and couples all ends (`end_rates`).
+with the end is d^(-3/2)-singular and couples all ends (`end_rates`; of very many `iterated`).
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -21,8 +22,10 @@ from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, Sizes, State, first_sizes
 from sie.density.density import Density
 from sie.equation.equation import Equation
-from sie.free_ends.end_rates import end_rates
+from sie.free_ends.end_rates import NEUTRAL_FROM, end_rates
 from sie.free_ends.gap_steps import gap_steps
+from sie.free_ends.iterated import STEP, IteratedMotions
+from sie.free_ends.motions import spread
 from sie.free_ends.near_jumps import bent_steps, corner_distances, tips_between
 from sie.free_ends.progress import Motion, Progress, Rest, Step, Turn
 from sie.free_ends.single import far_off, moved_singly
@@ -41,8 +44,8 @@ _BORDERINGS = 12
 # was: what that leaves of a step is this part of it.
 _SAME_RESPONSE = 0.01
 
-# Condition of the rates of K from which on they are rounding.
-_NEUTRAL_FROM = 1e14
+# The same, found by iteration: motions over what they are of each zone by itself.
+_AMPLIFIED = 1e10
 _FOUND = "the ends are at rest"
 _UNSTABLE = "the ends are at rest, but unstably: pushed off they go on, and another root may be near"
 _NEUTRAL = "some motion of the ends, as of all of them together, leaves the intensities as they are, so that these do not tell the ends"
@@ -195,6 +198,15 @@ def find_ends(
         rest = progress.after(zones, motion, corners, value, opened is not None)
         done = rest.reached and not let_go and not loose
         if done:
+            if motion.turn is not None and state.whole.iteration is not None:
+                motions, side = IteratedMotions(state.whole, state.whole.iteration), np.array(signs, dtype=float)[:, None]
+                more = motions.amplification()
+                if more > _AMPLIFIED:
+                    nowhere = np.full((len(zones), 2), np.inf)
+                    return Free(state, False, nowhere, nowhere, tuple(progress.trace), value, reason=_NEUTRAL)
+                uncertain = (more * (motion.noise + STEP * np.abs(motion.delta)) / (zones.b - zones.a)).T
+                rest = replace(rest, error=rest.error + uncertain, rounding=rest.rounding + uncertain)
+                motion = replace(motion, turn=replace(motion.turn, growth=_iterated_growth(motions, side, unit)))
             return _found(state, progress, rest, motion, value, bounded_ends)
         hopeless = progress.is_hopeless(motion.certain) or (equation.grows and state.unresolved) or (near and not progress.is_near())
         if hopeless or len(progress.trace) > max_steps:
@@ -449,34 +461,55 @@ def _full_newton(
     The rates are those of `end_rates`; of a mirrored pair of ends, the right one stands for both.
     """
     zones = state.density.zones
+    if state.iteration is not None:
+        return _iterated_newton(equation, state, residual, noise_k, unit)
     rates = end_rates(state)
     ends, jacobian = rates.ends, rates.intensities
     driven = np.array([float(signs[side, 0]) for side, _ in ends])[:, None] * jacobian
     # Rounding alone keeps the rates of a motion that changes nothing from being zero.
-    if len(ends) and not np.linalg.cond(jacobian) < _NEUTRAL_FROM:
+    if len(ends) and not np.linalg.cond(jacobian) < NEUTRAL_FROM:
         return np.full_like(residual, np.inf), noise_k, 0.0, 0.0
     inverse = np.linalg.inv(jacobian)
-
-    def spread(of_ends: Array) -> Array:
-        """Values of `ends` as (2, Z), mirrored ones filled in."""
-        out = np.zeros_like(residual)
-        for (side, i), one in zip(ends, of_ends, strict=True):
-            out[side, i] = one
-            if zones.symmetric:
-                out[1 - side, len(zones) - 1 - i] = one
-        return out
-
-    delta = spread(-inverse @ np.array([residual[end] for end in ends]))
-    noise = spread(np.abs(inverse) @ np.array([noise_k[end] for end in ends]))
+    at_ends = tuple(np.array(ends, dtype=np.intp).reshape(-1, 2).T)
+    delta = spread(state, ends, -inverse @ residual[at_ends])
+    noise = spread(state, ends, np.abs(inverse) @ noise_k[at_ends])
     if unit is None:
         return delta, noise, 0.0, _growth(driven)
-    by_unit = unit.intensities
-    slope = spread(-inverse @ np.array([by_unit[end] for end in ends]))
+    slope = spread(state, ends, -inverse @ unit.intensities[at_ends])
     delta, change = _bordered(equation, zones, delta, slope)
+    return delta, noise, change, _growth(driven, *_along(equation, zones, unit, at_ends, signs))
+
+
+def _iterated_newton(
+    equation: Equation, state: State, residual: Array, noise_k: Array, unit: Unit | None
+) -> tuple[Array, Array, float, float]:
+    """The same by iteration; the growth is left open."""
+    assert state.iteration is not None
+    motions = IteratedMotions(state, state.iteration)
+    at_ends = motions.side, motions.zone
+    delta = spread(state, motions.ends, motions.meeting(-residual[at_ends]))
+    noise = motions.local(noise_k)
+    if unit is None:
+        return delta, noise, 0.0, math.nan
+    slope = spread(state, motions.ends, motions.meeting(-unit.intensities[at_ends]))
+    delta, change = _bordered(equation, state.density.zones, delta, slope)
+    return delta, noise, change, math.nan
+
+
+def _iterated_growth(motions: IteratedMotions, signs: Array, unit: Unit | None) -> float:
+    """The growth at a state that was found by iteration."""
+    if unit is None:
+        return motions.growth(signs[:, 0])
+    at_ends = motions.side, motions.zone
+    return motions.growth(signs[:, 0], *_along(motions.state.equation, motions.zones, unit, at_ends, signs))
+
+
+def _along(
+    equation: Equation, zones: Zones, unit: Unit, at_ends: tuple[Index, ...], signs: Array
+) -> tuple[Array, Array]:
+    """(gradient of the condition on the ends by their motions, what drives them by a unit of the unknown value)."""
     _, by_left, by_right = equation.end_conditions[0].residual(zones)
-    normal = np.array([(by_left, by_right)[side][i] for side, i in ends])
-    by_value = np.array([float(signs[end[0], 0]) * by_unit[end] for end in ends])
-    return delta, noise, change, _growth(driven, normal, by_value)
+    return np.array([by_left, by_right])[at_ends], signs[at_ends[0], 0] * unit.intensities[at_ends]
 
 
 def _growth(driven: Array, normal: Array | None = None, by_value: Array | None = None) -> float:

@@ -77,11 +77,13 @@ def test_a_loop_loses_the_work_of_its_load_by_the_closed_forms(body, held):
     assert jump_in.value == 0.0 and pull_off.value == pytest.approx(value(reference.at(least), held, STIFF[body]), rel=1e-10)
     assert jump_in.after[0, 1] == pytest.approx(touched, rel=1e-9)
     assert pull_off.before[0, 1] == pytest.approx(least, rel=1e-6)
-    # The load's work over the loop: on the curve, and on the jumps' straight lines; under a dead load they part where they are.
+    # The load's work over the loop: on the curve, on the jumps' straight lines, and of a dead load until no approach holds any more.
     on, off = reference.at(touched), reference.at(least)
     done = work(reference, touched, top) + work(reference, top, least) + 0.5 * on.load * on.approach
     if held == "spring":
         done += 0.5 * off.load * off.load / STIFF[body]
+    if held == "load":
+        done += off.load * (reference.pull_off(0.0).approach - off.approach)
     assert found.dissipated == pytest.approx(done, rel=1e-8)
     assert found.work == pytest.approx(done, rel=1e-8)
     assert jump_in.lost > 0.0 < pull_off.lost
@@ -93,6 +95,8 @@ def test_every_point_of_a_loop_has_its_error_its_certificate_and_its_way(held):
     below, top, again = found.solutions
     assert below.load == again.load == 0.0 and below.contact_fraction == 0.0 and len(below.zones) == 0
     assert below.energy.total == 0.0 and np.all(below.pressure([0.0, 0.3]) == 0.0)
+    twice = contact.path(SCENES["cylinder"], [1e-3, 0.0, 0.0]).solutions
+    assert [solution.branch for solution in twice] == ["advancing", "receding", "receding"]
     assert (top.branch, again.branch) == ("advancing", "receding") and "raised" in top.plan["branch"].detail
     assert top.error <= 1e-8 and top.certificate.holds and top.certificate.stability > 0.0
     least = value(WAVE.at(top.zones[0, 1]), held, STIFF["wave"])
@@ -236,3 +240,13 @@ def test_what_was_followed_lies_on_the_curve_of_equilibria():
     for k in on:
         state = WAVE.at(0.5 * width[k])
         assert (load[k], approach[k]) == pytest.approx((state.load, state.approach), rel=1e-8, abs=1e-11)
+
+
+def test_surfaces_apart_are_shown_over_their_period_and_a_lone_body_s_are_not():
+    below = loop("wave", "approach").solutions[0]
+    surfaces, pressure = below.plot().axes
+    assert not any(np.isfinite(line.get_ydata()).any() for line in surfaces.get_lines() if line.get_label() == "contact")
+    assert pressure.get_ylim() == (0.0, pytest.approx(1.08))
+    assert below.gap([0.0, 0.5]) == pytest.approx([4e-3, 4e-3 + 2 * DELTA]) and below.to_dict()["certificate"]["holds"]
+    with pytest.raises(contact.SceneError, match="apart"):
+        loop("cylinder", "approach").solutions[0].plot()

@@ -298,7 +298,8 @@ class TestPages:
     def test_every_place_in_the_pages_is_that_of_a_table_that_is_made_and_is_filled(self, monkeypatch):
         made = {
             "precision", "hierarchy", "peers", "scaling", "exponents", "single", "required", "machine", "stability", "mutations",
-            "curves", "imports", "self-affine", "measured-trace", "kinds-10000", "kinds-20000",
+            "curves", "imports", "self-affine", "measured-trace", "kinds-10000", "kinds-20000", "challenge", "challenge-curves",
+            "many-intervals",
         }
         named = set()
         for name in pages.PAGES:

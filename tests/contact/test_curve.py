@@ -91,3 +91,19 @@ def test_the_certificate_sees_a_second_touch_right_beside_an_end_that_is_about_t
     beside = fields.density.zones.a[0] - np.linspace(0, 0.01, 101)
     assert fields.formal_gap(beside).min() < -1e-8
     assert not certify(fields, load / problem.units.load).holds
+
+
+def test_a_grid_of_a_curve_begins_where_the_last_one_ended(monkeypatch):
+    real, begun = contact.search.ways.guesses.proposed, []
+
+    def proposed(*arguments, near=None, **options):
+        begun.append(None if near is None else near.load)
+        return real(*arguments, near=near, **options)
+
+    monkeypatch.setattr(contact.search.ways.guesses, "proposed", proposed)
+    waves = contact.Fourier(1.0, [0.0] * 69 + [-1e-4])
+    loads = np.array([0.1, 0.11]) * np.pi * 70 * 1e-4
+    first, second = contact.solve_many(scene(waves), loads)
+    assert len(first.zones) == len(second.zones) == 70
+    assert begun == [None, pytest.approx(loads[0])]
+    assert second.zones == pytest.approx(contact.solve(scene(waves, load=loads[1])).zones, abs=1e-10)

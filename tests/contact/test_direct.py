@@ -179,7 +179,7 @@ class Stuck(contact.Law):
         contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), substrate=contact.Layer(0.2, 0.3), load=1e-3),
         contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, contact.Localized("self-consistent"), load=1e-4),
         contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, law=contact.JKR(1e-9), load=1e-4),
-        contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, load=3.1e-3),
+        contact.Scene(contact.Sinusoid(1e-3, 1.0), 1.0, PERIODIC, load=3.135e-3),
         contact.Scene(contact.Fourier(1.0, [-1e-3, 4e-4]), 1.0, PERIODIC, load=1e-4),
         contact.Scene(contact.Parabola(1.0), 1.0, ISOLATED, approach=1e-3),
     ],

@@ -17,6 +17,7 @@ from tornado.httpclient import HTTPClientError, HTTPRequest
 from tornado.websocket import websocket_connect
 
 import contact
+from contact.explorer import page
 from contact.explorer.explore import ADDRESS
 from contact.explorer.handles import handles, turned
 from contact.explorer.page import Explorer
@@ -114,6 +115,23 @@ def test_a_scene_that_cannot_be_is_told_and_the_last_one_stays() -> None:
     page.text.value = page.text.value.replace("load = 1.0", "load = 1e9")
     page._read()
     assert "refused" in page.message.object and page.frame is None
+
+
+def test_a_fault_of_the_program_is_told_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = Explorer(WAVE, 1e-8)
+
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError("division\nby zero")
+
+    monkeypatch.setattr(page, "solved", broken)
+    shown.sliders.objects[0].value -= 0.5
+    assert "a fault of the program, not of the scene (ZeroDivisionError: division by zero)" in shown.message.object
+
+
+def test_without_panel_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "panel", None)
+    with pytest.raises(contact.MissingExtra, match=r"\[explore\]"):
+        contact.explore(WAVE)
 
 
 @dataclass

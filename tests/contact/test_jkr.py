@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ import contact
 from contact import exact, inverse
 from contact.formulation.equilibria import Point
 from contact.reference.inverse.stability import second_variation
-from contact.search.equilibria import flow
+from contact.search.equilibria import arc, flow
 from tests.contact.strategies import adhesive_designs
 from tests.tiers import quick
 
@@ -249,3 +250,39 @@ def test_a_step_over_a_place_of_rest_is_noticed_by_its_ends_and_by_the_cubic_bet
         for residual, slope in zip((0.1, after), slopes, strict=True)
     )
     assert flow.passed(here, ahead, step, 1.0).all() == passed
+
+
+class Stiff:
+    """Two zones, of which the left end of the second is driven inward, grows unstable at first, and comes to rest 0.09 of its width on; the
+    others are at rest, one a little beyond."""
+
+    problem = SimpleNamespace(
+        profile=SimpleNamespace(resolution=None), units=SimpleNamespace(length=1.0), borders=(-np.inf, np.inf), period=None
+    )
+    start = np.array([[-2.0, -1.0], [1.0, 2.0]])
+
+    def gaps(self, table):
+        return np.append(table[1:, 0] - table[:-1, 1], np.inf)
+
+    def at(self, table, value, tolerance=0.0):
+        moved = np.concatenate((self.start[:, 0] - table[:, 0], table[:, 1] - self.start[:, 1]))
+        residual, rates = 5e-5 * np.array([1.0, 0.0, 0.0, 0.0]) - moved, -np.eye(4)
+        d = -moved[1]
+        residual[1], rates[1, 1] = 8 * d**2 - 0.5 * d - 0.02, 0.5 - 16 * d
+        return Point(table, value, residual, rates, np.ones(4), 0.0, 0.0)
+
+
+def test_an_end_that_is_at_rest_does_not_hold_up_one_that_runs():
+    curve = Stiff()
+    rest = flow.receded(curve, curve.start, 0.0)
+    assert rest.table[1, 0] - 1.0 == pytest.approx((0.5 + np.sqrt(0.25 + 0.64)) / 16, rel=1e-6)
+    assert np.abs(rest.residual).max() < 1e-4 and rest.growth < 0.0
+
+
+def test_past_a_turning_point_ends_are_pushed_no_farther_than_the_narrow_gap_between_them_holds():
+    table = np.array([[-1.0, -1e-3], [1e-3, 1.0]])
+    turned = Point(table, 0.0, np.zeros(4), 0.25 * np.ones((4, 4)) - np.eye(4), np.ones(4), 0.0, 0.0)
+    wider, narrower = arc.beyond(Stiff(), turned, 1.0), arc.beyond(Stiff(), turned, -1.0)
+    assert np.all(np.diff(wider.ravel()) > 0.0)
+    assert np.all(wider[:, 0] < table[:, 0]) and np.all(wider[:, 1] > table[:, 1])
+    assert np.all(narrower[:, 0] > table[:, 0]) and np.all(narrower[:, 1] < table[:, 1])

@@ -117,15 +117,15 @@ def test_long_sums_are_exact_at_the_place_given():
 def test_narrow_gaps_among_many_zones_cost_the_iteration_nothing(monkeypatch):
     """Holes are part of the rows: the same zones, and no more iterations than without any."""
     scene = rough(1200)
-    with_holes = solve(scene, monkeypatch, 10, 1e-8)
+    with_slits = solve(scene, monkeypatch, 10, 1e-8)
     monkeypatch.setattr(cuts, "NARROW", 0.0)
     without = solve(scene, monkeypatch, 10, 1e-8)
-    assert with_holes.plan["holes"].used and not without.plan["holes"].used
-    width = np.diff(with_holes.zones, axis=1)
-    assert np.abs((with_holes.zones - without.zones) / width).max() <= with_holes.error + without.error
+    assert with_slits.plan["slits"].used and not without.plan["slits"].used
+    width = np.diff(with_slits.zones, axis=1)
+    assert np.abs((with_slits.zones - without.zones) / width).max() <= with_slits.error + without.error
     x = np.linspace(-0.5, 0.5, 501)
-    assert with_holes.gap(x) == pytest.approx(without.gap(x), abs=1e-12)
-    counts = [int(one.plan["fast sums"].detail.split()[0]) for one in (with_holes, without)]
+    assert with_slits.gap(x) == pytest.approx(without.gap(x), abs=1e-12)
+    counts = [int(one.plan["fast sums"].detail.split()[0]) for one in (with_slits, without)]
     assert counts[0] <= 1.3 * counts[1]
 
 

@@ -79,7 +79,7 @@ def test_an_island_between_two_narrow_gaps():
 
 
 def test_gap_and_stiffness_agree_with_the_solution_zone_by_zone():
-    """Just above and below the gap at which holes begin, load and approach go on smoothly."""
+    """Just above and below the gap at which slits begin, load and approach go on smoothly."""
     texture = contact.Biquadratic(radius=1e-3, spacing=4e-5, period=1e-4)
     merging = [e for e in contact.path(contact.Scene(texture, 1e11, contact.Periodic(), load=1.0), [1e2, 1e5]).events]
     load = next(event.load for event in merging if event.kind == "merge")
@@ -100,9 +100,9 @@ def test_below_rounding_it_is_undecided():
     assert np.abs(solution.pressure(x) - designed.pressure(x)).max() < 1e-8 * designed.max_pressure
 
 
-def test_the_plan_tells_of_holes():
+def test_the_plan_tells_of_slits():
     near = design([[-0.2, -0.03], [-0.0299, 0.15]], 1.0, 0.01, 1.0)
     apart = design([[-0.2, -0.03], [0.03, 0.15]], 1.0, 0.01, 1.0)
-    with_holes, without = (solve(one, 1.0, tol=1e-8).plan["holes"] for one in (near, apart))
-    assert with_holes.used and with_holes.detail == "1 in 1 wide zones"
+    with_slits, without = (solve(one, 1.0, tol=1e-8).plan["slits"] for one in (near, apart))
+    assert with_slits.used and with_slits.detail == "1 in 1 wide zones"
     assert not without.used

@@ -97,7 +97,7 @@ def test_zones_and_positions_in_them_are_refused_by_name():
         (lambda: solution.pressure_at(0.5, 5), "zone = 5 .* there being 1 zone"),
         (lambda: solution.pressure_at(0.5, 0.0), "zone = 0.0 .* whole number"),
         (lambda: solution.pressure_at([0.0, 1.5]), "t = .* from -1 to 1"),
-        (lambda: full.pressure_at(0.5), r"full contact has no zones, use pressure\(x\)"),
+        (lambda: full.pressure_at(0.5), r"full contact, or surfaces apart, have no zones, use pressure\(x\)"),
     ):
         with pytest.raises(contact.SceneError, match=message):
             ask()
@@ -115,3 +115,32 @@ def test_what_is_no_scene_and_no_solution_is_refused_by_name():
 def test_a_load_that_numbers_cannot_hold_beside_its_scene_is_out_of_range():
     with pytest.raises(contact.OutOfRange, match="farther apart than numbers reach"):
         contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), load=5e-324))
+
+
+def dip(size, at=0.0):
+    """1 - exp(-((x - at)/size)^2), a tenth as deep as it is wide."""
+    return own(height=lambda x: -0.1 * size * np.expm1(-(((np.asarray(x) - at) / size) ** 2)))
+
+
+@pytest.mark.parametrize("size", [1e-8, 1e-5, 1e-2, 10.0, 1e4])
+def test_an_asperity_that_states_no_size_and_levels_off_is_found_whatever_its_size(size):
+    load = 1e-4 * size
+    found, unit = (contact.solve(contact.Scene(dip(s), 1.0, contact.Isolated(), load=load / size * s)) for s in (size, 1.0))
+    assert np.allclose(found.zones / size, unit.zones, rtol=0, atol=1e-9 * np.diff(unit.zones))
+    # Light enough for Hertz: R = size^2/(2 depth) = 5 size.
+    assert found.zones[0, 1] == pytest.approx(np.sqrt(20 * load * size / np.pi), rel=1e-3)
+    assert contact.solve(contact.Scene(dip(size, 10 * size), 1.0, contact.Isolated(), load=load)).zones.mean() == pytest.approx(10 * size)
+
+
+def test_a_derived_slope_is_that_of_its_place_whatever_stands_beside_it():
+    profile, x = dip(1e-5), np.array([-3e-6, 1e-7, 8e-6])
+    wide = np.append(x, [1.0, -1e12])
+    assert np.allclose(profile.slope(wide)[:3], profile.slope(x), rtol=1e-8, atol=0)
+    assert np.allclose(profile.slope(x), 0.2 * x / 1e-5 * np.exp(-((x / 1e-5) ** 2)), rtol=1e-8, atol=0)
+
+
+def test_heights_that_overflow_far_away_hide_no_tip():
+    catenary = own(height=lambda x: 2e-3 * np.sinh(np.asarray(x) / 2e-3) ** 2)
+    with np.errstate(over="ignore"):
+        found = contact.solve(contact.Scene(catenary, 1e11, contact.Isolated(), load=1.0))
+    assert found.zones[0, 1] == pytest.approx(np.sqrt(4 * 1e-3 / (np.pi * 1e11)))

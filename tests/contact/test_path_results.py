@@ -143,12 +143,13 @@ def test_quietly_it_writes_its_files_and_prints_nothing(tmp_path):
     assert (tmp_path / "out.csv").read_text().count("\n") == 3 and (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_loop_of_surfaces_that_adhere_says_what_it_loses_and_draws_its_jumps(tmp_path):
+def test_a_loop_of_surfaces_that_adhere_says_what_it_loses_and_is_drawn(tmp_path):
     pytest.importorskip("matplotlib")
     arguments = ["--loads=-1.5e-3,1e-3", "--back"]
     read = json.loads(run(STICKY_TEXT, *arguments, "--json", "--plot", tmp_path / "loop.png").stdout)
     assert [e["kind"] for e in read["events"]] == ["jump-in", "pull-off"]
     assert read["dissipated"] == pytest.approx(sum(e["lost"] for e in read["events"])) and read["work"] == pytest.approx(read["dissipated"])
+    assert (tmp_path / "loop.png").stat().st_size > 10_000
     assert read["points"]["zone_count"][0] == read["points"]["zone_count"][-1] == read["points"]["total_width"][0] == 0
     told = run(STICKY_TEXT, *arguments).stdout
     assert "apart to 1" in told and "1 to apart" in told and "lost in all" in told

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import contact
+from contact import inverse
 from contact.errors import OutOfRange
 from contact.search.grid.coarse import find_window, propose, zones_of
 from contact.search.grid.conjugate_gradient import GridState, Influence, Response, solve_grid
@@ -385,3 +387,10 @@ def test_a_grid_beside_a_known_contact_proposes_the_same_zones_in_fewer_iteratio
     beside = propose(height, (0.0, 1.0), response, load=1.001, points=1024, near=known.state)
     np.testing.assert_allclose(beside.zones, alone.zones, rtol=0, atol=1e-6)
     assert beside.iterations < alone.iterations
+
+
+def test_zones_that_the_first_window_of_a_lone_body_missed_are_found_in_a_wider_one():
+    shape = inverse.random_adhesive_problem(np.random.default_rng(2209), 6, pull=1e-3, E_star=1.0).profile
+    solution = contact.solve(contact.Scene(shape, 1.0, contact.Isolated(), load=0.05))
+    # The first window begins at -0.66.
+    assert solution.certificate.holds and len(solution.zones) == 5 and solution.zones[0, 1] < -0.75

@@ -59,7 +59,7 @@ class TestSharpValley:
         exact = np.array([[-b, -a], [a, b]])
         assert np.abs(solution.zones - exact).max() / (b - a) <= solution.error <= 1e-8
         assert abs(solution.zones[1, 0] / a - 1) < 1e-5 and solution.certificate.holds
-        assert solution.plan["holes"].used == (a < 0.02)
+        assert solution.plan["slits"].used == (a < 0.02)
         inside = np.array([-0.5, 0.0, 0.5]) * a
         assert np.all(solution.gap(inside) > 0) and np.all(solution.pressure(inside) == 0)
 

@@ -9,6 +9,8 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +20,9 @@ from click.testing import CliRunner
 import contact
 from contact.commands import cli
 from contact.sweeps.points import NUMBERS, numbers
+from contact.sweeps.sweep import chunks as chunks_module
 from contact.sweeps.sweep import processes, run
-from contact.sweeps.sweep.chunks import chunks_of
+from contact.sweeps.sweep.chunks import chunks_of, solve_chunk
 from contact.sweeps.sweep.keys import axes_of
 
 xarray = pytest.importorskip("xarray")
@@ -83,6 +86,18 @@ def test_words_and_whole_numbers_are_values_too():
     layer = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), substrate=contact.Layer(0.2, 0.3), load=1e-3)
     bases = contact.sweep(layer, {"substrate.base": ["bonded", "smooth"]}, workers=1)
     assert bases["substrate.base"].values.tolist() == ["bonded", "smooth"] and float(np.ptp(bases["approach"].values)) > 0
+
+
+def test_a_unit_is_told_where_a_profile_of_one_s_own_declares_it():
+    class Declared(contact.Sinusoid):
+        units = {"amplitude": "m"}
+
+    class Undeclared(contact.Sinusoid):
+        units = None
+
+    for shape, unit in ((Declared, {"units": "m"}), (Undeclared, {})):
+        scene = contact.Scene(shape(1e-2, 1.0), 1.0, contact.Periodic(), load=1e-3)
+        assert contact.sweep(scene, {"profile.amplitude": [1e-2]}, workers=1)["profile.amplitude"].attrs == unit
 
 
 def test_along_a_control_points_share_one_search(monkeypatch):
@@ -220,6 +235,21 @@ def test_a_trace_with_one_height_changed_is_another_scene(tmp_path):
                 contact.sweep(scene, {"control.load": [1e-3]}, workers=1, out=tmp_path / "sweep.nc")
 
 
+def test_a_profile_that_holds_a_function_is_the_same_one_when_it_is_made_again(tmp_path, counted):
+    @dataclass(frozen=True)
+    class Shaped(contact.Profile):
+        shape: Callable[[np.ndarray], np.ndarray]
+        scale: float
+
+        def height(self, x):
+            return self.scale * self.shape(np.asarray(x))
+
+    for _ in range(2):
+        scene = contact.Scene(Shaped(lambda x: x**2, 0.5), 1.0, contact.Isolated(), load=1e-3)
+        contact.sweep(scene, {"profile.scale": [0.5, 1.0]}, workers=1, out=tmp_path / "sweep.nc")
+    assert counted == [0, 1]
+
+
 def test_a_scene_that_cannot_be_sent_is_solved_here(counted):
     class Local(contact.Sinusoid):
         """No other process can import it."""
@@ -247,9 +277,11 @@ class Told(contact.Sinusoid):
             with open(self.log, "a") as log:
                 log.write(f"{os.getpid()} {self.amplitude!r}\\n")
             time.sleep(0.2)
+            if self.amplitude == 0.99:
+                os._exit(1)
         return super().slope(x)
 '''
-AMPLITUDES = np.linspace(1e-2, 2e-2, 11).round(4).tolist()
+AMPLITUDES = np.linspace(1e-2, 2e-2, 9).round(5).tolist()
 
 
 @pytest.fixture
@@ -300,7 +332,31 @@ def test_a_process_that_is_killed_loses_no_point_and_what_was_done_is_not_done_t
 
 
 @pytest.mark.slow
-def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_is_not_done_twice(told, tmp_path):
+def test_a_point_that_ends_its_process_is_a_failed_one_and_the_others_are_solved(told, monkeypatch):
+    monkeypatch.setattr(run, "_check_values", lambda scene, axes: None)
+    with pytest.warns(contact.ModelWarning, match="1 of 4 points failed"):
+        table = contact.sweep(told, {"profile.amplitude": [1e-2, 0.99, 2e-2, 3e-2]}, workers=2)
+    assert table["failed"].values.tolist() == [False, True, False, False] and "ended" in str(table["reason"].values[1])
+
+
+SCRIPT = """
+import contact
+scene = contact.Scene(contact.Sinusoid(1e-2, 1.0), 1.0, contact.Periodic(), load=1e-3)
+table = contact.sweep(scene, {"profile.amplitude": [1e-2, 2e-2]}, workers=2)
+print("failed:", int(table["failed"].sum()))
+"""
+
+
+@pytest.mark.slow
+def test_a_script_that_does_not_say_that_it_is_the_main_one_is_solved_all_the_same(tmp_path):
+    (tmp_path / "script.py").write_text(SCRIPT)
+    environment = {**os.environ, "PYTHONPATH": str(Path(contact.__file__).parents[1])}
+    done = subprocess.run([sys.executable, tmp_path / "script.py"], capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout == "failed: 0\n" and "__main__" in done.stderr and "Traceback" not in done.stderr
+
+
+@pytest.mark.slow
+def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_is_not_done_twice(told, tmp_path, monkeypatch):
     pytest.importorskip("distributed")
     dask, where = str(Path(sys.executable).with_name("dask")), tmp_path / "scheduler.json"
     silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "stdin": subprocess.DEVNULL}
@@ -320,12 +376,13 @@ def test_a_worker_of_a_cluster_that_is_killed_loses_no_point_and_what_was_done_i
         by = solved_by(tmp_path / "log")
         contact.sweep(told, {"profile.amplitude": AMPLITUDES}, address, out=out)
         assert solved_by(tmp_path / "log") == by
+        monkeypatch.setattr(chunks_module, "_SECONDS", 0.0)
         along = contact.sweep(WAVE, {"control.load": [1e-3, 2e-3, 3e-3]}, address)
         assert along["load"].values == pytest.approx([1e-3, 2e-3, 3e-3])
     finally:
-        for process in started[::-1]:
-            process.terminate()
+        # The scheduler first: its workers then end by themselves.
         for process in started:
+            process.terminate()
             process.wait(30)
 
 
@@ -393,6 +450,29 @@ def test_a_sweep_without_xarray_says_what_to_install(monkeypatch):
     monkeypatch.setattr(run, "require", missing)
     with pytest.raises(contact.MissingExtra, match="io"):
         contact.sweep(WAVE, GRID)
+
+
+def test_what_takes_long_is_handed_in_on_the_way_and_the_rest_goes_on(monkeypatch):
+    monkeypatch.setattr(chunks_module, "_SECONDS", 0.0)
+    axes = axes_of(WAVE, {"control.load": [1e-3, 3e-3, 2e-3]})
+    (chunk,) = chunks_of(axes, np.ones(3, dtype=bool), None)
+    found = []
+    while True:
+        rows = solve_chunk(WAVE, chunk, 1e-8)
+        found += [(place, row["load"]) for place, row in rows]
+        if not chunk.without(rows):
+            break
+        (chunk,) = chunk.without(rows)
+    assert [place for place, _ in found] == [0, 2, 1] and [load for _, load in found] == pytest.approx([1e-3, 2e-3, 3e-3])
+
+
+@pytest.mark.slow
+def test_processes_hand_in_what_they_have_on_the_way(monkeypatch):
+    monkeypatch.setattr(chunks_module, "_SECONDS", 0.0)
+    steps = []
+    loads = np.linspace(1e-3, 2e-3, 13).tolist()
+    table = contact.sweep(WAVE, {"control.load": loads}, workers=2, progress=lambda stage, done, total: steps.append(done))
+    assert steps == list(range(1, 14)) and table["load"].values == pytest.approx(loads)
 
 
 def test_points_are_cut_evenly_and_none_is_in_two_chunks():

@@ -9,7 +9,7 @@ import pytest
 
 import sie
 from sie.collocation import fixed
-from sie.fast.panels import Spread, panels_of
+from sie.fast.panels import PairPanels, Spread, panels_of, panels_over
 
 FEW = np.array([[-1.0, -0.5], [-0.2, 0.3], [0.35, 1.0]])
 PERIOD = 2.5
@@ -30,6 +30,17 @@ def kernel(eps, depth, period=None, of_lag=True):
         lambda x, xi: 0.5 * eps * np.log(1 - 2 * r * np.cos(k * (x - xi)) + r * r), of_lag=of_lag,
     )
     return sie.hilbert(period) + smooth
+
+
+VARIED = sie.cauchy() + sie.Smooth(
+    lambda x, xi: 0.3 * np.cos(2 * x) * np.exp(xi) + 0.2 / (1.5 + x * xi), lambda x, xi: 0.15 * np.sin(2 * x) * np.exp(xi) + _log(x, xi)
+)
+
+
+def _log(x, xi):
+    """The antiderivative of 0.2 / (1.5 + x xi) by x, zero at x = 0."""
+    xi = np.where(np.abs(xi) < 1e-9, 1e-9, xi)
+    return 0.2 * np.log1p(x * xi / 1.5) / xi
 
 
 def equation(of_kernel, total=1.0):
@@ -56,8 +67,10 @@ def test_sums_over_points_are_those_of_the_kernel(depth, period, potential):
     assert found == pytest.approx(exact @ weights, rel=1e-13, abs=2e-14 * size * np.abs(weights).sum())
 
 
-def test_a_kernel_of_both_places_and_one_that_varies_over_too_little_have_none():
-    assert panels_of(kernel(0.8, 0.1, of_lag=False), -1.0, 1.0) is None
+def test_a_kernel_of_both_places_over_few_zones_and_one_that_varies_over_too_little_have_none():
+    assert panels_over(kernel(0.8, 0.1, of_lag=False), sie.Zones.of(FEW)) is None
+    assert isinstance(panels_over(VARIED, sie.Zones.of(scattered(40))), PairPanels)
+    assert panels_over(kernel(0.8, 1e-4, of_lag=False), sie.Zones.of(scattered(40))) is None
     assert panels_of(kernel(0.8, 1e-4), -1.0, 1.0) is None
     assert panels_of(sie.hilbert(PERIOD), -1.0, 1.0) is None  # it is known without
 
@@ -131,6 +144,23 @@ def test_a_kernel_is_asked_no_more_often_for_more_zones():
     assert asked[1] <= 2 * asked[0]
 
 
+@pytest.mark.parametrize("of", [VARIED, kernel(0.8, 0.3, of_lag=False), kernel(0.8, 0.3, PERIOD, of_lag=False)])
+def test_a_kernel_of_both_places_is_of_low_rank_over_many_zones(of, monkeypatch):
+    zones, x = sie.Zones.of(scattered(34)), np.linspace(-1.1, 1.1, 201)
+    monkeypatch.setattr("sie.fast.panels._ZONES", 1000)
+    direct = sie.solve_fixed(equation(of), zones)
+    assert not direct.iterated
+    monkeypatch.setattr("sie.fast.panels._ZONES", 32)
+    monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 50)
+    by_sums = sie.solve_fixed(equation(of), zones)
+    assert by_sums.iterated
+    size = np.abs(direct.density.coefficients).max()
+    assert by_sums.density.coefficients[:, :8] == pytest.approx(direct.density.coefficients[:, :8], abs=1e-11 * size)
+    assert by_sums.levels == pytest.approx(direct.levels, abs=1e-12 * size)
+    assert by_sums.density.transform(x) == pytest.approx(direct.density.transform(x), abs=1e-9 * size)
+    assert np.abs(by_sums.density.potential(x) - direct.density.potential(x)).max() < 1e-11 * size
+
+
 @pytest.mark.parametrize("symmetric", [False, True])
 @pytest.mark.parametrize("depth", [0.05, 0.5])
 @pytest.mark.parametrize("of_lag", [True, False])
@@ -146,3 +176,15 @@ def test_beside_a_slit_the_density_is_that_of_the_zones_by_themselves(period, of
         assert one.density.at_t(zone, t) == pytest.approx(other.density.at_t(zone, t), rel=1e-9)
     assert np.array(one.density.intensities) == pytest.approx(np.array(other.density.intensities), rel=1e-7)
     assert one.density_error < 1e-9
+
+
+def test_where_nothing_asks_for_potentials_many_zones_need_none_of_the_kernel(monkeypatch):
+    zones, without = sie.Zones.of(scattered(34), sie.SINGULAR, sie.SINGULAR), replace(VARIED, regular_potential=None)
+    right = sie.Forcing(np.sin, lambda x: -np.cos(x))
+    direct = sie.solve_fixed(sie.Equation(VARIED, right, (sie.ZoneTotals(0.1),)), zones)
+    monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 50)
+    by_sums = sie.solve_fixed(sie.Equation(without, right, (sie.ZoneTotals(0.1),)), zones)
+    assert by_sums.iterated and not direct.iterated
+    assert by_sums.density.at_t(5, 0.3) == pytest.approx(direct.density.at_t(5, 0.3), rel=1e-11)
+    with pytest.raises(ValueError, match="needs the regular kernel's potential"):
+        sie.solve_fixed(sie.Equation(without, right, (sie.Total(0.1), sie.EqualPotential())), zones)

@@ -129,12 +129,14 @@ class DirectFields(ZoneFields):
         x = np.asarray(x, dtype=float)
         period = self.scene.period
         if period is not None:
-            x = x - np.round(x / period) * period
+            with np.errstate(invalid="ignore"):
+                x = x - np.round(x / period) * period
         inner, outer = float(self.ends.inner[0]), float(self.ends.outer[0])
         place = np.abs(x)
         inside = (place <= outer) & (place >= inner)
         at = np.where(inside, place, outer)
-        return np.where(inside, self._between(at, at - inner, outer - at), 0.0)
+        beside = np.where(np.isfinite(x), 0.0, np.nan)
+        return np.where(inside, self._between(at, at - inner, outer - at), beside)
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         t = np.asarray(t, dtype=float)

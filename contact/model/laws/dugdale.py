@@ -67,6 +67,13 @@ class Dugdale(Law):
     def reach(self) -> float:
         return self.work / self.stress
 
+    def surface_energy(self, fields: Any, width: float) -> float:
+        """-w for each width in which the gap is below the reach, and what it takes there to open it."""
+        cohesive = fields.cohesive
+        if len(cohesive) == 0:  # full contact, or surfaces apart
+            return -self.work * width
+        return -self.work * float((cohesive[:, 1] - cohesive[:, 0]).sum()) + self.stress * float(fields.opened)
+
     def refuses(self, scene: Any) -> str | None:
         if scene.interaction.strip:
             return f"goes with isolated and periodic bodies, not with {scene.interaction.name}"

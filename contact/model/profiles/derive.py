@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 _TINY = 1e-100  # its square vanishes beside any length met, so the step has no truncation error
 _APART = (1e2, 1e4, 1e6)  # how many times farther apart to look again
 _SIXTH = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))  # f' = sum c_k (f(x + kh) - f(x - kh)) / h + O(h^6)
+# The doubt of a step that does not resolve f.
+_LEAST_BELIEVED = 1e300
 
 
 def slope_of(height: Callable[[Any], Any], x: Array, length: float | None = None) -> Array:
@@ -73,20 +75,23 @@ def by_ladder(height: Callable[[Any], Any], x: Array, length: float | None) -> t
     """Central differences at the best step of each point, and how far they may be off.
 
     The doubt is the change from the step before plus what rounding of f makes of it: at tiny steps two
-    quotients can agree exactly and be wrong together.
+    quotients can agree exactly and be wrong together. At wide ones too, where f is level beside a narrow dip: steps that do not
+    resolve f are believed least.
     """
     if length is not None:
         steps = length * 0.1 * 2.0 ** -np.arange(14)
     else:
         # No length is known: from the widest argument down by powers of four, to below any plausible feature.
-        steps = max(float(np.max(np.abs(x))), 1.0) * 4.0 ** -np.arange(24)
+        widest = max(float(np.max(np.abs(x))), 1.0)
+        steps = widest * 4.0 ** -np.arange(24 + np.ceil(0.5 * np.log2(widest)))
     best = np.full(x.shape, np.nan)
     doubt = np.full(x.shape, np.inf)
     with np.errstate(all="ignore"):
-        last, _ = _difference(height, x, steps[0])
+        here = np.asarray(height(x), dtype=np.float64)
+        last = _difference(height, x, steps[0], here)[0]
         for h in steps[1:]:
-            new, size = _difference(height, x, h)
-            off = np.abs(new - last) + np.finfo(np.float64).eps * size / h
+            new, size, resolved = _difference(height, x, h, here)
+            off = np.where(resolved, np.abs(new - last) + np.finfo(np.float64).eps * size / h, _LEAST_BELIEVED)
             better = off < doubt
             best = np.where(better, new, best)
             doubt = np.where(better, off, doubt)
@@ -94,13 +99,16 @@ def by_ladder(height: Callable[[Any], Any], x: Array, length: float | None) -> t
     return best, doubt
 
 
-def _difference(height: Callable[[Any], Any], x: Array, h: float) -> tuple[Array, Array]:
-    total = np.zeros(x.shape)
-    size = np.zeros(x.shape)
-    for k, weight in _SIXTH:
+def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """(the quotient, the size of f, whether its sixth difference is small beside its changes); here: f(x)."""
+    total, size, sixth = np.zeros(x.shape), np.abs(here), -20.0 * here
+    low = high = here
+    for (k, weight), binomial in zip(_SIXTH, (15.0, -6.0, 1.0), strict=True):
         # The step actually taken in floating point, not the one asked for.
         ahead, behind = x + k * h, x - k * h
         right, left = np.asarray(height(ahead)), np.asarray(height(behind))
         total = total + 2 * k * weight * (right - left) / (ahead - behind)
+        low, high = np.minimum(low, np.minimum(left, right)), np.maximum(high, np.maximum(left, right))
         size = np.maximum(size, np.maximum(np.abs(right), np.abs(left)))
-    return total, size
+        sixth = sixth + binomial * (right + left)
+    return total, size, np.abs(sixth) <= high - low + 64 * np.finfo(np.float64).eps * size

@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Equilibria, Point
+from contact.formulation.equilibria import Equilibria, NoState, Point
 from contact.formulation.roots import bracketed
 from contact.search.equilibria.flow import receded
 
 Array = NDArray[np.float64]
+Recede = Callable[[Equilibria, Array, float], Point | None]
 
 # First and longest step, Newton's steps in one, how small its last one is, and how many steps; a step so small is none.
 _FIRST, _LONGEST, _CORRECTIONS, _TIGHT, _MOST_STEPS, _NO_STEP = 0.02, 0.3, 8, 1e-11, 3000, 1e-9
@@ -25,7 +26,7 @@ _FIRST, _LONGEST, _CORRECTIONS, _TIGHT, _MOST_STEPS, _NO_STEP = 0.02, 0.3, 8, 1e
 _LONGER, _SHORTER = 1.6, 0.3
 # Cosine of the angle by which a step may turn the tangent.
 _STRAIGHT = 0.85
-# Past a turning point ends are pushed on by this part of their zones.
+# Past a turning point ends are pushed on by this part of their zones, or of the gaps beside them.
 _PUSH = 0.03
 # Of the control, before the last turning point is looked for; and of steps of the control.
 _HALVINGS, _MOST_TRIES = 5, 160
@@ -104,34 +105,36 @@ def turning_point(curve: Equilibria, here: Point, sense: float = -1.0) -> Point:
     return step.at(step.turning())
 
 
-def beyond(turned: Point, sense: float) -> Array:
+def beyond(curve: Equilibria, turned: Point, sense: float) -> Array:
     """Zones from which ends move on to another equilibrium at a turning point: inward where the control falls."""
-    move = _begun(turned, sense).tangent[:-1]
-    move = move * (sense * np.sign(move.sum()) * _PUSH / np.abs(move).max())
-    return turned.moved(np.asarray(move * turned.widths))
+    move = _begun(turned, sense).tangent[:-1] * turned.widths
+    gaps = curve.gaps(turned.table)
+    room = np.minimum(turned.widths, np.concatenate((np.roll(gaps, 1), gaps)))
+    return turned.moved(np.asarray(move * (sense * np.sign(move.sum()) * _PUSH / np.abs(move / room).max())))
 
 
-def pull_off(curve: Equilibria, here: Point) -> Point:
-    """Where the last zones come apart as the control falls from an equilibrium; those before do so one after the other."""
-    here, high = _apart(curve, here)
+def pull_off(curve: Equilibria, here: Point, recede: Recede = receded) -> Point:
+    """Where the last zones come apart as the control falls from an equilibrium; those before do so one after the other. recede: how ends
+    that are driven inward come to rest."""
+    here, high = _apart(curve, here, recede)
     # Between a value that holds and one that does not: near enough for the arc to have one turning point.
     for _ in range(_HALVINGS):
         middle = 0.5 * (here.value + high)
-        rest = receded(curve, here.table, middle)
+        rest = recede(curve, here.table, middle)
         here, high = (rest, high) if rest is not None else (here, middle)
     while True:
         turned = turning_point(curve, curve.settled(here))
-        rest = receded(curve, beyond(turned, -1.0), turned.value)
+        rest = recede(curve, beyond(curve, turned, -1.0), turned.value)
         if rest is None:
             return turned
         here = rest
 
 
-def _apart(curve: Equilibria, here: Point) -> tuple[Point, float]:
+def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float]:
     """(an equilibrium, a lower value of the control under which there is none) as the control falls."""
     step = 1.0 / float(np.abs(here.by_value).max())
     for _ in range(_MOST_TRIES):
-        rest = receded(curve, here.table, here.value - step)
+        rest = recede(curve, here.table, here.value - step)
         if rest is None:
             return here, here.value - step
         here, step = rest, 2.0 * step
@@ -180,7 +183,10 @@ def _along(curve: Equilibria, here: Place, length: float) -> Point | None:
         table = here.at.moved(moved)
         if np.any(np.diff(table.ravel()) <= 0) or curve.gaps(table)[-1] <= 0.0:
             return None
-        at = curve.at(table, value)
+        try:
+            at = curve.at(table, value)
+        except NoState:
+            return None
         matrix = np.block([[at.rates * widths, at.by_value[:, None] * unit], [tangent[None]]])
         step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
         size = float(np.abs(step).max())

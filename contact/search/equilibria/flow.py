@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Equilibria, Point
+from contact.formulation.equilibria import Closed, Equilibria, Point
 
 Array = NDArray[np.float64]
 
@@ -32,10 +32,6 @@ _OVERSHOT, _SLIGHT, _NEAR, _FAR = 0.1, 1e-4, 0.02, 0.05
 _CLOSED, DRIVEN, _OPENED = 1e-2, 0.5, 0.02
 MOST_STEPS, MOST_TRIES = 600, 40
 _PLACES = np.linspace(0.05, 0.95, 10)
-
-
-class Closed(Exception):
-    """All gaps of a period have closed."""
 
 
 def advanced(curve: Equilibria, table: Array, value: float) -> Point:
@@ -54,7 +50,7 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
     here = curve.at(table, value)
     widths, residual = here.widths, here.residual
     for _ in range(MOST_STEPS):
-        if sign > 0 and (merged := _merged(curve, here)) is not None:
+        if sign > 0 and (merged := closing(curve, here)) is not None:
             here = curve.at(merged, value)
             continue
         if sign < 0 and (apart := _come_apart(here, widths, residual)).any():
@@ -64,14 +60,15 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
             here, widths, residual = curve.at(here.table[~apart], value), widths[stays], residual[stays]
             continue
         here, move = _step(curve, here, sign)
-        if move <= REST and np.abs(here.residual).max() <= DRIVEN:
+        driven = float(np.abs(here.residual).max())
+        if move <= REST and driven <= (DRIVEN if here.growth < 0.0 else _SLIGHT):
             return here
     raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
 
 
 def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
     """(next state, largest move over the widths)."""
-    limit, back = _limits(curve, here, sign)
+    limit, back = limits(curve, here, sign)
     for _ in range(MOST_TRIES):
         step = kept_step(here, sign, limit, back)
         # Of ends that are driven hard, little must be left out to know how those at rest are.
@@ -79,12 +76,16 @@ def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
         gone_past = passed(here, ahead, step, sign)
         if not gone_past.any():
             return ahead, float(np.abs(step / here.widths).max())
+        if here.growth >= 0.0:
+            # A damped step keeps its shape as it is shortened: all ends are limited alike, else those at rest hold up the others.
+            limit = 0.5 * limit * float((np.abs(step) / limit).max())
+            continue
         # What has passed an equilibrium moves less; if that is of no avail, so do all.
-        limit = np.where(gone_past | (here.growth >= 0.0), 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
+        limit = np.where(gone_past, 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
     raise NotConverged("no step of the ends keeps to the branch")
 
 
-def _limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
+def limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
     """How far ends may move onward, and back, in a step (2n,)."""
     resolution = curve.problem.profile.resolution
     known = np.inf if resolution is None else _OF_RESOLUTION * resolution / curve.problem.units.length
@@ -98,7 +99,7 @@ def _limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
     return onward, np.minimum(back, _NEAR * here.widths)
 
 
-def _merged(curve: Equilibria, here: Point) -> Array | None:
+def closing(curve: Equilibria, here: Point) -> Array | None:
     """The zones without gaps that have closed; None if there is none."""
     table, period = here.table, curve.problem.period
     left, right = np.split(here.residual, 2)

@@ -155,7 +155,7 @@ class History:
 
     def _turn(self, last: Point, sense: float) -> Jump:
         """From a turning point on."""
-        table, before = beyond(last, sense), Standing(last.value, last)
+        table, before = beyond(self.curve, last, sense), Standing(last.value, last)
         moves = np.abs(np.column_stack(np.split(np.concatenate((last.table[:, 0] - table[:, 0], table[:, 1] - last.table[:, 1])), 2)))
         place = float(last.table.ravel()[int(np.argmax(moves))])
         if sense > 0.0:

@@ -6,9 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.formulation.cohesive import Cohesive
 from contact.formulation.controls import Control
 from contact.formulation.equilibria import Equilibria
 from contact.formulation.fields import ZoneFields
+from contact.formulation.pulled_fields import PulledFields
+from contact.search.equilibria import tension as under_tension
 from contact.search.equilibria.arc import pull_off
 from contact.solution.pull_off import PullOff
 
@@ -25,3 +28,21 @@ class Parting:
         last = pull_off(curve, curve.at(fields.density.zones.table, self.held.value))
         approach = float(-last.level * units.height) if problem.operator.has_approach else None
         return PullOff(float(last.load * units.load), approach, np.asarray(units.x(last.table)))
+
+
+@dataclass(frozen=True)
+class PartingUnderTension:
+    """The same where a tension acts beside the contact."""
+
+    held: Control
+
+    def __call__(self, fields: ZoneFields) -> PullOff:
+        assert isinstance(fields, PulledFields) and fields.law_problem is not None
+        problem, units, zones = fields.law_problem, fields.problem.units, fields.density.zones.table
+        curve, tension = Cohesive(problem, self.held), fields.tension
+        if tension.everywhere:
+            last = under_tension.pull_off_from_all(curve, zones, self.held.value)
+        else:
+            last = under_tension.pull_off(curve, curve.from_zones(tension.table, self.held.value, zones))
+        approach = float(-last.level * units.height) if problem.operator.has_approach else None
+        return PullOff(float(last.load * units.load), approach, np.asarray(units.x(last.contact)))

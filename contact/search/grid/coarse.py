@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 Height = Callable[[Array], ArrayLike]
 
 _POINTS = 128  # of a window
+_TOWERING = 1e6  # heights above the lowest, over the window
 COARSEST = 64  # points of the first of the nested grids
 MOST_POINTS = 2**22  # of the last grid, however fine the shape is
 _PASSING = 1e-3  # tolerance of the grids before the last
@@ -221,12 +222,14 @@ def find_window(
     start_scale: float | None = None,
     limits: tuple[float, float] | None = None,
     start: tuple[float, float] | None = None,
+    light: float | None = None,
 ) -> tuple[float, float]:
     """A window of the line of which an isolated contact takes between about 20 % and 70 %, clear of its
     border.
 
     The search begins with the window `start`, or else at `start_scale` around 0 (or at `limits`, which it never leaves), and
-    grows or shrinks by what the contact takes. A window returned with its border in contact is `limits` itself."""
+    grows or shrinks by what the contact takes. A window returned with its border in contact is `limits` itself. A level is sought from a
+    `light` load on."""
     if (load is None) == (level is None):
         raise ValueError("exactly one of load and level")
     search = _Window(height, response, limits)
@@ -234,7 +237,7 @@ def find_window(
     if load is not None:
         return search.at_load(load, window)[0]
     assert level is not None
-    return search.at_level(level, window)
+    return search.at_level(level, window, light or 1e-3 * response.E * response.datum)
 
 
 @dataclass(frozen=True)
@@ -252,6 +255,9 @@ class _Window:
                 f"the profile is not a number, or unbounded below, somewhere in the window {window} [m]: if it is known on a part of the "
                 "line only, give it an `extent`, and a `resolution` to begin with"
             )
+        # So high nothing touches, and beside such heights those of the tip have no digits.
+        with np.errstate(over="ignore", invalid="ignore"):
+            f = np.where(f - f.min() > _TOWERING * (window[1] - window[0] + load / self.response.E), np.inf, f)
         influence = self.response.on(_POINTS, (window[1] - window[0]) / _POINTS)
         with np.errstate(over="ignore", invalid="ignore"):
             return x, solve_grid(f, influence, load=load, tol=1e-3)
@@ -294,12 +300,12 @@ class _Window:
                 return window, state
             window = wanted
         raise NoWindow(
-            f"no window holds the contact (last tried: {window}): does the profile rise on both sides?"
+            f"no window holds the contact (last tried: {window}): does the profile rise on both sides? Where it "
+            "levels off, alone it bears light loads only"
         )
 
-    def at_level(self, level: float, window: tuple[float, float]) -> tuple[float, float]:
+    def at_level(self, level: float, window: tuple[float, float], load: float) -> tuple[float, float]:
         """The level is concave in the load up to its maximum: Newton for the load, to a tenth, bracketed."""
-        load = 1e-3 * self.response.E * self.response.datum
         low, high = 0.0, np.inf
         for _ in range(200):
             window, state = self.at_load(load, window)

@@ -32,6 +32,9 @@ Array = NDArray[np.float64]
 
 # How far from a window it is looked for deeper places, over its half width, at how many, and how often.
 _FARTHEST, _LOOKS, _DESCENTS = 1e8, 1024, 12
+# Where a shape that states no size is looked at [m], how many of the last places must be level, and to what part of its rise; a load over
+# E* and the approach that such a shape surely bears.
+_SEEN, _FAR_OUT, _LEVEL, _LIGHT = np.geomspace(1e-9, 1e9, 2048), 256, 1e-12, 1e-3
 
 
 @dataclass(frozen=True)
@@ -140,7 +143,7 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
     datum = _datum(scene)
     find = partial(find_window, response=response_of(scene, datum or 1.0), start_scale=profile.resolution, limits=profile.extent)
     if kind == "load":
-        window = find(partial(grid_height, profile), load=value)
+        window = find(partial(grid_height, profile), load=value, start=_dip(profile))
         for _ in range(_DESCENTS):
             deeper = _deeper(profile, window)
             if deeper is None:
@@ -150,10 +153,28 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
             window = find(profile.height, load=value, start=(deeper - half, deeper + half))
     else:
         # The lowest point is in contact at any load: a window of any contact holds it.
-        first = find(profile.height, load=1e-3 * scene.E_star * (datum or 1.0))
-        window = find(profile.height, level=lowest(profile, first) + value)
+        dip = _dip(profile)
+        light = 1e-3 * scene.E_star * (datum or 1.0) if dip is None else value * scene.E_star * _LIGHT
+        first = find(profile.height, load=light, start=dip)
+        window = find(profile.height, level=lowest(profile, first) + value, start=dip and first, light=light)
     origin = 0.0 if profile.symmetric else _middle_or_tip(profile, window)
     return origin, 0.5 * (window[1] - window[0]), window
+
+
+def _dip(profile: Profile) -> Window | None:
+    """Of a shape that states no size and levels off far away, where wide windows would see nothing: a window about its lowest place, as
+    wide as it takes to rise by half. None of any other shape."""
+    if profile.resolution is not None or profile.extent is not None or profile.kinks.size:
+        return None
+    x = np.concatenate((-_SEEN[::-1], [0.0], _SEEN))
+    with np.errstate(all="ignore"):
+        f = np.asarray(profile.height(x), dtype=np.float64)
+    rise = f - f.min()
+    if not np.isfinite(rise).all() or np.ptp(rise[_SEEN.size + 1 :][-_FAR_OUT:]) + np.ptp(rise[:_FAR_OUT]) > _LEVEL * rise.max():
+        return None
+    lowest_at = x[int(np.argmin(rise))]
+    half = float(np.abs(x - lowest_at)[rise > 0.5 * rise.max()].min(initial=np.inf))
+    return (float(lowest_at) - half, float(lowest_at) + half) if 0.0 < half < np.inf else None
 
 
 def _deeper(profile: Profile, window: Window) -> float | None:

@@ -41,7 +41,7 @@ _WIDEN, _WIDER = 1.25, (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
 def followed(task: Task) -> Outcome:
     """The contact of the scene on the branch that the task asks for; OutOfRange past pull-off."""
     scene, told = task.scene, task.plan["branch"]
-    told.detail = f"{task.branch}, {_way(task)}"
+    told.detail = f"{task.branch}, {way(task)}"
     if task.branch == "receding" and scene.period is not None:
         return closed(task)
     scaled, curve = to_follow(task)
@@ -59,14 +59,14 @@ def followed(task: Task) -> Outcome:
         return closed(task)
     if rest is None:
         assert start is not None
-        raise OutOfRange(_past(curve, pull_off(curve, start), task))
+        raise OutOfRange(past(curve, pull_off(curve, start), task))
     found = task.refine_topology(problem, control, curve.settled(rest).table, near=True)
     if isinstance(found, Missed):
         raise task.error(found, problem)
     return found
 
 
-def _way(task: Task) -> str:
+def way(task: Task) -> str:
     """How the contact is come by, in words."""
     scene = task.scene
     if task.branch == "receding":
@@ -77,7 +77,7 @@ def _way(task: Task) -> str:
     return "raised from first touch" + (" to no load, then lowered" if scene.control[1] < 0.0 else "")
 
 
-def _past(curve: Equilibria, last: Point, task: Task) -> str:
+def past(curve: Equilibria, last: Point, task: Task) -> str:
     units, (name, value) = curve.problem.units, task.scene.control
     told = f"load {last.load * units.load:.10g} N/m"
     if task.scene.mean_pressure is not None and task.scene.period is not None:
@@ -101,34 +101,35 @@ def closed(task: Task) -> Full:
 
 def to_follow(task: Task) -> tuple[ScaledScene, Equilibria]:
     """The scaled scene, and its equilibria under its control."""
-    scaled = _frame(task)
+    scaled = frame(task, abs(task.scene.law.intensity(task.scene.E_star)))
     return scaled, Equilibria(scaled.problem, task.control(scaled.problem))
 
 
 # frames ---------------------------------------------------------------------------------------------------------------
-def _frame(task: Task) -> ScaledScene:
-    """The scaled problem: of a lone body about the contact that it has under no load, or more."""
+def frame(task: Task, intensity: float) -> ScaledScene:
+    """The scaled problem: of a lone body about the contact that it has under no load, or more. intensity: with which its adhesion would
+    act at the ends of zones."""
     scene = task.scene
     if scene.profile.period is not None:
         return scaled_scene(scene, task.single)
-    zones = _typical(task).zones
+    zones = _typical(task, intensity).zones
     return scaled_scene_about(scene, 0.0, zones)
 
 
-def _typical(task: Task) -> Solution:
+def _typical(task: Task, intensity: float) -> Solution:
     """A contact under the bare law about as wide as the adhesive one under no load, or under its load: the tension of adhesion,
     sqrt(pi E* w times the width in contact), is borne there by the profile."""
     scene = task.scene
-    strength = math.pi * scene.law.intensity(scene.E_star)
+    strength = math.pi * intensity
     size = scene.profile.resolution or _extent(task) or 1.0
-    load = max(abs(strength) * math.sqrt(size), scene.given_load or 0.0)
+    load = max(strength * math.sqrt(size), scene.given_load or 0.0)
     for _ in range(_SCALINGS):
         try:
-            found = _bare(task, load)
+            found = bare(task, load)
         except OutOfRange:
             load *= 1e-3
             continue
-        last, load = load, max(abs(strength) * math.sqrt(float(np.sum(found.zone_widths))), scene.given_load or 0.0)
+        last, load = load, max(strength * math.sqrt(float(np.sum(found.zone_widths))), scene.given_load or 0.0)
         if 0.5 < load / last < 2.0:
             break
     return found
@@ -139,12 +140,12 @@ def _extent(task: Task) -> float | None:
     return None if extent is None else 0.1 * (extent[1] - extent[0])
 
 
-def _bare(task: Task, load: float | None = None) -> Solution:
+def bare(task: Task, load: float | None = None) -> Solution:
     """The contact under the bare law, under the scene's control or a load."""
     scene = task.scene
-    assert scene.law.bare is not None
-    bare = scene.law.bare
-    alone = replace(scene, law=bare) if load is None else replace(scene, law=bare, mean_pressure=None, approach=None, load=load)
+    law = scene.law.bare
+    assert law is not None
+    alone = replace(scene, law=law) if load is None else replace(scene, law=law, mean_pressure=None, approach=None, load=load)
     with unwarned():
         try:
             return task.under(alone, _BARE, None, None)
@@ -163,10 +164,10 @@ def advancing(task: Task, scaled: ScaledScene, curve: Equilibria, value: float) 
 
 def _pressed(task: Task, scaled: ScaledScene) -> Array:
     """The zones under the bare law, in which all ends are driven outward."""
-    bare = _bare(task)
-    if len(bare.zones) == 0:
+    found = bare(task)
+    if len(found.zones) == 0:
         raise Closed
-    return placed(scaled.problem, bare.zones)
+    return placed(scaled.problem, found.zones)
 
 
 def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:

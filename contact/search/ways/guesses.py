@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
@@ -22,6 +23,7 @@ from contact.formulation.single import guess_half_width, largest_single_load, si
 from contact.search.grid.coarse import MOST_POINTS
 from contact.search.grid.proposals import Proposed, about, placed, proposed
 from contact.search.grid.scaling import ScaledScene
+from contact.search.grid.tilt import known_part
 from contact.search.task import Task
 from contact.search.topology.missed import NOT_MINE, Missed
 from contact.search.ways.full_contact import Full, full_under, no_inverse, refuse_full_approach
@@ -36,6 +38,8 @@ Guess = Callable[[Task, ScaledScene, Array | None], Outcome | Missed]
 
 # Finest coarse grid; a scene whose zones are narrower needs more than a grid to find them.
 _MOST_POINTS = 2**17
+# How often a window is made twice as wide.
+_WIDENINGS = 4
 # Contact of a body that is no half-plane, where that is why its zones are not found.
 _ALMOST_FULL = 0.99
 
@@ -137,12 +141,15 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False) -> Outcome:
     part.used, part.reason = True, part.reason if part.used else "one zone did not pass the certificate"
     points: int | None = None
     failure: Missed | None = None
-    most, touched, full, width = _MOST_POINTS, False, False, 0.0
+    most, touched, widened, full, width = _MOST_POINTS, False, 0, False, 0.0
     while points is None or points <= most:
         if task.progress is not None:
             task.progress("coarse grid", 0, None)
         with plan.timed("coarse search"):
-            proposal = proposed(scaled, problem, control, points, held=held)
+            # The first grid of a curve's next load begins where the last one's ended.
+            beside = task.shared.grid if points is None and task.along and control.load is not None and not held else None
+            proposal = proposed(scaled, problem, control, points, held=held, near=beside)
+        task.shared.grid = proposal
         if points is None:
             most = max(most, min(4 * proposal.points, MOST_POINTS))
         points, full = proposal.points, proposal.full
@@ -151,7 +158,11 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False) -> Outcome:
         part.detail = f"{points} points, {len(proposal.zones)} zones proposed"
         if proposal.touches_border and task.scene.profile.support is None:
             if touched or 4 * points > most:
-                raise OutOfRange(_AT_STRIP if problem.interaction.strip else _AT_BORDER)
+                wider = None if widened == _WIDENINGS else _wider(task, scaled)
+                if wider is None:
+                    raise OutOfRange(_AT_STRIP if problem.interaction.strip else _AT_BORDER)
+                scaled, touched, widened, points = wider, False, widened + 1, None
+                continue
             # A coarse grid may touch it by its own error.
             touched, points = True, 4 * points
             continue
@@ -166,6 +177,16 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False) -> Outcome:
             failure = found
         points *= 4
     raise _not_found(task, problem, failure, width, points, full)
+
+
+def _wider(task: Task, scaled: ScaledScene) -> ScaledScene | None:
+    """A wider window of a body known on the whole line: few points of the first one may have missed zones beside it. None where the window
+    is all that is known, or all that there is."""
+    scene = task.scene
+    if scene.profile.period is not None or scene.turned or known_part(scene.profile) is not None:
+        return None
+    lo, hi = scaled.cell
+    return replace(scaled, cell=(lo - 0.5 * (hi - lo), hi + 0.5 * (hi - lo)))
 
 
 def _not_found(task: Task, problem: Problem, failure: Missed | None, width: float, points: int | None, full: bool) -> ContactError:

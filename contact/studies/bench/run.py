@@ -40,6 +40,8 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
     chosen: Sequence[peers.Peer] = peers.PEERS if with_peers else ()
     if with_peers:
         peers.require_both()
+    # Before anything: the source may be worked on while it is measured.
+    made = machine.commit()
     rows: list[Row] = []
     cases = suite(quick)
     total = len(cases) + sum(len(sizes) for _, sizes, _, _ in scaling.series(quick)) + len(scaling.SINGLE)
@@ -68,7 +70,7 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
     if chosen:
         plots.peers(rows, folder / "peers.png")
     plots.scaling(scaled, folder / "scaling.png")
-    _write(folder, tables)
+    _write(folder, tables, made)
     return tables
 
 
@@ -83,15 +85,16 @@ def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
 
 def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Table, int]:
     """The matrix of stiff and extreme scenes, and how many fail for no known reason."""
+    made = machine.commit()
     verdicts = stability.run_matrix(quick, progress)
     table = report.stability_table(verdicts)
     if folder is not None:
         report.write_csv(folder / "stability.csv", verdicts)
-        _write(folder, [table])
+        _write(folder, [table], made)
     return table, sum(verdict.outcome == "FAIL" for verdict in verdicts)
 
 
-def _write(folder: Path, tables: list[Table]) -> None:
-    made = f"\nMade at {machine.commit()}.\n"
+def _write(folder: Path, tables: list[Table], made: str) -> None:
+    """made: the commit they were made at."""
     for table in tables:
-        (folder / f"{table.key}.md").write_text(report.markdown(table) + made, encoding="utf-8")
+        (folder / f"{table.key}.md").write_text(report.markdown(table) + f"\nMade at {made}.\n", encoding="utf-8")

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import itertools
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, nan
 from typing import Any
 
@@ -28,20 +29,29 @@ Rows = list[tuple[int, Row]]
 _EACH = 4
 # A curve of fewer points is hardly one: the first of each costs a search.
 _SHORTEST = 6
+# So much is lost where a process ends, or the sweep is broken off [s].
+_SECONDS = 20.0
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """Places in the grid, in the order in which they are solved, and what is set at each; `control`: what goes along them, if any does."""
+    """Places in the grid, in the order in which they are solved, and what is set at each; `control`: what goes along them, if any does;
+    `seconds`: after which what is solved is handed in."""
 
     places: tuple[int, ...]
     settings: tuple[dict[str, Value], ...]
     control: str
+    seconds: float
 
     def singly(self) -> Iterator[Chunk]:
         """Its points, each a chunk."""
         for place, setting in zip(self.places, self.settings, strict=True):
-            yield Chunk((place,), (setting,), self.control)
+            yield replace(self, places=(place,), settings=(setting,))
+
+    def without(self, rows: Rows) -> list[Chunk]:
+        """What is left when its first rows are there: one chunk, or none."""
+        done = len(rows)
+        return [replace(self, places=self.places[done:], settings=self.settings[done:])] if done < len(self.places) else []
 
 
 def chunks_of(axes: Sequence[Axis], wanted: NDArray[np.bool_], solvers: int | None) -> list[Chunk]:
@@ -62,13 +72,18 @@ def chunks_of(axes: Sequence[Axis], wanted: NDArray[np.bool_], solvers: int | No
         places = [int(place) for place in line if wanted[place]]
         # As even as can be.
         for part in np.array_split(places, ceil(len(places) / most)) if places else ():
-            found.append(Chunk(tuple(int(p) for p in part), tuple(settings[p] for p in part), control))
+            found.append(Chunk(tuple(int(p) for p in part), tuple(settings[p] for p in part), control, _SECONDS))
     return found
 
 
 def solve_chunk(scene: Scene, chunk: Chunk, tol: float) -> Rows:
-    """Its rows; whatever goes wrong at a point is that point's."""
-    return list(solved(scene, chunk, tol))
+    """Its rows, the first and as many as its seconds allow from there; whatever goes wrong at a point is that point's."""
+    coming = solved(scene, chunk, tol)
+    rows = [next(coming)]
+    end = time.monotonic() + chunk.seconds
+    while time.monotonic() <= end and (row := next(coming, None)) is not None:
+        rows.append(row)
+    return rows
 
 
 def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:

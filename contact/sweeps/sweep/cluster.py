@@ -12,16 +12,19 @@ from typing import Any
 from contact.errors import ContactError, SceneError
 from contact.extras import require
 from contact.model.scene import Scene
+from contact.search.topology.loop import Progress
 from contact.sweeps.sweep.chunks import Chunk, Rows, failure
 from contact.sweeps.sweep.sent import Question, solve_sent
 
 _PATIENCE = "10s"
+# Work is cut for so many at the least.
+_EXPECTED = 16
 
 
 class Cluster:
     """A scheduler, by its address or as a dask.distributed.Client, which stays the caller's."""
 
-    def __init__(self, scheduler: Any) -> None:
+    def __init__(self, scheduler: Any, progress: Progress | None) -> None:
         self._distributed = require("distributed")
         self._own = isinstance(scheduler, str)
         if not self._own and not isinstance(scheduler, self._distributed.Client):
@@ -32,11 +35,15 @@ class Cluster:
             why = " ".join(str(error).split()) or type(error).__name__
             allowed = f"the address of a Dask scheduler that answers, such as tcp://host:8786 ({why})"
             raise SceneError.of("scheduler", scheduler, allowed) from error
+        if not self._client.ncores():
+            if progress is not None:
+                progress("waiting for a worker", 0, None)
+            self._client.wait_for_workers(1)
 
     @property
     def solvers(self) -> int:
-        """Threads of the workers that are there now."""
-        return sum(self._client.ncores().values())
+        """Threads of the workers that are there now, and some for those to come."""
+        return max(_EXPECTED, sum(self._client.ncores().values()))
 
     def solved(self, scene: Scene, chunks: Sequence[Chunk], tol: float) -> Generator[Rows]:
         """Rows of chunks as these are done, in any order."""
@@ -50,8 +57,14 @@ class Cluster:
         try:
             # Fetched as they are done: a worker that is lost later takes no results with it.
             done = self._distributed.as_completed(list(running), loop=client.loop, with_results=True, raise_errors=False)
-            for future, rows in done:
-                yield self._checked(future, rows, running.pop(future))
+            for future, found in done:
+                chunk = running.pop(future)
+                rows = self._checked(future, found, chunk)
+                for rest in chunk.without(rows):
+                    again = client.submit(solve_sent, given, rest, tol, pure=False)
+                    running[again] = rest
+                    done.add(again)
+                yield rows
         finally:
             client.cancel(list(running))
 

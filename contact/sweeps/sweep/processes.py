@@ -67,11 +67,11 @@ def solved_in_processes(scene: Scene, chunks: Sequence[Chunk], tol: float, worke
                     if isinstance(future.exception(), BrokenProcessPool):
                         broken = True
                     else:
-                        del running[future]
-                        yield future.result()
+                        rows = future.result()
+                        waiting.extendleft(running.pop(future).without(rows))
+                        yield rows
             lost = list(running.values())
-        for chunk in lost:
-            yield from _point_by_point(given, chunk, tol)
+        yield from _point_by_point(given, lost, tol)
     yield from solved_here(scene, waiting, tol)
 
 
@@ -93,8 +93,8 @@ def _sent(pool: ProcessPoolExecutor, scene: Scene) -> tuple[bytes, str]:
         )
 
 
-def _point_by_point(given: bytes, chunk: Chunk, tol: float) -> Generator[Rows]:
-    points = deque(chunk.singly())
+def _point_by_point(given: bytes, lost: Sequence[Chunk], tol: float) -> Generator[Rows]:
+    points = deque(point for chunk in lost for point in chunk.singly())
     while points:
         with _pool(1) as pool:
             while points:

@@ -108,8 +108,8 @@ def sweep(
     path = None if out is None else _checked(out)
     if path is not None and path.exists() and not overwrite:
         table.take_over(path)
-    cluster = None if scheduler is None else Cluster(scheduler)
-    solvers = cluster.solvers or 1 if cluster else processors() if workers is None else integer("workers", workers, 1)
+    cluster = None if scheduler is None else Cluster(scheduler, progress)
+    solvers = cluster.solvers if cluster else processors() if workers is None else integer("workers", workers, 1)
     try:
         _fill(table, path, _solving(scene, table, cluster, solvers, retry), progress, table.size - int(_wanted(table, retry).sum()))
     finally:

@@ -146,7 +146,11 @@ def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
 
 
 def _short(value: Any) -> Any:
+    if callable(value):
+        # By its name: where it is in memory is no part of the scene.
+        return f"{getattr(value, '__module__', '')}.{getattr(value, '__qualname__', type(value).__qualname__)}"
     if np.size(value) <= _LONGEST:
         return plain(value)
-    array = np.ascontiguousarray(value, dtype=float)
-    return f"array of shape {array.shape}, sha256 {hashlib.sha256(array.tobytes()).hexdigest()[:16]}"
+    array = np.ascontiguousarray(value)
+    data = array.tobytes() if array.dtype.kind in "biufc" else repr(array.tolist()).encode()
+    return f"array of shape {array.shape}, sha256 {hashlib.sha256(data).hexdigest()[:16]}"

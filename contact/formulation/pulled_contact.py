@@ -1,0 +1,236 @@
+"""The contact under the tension on given intervals: frictionless, of the profile that the tension has deformed.
+
+Newton's steps 2 K/A of the zones' ends stay within the intervals, at whose ends the deformed profile has logarithms: beside one K goes with
+the root of the distance from there. Where q is negative a zone is cut, where the surfaces overlap one begins.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.errors import NotConverged
+from contact.formulation.controls import Control
+from contact.formulation.equilibria import NoState
+from contact.formulation.fields import ZoneFields
+from contact.formulation.tension import Pulled
+from contact.formulation.tension_intervals import fitted, interval_of, places, runs_of
+
+Array = NDArray[np.float64]
+
+# Newton's steps of the zones under a given tension, and how often their number may change.
+_STEPS, _ROUNDS = 80, 16
+# After so many changes of their number the zones are left to the engine's search.
+_PLAIN = 3
+# A zone's end moves at most by these parts of its width, and of the gap beside it; it comes so much nearer to the end of its interval.
+_INWARD, _OUTWARD, _INTO_GAP, _NEARER = 0.3, 0.5, 0.45, 0.25
+# Of what an end was off by, from which on Newton's steps only take it to and fro.
+_AS_FAR = 0.3
+# What rounding may leave of a step, over the strip of tension beside an end.
+_ROUNDED = 1e-5
+# So near to the end of its interval, over its width, a zone that goes on covers it.
+_COVERED = 1e-6
+# A zone narrower than this part of what it was, and a gap beside which both ends go on, are gone.
+_GONE = 1e-3
+# Of an overlap, as wide a new zone begins.
+_NEW = 0.5
+# How far from the zones of a lone body it is looked.
+_FAR = 1e3
+# Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary faster.
+_SIGNS = 128
+
+
+class Lost(NoState):
+    """No contact is left under a tension."""
+
+
+class Covered(NoState):
+    """Contact goes on to the ends of intervals of tension. ends: which (2m,)."""
+
+    def __init__(self, ends: NDArray[np.bool_]) -> None:
+        super().__init__("contact reaches the end of an interval of tension")
+        self.ends = ends
+
+
+def contact_under(pulled: Pulled, control: Control, zones: Array) -> tuple[ZoneFields, tuple[Array, Array]]:
+    """(fields of q on the zones of contact under a tension, the gap beside them)."""
+    if control.load is not None and not control.load > 0.0:
+        raise Lost
+    for done in range(_ROUNDS):
+        # Where narrow gaps close or open within an interval, their ends act on each other: the engine's own steps know how.
+        state = (_settled if done < _PLAIN else _searched)(pulled, control, zones)
+        fields = ZoneFields(pulled, state)
+        look = look_at(fields)
+        found = _corrected(fields, look)
+        if found is None:
+            return fields, look
+        zones = fitted(found, pulled.pulling.table, pulled.period, pulled.pulling.everywhere)
+        if len(zones) == 0:
+            raise Lost
+    raise NotConverged("the zones under a given tension did not settle")
+
+
+def _settled(pulled: Pulled, control: Control, zones: Array) -> sie.State:
+    """Newton on the ends of zones whose number is given, or falls."""
+    equation, first = pulled.equation(control), np.diff(zones, axis=1)[:, 0]
+    before: tuple[Array, Array] | None = None
+    best, stuck = np.inf, 0
+    for _ in range(_STEPS):
+        state = sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-14)
+        k, slope = np.array(state.density.intensities), np.array(state.density.edge_slopes)
+        width, (room, shared) = np.diff(zones, axis=1)[:, 0], _room(pulled, zones)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = np.where(slope > 0, 2 * k / slope, np.copysign(np.inf, k))
+        if before is not None and len(before[0]) == len(zones):
+            # An end that has gone too far, and nearly as far as it was off, is between its last two places.
+            back = np.array([zones[:, 0] - before[0][:, 0], before[0][:, 1] - zones[:, 1]])
+            turned = (k * before[1] < 0) & (np.abs(k) > _AS_FAR * np.abs(before[1]))
+            step = np.where(turned, back * k / np.where(turned, k - before[1], 1.0), step)
+        before = zones, k
+        # Beside the end of an interval K goes with the root of the distance from there.
+        alone = ~shared & np.isfinite(step) & (room > 0)
+        own = np.where(alone, room, 1.0)
+        near = np.clip(1 - np.where(alone, step, 0.0) / (2 * own), np.sqrt(_NEARER), 4.0)
+        rooted = np.where(alone, own * (1 - near**2), step)
+        step = np.where(np.abs(step) < 0.1 * room, step, rooted)
+        least = np.minimum(width, np.where(shared, np.inf, np.maximum(room, 1e-300)))
+        miss = float(np.abs(step / least).max())
+        best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
+        # Of narrow strips rounding leaves more.
+        if miss < 1e-11 or (stuck > 2 and miss < _ROUNDED):
+            return state
+        covers = ~shared & (room < _COVERED * width) & (step > 0.5 * room)
+        if covers.any():
+            i = interval_of(zones, pulled.pulling.table)
+            ends = np.zeros((2, len(pulled.pulling.table)), dtype=bool)
+            for side in (0, 1):
+                ends[side, i[covers[side]]] = True
+            raise Covered(ends.ravel())
+        limit = np.minimum(_OUTWARD * width, np.where(shared, _INTO_GAP, 1 - _NEARER) * room)
+        moved = np.clip(step, -_INWARD * width, limit)
+        if float(np.abs(moved / least).max()) < 1e-9:
+            zones = zones + np.column_stack((-moved[0], moved[1]))
+            return sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-14)
+        lost = (width < _GONE * first) & (step < -_INWARD * width).all(axis=0)
+        if lost.any():
+            if lost.all():
+                raise Lost
+            zones, first = zones[~lost], first[~lost]
+            continue
+        zones = zones + np.column_stack((-moved[0], moved[1]))
+        zones, first = _joined(zones, first, step)
+    raise NotConverged("the ends of zones under a given tension did not come to rest")
+
+
+def _searched(pulled: Pulled, control: Control, zones: Array) -> sie.AnyState:
+    """The same by the engine's search, of zones that stay within their intervals."""
+    equation, table, everywhere = pulled.equation(control), pulled.pulling.table, pulled.pulling.everywhere
+    for _ in range(_ROUNDS):
+        free = sie.find_ends(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-10)
+        ended = free.density.zones.table
+        if len(free.lost):
+            if len(free.lost) == len(ended):
+                raise Lost
+            zones = np.delete(ended, free.lost, axis=0)
+        elif len(free.met):
+            inner = [i for i in free.met if i + 1 < len(ended)]
+            begins, ends = np.ones(len(ended), dtype=bool), np.ones(len(ended), dtype=bool)
+            begins[[i + 1 for i in inner]], ends[inner] = False, False
+            zones = np.column_stack((ended[begins, 0], ended[ends, 1]))
+        else:
+            i = interval_of(ended, table) if len(table) else np.zeros(len(ended), dtype=np.intp)
+            within = everywhere or len(table) == 0 or bool(np.all((ended[:, 0] > table[i, 0]) & (ended[:, 1] < table[i, 1])))
+            return free.state if free.converged and within else _settled(pulled, control, zones)
+    raise NotConverged("the number of zones under a given tension did not settle")
+
+
+def _room(pulled: Pulled, zones: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """(how far each end (2, n) is from what is next to it, whether that is another zone: else the end of its interval)."""
+    period, tension = pulled.period, pulled.pulling
+    if period is None:
+        gaps = np.concatenate(([np.inf], zones[1:, 0] - zones[:-1, 1], [np.inf]))
+    else:
+        inner = zones[1:, 0] - zones[:-1, 1]
+        around = zones[0, 0] + period - zones[-1, 1]
+        gaps = np.concatenate(([around], inner, [around]))
+    beside = np.array([gaps[:-1], gaps[1:]])
+    if tension.everywhere or len(tension.table) == 0:
+        return beside, np.ones(beside.shape, dtype=bool)
+    i = interval_of(zones, tension.table)
+    away = np.array([zones[:, 0] - tension.table[i, 0], tension.table[i, 1] - zones[:, 1]])
+    return np.minimum(beside, away), beside < away
+
+
+def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
+    """Zones between which nothing is left as one."""
+    gap = zones[1:, 0] - zones[:-1, 1]
+    width = np.diff(zones, axis=1)[:, 0]
+    meets = (gap < _GONE * np.minimum(width[1:], width[:-1])) & (step[1, :-1] > 0.3 * gap) & (step[0, 1:] > 0.3 * gap)
+    if not meets.any():
+        return zones, first
+    begins, ends = np.append(True, ~meets), np.append(~meets, True)
+    return np.column_stack((zones[begins, 0], zones[ends, 1])), first[begins]
+
+
+def look_at(fields: ZoneFields) -> tuple[Array, Array]:
+    """(places without contact, the gap there)."""
+    zones, pulled = fields.density.zones.table, fields.problem
+    assert isinstance(pulled, Pulled)
+    table, period = pulled.pulling.table, pulled.period
+    lo, hi = pulled.borders
+    if period is not None:
+        left, right = [float(zones[-1, 1]) - period], [float(zones[0, 0]) + period]
+        edges = [(float(b), float(a)) for b, a in zip(zones[:, 1], [*zones[1:, 0], right[0]], strict=True)]
+        marks = np.concatenate((table.ravel(), table.ravel() + period, table.ravel() - period))
+    else:
+        both = np.concatenate((table.ravel(), zones.ravel()))
+        span = float(both.max() - both.min())
+        left, right = [max(lo, both.min() - _FAR * span)], [min(hi, both.max() + _FAR * span)]
+        edges = [(float(b), float(a)) for b, a in zip([*left, *zones[:, 1]], [*zones[:, 0], *right], strict=True)]
+        marks = table.ravel()
+    spacing = fields.spacing if pulled.profile.resolution is not None else np.inf
+    found = []
+    for begin, end in edges:
+        cuts = np.concatenate(([begin], np.sort(marks[(marks > begin) & (marks < end)]), [end]))
+        for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+            found.append(places(float(a), float(b), 0.25 * spacing))
+    x = np.concatenate(found)
+    return x, fields.formal_gap(x)
+
+
+def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
+    """Zones with pulling parts cut out and new ones where the surfaces overlap; None where there are no such places."""
+    density, (x, gap) = fields.density, look
+    zones, out, changed = density.zones, [], False
+    varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
+    # Beside the ends, where the tension bends it sharply, q does not change its sign.
+    counts = np.minimum(density.sampling, np.maximum(_SIGNS, 8 * zones.half / varies).astype(np.intp))
+    for i, n in enumerate(counts):
+        theta = (np.arange(n) + 0.5) * np.pi / n
+        left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
+        q = density.at(np.full(n, i), left, right)[::-1] / np.sqrt(left * right)
+        place = zones.a[i] + zones.half[i] * left[::-1]
+        begin = float(zones.a[i])
+        for s, e in runs_of(q < -1e-9 * np.abs(q).max()):
+            changed = True
+            if s > 0:
+                out.append((begin, float(0.5 * (place[s] + place[s - 1]))))
+            begin = float(0.5 * (place[e] + place[e + 1])) if e < n - 1 else np.inf
+        if np.isfinite(begin):
+            out.append((begin, float(zones.b[i])))
+    rounding = fields.gap_rounding + 2 * float(np.abs(fields.formal_gap(zones.middle)).max())
+    inside = density.locate(x)[2]
+    for s, e in runs_of((gap < -rounding) & ~inside):
+        lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
+        if (s == 0 or lo in zones.table) and (e == len(x) - 1 or hi in zones.table):
+            continue
+        middle, half = 0.5 * (x[s] + x[e]), 0.5 * _NEW * max(x[e] - x[s], 0.2 * (hi - lo))
+        out.append((float(middle - half), float(middle + half)))
+        changed = True
+    if not changed:
+        return None
+    found = np.array(sorted(out)).reshape(-1, 2)
+    overlapping = found[1:, 0] <= found[:-1, 1]
+    begins, ends = np.append(True, ~overlapping), np.append(~overlapping, True)
+    return np.column_stack((found[begins, 0], found[ends, 1]))

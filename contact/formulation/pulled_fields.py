@@ -1,0 +1,210 @@
+"""Fields of a contact with a constant tension beside it: of q = p + s on the intervals where s pulls, and what they are in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact.formulation.cohesive import Cohesive, CohesivePoint
+from contact.formulation.controls import Approach, Load, Machine
+from contact.formulation.fields import ZoneFields, mean_shape
+from contact.formulation.gaps import GapFields
+from contact.formulation.problem import Problem
+from contact.formulation.tension import Pulled, Tension
+
+Array = NDArray[np.float64]
+
+# Nodes on a part of an interval.
+_NODES = 32
+
+
+@dataclass(frozen=True, eq=False)
+class PulledFields(ZoneFields):
+    """problem: `Pulled`; law_problem: the same with the scene's law; rate: d load/d approach, scaled, None under tension everywhere."""
+
+    law_problem: Problem | None = None
+    rate: float | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return super().__getstate__() | {"law_problem": self.law_problem, "rate": self.rate}
+
+    @property
+    def pulled(self) -> Pulled:
+        assert isinstance(self.problem, Pulled)
+        return self.problem
+
+    @property
+    def tension(self) -> Tension:
+        return self.pulled.pulling
+
+    @property
+    def cohesive(self) -> Array:
+        """The intervals in which the gap is below the reach of the tension, contact within them included (m, 2) [m]."""
+        units, tension = self.problem.units, self.tension
+        if tension.everywhere:
+            assert tension.period is not None
+            first = float(self.density.zones.middle[0]) - 0.5 * tension.period
+            return np.asarray(units.x(np.array([[first, first + tension.period]])))
+        return np.asarray(units.x(tension.table))
+
+    # the shape is the profile's own, and the displacement the tension's, too
+    def standing_shape(self, x: Array) -> Array:
+        return self.pulled.own_shape(x)
+
+    def _raised(self, x: Array, potential: Array) -> Array:
+        return np.asarray(super()._raised(x, potential) + self.tension.height(x))
+
+    @cached_property
+    def stiffness(self) -> float | None:
+        if self.tension.everywhere:
+            return super().stiffness
+        if self.approach is None or self.rate is None:
+            return None
+        units = self.problem.units
+        return units.load / units.height * self.rate
+
+    @property
+    def mean_displacement(self) -> float:
+        assert self.problem.period is not None
+        return self.problem.compression * (self.density.total - self.tension.total) / self.problem.period
+
+    @cached_property
+    def mean_gap(self) -> float:
+        own = self.law_problem
+        assert own is not None
+        return (mean_shape(own) + self.mean_displacement + self.level) * self.problem.units.height
+
+    @property
+    def load(self) -> float:
+        return (self.density.total - self.tension.total) * self.problem.units.load
+
+    @cached_property
+    def loads(self) -> Array:
+        """Of the zones of contact; the tension beside them is not in it."""
+        zones = self.density.zones
+        return (self.density.totals - self.tension.stress * (zones.b - zones.a)) * self.problem.units.load
+
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
+        return super().pressure_at(zone, t) - self.tension.stress * self.problem.units.pressure
+
+    @cached_property
+    def max_pressure(self) -> float:
+        return float(super().max_pressure - self.tension.stress * self.problem.units.pressure)
+
+    def pressure(self, x: ArrayLike) -> Array:
+        scaled = self._scaled(x)
+        q = self.density(scaled)
+        return np.asarray(q - self.tension.stress * self.tension.holds(scaled)) * self.problem.units.pressure
+
+    def second_variation(self, yields: float | None = None) -> Array:
+        """d^2 energy/ds_i ds_j by outward motions of the ends of the tension, times the roots of their intervals' widths and over 2 w.
+        yields: see `contact.formulation.controls.Control`."""
+        assert self.law_problem is not None
+        total = float(self.density.total - self.tension.total)
+        held = Load(total) if yields is None else Approach(-self.level) if yields == 0.0 else Machine(-self.level + yields * total, yields)
+        here = Cohesive(self.law_problem, held).from_zones(self.tension.table, held.value, self.density.zones.table)
+        return scaled_second_variation(here)
+
+    def _beside(self, function: Callable[[Array], Array]) -> float:
+        """Scaled integral of a function over the intervals, without the zones: by Gauss's rule in the angle on every part."""
+        zones, tension, total = self.density.zones.table, self.tension, 0.0
+        table = tension.table
+        if tension.everywhere:
+            assert tension.period is not None
+            table = np.array([[zones[0, 1], zones[0, 1] + tension.period]])
+        t, weights = np.polynomial.legendre.leggauss(_NODES)
+        angle = 0.5 * np.pi * (1 + t)
+        for lo, hi in table:
+            shifts = (0.0,) if tension.period is None else (-tension.period, 0.0, tension.period)
+            inner = sorted(tuple(row + shift) for row in zones for shift in shifts if row[1] + shift > lo and row[0] + shift < hi)
+            starts, ends = [lo, *(b for _, b in inner)], [*(a for a, _ in inner), hi]
+            for a, b in zip(starts, ends, strict=True):
+                if b <= a:
+                    continue
+                parts = max(1, int(np.ceil((b - a) / self.spacing)))
+                cuts = np.linspace(a, b, parts + 1)
+                half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
+                x = middle - half * np.cos(angle)
+                total += float(np.sum(function(x.ravel()).reshape(x.shape) * half * np.sin(angle) * 0.5 * np.pi * weights))
+        return total
+
+    @cached_property
+    def borne_beside(self) -> float:
+        stress, width = self.tension.stress, self.density.zones.table
+        beside = self._beside(lambda x: self.standing_shape(x) - self.scaled_gap(x))
+        return -stress * beside - stress * self._on_zones(width)
+
+    def _on_zones(self, table: Array) -> float:
+        """int F dx over the zones, scaled."""
+        t, weights = np.polynomial.legendre.leggauss(_NODES)
+        total = 0.0
+        for a, b in table:
+            cuts = np.linspace(a, b, max(1, int(np.ceil((b - a) / self.spacing))) + 1)
+            half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
+            total += float(np.sum(self.standing_shape((middle + half * t).ravel()).reshape(-1, _NODES) * half * weights))
+        return total
+
+    @cached_property
+    def opened(self) -> float:
+        """int gap dx over the intervals of tension [m^2]."""
+        units = self.problem.units
+        return self._beside(self.scaled_gap) * units.length * units.height
+
+
+def scaled_second_variation(here: CohesivePoint) -> Array:
+    """See `PulledFields.second_variation`."""
+    root = np.sqrt(here.widths)
+    return np.asarray(-0.5 * root[:, None] * here.rates * root)
+
+
+@dataclass(frozen=True, eq=False)
+class PulledGapFields(GapFields):
+    """Nearly full contact under tension everywhere, by its gaps: the bare contact less the tension (scaled)."""
+
+    stress: float = 0.0
+
+    @property
+    def opened(self) -> float:
+        """int gap dx over the period [m^2]."""
+        return self.mean_gap * self.period * self.problem.units.length
+
+    @property
+    def borne_beside(self) -> float:
+        # Of q the whole of it is borne by the zones; less the tension on all of the period.
+        own = mean_shape(self.problem) - self.mean_gap / self.problem.units.height
+        return -self.stress * self.period * own
+
+    def __getstate__(self) -> dict[str, Any]:
+        return super().__getstate__() | {"stress": self.stress}
+
+    @property
+    def _lower(self) -> float:
+        return self.stress * self.problem.units.pressure
+
+    @property
+    def cohesive(self) -> Array:
+        units, first = self.problem.units, float(self.density.zones.middle[0])
+        return np.asarray(units.x(np.array([[first, first + self.period]])))
+
+    @property
+    def load(self) -> float:
+        return super().load - self._lower * self.period * self.problem.units.length
+
+    @cached_property
+    def loads(self) -> Array:
+        return super().loads - self._lower * np.diff(self.zones, axis=1)[:, 0] * self.problem.units.length
+
+    def pressure(self, x: ArrayLike) -> Array:
+        return super().pressure(x) - self._lower
+
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
+        return super().pressure_at(zone, t) - self._lower
+
+    @cached_property
+    def max_pressure(self) -> float:
+        return float(super().max_pressure - self._lower)

@@ -1,0 +1,121 @@
+"""The algebra of intervals of tension and of the zones within them, over a period if there is one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import OutOfRange
+from contact.formulation.equilibria import Closed
+
+Array = NDArray[np.float64]
+
+# Points between two zones, or in a part of an interval, at the least, and at the most.
+_FEWEST, _MOST = 24, 20000
+
+
+def places(a: float, b: float, spacing: float) -> Array:
+    """Points in (a, b), closer beside its ends."""
+    count = int(np.clip((b - a) / spacing, _FEWEST, _MOST))
+    return a + (b - a) * np.sin(0.5 * np.pi * (np.arange(count) + 0.5) / count) ** 2
+
+
+def within(x: Array, a: float, b: float, period: float | None) -> NDArray[np.intp]:
+    """Which places lie in (a, b), from left to right."""
+    place = unwrapped(x, a, b, period)
+    inner = np.flatnonzero((place > a) & (place < b))
+    return np.asarray(inner[np.argsort(place[inner])])
+
+
+def unwrapped(x: Array, a: float, b: float, period: float | None) -> Array:
+    return x if period is None else x - np.floor((x - a) / period) * period
+
+
+def runs_of(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
+    return [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]
+
+
+def interval_of(zones: Array, table: Array) -> NDArray[np.intp]:
+    """The interval that each zone lies in."""
+    return np.maximum(np.searchsorted(table[:, 0], zones.mean(axis=1), side="right") - 1, 0)
+
+
+def fitted(zones: Array, table: Array, period: float | None, everywhere: bool = False) -> Array:
+    """Zones moved by periods into intervals, and cut to lie within."""
+    if everywhere or len(table) == 0:
+        return zones[np.argsort(zones[:, 0])]
+    out = []
+    for a, b in zones:
+        middle = 0.5 * (a + b)
+        shift = 0.0 if period is None else -np.floor((middle - table[0, 0]) / period) * period
+        a, b, middle = a + shift, b + shift, middle + shift
+        i = max(int(np.searchsorted(table[:, 0], middle, side="right")) - 1, 0)
+        lo, hi = table[i]
+        if middle >= hi or middle <= lo:
+            continue
+        slack = 1e-2 * (hi - lo)
+        a, b = (max(a, lo + slack) if a <= lo else a), (min(b, hi - slack) if b >= hi else b)
+        if a < b:
+            out.append((a, b))
+    found = np.array(out).reshape(-1, 2)
+    return np.asarray(found[np.argsort(found[:, 0])])
+
+
+def below(zones: Array, look: tuple[Array, Array], reach: float, period: float | None, wide: bool = False) -> Array:
+    """Intervals about zones in which the gap is below the reach, by its samples beside these, and up to half of the way to where it is told
+    to be equal; wide: beyond that. Closed where it is so everywhere."""
+    ends = zones.ravel() if period is None else np.append(zones.ravel(), zones[0] + period)
+    x, gap = np.concatenate((look[0], ends)), np.concatenate((look[1], np.zeros(len(ends))))
+    order = np.lexsort((gap, x))
+    x, gap = x[order], gap[order]
+    runs = runs_of(gap < reach)
+    if period is not None and len(runs) == 1 and runs[0] == (0, len(x) - 1):
+        raise Closed
+    if period is None and (runs[0][0] == 0 or runs[-1][1] == len(x) - 1):
+        raise OutOfRange("the tension reaches the border of the part of the profile that is known")
+
+    def crossing(inner: int, outer: int) -> float:
+        way = (reach - gap[inner]) / (gap[outer] - gap[inner]) if np.isfinite(gap[outer]) else 0.0
+        way = 0.5 * (1 + way) if wide else 0.5 * way
+        return float(x[inner] + (x[outer] - x[inner]) * way)
+
+    out = [[crossing(s, s - 1) if s else np.nan, crossing(e, e + 1) if e < len(x) - 1 else np.nan] for s, e in runs]
+    if np.isnan(out[0][0]):
+        assert period is not None
+        out[0][0] = out.pop()[0] - period
+    return np.array(out)
+
+
+def joined(table: Array, joins: NDArray[np.bool_], new: list[tuple[float, float]], period: float | None) -> Array:
+    """The intervals, those after which joins is set as one with the next, and the new ones."""
+    joins = joins.copy()
+    if period is None:
+        joins[-1] = False
+    if joins[-1]:
+        start = int(np.flatnonzero(~joins)[0]) + 1
+        assert period is not None
+        table = np.concatenate((table[start:], table[:start] + period))
+        joins = np.roll(joins, -start)
+    begins = np.concatenate(([True], ~joins[:-1]))
+    table = np.column_stack((table[begins, 0], table[~joins, 1]))
+    if new:
+        added = np.array(new)
+        if period is not None:
+            added = added - np.floor((added[:, :1] - table[0, 0]) / period) * period
+        table = np.concatenate((table, added))
+        table = table[np.argsort(table[:, 0])]
+    return np.asarray(table)
+
+
+def united_about(table: Array, zones: Array, period: float | None) -> Array:
+    """Intervals widened to hold these zones, which lie in them but for their ends."""
+    rows = np.concatenate((table, zones if period is None else zones - np.floor((zones[:, :1] - table[0, 0]) / period) * period))
+    if period is not None:
+        # One that begins just before the first interval is counted from there.
+        late = (rows[:, 1] >= table[0, 0] + period) & (rows[:, 0] > table[-1, 1])
+        rows[late] -= period
+    rows = rows[np.argsort(rows[:, 0])]
+    reach = np.maximum.accumulate(rows[:, 1])
+    first = np.flatnonzero(np.append(True, rows[1:, 0] > reach[:-1]))
+    return np.column_stack((rows[first, 0], reach[np.append(first[1:], len(rows)) - 1]))

@@ -1,0 +1,251 @@
+r"""Intervals of tension that are driven outward advance, and those driven inward recede (contact.formulation.cohesive).
+
+The steps are those of contact.search.equilibria.flow. What is different is which intervals there are: new ones begin where the gap comes
+below the reach, and they become one where it is below it all between; they are cut where it comes above. Contact is lost where the load
+of q does not press any more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import NotConverged
+from contact.formulation.cohesive import Cohesive, CohesivePoint, Loose
+from contact.formulation.equilibria import Closed, Equilibria, NoState, Point
+from contact.formulation.maxima import maximum
+from contact.formulation.pulled_contact import Covered, Lost
+from contact.formulation.tension import Pulled
+from contact.formulation.tension_intervals import below, fitted, interval_of, joined, runs_of, unwrapped, within
+from contact.search.equilibria import arc, flow
+
+Array = NDArray[np.float64]
+
+# Of the part of a gap below the reach, as wide a new interval begins.
+_NEW = 0.5
+# How often a step is shortened that would lose contact.
+_TRIES = 6
+# Newton's steps of a state without contact.
+_STEPS = 80
+# Of the control, until the gap somewhere comes to the reach.
+_HALVINGS = 60
+# Over the width of an interval, how far an end goes that contact covers as others advance.
+_FARTHER = 0.01
+# Zones over their intervals: of contact that is all but lost.
+_SHRUNK = 0.1
+
+TOO_NARROW = (
+    "the tension would act on strips narrower than a millionth of the zones beside them: under so large a stress adhesion is without range"
+)
+
+
+def advanced(curve: Cohesive, table: Array, value: float) -> CohesivePoint:
+    """The least equilibrium that holds these intervals, of which all ends are driven outward; `Closed` if there is none."""
+    try:
+        found = _flowed(curve, table, value, 1.0)
+    except Covered as covered:
+        raise NotConverged(TOO_NARROW) from covered
+    assert found is not None
+    return found
+
+
+def receded(curve: Cohesive, table: Array, value: float) -> Point | None:
+    try:
+        return _flowed(curve, _held(curve, table, value), value, -1.0)
+    except Lost:
+        return None
+
+
+def _held(curve: Cohesive, table: Array, value: float) -> Array:
+    """The intervals, with ends that contact covers taken back to where they come from."""
+    before = curve._nearest(table).table
+    for _ in range(_TRIES):
+        try:
+            curve.at(table, value)
+            break
+        except Covered as covered:
+            if len(before) != len(table):
+                raise
+            table = np.where(covered.ends.reshape(2, -1).T, 0.5 * (table + before), table)
+    return table
+
+
+def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> CohesivePoint | None:
+    here = curve.at(table, value)
+    for _ in range(flow.MOST_STEPS):
+        new = _parted(curve, here) if sign < 0 else _grown(curve, here)
+        if new is not None:
+            if len(new) == 0:
+                return None
+            here = curve.from_zones(new, value, fitted(here.zones, new, curve.problem.period))
+            continue
+        ahead, move = _step(curve, here, sign)
+        assert isinstance(ahead, CohesivePoint)
+        here = ahead
+        if move <= flow.REST and np.abs(here.residual).max() <= flow.DRIVEN:
+            return here
+    raise NotConverged("the ends of the tension did not come to rest under a held control")
+
+
+def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
+    limit, back = flow.limits(curve, here, sign)
+    lost, beyond = 0, np.zeros(len(limit))
+    for _ in range(flow.MOST_TRIES):
+        step = flow.kept_step(here, sign, limit, back) + beyond
+        try:
+            ahead = curve.at(here.moved(step), here.value)
+        except Lost:
+            lost += 1
+            if lost > _TRIES:
+                raise
+            limit = 0.3 * np.minimum(limit, np.abs(step))
+            continue
+        except Covered as covered:
+            # What has gone too far inward goes less far; what others have pushed out goes farther.
+            if sign < 0:
+                limit = np.where(covered.ends, 0.5, 0.9) * np.minimum(limit, np.abs(step))
+            else:
+                beyond = np.where(covered.ends, 2 * beyond + _FARTHER * here.widths, beyond)
+            continue
+        passed = flow.passed(here, ahead, step, sign)
+        if not passed.any():
+            # Short of where contact is lost it is not at rest.
+            return ahead, float(np.abs(step / here.widths).max()) if lost == 0 else np.inf
+        kept = np.where(passed | (here.growth >= 0.0), 0.5, 0.9)
+        limit = kept * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
+    raise NotConverged("no step of the ends keeps to the branch")
+
+
+def _grown(curve: Cohesive, here: CohesivePoint) -> Array | None:
+    """The intervals with new ones, and with those as one between which the gap is below the reach; None if there are none."""
+    (x, gap), table, period = here.look, here.table, curve.problem.period
+    closed = flow.closing(curve, here)
+    if closed is not None:
+        return closed
+    new, joins = [], np.zeros(len(table), dtype=bool)
+    for i, (a, b) in enumerate(_outside(curve, table)):
+        inner = within(x, a, b, period)
+        below = gap[inner] < curve.reach
+        if len(inner) and below.all() and np.isfinite(a) and np.isfinite(b):
+            joins[i - (period is None)] = True
+            continue
+        for s, e in runs_of(below):
+            if s > 0 and e < len(inner) - 1:
+                place = unwrapped(x[inner], a, b, period)
+                lo, hi = place[s - 1], place[e + 1]
+                middle, half = 0.5 * (place[s] + place[e]), 0.5 * _NEW * max(place[e] - place[s], 0.1 * (hi - lo))
+                new.append((middle - half, middle + half))
+    if not new and not joins.any():
+        return None
+    if joins.all() and period is not None:
+        raise Closed
+    return joined(np.asarray(table), joins, new, period)
+
+
+def _parted(curve: Cohesive, here: CohesivePoint) -> Array | None:
+    """The intervals without parts over which the gap is above the reach, but those that begin at their ends; None if there are none."""
+    (x, gap), table, period = here.look, here.table, curve.problem.period
+    out: list[tuple[float, float]] = []
+    changed = False
+    for a, b in table:
+        inner = within(x, a, b, period)
+        above = gap[inner] > curve.reach
+        if len(inner) and above.all() and not np.any(interval_of(here.zones, table) == len(out)) and not _holds(here, a, b):
+            changed = True
+            continue
+        left = a
+        place = unwrapped(x[inner], a, b, period)
+        for s, e in runs_of(above):
+            if s > 0 and e < len(inner) - 1:
+                out.append((left, place[s - 1]))
+                left, changed = place[e + 1], True
+        out.append((left, b))
+    return np.array(out).reshape(-1, 2) if changed else None
+
+
+def _holds(here: CohesivePoint, a: float, b: float) -> bool:
+    return bool(np.any((here.zones[:, 0] > a) & (here.zones[:, 1] < b)))
+
+
+def _outside(curve: Cohesive, table: Array) -> list[tuple[float, float]]:
+    """Between the intervals: with a period the last one ends at the first interval of the next."""
+    if curve.problem.period is not None:
+        return list(zip(table[:, 1], np.append(table[1:, 0], table[0, 0] + curve.problem.period), strict=True))
+    return list(zip(np.append(-np.inf, table[:, 1]), np.append(table[:, 0], np.inf), strict=True))
+
+
+def pull_off(curve: Cohesive, here: Point) -> Point:
+    """Where the last zones come apart as the control falls: at a turning point, or where the last of them has shrunk to a point."""
+    def recede(_: Equilibria, table: Array, value: float) -> Point | None:
+        return receded(curve, table, value)
+
+    try:
+        return arc.pull_off(curve, here, recede)
+    except Covered as covered:
+        raise NotConverged(TOO_NARROW) from covered
+    except (Lost, NotConverged):
+        last = curve.known[-1]
+        if not np.diff(last.zones, axis=1).sum() < _SHRUNK * np.diff(last.table, axis=1).sum():
+            raise
+    return _touching(curve, last.table, float(last.zones.mean()))
+
+
+def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
+    """The same of a contact under tension everywhere: from where the gap somewhere comes to its reach, or to the last touch."""
+    problem, pulled = curve.problem, curve.everywhere
+    assert problem.period is not None
+    # Without contact the load is the tension's, and the base gives way to it.
+    load = -pulled.pulling.total
+    lost = load if curve.held.load is not None else (curve.yields * load - curve.stress * problem.compression)
+    low, high, found, opened = lost, value, curve.contact_under(pulled, value, zones), False
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        if middle in (low, high) or high - low < 1e-14 * (value - lost):
+            break
+        try:
+            here = curve.contact_under(pulled, middle, found[0].density.zones.table)
+        except NoState:
+            low = middle
+            continue
+        if here[1][1].max() > curve.reach:
+            low, opened = middle, True
+        else:
+            high, found = middle, here
+    fields, (x, gap) = found
+    inside = fields.density.zones.table
+    state = Loose.of(np.zeros((0, 2)), high, fields.density.total + load, fields.level, inside)
+    if not opened:
+        return state
+    # At the place that comes to the reach first the tension lets go.
+    table = below(inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap)), curve.reach, problem.period, wide=True)
+    try:
+        curve.from_zones(table, high, fitted(inside, table, problem.period))
+    except Lost:
+        return state
+    rest = receded(curve, table, high - 1e-9 * (value - lost))
+    return state if rest is None else pull_off(curve, rest)
+
+
+def _touching(curve: Cohesive, table: Array, at: float) -> Loose:
+    """The equilibrium in which the surfaces touch in one point, without pressure, beside one of hardly any contact there."""
+    half = 0.02 * float(np.diff(table, axis=1).max())
+    height = 0.0
+    for _ in range(_STEPS):
+        pulled = Pulled.of(curve.problem, curve.stress, table)
+        at, height = maximum(_risen(pulled), np.linspace(at - half, at + half, 65))
+        ends, tension = np.concatenate((table[:, 0], table[:, 1])), pulled.pulling
+        gap = pulled.shape(ends) + height
+        rates = curve.explicit(pulled, ends, np.zeros(len(ends))) - curve.stress / np.pi * tension.log(at - ends)
+        step = np.linalg.solve(rates, curve.reach - gap)
+        table = table + np.column_stack((-step[: len(table)], step[len(table) :]))
+        if float(np.abs(step).max()) < 1e-14 * float(np.diff(table, axis=1).min()):
+            break
+    load = -Pulled.of(curve.problem, curve.stress, table).pulling.total
+    value = load if curve.held.load is not None else curve.yields * load - height
+    return Loose.of(table, value, load, height, np.array([[at, at]]))
+
+
+def _risen(pulled: Pulled) -> Callable[[Array], Array]:
+    return lambda x: -pulled.shape(np.asarray(x))

@@ -1,0 +1,333 @@
+"""Contact under a law with a tension beside it: the branch that is asked for is followed by the intervals where the gap is below its reach.
+
+    advancing    from these intervals of the contact under the bare law, or of the surfaces as they touch; where the gap elsewhere comes
+                 below the reach new intervals begin, and those that meet become one; under tension, or below first touch, from there at
+                 no load back again
+    receding     from one so wide that its ends are driven inward; with a period from tension everywhere
+
+Tension everywhere moves no surface of a half-plane: that is the contact under the bare law at the load with the tension added.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.errors import NotConverged, OutOfRange
+from contact.formulation.cohesive import Cohesive, CohesivePoint
+from contact.formulation.controls import Load
+from contact.formulation.equilibria import Closed, Point
+from contact.formulation.fields import ZoneFields
+from contact.formulation.gaps import GapFields
+from contact.formulation.problem import Problem
+from contact.formulation.pulled_contact import Covered, Lost
+from contact.formulation.pulled_fields import PulledFields, PulledGapFields
+from contact.formulation.tension import Pulled
+from contact.formulation.tension_intervals import below, fitted, united_about
+from contact.model.scene import Scene
+from contact.search.equilibria.tension import TOO_NARROW, advanced, pull_off, pull_off_from_all, receded
+from contact.search.grid.proposals import placed
+from contact.search.grid.scaling import ScaledScene
+from contact.search.shared import Shared
+from contact.search.task import Task
+from contact.search.topology.missed import Missed
+from contact.search.ways.branches import bare, frame, past, way
+from contact.search.ways.full_contact import Full
+from contact.search.ways.gaps import by_gaps
+from contact.search.ways.guesses import Outcome
+from contact.solution.made import mean_height
+from contact.verify.accuracy import Found
+from contact.verify.certificate import certify
+from contact.verify.cohesive import FoundBeside, certified, uncertain
+
+Array = NDArray[np.float64]
+
+# Tolerance of solutions under the bare law, from which the branch is followed.
+_BARE = 1e-6
+# Zones under the tension that was found: as tightly as they come to rest.
+_TIGHT, _LOOSE = (1e-13, 1e-11), 1e-9
+# First zones over the intervals in which the surfaces touch.
+_TOUCH = 1e-2
+# Adhesion on a strip below this part of a zone is nearly without range; of the intensity it would have, and how far ends go for it.
+_THIN, _PART, _FIRST = 0.02, 0.3, 0.3
+# Of the mean height of a profile: approaches above first touch.
+_PARTS = (0.5, 0.2, 0.05, 0.01, 1e-3, 1e-4)
+# Points at which the profile is looked at, and widenings of the window until the gap is above the reach at its border.
+_LOOKS, _WINDOWS = 2049, 60
+# The greatest contact is looked for in intervals ever wider by this, and is one that is driven inward, as those so many times as wide are.
+_WIDENINGS, _WIDEN, _WIDER = 120, 1.25, (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
+
+
+def followed_under_tension(task: Task) -> Outcome:
+    """The contact of the scene on the branch that the task asks for; OutOfRange past pull-off."""
+    scene = task.scene
+    work = scene.law.tension * scene.law.reach
+    scaled = frame(task, math.sqrt(scene.E_star * work / math.pi))
+    problem, held = scaled.problem, task.control(scaled.problem)
+    curve, value = Cohesive(problem, held), held.value
+    task.plan["branch"].detail = f"{task.branch}, {way(task)}"
+    try:
+        with task.plan.timed("zone ends"):
+            if task.branch == "receding":
+                rest = _greatest(task, scaled, curve, value)
+            else:
+                rest = _lowered(task, scaled, curve, value)
+    except Closed:
+        return _everywhere(task, problem)
+    if rest is None:
+        raise OutOfRange(past(curve, _pulled_off(task, scaled, curve), task))
+    here = curve.settled(rest)
+    return _solved(task, curve, curve.at(here.moved(_newton(here)), value))
+
+
+def _newton(here: Point) -> Array:
+    return np.asarray(-np.linalg.solve(here.rates, here.residual), dtype=np.float64)
+
+
+def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
+    """Receded under the value, or below first touch from where zones under tension everywhere are in contact, and then lowered to it."""
+    if curve.problem.period is None:
+        return _receded(task, scaled, curve, value)
+    if curve.held.load is not None or value > 0.0:
+        return _receded_from_all(task, curve, value)
+    for part in _PARTS:
+        above = part * mean_height(task.scene) / curve.problem.units.height
+        try:
+            rest = _receded_from_all(replace(task, scene=_under(task.scene, above * curve.problem.units.height)), curve, above)
+        except Closed:
+            continue
+        return None if rest is None else receded(curve, rest.table, value)
+    return None
+
+
+def _lowered(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
+    """Advanced under the value, or under none and then lowered to it."""
+    try:
+        start = _advanced(task, scaled, curve, max(value, 0.0))
+    except Closed:
+        if value >= 0.0:
+            raise
+        return _greatest(task, scaled, curve, value)
+    return start if value >= 0.0 else receded(curve, start.table, value)
+
+
+def _pulled_off(task: Task, scaled: ScaledScene, curve: Cohesive) -> Point:
+    """Where a contact comes apart that has advanced under no load."""
+    try:
+        return pull_off(curve, _advanced(task, scaled, curve, 0.0))
+    except Closed:
+        nothing = replace(task, scene=_under(task.scene, 0.0))
+        zones = _under_all(nothing, curve.problem)
+        if zones is None:
+            raise OutOfRange("the surfaces come apart from full contact") from None
+        return pull_off_from_all(curve, zones, 0.0)
+
+
+# starts ---------------------------------------------------------------------------------------------------------------
+def _advanced(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> CohesivePoint:
+    """The least equilibrium about first touch under a value of the control, not negative."""
+    problem = scaled.problem
+    if value == 0.0:
+        table, zones = _touched(scaled, curve)
+    else:
+        found = bare(task)
+        if len(found.zones) == 0:
+            raise Closed
+        zones = placed(problem, found.zones)
+        fields, look = curve.contact_under(Pulled.of(problem, 0.0, np.zeros((0, 2))), value, zones)
+        zones = fields.density.zones.table
+        table = united_about(below(zones, look, curve.reach, problem.period), _begun(curve, fields), problem.period)
+        zones = fitted(zones, table, problem.period)
+    here = advanced(curve, _begun_wider(curve, table, value, zones), value)
+    assert isinstance(here, CohesivePoint)
+    return here
+
+
+def _begun_wider(curve: Cohesive, table: Array, value: float, zones: Array) -> Array:
+    """The intervals, or wider ones where contact covers these: what it covers is driven on."""
+    for _ in range(_WIDENINGS):
+        try:
+            curve.from_zones(table, value, fitted(zones, table, curve.problem.period))
+            return table
+        except Covered as covered:
+            width, gaps = np.diff(table, axis=1)[:, 0], curve.gaps(table)
+            left, right = covered.ends.reshape(2, -1)
+            out = 0.5 * (_WIDEN - 1) * width
+            table = table + np.column_stack((
+                -1.0 * left * np.minimum(out, 0.4 * np.roll(gaps, 1)), right * np.minimum(out, 0.4 * gaps)
+            ))
+    raise NotConverged(TOO_NARROW)
+
+
+def _begun(curve: Cohesive, fields: ZoneFields) -> Array:
+    """Zones whose ends have gone a part of the way that adhesion without range would drive them alone, where its tension would act on a
+    narrow strip: from there on the strip is not too narrow to be told, and the ends are still driven outward."""
+    problem, zones = curve.problem, fields.density.zones.table
+    wanted = math.sqrt(2 * curve.stress * curve.reach / math.pi)
+    strip, width = np.pi**2 / 4 * (wanted / curve.stress) ** 2, np.diff(zones, axis=1)
+    slope = np.maximum(np.array(fields.density.edge_slopes).T, 1e-300)
+    out = np.where(strip < _THIN * width, np.minimum(2 * _PART * wanted / slope, _FIRST * width), 0.0)
+    gaps = np.append(zones[1:, 0] - zones[:-1, 1], np.inf if problem.period is None else zones[0, 0] + problem.period - zones[-1, 1])
+    room = _FIRST * np.column_stack((np.roll(gaps, 1), gaps))
+    out = np.minimum(out, room)
+    return zones + np.column_stack((-out[:, 0], out[:, 1]))
+
+
+def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
+    """(where the gap of the surfaces as they touch is below the reach, narrow zones about their lowest places)."""
+    problem, (lo, hi) = scaled.problem, scaled.problem.units.scaled(np.array(scaled.cell))
+    profile, length = problem.profile, problem.units.length
+    border = problem.borders if problem.period is None else (-math.inf, math.inf)
+    for _ in range(_WINDOWS):
+        per_feature = 0.0 if profile.resolution is None else 8 * (hi - lo) * length / profile.resolution
+        x = np.linspace(lo, hi, int(np.clip(per_feature, _LOOKS, 2**18)))
+        kinks = problem.forcing.kinks[0]
+        x = np.unique(np.concatenate((x, kinks[(kinks > lo) & (kinks < hi)], np.zeros(1) if lo < 0 < hi else np.zeros(0))))
+        f = problem.shape(x)
+        f = f - f.min()
+        if problem.period is not None or (min(f[0], f[-1]) > curve.reach):
+            break
+        middle, half = 0.5 * (lo + hi), hi - lo
+        lo, hi = max(middle - half, border[0]), min(middle + half, border[1])
+    if problem.period is not None:
+        x, f = x[:-1], f[:-1]
+        first = int(np.argmax(f))
+        if f[first] <= curve.reach:
+            raise Closed
+        x = np.concatenate((x[first:], x[:first] + problem.period, [x[first] + problem.period]))
+        f = np.concatenate((f[first:], f[: first + 1]))
+    low = np.flatnonzero(f == 0.0)
+    table = below(np.column_stack((x[low], x[low])), (x, f), curve.reach, None)
+    places, zones = x[low], []
+    for a, b in table:
+        inner = places[(places >= a) & (places <= b)]
+        if len(inner):
+            half = 0.5 * _TOUCH * min(b - a, 2 * min(inner[0] - a, b - inner[0]))
+            zones.append((inner[0] - half, inner[0] + half))
+    return table, np.array(zones)
+
+
+def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
+    """From an interval about a lone body's least contact so wide that its ends are driven inward, and those of wider ones."""
+    here = _advanced(task, scaled, curve, max(value, 0.0))
+    middle, half = 0.5 * float(here.table[0, 0] + here.table[-1, 1]), 0.5 * float(here.table[-1, 1] - here.table[0, 0])
+
+    def inward(half: float) -> bool:
+        at = curve.at(np.array([[middle - half, middle + half]]), max(value, 0.0))
+        return bool(np.all((at.residual < 0.0) | (at.by_value < 0.0)))
+
+    for _ in range(_WIDENINGS):
+        half *= _WIDEN
+        if inward(half) and all(inward(half * wider) for wider in _WIDER):
+            rest = receded(curve, np.array([[middle - half, middle + half]]), max(value, 0.0))
+            if rest is None or value >= 0.0:
+                return rest
+            return receded(curve, rest.table, value)
+    raise OutOfRange("no interval of tension is so wide that its ends recede: there is no greatest contact")
+
+
+def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None:
+    """From tension everywhere in a period; Closed where the gap stays below its reach, None where nothing is left."""
+    problem = curve.problem
+    try:
+        zones = _under_all(task, problem)
+        if zones is None:
+            raise Closed
+        fields, look = curve.contact_under(curve.everywhere, value, zones)
+    except Lost:
+        return None
+    zones = fields.density.zones.table
+    table = below(zones, look, curve.reach, problem.period, wide=True)
+    try:
+        curve.from_zones(table, value, fitted(zones, table, problem.period))
+    except Lost:
+        return None
+    return receded(curve, table, value)
+
+
+def _under_all(task: Task, problem: Problem) -> Array | None:
+    """Scaled zones under tension everywhere; None in full contact; Lost where there are none."""
+    scene, period = task.scene, task.scene.period
+    assert period is not None
+    if scene.given_load is not None and scene.given_load + scene.law.tension * period <= 0.0:
+        raise Lost
+    scene = _bare_scene(task, problem)
+    if scene.approach is not None and scene.approach <= 0.0:
+        raise Lost
+    found = task.under(scene, _BARE, None, None)
+    return placed(problem, found.zones) if len(found.zones) else None
+
+
+def _bare_scene(task: Task, problem: Problem) -> Scene:
+    """The scene with the tension everywhere put into its control, under the bare law."""
+    scene, period = task.scene, task.scene.period
+    assert period is not None and scene.law.bare is not None
+    stress = scene.law.tension
+    if scene.given_load is not None:
+        return replace(scene, law=scene.law.bare, mean_pressure=None, load=scene.given_load + stress * period)
+    sunk = problem.compression * stress / problem.units.pressure * problem.units.height
+    assert scene.approach is not None
+    return replace(scene, law=scene.law.bare, approach=scene.approach + sunk)
+
+
+# what was found -------------------------------------------------------------------------------------------------------
+def _under(scene: Scene, value: float) -> Scene:
+    """The scene under another value of its control."""
+    return replace(scene, **{scene.control[0]: value})  # type: ignore[arg-type]
+
+
+def _solved(task: Task, curve: Cohesive, here: Point) -> Found:
+    """The equilibrium as tightly as there is."""
+    assert isinstance(here, CohesivePoint)
+    problem = curve.problem
+    pulled = Pulled.of(problem, curve.stress, here.table)
+    by_load = Cohesive(problem, Load(0.0))
+    at_load = by_load.from_zones(here.table, here.load, here.zones)
+    fields, free, control = _tight(task, pulled, at_load.load + pulled.pulling.total, here.zones)
+    certificate = certify(ZoneFields(pulled, fields.state), control.load)
+    whole = replace(fields, law_problem=problem, rate=at_load.rate)
+    return FoundBeside(free, whole, certified(certificate, curve, here), 1, control, task.tolerance, beside=uncertain(curve, here))
+
+
+def _tight(task: Task, pulled: Pulled, load: float, zones: Array) -> tuple[PulledFields, sie.Free, Load]:
+    control = Load(load)
+    kinds = sie.Zones.of(zones, pulled.end, pulled.end)
+    free = next(
+        (found for tolerance in _TIGHT if (found := sie.find_ends(pulled.equation(control), kinds, tolerance)).converged), None
+    ) or sie.find_ends(pulled.equation(control), kinds, _LOOSE)
+    if not free.converged:
+        raise task.error(Missed(f"under the tension that was found {free.reason}", free), pulled)
+    return PulledFields(pulled, free.state), free, control
+
+
+def _everywhere(task: Task, problem: Problem) -> Outcome:
+    """Tension in all of a period: the contact under the bare law, less the tension."""
+    scene = _bare_scene(task, problem)
+    found = task.under(scene, _BARE, None, None)
+    stress = task.scene.law.tension
+    pulled = Pulled.of(problem, stress / problem.units.pressure, np.zeros((0, 2)), everywhere=True)
+    if len(found.zones) == 0:
+        assert task.scene.period is not None
+        if task.scene.given_load is None:
+            raise OutOfRange("the surfaces close altogether, and in full contact the approach does not tell the load: give a load")
+        return Full(task.scene.given_load / task.scene.period)
+    zones = placed(problem, found.zones)
+    load = found.load / problem.units.load
+    plain = replace(problem, law=scene.law)
+    if isinstance(found.fields, GapFields):
+        alone = replace(task, scene=scene, shared=Shared(scene))
+        gapped = by_gaps(alone, plain, Load(load), float(np.diff(zones, axis=1).sum()), zones)
+        if isinstance(gapped, Missed):
+            raise task.error(gapped, plain)
+        here = gapped.fields
+        lowered = PulledGapFields(here.problem, here.state, here.mean, here.relief, stress / problem.units.pressure)
+        return replace(gapped, fields=lowered)
+    fields, free, control = _tight(task, pulled, load, zones)
+    certificate = certify(ZoneFields(pulled, fields.state), control.load)
+    curve = Cohesive(problem, Load(0.0))
+    fields = replace(fields, law_problem=problem)
+    return Found(free, fields, certified(certificate, curve, None, fields), 1, control, task.tolerance)

@@ -1,0 +1,91 @@
+"""What is checked of a contact with a tension beside it, beyond what its frictionless part is: the reach, and stability.
+
+p >= -s inside the zones is q = p + s >= 0, which that part's certificate looks at, with overlaps and the balance of the whole load.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.formulation.cohesive import Cohesive, CohesivePoint
+from contact.formulation.pulled_contact import look_at
+from contact.formulation.pulled_fields import PulledFields, scaled_second_variation
+from contact.verify.accuracy import Found
+from contact.verify.certificate import Certificate
+
+Array = NDArray[np.float64]
+
+# A miss of the reach, over it, and what rounding of heights may make of it.
+_REACH = 1e-7
+# Beside the ends of the tension, over the width of its interval, gaps are not told apart from the reach.
+_BESIDE = 1e-9
+
+
+# Over what the ends of the tension are off by, what the pressure is off by at equal normalised position: zones and strips move together.
+_MOVED = 16.0
+
+
+@dataclass(frozen=True, eq=False)
+class FoundBeside(Found):
+    """Zones with a tension beside them. beside: what its ends, and these zones with them, may be off by, over their widths."""
+
+    beside: float = 0.0
+
+    @cached_property
+    def error(self) -> float:
+        return super().error + _MOVED * self.beside
+
+
+def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, fields: PulledFields | None = None) -> Certificate:
+    """The certificate of the frictionless part, with what the tension adds; here: None where it acts everywhere, on these fields."""
+    stress = curve.stress * curve.problem.units.pressure
+    least = plain.smallest_pressure - stress
+    held, name = plain.holds, curve.held.name
+    if here is None:
+        assert fields is not None
+        _, gap = look_at(fields)
+        inside = bool(np.all(gap < curve.reach * (1 + _REACH)))
+        note = "the gap is below the reach of the tension everywhere: the frictionless contact, less the tension, and as stable"
+        return replace(plain, smallest_pressure=least, holds=held and inside, note=note if inside else "the gap is above the reach")
+    (x, gap), table, period = here.look, here.table, curve.problem.period
+    place = x if period is None else x - np.floor((x - table[0, 0]) / period) * period
+    i = np.maximum(np.searchsorted(table[:, 0], place, side="right") - 1, 0)
+    within = (place > table[i, 0]) & (place < table[i, 1])
+    next_one = np.append(table[1:, 0], np.inf if period is None else table[0, 0] + period)
+    away = np.minimum(np.minimum(np.abs(place - table[i, 0]), np.abs(place - table[i, 1])), np.abs(next_one[i] - place))
+    told = away > _BESIDE * (table[i, 1] - table[i, 0])
+    rounding = here.q.gap_rounding
+    wrong = told & np.where(within, gap > curve.reach + rounding, gap < curve.reach - rounding)
+    missed = float(np.abs(here.residual).max())
+    matrix = scaled_second_variation(here)
+    stability = float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min())
+    if not held:
+        note = plain.note or "a sign or the balance fails"
+    elif missed > _REACH + 4 * rounding / curve.reach:
+        held, note = False, f"at an end of the tension the gap misses its reach by {missed:.1e}"
+    elif wrong.any():
+        at = float(curve.problem.units.x(place[wrong])[0])
+        held, note = False, f"the gap is on the wrong side of the reach of the tension at x = {at:.6g} m"
+    elif not stability > 0.0:
+        held, note = False, f"not stable under a held {name}: the second variation of the energy is not positive"
+    else:
+        note = (
+            "one of several equilibria: pressure above minus the tension in contact, no overlap, balance, the gap below the reach where "
+            f"the tension acts, above it elsewhere and equal to it at its ends, locally stable under a held {name}"
+        )
+    return replace(plain, smallest_pressure=least, holds=bool(held), note=note, intensity=missed, stability=stability)
+
+
+def uncertain(curve: Cohesive, here: CohesivePoint) -> float:
+    """What the ends of the tension may be off by, and the zones by it, over the width of either."""
+    rounding = here.q.gap_rounding / 16 / curve.reach
+    ends = np.abs(np.linalg.solve(here.rates, here.residual)) + np.abs(np.linalg.inv(here.rates)) @ np.full(len(here.residual), rounding)
+    width = np.tile(np.diff(here.zones, axis=1)[:, 0], 2)
+    # The load of q is the difference of the tension's and the given one.
+    load = 4.0 * np.finfo(np.float64).eps * (abs(here.load) + curve.stress * float(here.widths.sum()))
+    follow = np.abs(here.by_ends[:, :-1]) @ ends + np.abs(here.by_ends[:, -1]) * curve.yields * load
+    return float(max((ends / here.widths).max(), (follow / width).max()))

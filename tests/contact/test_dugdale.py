@@ -1,0 +1,281 @@
+"""Dugdale's law, solved: against closed forms, by its equations under quadrature, towards JKR and towards none, with pull-off."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import contact
+import sie
+from contact import exact
+from contact.formulation.cohesive import Cohesive
+from contact.formulation.controls import Approach, Load, scaled_control
+from contact.formulation.tension import Tension, clausen
+from contact.search.grid.scaling import scaled_scene_about
+from tests.tiers import quick
+
+E, DELTA, WORK = 1.0, 0.01, 1e-5
+W_CYLINDER = 1e-6
+INSIDE = np.array([-0.95, -0.5, 0.0, 0.3, 0.9])
+
+
+def stress_of(tabor):
+    return tabor / 4 * (np.pi**2 * W_CYLINDER) ** (1 / 3)
+
+
+def wave(stress, work=WORK, branch="advancing", **control):
+    scene = contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.Dugdale(work, stress), **control)
+    return contact.solve(scene, branch=branch), exact.DugdaleWave(DELTA, 1.0, E, work, stress)
+
+
+def cylinder(tabor, branch="advancing", **control):
+    law = contact.Dugdale(W_CYLINDER, stress_of(tabor))
+    scene = contact.Scene(contact.Parabola(1.0), E, contact.Isolated(datum=1.0), law=law, **control)
+    return contact.solve(scene, branch=branch), exact.DugdaleCylinder(1.0, E, W_CYLINDER, law.stress, datum=1.0)
+
+
+def rough(count=30, seed=1):
+    rng = np.random.default_rng(seed)
+    k, phase = np.arange(1, count + 1), rng.uniform(0, 2 * np.pi, count)
+    size = 1e-7 * k**-1.3
+    return contact.Fourier(1e-4, size * np.cos(phase), size * np.sin(phase))
+
+
+def agrees(solution, reference, tol=1e-10):
+    a, c = reference.half_width, reference.cohesive_end
+    ends = max(abs(solution.zones[0, 1] - a), abs(solution.zones[0, 0] + a)) / a
+    wanted = reference.pressure(INSIDE * a)
+    pressure = np.abs(solution.pressure_at(INSIDE) - wanted).max() / np.abs(wanted).max()
+    assert max(ends, pressure, abs(solution.cohesive[0, 1] / c - 1)) < tol
+    assert max(ends, pressure) < 2 * solution.error < 1e-8
+    assert solution.load == pytest.approx(reference.load, rel=1e-9, abs=1e-15)
+    assert solution.approach == pytest.approx(reference.approach, rel=1e-9, abs=1e-14)
+    between = np.array([0.9 * a + 0.1 * c, 0.1 * a + 0.9 * c])
+    assert solution.pressure(between) == pytest.approx(reference.pressure(between), rel=1e-12)
+    assert solution.gap(between) == pytest.approx(reference.gap(between), rel=1e-8)
+    assert solution.certificate.holds
+
+
+@pytest.mark.parametrize("branch", ["advancing", "receding"])
+@pytest.mark.parametrize(
+    ("stress", "load"), [(2e-2, 1e-2), (2e-2, -6e-4), (5e-3, 2e-2), (5e-3, 0.0), (2e-3, -6e-4), (1e-3, 1e-2), (5e-4, -3e-4)]
+)
+def test_the_wave_is_that_of_the_closed_form_on_either_branch(stress, load, branch):
+    solution, curve = wave(stress, branch=branch, load=load)
+    reference = getattr(curve, branch)(load)
+    agrees(solution, reference)
+    assert solution.mean_gap == pytest.approx(reference.mean_gap, rel=1e-9)
+    met = reference.cohesive_end == 0.5
+    assert (solution.certificate.stability is None) == met
+    assert met or solution.certificate.stability > 0.0
+
+
+@pytest.mark.parametrize("approach", [5e-3, 0.0, -5e-4])
+def test_a_held_approach_is_another_control(approach):
+    solution, curve = wave(5e-3, approach=approach)
+    agrees(solution, curve.at_approach(approach))
+
+
+@pytest.mark.slow
+def test_pull_off_under_a_held_approach_is_that_of_the_closed_form():
+    solution, curve = wave(5e-3, approach=1e-3)
+    assert solution.pull_off.approach == pytest.approx(curve.pull_off(0.0).approach, rel=1e-7)
+
+
+@pytest.mark.parametrize("load", [1e-4, 0.0, -2e-5])
+@pytest.mark.parametrize("tabor", quick([0.01, 0.3, 3.0, 100.0], always=[0.01, 3.0, 100.0]))
+def test_the_cylinder_is_that_of_the_closed_form_from_rigid_bodies_to_narrow_strips(tabor, load):
+    solution, curve = cylinder(tabor, load=load)
+    agrees(solution, curve.advancing(load))
+    assert solution.certificate.stability > 0.0
+
+
+@pytest.mark.parametrize("tabor", quick([0.1, 1.0, 10.0], always=[0.1]))
+def test_pull_off_is_a_turning_point_or_where_contact_has_shrunk_to_a_point(tabor):
+    solution, curve = cylinder(tabor, load=0.0)
+    # The closed form begins at a half width of about 1e-9 of the tension's.
+    assert solution.pull_off.load == pytest.approx(curve.pull_off().load, rel=1e-7)
+    assert solution.pull_off.approach == pytest.approx(curve.pull_off().approach, rel=1e-7)
+
+
+def test_past_pull_off_there_is_none_and_the_message_says_where_it_was():
+    with pytest.raises(contact.OutOfRange, match=r"past pull-off, which is at load -6\.4992918\d*e-05 N/m, approach -0\.000157372"):
+        cylinder(0.1, load=-1e-4)
+    with pytest.raises(contact.OutOfRange, match="past pull-off"):
+        wave(5e-4, branch="receding", load=-6e-4)
+
+
+def test_the_wave_jumps_into_full_contact_and_opens_from_it_where_the_closed_form_does():
+    stress, work = 2e-2, 3e-5
+    assert len(wave(stress, work, load=2e-2)[0].zones) == 0
+    opening = np.pi * E * DELTA - stress
+    closed, _ = wave(stress, branch="receding", load=1.001 * opening)
+    assert len(closed.zones) == 0 and closed.certificate.smallest_pressure >= -stress
+    opened, curve = wave(stress, branch="receding", load=0.99 * opening)
+    agrees(opened, curve.receding(0.99 * opening))
+    assert len(opened.cohesive) == 1 and np.diff(opened.cohesive) == pytest.approx(1.0)
+
+
+def test_large_stresses_are_adhesion_without_range_at_the_rate_of_the_strips():
+    jkr = exact.JKRCylinder(1.0, E, W_CYLINDER, datum=1.0).at_load(0.0)
+    found = [cylinder(tabor, load=0.0)[0] for tabor in (20.0, 40.0)]
+    off = [abs(s.zones[0, 1] / jkr.half_width - 1) for s in found]
+    # The strip, pi E* w/(4 s^2) wide, is what either end differs by.
+    assert off[0] / off[1] == pytest.approx(4.0, rel=0.02)
+    strip = [np.pi * E * W_CYLINDER / (4 * stress_of(tabor) ** 2) for tabor in (20.0, 40.0)]
+    assert [float(s.cohesive[0, 1] - s.zones[0, 1]) for s in found] == pytest.approx(strip, rel=0.02)
+
+
+def test_without_adhesion_left_it_is_the_frictionless_contact():
+    profile = contact.Fourier(1.0, [0.01, 0.004, 0.002], [0.0, 0.003, -0.002])
+    scene = contact.Scene(profile, E, contact.Periodic(), mean_pressure=5e-3)
+    bare = contact.solve(scene)
+    off = [np.abs(contact.solve(replace(scene, law=contact.Dugdale(w, 1e-6))).zones - bare.zones).max() for w in (1e-11, 1e-13)]
+    assert off[1] < off[0] < 1e-4
+
+
+def quadrature(solution, x, count=400):
+    """u(x) by the pressure alone: Gauss's rule in the angle on every part of every interval, ln|2 sin(pi (x - xi)/L)|."""
+    t, weights = np.polynomial.legendre.leggauss(count)
+    theta = 0.5 * np.pi * (1 + t)
+    period, total = solution.scene.period, np.zeros(len(x))
+    for lo, hi in solution.cohesive:
+        inner = [z for row in solution.zones for shift in (-period, 0.0, period) for z in row + shift if lo < z < hi]
+        cuts = np.array(sorted([lo, *inner, hi]))
+        for a, b in zip(cuts[:-1], cuts[1:], strict=True):
+            xi = 0.5 * (a + b) + 0.5 * (b - a) * np.cos(theta)
+            p = solution.pressure(xi) * 0.5 * (b - a) * np.sin(theta) * 0.5 * np.pi * weights
+            total += -np.log(np.abs(2 * np.sin(np.pi * (x[:, None] - xi) / period))) @ p
+    return 2 / (np.pi * solution.scene.E_star) * total
+
+
+@pytest.mark.parametrize(
+    ("stress", "branch"), quick([(1e5, "advancing"), (1e6, "receding"), (5e6, "advancing")], always=[(1e5, "advancing")])
+)
+def test_a_rough_profile_obeys_its_equations_by_quadrature_of_the_pressure(stress, branch):
+    law = contact.Dugdale(1e-3, stress)
+    scene = contact.Scene(rough(), 1e9, contact.Periodic(), law=law, mean_pressure=2e6)
+    solution = contact.solve(scene, branch=branch)
+    assert solution.certificate.holds and len(solution.zones) >= 5
+    # Beside the parts, not on them: there the logarithm is smooth enough for the rule.
+    edges = np.concatenate((solution.cohesive[:, 1], solution.cohesive[1:, 0], [solution.cohesive[0, 0] + 1e-4]))
+    x = np.array([0.5 * (a + b) for a, b in zip(np.sort(edges)[::2], np.sort(edges)[1::2], strict=True)])
+    u = quadrature(solution, x)
+    heights = scene.profile.height(x) - min(scene.profile.height(np.linspace(0, 1e-4, 20001)))
+    scale = float(np.ptp(scene.profile.height(np.linspace(0, 1e-4, 999))))
+    assert u + heights - solution.approach == pytest.approx(solution.gap(x), abs=1e-6 * scale)
+    assert solution.gap(solution.cohesive.ravel()) == pytest.approx(law.reach, rel=1e-6)
+    assert np.all(solution.gap(x) > law.reach)
+
+
+@pytest.mark.slow
+def test_what_advances_lies_within_what_recedes():
+    scene = contact.Scene(rough(), 1e9, contact.Periodic(), law=contact.Dugdale(1e-3, 5e6), mean_pressure=2e6)
+    least, most = contact.solve(scene), contact.solve(scene, branch="receding")
+    assert len(least.zones) == 5 and len(most.zones) == 6
+    for a, b in least.cohesive:
+        assert np.any((most.cohesive[:, 0] <= a + 1e-12) & (b - 1e-12 <= most.cohesive[:, 1]))
+
+
+@pytest.mark.parametrize("load", [2e-3, -5e-4])
+def test_the_work_of_the_load_is_elastic_and_surface_energy(load):
+    stress = 5e-3
+    states = [wave(stress, load=load + step)[0] for step in (-1e-6, 1e-6)]
+    t, weights = np.polynomial.legendre.leggauss(80)
+    angle = 0.5 * np.pi * (1 + t)
+
+    def energy(solution):
+        a, c = float(solution.zones[0, 1]), float(solution.cohesive[0, 1])
+        total = -2 * c * WORK
+        for lo, hi in ((-c, -a), (-a, a), (a, c)):
+            x = 0.5 * (lo + hi) + 0.5 * (hi - lo) * np.cos(angle)
+            per = 0.25 * np.pi * (hi - lo) * np.sin(angle) * weights
+            total += float(per @ (0.5 * solution.pressure(x) * solution.displacement(x) + stress * solution.gap(x)))
+        return total
+
+    low, high = states
+    done = 0.5 * (high.load + low.load) * (high.approach - low.approach)
+    assert energy(high) - energy(low) == pytest.approx(done, rel=1e-5, abs=1e-15)
+    rate = (high.load - low.load) / (high.approach - low.approach)
+    assert wave(stress, load=load)[0].stiffness == pytest.approx(rate, rel=1e-5)
+
+
+@pytest.mark.parametrize("kind", [Load, Approach])
+def test_rates_are_those_of_moved_ends_and_symmetric(kind):
+    law, two = contact.Dugdale(1e-5, 2e-2), contact.Polynomial([0.02, 0.005, -1.0, 0.0, 12.5])
+    scene = contact.Scene(two, E, contact.Isolated(datum=1.0), law=law, load=2e-3)
+    first = np.array([[-0.23, -0.17], [0.18, 0.22]])
+    scaled = scaled_scene_about(scene, 0.0, first)
+    units, held = scaled.problem.units, scaled_control(scene, scaled.problem.units)
+    curve = Cohesive(scaled.problem, held)
+    table = units.scaled(np.array([[-0.26, -0.14], [0.14, 0.25]]))
+    here = curve.from_zones(table, held.value, units.scaled(first))
+    if kind is Approach:
+        curve, zones = Cohesive(scaled.problem, Approach(-here.level)), here.zones
+        here = curve.from_zones(table, -here.level, zones)
+    assert here.rates == pytest.approx(here.rates.T, rel=1e-9)
+    assert np.all(here.rates - np.diag(np.diag(here.rates)) >= 0.0)
+    step = 1e-5 * float(np.diff(table)[0, 0])
+    for j in range(4):
+        move = step * (np.arange(4) == j)
+        ahead, behind = curve.at(here.moved(move), here.value), curve.at(here.moved(-move), here.value)
+        rate = (ahead.residual - behind.residual) / (2 * step)
+        assert rate == pytest.approx(here.rates[:, j], rel=1e-5, abs=1e-6 * np.abs(here.rates).max())
+
+
+@pytest.mark.parametrize(("stress", "load", "branch"), [(5e-3, 1e-3, "advancing"), (5e-3, 2e-2, "advancing"), (2e-2, 1.135e-2, "receding")])
+def test_the_energies_are_those_of_the_closed_form_apart_met_and_nearly_closed(stress, load, branch):
+    solution, curve = wave(stress, branch=branch, load=load)
+    reference = getattr(curve, branch)(load)
+    assert solution.energy.elastic == pytest.approx(reference.elastic_energy, rel=1e-8)
+    assert solution.energy.surface == pytest.approx(reference.surface_energy, rel=1e-8)
+
+
+def test_clausens_integral_and_the_potential_of_a_tension_have_their_slopes():
+    known = [0.9159655941772190, 1.0149416064096537, 2 / 3 * 1.0149416064096537, -0.9159655941772190]
+    assert clausen(np.array([np.pi / 2, np.pi / 3, 2 * np.pi / 3, 1.5 * np.pi])) == pytest.approx(known, rel=1e-14)
+    x, step = np.array([-0.41, 0.05, 0.3]), 1e-5
+    for kernel in (sie.hilbert(1.0), sie.cauchy(0.7)):
+        tension = Tension(2.0, np.array([[-0.2, -0.1], [0.1, 0.25]]), kernel, True)
+        slope = (tension.height(x + step) - tension.height(x - step)) / (2 * step)
+        assert slope == pytest.approx(tension.slope(x), rel=1e-7)
+
+
+def test_a_layer_comes_by_itself():
+    scene = contact.Scene(
+        contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), substrate=contact.Layer(2e-5, 0.3), law=contact.Dugdale(5e-2, 2e6),
+        mean_pressure=1e6,
+    )
+    solution = contact.solve(scene)
+    assert solution.certificate.holds and solution.certificate.stability > 0
+    beside = [contact.solve(replace(scene, mean_pressure=1e6 + step)) for step in (-1e2, 1e2)]
+    rate = (beside[1].load - beside[0].load) / (beside[1].approach - beside[0].approach)
+    assert solution.stiffness == pytest.approx(rate, rel=1e-6)
+
+
+def test_what_does_not_go_with_it_is_refused_by_name():
+    for name, values in (("work", (0.0, 1.0)), ("stress", (1.0, -1.0)), ("stress", (1.0, float("nan")))):
+        with pytest.raises(contact.SceneError, match=name):
+            contact.Dugdale(*values)
+    law = contact.Dugdale(1e-5, 1e-2)
+    with pytest.raises(contact.SceneError, match="dugdale goes with isolated and periodic"):
+        contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Localized(), law=law, load=0.01)
+    with pytest.raises(contact.SceneError, match="sharp corners"):
+        contact.Scene(contact.Flat(1.0), E, contact.Isolated(), law=law, load=0.01)
+    with pytest.raises(contact.SceneError, match="the controls of dugdale are"):
+        contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=law, contact_fraction=0.5)
+    with pytest.raises(contact.SceneError, match="pull-off is told of contact that is not nearly full"):
+        wave(2e-2, branch="receding", load=2e-2)[0].pull_off  # noqa: B018
+
+
+def test_a_scene_file_names_it(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(
+        '[profile]\nshape = "sinusoid"\namplitude = 0.01\nperiod = 1.0\n[material]\nE_star = 1.0\n[interaction]\nmodel = "periodic"\n'
+        '[law]\nmodel = "dugdale"\nwork = 1e-5\nstress = 5e-3\n[control]\nmean_pressure = -5e-4\n'
+    )
+    scene = contact.load_scene(path)
+    assert scene.law == contact.Dugdale(1e-5, 5e-3)
+    assert contact.solve(scene).load == pytest.approx(-5e-4, rel=1e-12)
