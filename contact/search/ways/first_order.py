@@ -37,6 +37,8 @@ _STEPS = 30
 # How often a step towards a nominal pressure at which a zone reaches the border is halved, and how often what is left between that and one
 # at which none does; a step by less than this part is not looked at beforehand.
 _HALVED, _SEARCHED, _SHORT = 3, 6, 0.02
+# Where the miss turns by this much short of zero, over the least of it that was seen, it has no root.
+_NEAR_TURN = 0.5
 # Relative differences of load and nominal pressure that tell their rate.
 _APART = 1e-4
 
@@ -232,7 +234,10 @@ class FirstOrder:
     def _beyond_turn(self, control: Control, passed: list[tuple[float, float]], close: float) -> float:
         """The root before the turn of the miss, where the top of the parabola through the last points is beyond zero."""
         if len(passed) == 3:
-            top = _turn(passed)
+            top, highest = _turn(passed)
+            # One that stays as far from zero as its points has no root to be looked for.
+            if highest * passed[0][1] > 0 and abs(highest) > _NEAR_TURN * min(abs(missed) for _, missed in passed):
+                raise self._refused(control)
             there = self._miss(control, top)
             if abs(there) <= close:
                 return top
@@ -250,11 +255,13 @@ class FirstOrder:
         )
 
 
-def _turn(points: list[tuple[float, float]]) -> float:
-    """Where the parabola through three points turns."""
+def _turn(points: list[tuple[float, float]]) -> tuple[float, float]:
+    """Where the parabola through three points turns, and its value there."""
     (a, fa), (b, fb), (c, fc) = points
     up, down = (b - a) * (fb - fc), (b - c) * (fb - fa)
-    return b - 0.5 * ((b - a) * up - (b - c) * down) / (up - down)
+    top = b - 0.5 * ((b - a) * up - (b - c) * down) / (up - down)
+    value = sum(f * (top - p) * (top - q) / ((at - p) * (at - q)) for at, f, p, q in ((a, fa, b, c), (b, fb, a, c), (c, fc, a, b)))
+    return top, value
 
 
 def _table(found: Found) -> Array:
