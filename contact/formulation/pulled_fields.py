@@ -90,16 +90,22 @@ class PulledFields(ZoneFields):
         return (self.density.totals - self.tension.stress * (zones.b - zones.a)) * self.problem.units.load
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
-        return super().pressure_at(zone, t) - self.tension.stress * self.problem.units.pressure
+        return super().pressure_at(zone, t) - self._pull
 
     @cached_property
     def max_pressure(self) -> float:
-        return float(super().max_pressure - self.tension.stress * self.problem.units.pressure)
+        return float(super().max_pressure - self._pull)
 
     def pressure(self, x: ArrayLike) -> Array:
         scaled = self._scaled(x)
         q = self.density(scaled)
-        return np.asarray(q - self.tension.stress * self.tension.holds(scaled)) * self.problem.units.pressure
+        return np.asarray(q * self.problem.units.pressure - self._pull * self.tension.holds(scaled))
+
+    @property
+    def _pull(self) -> float:
+        """The tension [Pa], to the digit."""
+        assert self.law_problem is not None
+        return self.law_problem.law.tension
 
     def second_variation(self, yields: float | None = None) -> Array:
         """d^2 energy/ds_i ds_j by outward motions of the ends of the tension, times the roots of their intervals' widths and over 2 w.
