@@ -244,7 +244,7 @@ def adhesive_path(
                 run.note(here.point, here.value)
             solutions.append(run.solved(here, float(value), before if k else 0.0))
             passed.append(tuple(events))
-    warn(of_solution(max(solutions, key=lambda solution: solution.load)))
+    warn(of_solution(max(solutions, key=lambda solution: solution.load)), stacklevel=4)
     return AdhesivePath(tuple(solutions), tuple(passed), given, control, stiffness, np.array(run.followed).reshape(-1, 4))
 
 

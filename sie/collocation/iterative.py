@@ -80,7 +80,9 @@ class IterativeSystem(System):
 
     def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps) -> None:
         super().__init__(equation, zones, m, coefficients, jumps)
-        solved = zones.solved
+        solved, kernel = zones.solved, equation.kernel
+        if kernel.regular is not None and kernel.regular_potential is None and self.wants_levels:
+            raise ValueError("a condition on potentials needs the regular kernel's potential")
         self.sums = ZoneSums(zones, equation.kernel, self.layout)
         self.symmetry = MirrorSymmetry.of(zones, self.layout)
         self._weights: dict[Callable[[Array], Array], tuple[list[Array], Array]] = {}

@@ -11,6 +11,7 @@ import sie
 from sie.basis import chebyshev
 from sie.collocation.fixed import first_sizes
 from sie.equation.conditions import Condition, by_zone
+from sie.fast.krylov import gmres
 from sie.slits.system import SlitState
 
 T = np.linspace(-0.97, 0.97, 15)
@@ -313,3 +314,11 @@ def test_high_modes_keep_the_digits_of_their_angles():
             assert chebyshev._sine_matrix(n)[k - 1, j - 1] == pytest.approx(float(sine), abs=3e-17)
             cosine = mpmath.cos((2 * j + 1) * k * mpmath.pi / (2 * 200))
             assert chebyshev.t_matrix(200, 100)[j, k] == pytest.approx(float(cosine), abs=5e-16)
+
+
+def test_an_iteration_that_does_not_come_to_rest_is_the_reason_told(monkeypatch):
+    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 1)
+    monkeypatch.setattr("sie.collocation.iterative.gmres", lambda apply, b, tolerance: gmres(apply, b, tolerance, 2))
+    charge = sie.Equation(sie.cauchy(), WAVE, (sie.Total(1.0), sie.EqualPotential()))
+    with pytest.raises(sie.NotConverged, match="the iteration .* does not come to rest"):
+        sie.solve(charge, sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR))
