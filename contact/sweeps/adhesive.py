@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.errors import OutOfRange, unwarned, warn
+from contact.errors import NotConverged, OutOfRange, unwarned, warn
 from contact.formulation.controls import Approach
 from contact.formulation.energy import elastic_energy
 from contact.formulation.equilibria import Equilibria, Point
@@ -69,7 +69,7 @@ class AdhesiveEvent(Event):
         Before and after it [m]; None without one.
     lost : float or None
         Energy that it loses [J/m]: what is stored and what closing had released, before less after, and the work that the load does on the
-        way. None without an approach.
+        way. None without an approach, and at a pull-off by a load where what follows under its approach is not known.
     surfaces : ndarray or None
         Of a pull-off, just before it: places, the deformed surface and the body above it [m], (3, n).
 
@@ -391,12 +391,15 @@ class _Run:
         place = float(units.x(np.array(jump.place)))
         return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, surfaces)
 
-    def _parted(self, last: Standing) -> float:
+    def _parted(self, last: Standing) -> float | None:
         """The approach [m] at which surfaces let go that a dead load draws apart: the contact follows the approach, as the load is slow to
-        move, until no contact answers it."""
+        move, until no contact answers it; None where it was not followed so far."""
         assert last.point is not None
         curve = Equilibria(self.problem, Approach(-last.point.level))
-        return float(-pull_off(curve, curve.at(last.point.table, -last.point.level)).level * self.problem.units.height)
+        try:
+            return float(-pull_off(curve, curve.at(last.point.table, -last.point.level)).level * self.problem.units.height)
+        except NotConverged:
+            return None
 
     def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
         """(load, approach, energy, zones) [N/m, m, J/m, m]."""

@@ -250,3 +250,10 @@ def test_surfaces_apart_are_shown_over_their_period_and_a_lone_body_s_are_not():
     assert below.gap([0.0, 0.5]) == pytest.approx([4e-3, 4e-3 + 2 * DELTA]) and below.to_dict()["certificate"]["holds"]
     with pytest.raises(contact.SceneError, match="apart"):
         loop("cylinder", "approach").solutions[0].plot()
+
+
+def test_a_pull_off_whose_end_breaks_a_symmetry_is_located_and_its_loss_left_open():
+    pair = contact.Scene(contact.Biquadratic(1.0, 0.2, period=1.0), 1.0, contact.Periodic(), law=contact.JKR(6.33e-7), load=0.0)
+    found = contact.path(pair, [0.0, 1.8e-3, -0.05])
+    assert [event.kind for event in found.events] == ["merge", "pull-off"] and found.events[0].lost > 0.0
+    assert found.events[1].lost is None is found.dissipated and found.events[1].load < 0.0
