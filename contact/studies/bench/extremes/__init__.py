@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from contact.studies.bench.extremes.adhesion import jkr
+from contact.studies.bench.extremes.adhesion import dugdale, jkr
 from contact.studies.bench.extremes.base import Extreme
 from contact.studies.bench.extremes.large import equal_zones, noisy
 from contact.studies.bench.extremes.layers import layers
@@ -15,7 +15,7 @@ from contact.studies.bench.extremes.shapes import slopes, units
 __all__ = ["Extreme", "matrix"]
 
 GROUPS: tuple[Callable[[], Iterator[Extreme]], ...] = (
-    fractions, loads_near_full, gaps, merges, scales, units, slopes, layers, jkr, equal_zones, noisy,
+    fractions, loads_near_full, gaps, merges, scales, units, slopes, layers, jkr, dugdale, equal_zones, noisy,
 )
 
 

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
+from math import pi
 
 import numpy as np
 
 from contact.model.interactions import Isolated, Periodic
-from contact.model.laws import JKR
+from contact.model.laws import JKR, Dugdale
 from contact.model.profiles import Parabola, Sinusoid
 from contact.model.scene import Scene
-from contact.reference.exact import JKRCylinder, JKRWave
+from contact.reference.exact import DugdaleCylinder, DugdaleWave, JKRCylinder, JKRWave
 from contact.studies.bench import truth
 from contact.studies.bench.extremes.base import Extreme
 from contact.studies.bench.truth import Exact
+
+Curve = JKRWave | JKRCylinder | DugdaleWave | DugdaleCylinder
 
 _WHY = "of the closed form, by a difference"
 _AMPLITUDE, _WORK = 0.01, 1e-5
@@ -39,18 +42,41 @@ def jkr() -> Iterator[Extreme]:
         yield Extreme(group, f"wave, work {work:g} E* L", partial(_scene, curve, load), _condition(curve, load, 1.0), _WHY)
 
 
+def dugdale() -> Iterator[Extreme]:
+    """Maugis's parameter from a tension far beyond the contact to one beside its very ends, under a load, and loads next to pull-off."""
+    group = "Dugdale"
+    for ratio in (1e-2, 1e-1, 1.0, 10.0, 100.0):
+        # Tension over what closes a cylinder of this radius: (w E*^2/(pi R))^(1/3).
+        cylinder = DugdaleCylinder(1.0, 1.0, 1e-6, ratio * (1e-6 / pi) ** (1 / 3))
+        wave = DugdaleWave(_AMPLITUDE, 1.0, 1.0, _WORK, ratio * (_WORK / pi) ** (1 / 3) * _AMPLITUDE ** (1 / 3))
+        for name, curve, load in (("cylinder", cylinder, 1e-5), ("wave", wave, 1e-3)):
+            here = curve.at_load(load)
+            # Ends rounded by 1e-16 of the zone, over the interval in which the pressure falls to the tension.
+            narrow = here.half_width / (here.cohesive_end - here.half_width)
+            yield Extreme(
+                group, f"{name}, tension {ratio:g}", partial(_scene, curve, load), max(narrow, _condition(curve, load, 1.0)),
+                "a/(c - a)", known="the closed form's own ends are rounded to as much" if narrow > 1e3 else "",
+            )
+    cylinder = DugdaleCylinder(1.0, 1.0, 1e-6, (1e-6 / pi) ** (1 / 3))
+    for part in (1e-2, 1e-4, 1e-6):
+        load = (1 - part) * cylinder.pull_off().load
+        yield Extreme(
+            group, f"cylinder, {part:g} from pull-off", partial(_scene, cylinder, load), _condition(cylinder, load, part), _WHY
+        )
+
+
 def _wave(work: float) -> JKRWave:
     return JKRWave(_AMPLITUDE, 1.0, 1.0, work)
 
 
-def _scene(curve: JKRWave | JKRCylinder, load: float) -> tuple[Scene, Exact]:
-    law = JKR(curve.work)
-    if isinstance(curve, JKRWave):
+def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
+    law = Dugdale(curve.work, curve.stress) if isinstance(curve, DugdaleWave | DugdaleCylinder) else JKR(curve.work)
+    if isinstance(curve, JKRWave | DugdaleWave):
         return Scene(Sinusoid(_AMPLITUDE, 1.0), 1.0, Periodic(), law=law, load=load), curve.at_load(load)
     return Scene(Parabola(1.0), 1.0, Isolated(), law=law, load=load), curve.at_load(load)
 
 
-def _condition(curve: JKRWave | JKRCylinder, load: float, part: float) -> float:
+def _condition(curve: Curve, load: float, part: float) -> float:
     """By how much the stated measure changes for a relative change of the load."""
     change = _NEARER * part
     here, there = curve.at_load(load), curve.at_load(load * (1 - change))
