@@ -1,10 +1,11 @@
 """Plane elastic contact solved exactly: zones, pressure and gap of rough and textured profiles, with a stated error."""
 
+from typing import TYPE_CHECKING, Any
+
 # First: a command may be interrupted while the rest is imported.
 from contact import interrupts  # noqa: F401  isort: skip
 from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
-from contact.explorer.explore import explore
-from contact.extras import version
+from contact.extras import require, version
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
 from contact.model.laws import JKR, Dugdale, Frictionless, Law
 from contact.model.profiles import (
@@ -40,18 +41,37 @@ from contact.model.substrates import HalfPlane, Layer, Substrate
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.solver import solve
-from contact.sweeps.adhesive import AdhesiveEvent, AdhesivePath
 from contact.sweeps.curve import solve_many
-from contact.sweeps.path import path
-from contact.sweeps.paths import Event, Path
-from contact.sweeps.sweep.run import sweep
 
+if TYPE_CHECKING:
+    from contact.explorer.explore import explore
+    from contact.sweeps.adhesive import AdhesiveEvent, AdhesivePath
+    from contact.sweeps.path import path
+    from contact.sweeps.paths import Event, Path
+    from contact.sweeps.sweep.run import sweep
 
-def __getattr__(name: str) -> str:
-    # Looked up when it is asked for: what is installed says it, and saying it takes time.
-    if name == "__version__":
-        return version()
-    raise AttributeError(f"module 'contact' has no attribute {name!r}")
+# What a single solve does not need is loaded when it is asked for. The imports above, for readers and type checkers, say the same.
+_HOMES = {
+    "contact.explorer.explore": "explore",
+    "contact.sweeps.adhesive": "AdhesiveEvent AdhesivePath",
+    "contact.sweeps.path": "path",
+    "contact.sweeps.paths": "Event Path",
+    "contact.sweeps.sweep.run": "sweep",
+}
+_HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
+
+if not TYPE_CHECKING:  # to a type checker, a name that is not among these is none
+
+    def __getattr__(name: str) -> Any:
+        if name == "__version__":  # what is installed says it, and saying it takes time
+            return version()
+        if name not in _HOME:
+            raise AttributeError(f"module 'contact' has no attribute {name!r}")
+        found = globals()[name] = getattr(require(_HOME[name]), name)
+        return found
+
+else:
+    __version__: str
 
 
 def __dir__() -> list[str]:

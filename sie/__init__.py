@@ -65,11 +65,13 @@ _HOMES = {
 _HOME = {name: module for module, names in _HOMES.items() for name in names.split()}
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'sie' has no attribute {name!r}")
-    found = globals()[name] = getattr(lazy.module(_HOME[name]), name)
-    return found
+if not TYPE_CHECKING:  # to a type checker, a name that is not among these is none
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOME:
+            raise AttributeError(f"module 'sie' has no attribute {name!r}")
+        found = globals()[name] = getattr(lazy.module(_HOME[name]), name)
+        return found
 
 
 def __dir__() -> list[str]:

@@ -245,6 +245,8 @@ def _why(found: Solution, tol: float) -> str:
         zone = int(search.rounding.max(axis=1).argmax())
         worst = float(search.rounding[zone].max())
         return reached + f"rounding leaves the ends of zone {zone} (counted from 0) uncertain by {worst:.1e} of its width"
+    if float(state.linear_error.max(initial=0.0)) > 0.1 * tol * state.size:
+        return reached + "the iteration by which so many zones are solved does not come to rest: conditions nearly contradict each other"
     told = modes.decay(found.zones, state.equation.kernel) * modes.COUPLED_SIZES[-1]
     if float(told.min()) < -math.log(_DECAY * tol):
         zone = int(told.argmin())

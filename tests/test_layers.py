@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+import contact
 import sie
 
 ROOT = Path(__file__).parents[1]
@@ -213,3 +214,12 @@ def test_a_wave_is_solved_without_the_search_for_ends() -> None:
     engine = ("sie.solver", "sie.collocation.fixed", "sie.free_ends.newton", "sie.slits.system")
     assert loaded_after(f"import contact; contact.solve({scene}).gap(0.0)", engine)
     assert loaded_after(f"import contact; contact.solve({scene}).max_pressure", engine) == set()
+
+
+def test_every_name_of_contact_that_is_loaded_late_is_found_where_it_is_said_to_be() -> None:
+    homes = {name: module for module, names in contact._HOMES.items() for name in names.split()}
+    assert set(homes) < set(contact.__all__)
+    tree = ast.parse((ROOT / "contact" / "__init__.py").read_text(encoding="utf-8"))
+    assert {name: module for module, name in imports(tree) if name in homes} == homes
+    assert all(getattr(contact, name) is getattr(sys.modules[module], name) for name, module in homes.items())
+    assert loaded_after("import contact", tuple(set(homes.values()))) == set()

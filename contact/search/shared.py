@@ -11,18 +11,15 @@ from contact.formulation.relief import ScaledRelief
 from contact.formulation.units import Units
 from contact.model.operator import Operator
 from contact.model.scene import Scene
-from contact.search.grid.proposals import Proposed
 from contact.search.topology.first_gaps import FirstGaps
 from contact.solution.plan import starts_from_one_zone
 
 
 class Shared(sie.Kept):
-    """Of a scene whatever its control is. single: the contact begins as one zone about x = 0; full: where full contact begins;
-    grid: the last one's contact, where the loads are those of a curve."""
+    """Of a scene whatever its control is. single: the contact begins as one zone about x = 0; full: where full contact begins."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.grid: Proposed | None = None
 
     @cached_property
     def operator(self) -> Operator:

@@ -89,7 +89,8 @@ def _draw_surfaces(axes: Any, solution: Answer, x: Array, zones: Array, along: f
     surface = -solution.displacement(x)
     body = surface + solution.gap(x)
     seen = np.isfinite(body)
-    low, high = float(min(surface.min(), body[seen].min())), float(max(surface.max(), body[seen].max()))
+    heights = np.concatenate((surface, body[seen]))
+    low, high = float(heights.min()), float(heights.max())
     reach = high - low or max(abs(high), 1e-12)
     up, letter = prefix(max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach)
     # A sharp-cornered body rises without end beside its support; its flanks leave the panel.
@@ -138,7 +139,7 @@ def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: f
 def _pressure_shown(solution: Answer, pressure: Array) -> float:
     """The top of the pressure axis: the peak, or four times the mean on the zones where the peak is infinite."""
     if np.isfinite(solution.max_pressure):
-        return float(max(pressure.max(), 1e-3 * solution.max_pressure))
+        return float(max(pressure.max(), 1e-3 * solution.max_pressure)) or 1.0
     return float(4.0 * solution.load / np.sum(solution.zone_widths))
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from contact.errors import SceneError
 from contact.solution.answer import Answer, Array
 
 _EVEN_POINTS = 1000
@@ -25,13 +26,17 @@ def window(solution: Answer) -> tuple[float, float]:
     known = profile.extent if profile.period is None else (profile.x0, profile.x0 + profile.period)
     if known is not None:
         return known
+    if len(solution.zones) == 0:
+        raise SceneError("a lone body that touches nothing has no stretch to be shown on: its surfaces are apart", "zones")
     lo, hi = float(solution.zones.min()), float(solution.zones.max())
     return lo - (hi - lo), hi + (hi - lo)
 
 
 def zones_within(solution: Answer, lo: float, hi: float) -> Array:
-    """The zones and their periodic images, cut to [lo, hi]; all of it at full contact."""
+    """The zones and their periodic images, cut to [lo, hi]; all of it at full contact, none of surfaces apart."""
     zones, period = solution.zones, solution.scene.period
+    if len(zones) == 0 and not solution.contact_fraction:
+        return np.zeros((0, 2))
     if period is not None and len(zones) == 0:
         return np.array([[lo, hi]])
     if period is not None:

@@ -43,7 +43,8 @@ def of_scene(scene: Scene) -> tuple[str, ...]:
 
 def of_solution(solution: Answer) -> tuple[str, ...]:
     """What can be said of the answer, and of its scene."""
-    return (*of_scene(solution.scene), *_of_slopes(solution), *_of_pressure(solution))
+    inside = _inside(solution)
+    return (*of_scene(solution.scene), *_of_slopes(solution, inside), *_of_pressure(solution, inside))
 
 
 def everything(solution: Answer) -> list[str]:
@@ -51,10 +52,10 @@ def everything(solution: Answer) -> list[str]:
     return [*getattr(solution.scene.profile, "warnings", ()), *of_solution(solution)]
 
 
-def _of_slopes(solution: Answer) -> tuple[str, ...]:
+def _of_slopes(solution: Answer, places: Array) -> tuple[str, ...]:
     profile, tilt = solution.scene.profile, solution.tilt or 0.0
     with np.errstate(all="ignore"):
-        inside = np.abs(np.asarray(profile.slope(_inside(solution)), dtype=float) - tilt)
+        inside = np.abs(np.asarray(profile.slope(places), dtype=float) - tilt)
     steepest = float(inside.max(initial=0.0, where=np.isfinite(inside)))
     largest, rms = profile.slope_sizes
     if tilt and profile.slopes_seen.size:
@@ -66,7 +67,7 @@ def _of_slopes(solution: Answer) -> tuple[str, ...]:
     return (f"{told}: a surface steeper than about {STEEPEST} is not the nearly plane one of the model",)
 
 
-def _of_pressure(solution: Answer) -> tuple[str, ...]:
+def _of_pressure(solution: Answer, places: Array) -> tuple[str, ...]:
     scene = solution.scene
     widths = np.asarray(solution.zone_widths)
     width = float(widths.sum()) if widths.size else scene.profile.period
@@ -76,7 +77,7 @@ def _of_pressure(solution: Answer) -> tuple[str, ...]:
     kinks = np.reshape(scene.profile.kinks, (-1, 2))
     sharp = scene.profile.support is not None or bool(np.any(kinks[:, 1] > 0))
     if not sharp and (widths.size > _FEW or _PEAK * highest > HIGHEST * scene.E_star):
-        highest, what = float(np.max(solution.pressure(_inside(solution)))), "pressure"
+        highest, what = float(np.max(solution.pressure(places))), "pressure"
     if highest <= HIGHEST * scene.E_star:
         return ()
     told = f"a {what} of {quantity(highest, 'Pa', 3)}, {highest / scene.E_star:.2g} of E*"

@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGES = ("benchmarks.md", "challenge.md", "many-zones.md", "stability.md", "tests.md")
+PAGES = ("benchmarks.md", "challenge.md", "engine.md", "many-zones.md", "stability.md", "tests.md")
 PLACE = re.compile(r"(<!-- measured: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 

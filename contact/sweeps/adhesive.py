@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.errors import OutOfRange, unwarned, warn
+from contact.errors import NotConverged, OutOfRange, unwarned, warn
 from contact.formulation.controls import Approach
 from contact.formulation.energy import elastic_energy
 from contact.formulation.equilibria import Equilibria, Point
@@ -69,7 +69,7 @@ class AdhesiveEvent(Event):
         Before and after it [m]; None without one.
     lost : float or None
         Energy that it loses [J/m]: what is stored and what closing had released, before less after, and the work that the load does on the
-        way. None without an approach.
+        way. None without an approach, and at a pull-off by a load where what follows under its approach is not known.
     surfaces : ndarray or None
         Of a pull-off, just before it: places, the deformed surface and the body above it [m], (3, n).
 
@@ -232,7 +232,8 @@ def adhesive_path(
                 progress(control, k, len(given))
             before = here.value
             events: list[Event] = []
-            run.rises = 1.0 if value / run.unit >= before else 0.0
+            if value / run.unit != before:
+                run.rises = float(value / run.unit > before)
             for found in run.history.to(here, float(value) / run.unit):
                 if isinstance(found, Jump):
                     run.jumped(found)
@@ -241,9 +242,9 @@ def adhesive_path(
                     here = found
             if not here.closed:
                 run.note(here.point, here.value)
-            solutions.append(run.solved(here, float(value), here.value >= before, before))
+            solutions.append(run.solved(here, float(value), before if k else 0.0))
             passed.append(tuple(events))
-    warn(of_solution(max(solutions, key=lambda solution: solution.load)))
+    warn(of_solution(max(solutions, key=lambda solution: solution.load)), stacklevel=4)
     return AdhesivePath(tuple(solutions), tuple(passed), given, control, stiffness, np.array(run.followed).reshape(-1, 4))
 
 
@@ -337,11 +338,11 @@ class _Run:
             return Standing(value / self.unit, closed=True)
         return Standing(value / self.unit, self.curve.settled(start))
 
-    def solved(self, here: Standing, value: float, rose: bool, before: float) -> Solution:
+    def solved(self, here: Standing, value: float, before: float) -> Solution:
         """The solution where the path stands."""
         scene = _under(self.scene, self.control, value)
-        way = "advancing" if rose else "receding"
-        told = f"{way}, {'raised' if rose else 'lowered'} from {self.control} {before * self.unit:.6g}"
+        way = "advancing" if self.rises else "receding"
+        told = f"{way}, {'raised' if self.rises else 'lowered'} from {self.control} {before * self.unit:.6g}"
         task = replace(self.task, scene=scene, plan=plan(scene), branch=way)
         if here.point is None:
             return self._without_zones(task, here)
@@ -390,12 +391,15 @@ class _Run:
         place = float(units.x(np.array(jump.place)))
         return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, surfaces)
 
-    def _parted(self, last: Standing) -> float:
+    def _parted(self, last: Standing) -> float | None:
         """The approach [m] at which surfaces let go that a dead load draws apart: the contact follows the approach, as the load is slow to
-        move, until no contact answers it."""
+        move, until no contact answers it; None where it was not followed so far."""
         assert last.point is not None
         curve = Equilibria(self.problem, Approach(-last.point.level))
-        return float(-pull_off(curve, curve.at(last.point.table, -last.point.level)).level * self.problem.units.height)
+        try:
+            return float(-pull_off(curve, curve.at(last.point.table, -last.point.level)).level * self.problem.units.height)
+        except NotConverged:
+            return None
 
     def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
         """(load, approach, energy, zones) [N/m, m, J/m, m]."""

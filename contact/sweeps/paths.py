@@ -184,8 +184,8 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
             here = run.curve.at(float(load))
             passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
-    # Of the highest load, where slopes and pressures are.
-    warn(of_solution(max(solutions, key=lambda solution: solution.load)))
+    # Of the highest load, where slopes and pressures are; of the line that called `contact.path`.
+    warn(of_solution(max(solutions, key=lambda solution: solution.load)), stacklevel=4)
     return Path(tuple(solutions), tuple(passed))
 
 

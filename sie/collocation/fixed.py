@@ -1,6 +1,6 @@
 """Solve the equation on given zones: choose the modes, sample, assemble, one LU, and read off the ends.
 
-Many zones are not assembled: there fast sums and GMRES take the place of the matrix and its LU (see `many`)."""
+Many zones are not assembled: there fast sums and GMRES take the place of the matrix and its LU (see `iterative`)."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The system of many zones without its matrix: rows applied to unknowns by fast sums, solved by preconditioned GMRES.
 
-The rows are those of `assemble`: a zone's own part of them is -c_k, and what is left couples the zones. The preconditioner is
+The rows are those of `system`: a zone's own part of them is -c_k, and what is left couples the zones. The preconditioner is
 that own part and, for the zones' loads, a coarse problem: flat punches, each seen by the others through its load alone, with the
 same side conditions. What is left to the iterations is how zones bend each other, which falls off as the square of the
 distance, so their number does not grow with that of the zones.
@@ -80,7 +80,9 @@ class IterativeSystem(System):
 
     def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps) -> None:
         super().__init__(equation, zones, m, coefficients, jumps)
-        solved = zones.solved
+        solved, kernel = zones.solved, equation.kernel
+        if kernel.regular is not None and kernel.regular_potential is None and self.wants_levels:
+            raise ValueError("a condition on potentials needs the regular kernel's potential")
         self.sums = ZoneSums(zones, equation.kernel, self.layout)
         self.symmetry = MirrorSymmetry.of(zones, self.layout)
         self._weights: dict[Callable[[Array], Array], tuple[list[Array], Array]] = {}

@@ -122,7 +122,10 @@ class PanelSums:
 
     def at_targets(self, moments: Array) -> tuple[Array, Array]:
         """(transform at the inner nodes of each solved zone, one after the other; potential at their middles)."""
-        return self.panels.at(self.targets, moments, False), self.panels.at(self.middles, moments, True)
+        transform = self.panels.at(self.targets, moments, False)
+        if self.panels.kernel.regular_potential is None:  # then no condition asks for potentials
+            return transform, np.zeros(len(self.zones.solved))
+        return transform, self.panels.at(self.middles, moments, True)
 
 
 class ZoneSums:

@@ -216,7 +216,6 @@ def reaches(kernel: Kernel, zones: Zones) -> bool:
     """Whether far sums hold for the kernel: poles, and a regular part that is smooth across all zones."""
     if kernel.regular is None:
         return kernel.regular_potential is None
-    if kernel.regular_potential is None:
-        return False
-    first, last = float(zones.a[0]), float(zones.b[-1])
-    return kernel.reach >= last - first if kernel.sure else panels_over(kernel, zones) is not None
+    if kernel.sure:
+        return kernel.regular_potential is not None and kernel.reach >= float(zones.b[-1]) - float(zones.a[0])
+    return panels_over(kernel, zones) is not None

@@ -95,6 +95,8 @@ def test_every_point_of_a_loop_has_its_error_its_certificate_and_its_way(held):
     below, top, again = found.solutions
     assert below.load == again.load == 0.0 and below.contact_fraction == 0.0 and len(below.zones) == 0
     assert below.energy.total == 0.0 and np.all(below.pressure([0.0, 0.3]) == 0.0)
+    twice = contact.path(SCENES["cylinder"], [1e-3, 0.0, 0.0]).solutions
+    assert [solution.branch for solution in twice] == ["advancing", "receding", "receding"]
     assert (top.branch, again.branch) == ("advancing", "receding") and "raised" in top.plan["branch"].detail
     assert top.error <= 1e-8 and top.certificate.holds and top.certificate.stability > 0.0
     least = value(WAVE.at(top.zones[0, 1]), held, STIFF["wave"])
@@ -238,3 +240,20 @@ def test_what_was_followed_lies_on_the_curve_of_equilibria():
     for k in on:
         state = WAVE.at(0.5 * width[k])
         assert (load[k], approach[k]) == pytest.approx((state.load, state.approach), rel=1e-8, abs=1e-11)
+
+
+def test_surfaces_apart_are_shown_over_their_period_and_a_lone_body_s_are_not():
+    below = loop("wave", "approach").solutions[0]
+    surfaces, pressure = below.plot().axes
+    assert not any(np.isfinite(line.get_ydata()).any() for line in surfaces.get_lines() if line.get_label() == "contact")
+    assert pressure.get_ylim() == (0.0, pytest.approx(1.08))
+    assert below.gap([0.0, 0.5]) == pytest.approx([4e-3, 4e-3 + 2 * DELTA]) and below.to_dict()["certificate"]["holds"]
+    with pytest.raises(contact.SceneError, match="apart"):
+        loop("cylinder", "approach").solutions[0].plot()
+
+
+def test_a_pull_off_whose_end_breaks_a_symmetry_is_located_and_its_loss_left_open():
+    pair = contact.Scene(contact.Biquadratic(1.0, 0.2, period=1.0), 1.0, contact.Periodic(), law=contact.JKR(6.33e-7), load=0.0)
+    found = contact.path(pair, [0.0, 1.8e-3, -0.05])
+    assert [event.kind for event in found.events] == ["merge", "pull-off"] and found.events[0].lost > 0.0
+    assert found.events[1].lost is None is found.dissipated and found.events[1].load < 0.0

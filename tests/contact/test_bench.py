@@ -299,6 +299,7 @@ class TestPages:
         made = {
             "precision", "hierarchy", "peers", "scaling", "exponents", "single", "required", "machine", "stability", "mutations",
             "curves", "imports", "self-affine", "measured-trace", "kinds-10000", "kinds-20000", "challenge", "challenge-curves",
+            "many-intervals",
         }
         named = set()
         for name in pages.PAGES:

@@ -225,6 +225,9 @@ def test_what_does_not_go_with_it_is_refused_by_name():
         contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=contact.JKR(1e-5), contact_fraction=0.5)
     with pytest.raises(contact.SceneError, match="load"):
         contact.Scene(contact.Parabola(1.0), E, contact.Isolated(), load=-1.0)
+    falls = contact.Polynomial([0.0, 0.01, 0.3, 0.1, 0.0, 1.0])
+    with pytest.raises(contact.OutOfRange, match="falls without bound"):
+        contact.solve(contact.Scene(falls, E, contact.Isolated(datum=5.0), law=contact.JKR(1e-5), load=0.0))
     with pytest.raises(contact.SceneError, match="branch"):
         wave(load=0.01, branch="upper")
     with pytest.raises(contact.SceneError, match="no pull-off under the law frictionless"):

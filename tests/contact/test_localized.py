@@ -12,7 +12,9 @@ import sie
 from contact.formulation.controls import Width
 from contact.reference import exact
 from contact.reference.inverse import design
+from contact.search.ways import strips
 from contact.studies import random_scenes
+from contact.studies.trace_kinds import drawn
 from tests.contact.judge import relative, solve, true_error
 from tests.tiers import quick
 
@@ -241,3 +243,19 @@ class TestFirstOrderSearch:
         solution = contact.solve(contact.Scene(trace, 1.0, contact.Localized("self-consistent", 0), load=0.05 * full), tol=1e-6)
         assert solution.certificate.holds and len(solution.zones) > 60
         assert solution.plan["fast sums"].used
+
+
+@pytest.mark.slow
+def test_a_trace_past_the_closures_branch_is_refused_without_searches_at_the_border(monkeypatch):
+    searched, real = [], strips.centred
+
+    def counted(task, scaled, start):
+        searched.append(start)
+        return real(task, scaled, start)
+
+    monkeypatch.setattr(strips, "centred", counted)
+    profile = drawn(np.random.default_rng(6), "rough", 200)
+    full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).mean_pressure
+    with pytest.raises(contact.OutOfRange, match="beyond the largest that the first-order closure carries"):
+        contact.solve(contact.Scene(profile, 1.0, contact.Localized(closure="first-order"), mean_pressure=0.3 * full))
+    assert len(searched) <= 4

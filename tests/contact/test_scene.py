@@ -159,3 +159,12 @@ class TestParts:
         assert dataclasses.replace(one, load=None, mean_pressure=2e7).control == ("mean_pressure", 2e7)
         with pytest.raises(contact.SceneError, match="exactly one"):
             dataclasses.replace(one, mean_pressure=2e7)
+
+
+def test_a_scene_under_another_control_is_the_one_made_so_and_checked_like_it():
+    wave = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), mean_pressure=1e6)
+    assert wave.under("load", 3.0) == contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), load=3.0)
+    assert wave.mean_pressure == 1e6 and type(wave.under("contact_fraction", 0.25)) is contact.Scene
+    for name, value in [("load", -1.0), ("contact_fraction", 1.5), ("approach", float("nan")), ("half_width", 1.0)]:
+        with pytest.raises(contact.SceneError, match=name):
+            wave.under(name, value)

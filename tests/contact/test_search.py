@@ -377,6 +377,18 @@ def test_a_profile_without_a_bottom_is_refused() -> None:
         find_window(lambda x: x**3, Response(E, False), load=1.0)
 
 
+def test_a_grid_beside_a_known_contact_proposes_the_same_zones_in_fewer_iterations():
+    def height(x):
+        return -np.cos(2 * np.pi * x) - 0.1 * np.cos(14 * np.pi * x)
+
+    response = Response(1.0, True)
+    known = propose(height, (0.0, 1.0), response, load=1.0, points=1024)
+    alone = propose(height, (0.0, 1.0), response, load=1.001, points=1024)
+    beside = propose(height, (0.0, 1.0), response, load=1.001, points=1024, near=known.state)
+    np.testing.assert_allclose(beside.zones, alone.zones, rtol=0, atol=1e-6)
+    assert beside.iterations < alone.iterations
+
+
 def test_zones_that_the_first_window_of_a_lone_body_missed_are_found_in_a_wider_one():
     shape = inverse.random_adhesive_problem(np.random.default_rng(2209), 6, pull=1e-3, E_star=1.0).profile
     solution = contact.solve(contact.Scene(shape, 1.0, contact.Isolated(), load=0.05))

@@ -11,6 +11,7 @@ import sie
 from sie.basis import chebyshev
 from sie.collocation.fixed import first_sizes
 from sie.equation.conditions import Condition, by_zone
+from sie.fast.krylov import gmres
 from sie.slits.system import SlitState
 
 T = np.linspace(-0.97, 0.97, 15)
@@ -313,3 +314,35 @@ def test_high_modes_keep_the_digits_of_their_angles():
             assert chebyshev._sine_matrix(n)[k - 1, j - 1] == pytest.approx(float(sine), abs=3e-17)
             cosine = mpmath.cos((2 * j + 1) * k * mpmath.pi / (2 * 200))
             assert chebyshev.t_matrix(200, 100)[j, k] == pytest.approx(float(cosine), abs=5e-16)
+
+
+def test_an_iteration_that_does_not_come_to_rest_is_the_reason_told(monkeypatch):
+    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 1)
+    monkeypatch.setattr("sie.collocation.iterative.gmres", lambda apply, b, tolerance: gmres(apply, b, tolerance, 2))
+    charge = sie.Equation(sie.cauchy(), WAVE, (sie.Total(1.0), sie.EqualPotential()))
+    with pytest.raises(sie.NotConverged, match="the iteration .* does not come to rest"):
+        sie.solve(charge, sie.Zones.of(ROW, sie.SINGULAR, sie.SINGULAR))
+
+
+def test_an_intensity_at_ends_that_do_not_move_is_met_by_fast_sums_too(monkeypatch):
+    zones = sie.Zones.of(ROW, sie.SINGULAR, sie.End(moves=False, intensity=0.2))
+    direct, iterated = by_matrix_and_by_sums(monkeypatch, sie.Equation(sie.cauchy(), WAVE, ()), zones)
+    assert iterated.density.intensities[1] == pytest.approx(np.full(12, 0.2), rel=1e-12)
+    assert difference(direct, iterated) < direct.density_error + iterated.density_error < 1e-11
+
+
+@pytest.mark.parametrize("name", ["one total", "levels", "springs"])
+def test_the_same_condition_of_ones_own_serves_a_matrix_fast_sums_and_narrow_gaps(monkeypatch, name):
+    """Beside a gap of a thousandth, where the engine's own conditions are solved with slits."""
+    table = ROW.copy()
+    table[5:] -= table[5, 0] - table[4, 1] - 1e-3
+    zones = sie.Zones.of(table)
+    conditions = OWN[name][0] if name in OWN else BY_ZONE[name]
+    direct, iterated = by_matrix_and_by_sums(monkeypatch, sie.Equation(sie.cauchy(), WAVE, conditions), zones)
+    stated = direct.density_error + iterated.density_error
+    assert difference(direct, iterated) < stated < 1e-8
+    if name == "levels":
+        monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 10**9)
+        with_slits = sie.solve_zones(sie.Equation(sie.cauchy(), WAVE, (sie.Total(0.3), sie.EqualPotential())), zones)
+        assert isinstance(with_slits, SlitState)
+        assert difference(with_slits, direct) < (stated + with_slits.density_error) * 10

@@ -176,3 +176,15 @@ def test_beside_a_slit_the_density_is_that_of_the_zones_by_themselves(period, of
         assert one.density.at_t(zone, t) == pytest.approx(other.density.at_t(zone, t), rel=1e-9)
     assert np.array(one.density.intensities) == pytest.approx(np.array(other.density.intensities), rel=1e-7)
     assert one.density_error < 1e-9
+
+
+def test_where_nothing_asks_for_potentials_many_zones_need_none_of_the_kernel(monkeypatch):
+    zones, without = sie.Zones.of(scattered(34), sie.SINGULAR, sie.SINGULAR), replace(VARIED, regular_potential=None)
+    right = sie.Forcing(np.sin, lambda x: -np.cos(x))
+    direct = sie.solve_fixed(sie.Equation(VARIED, right, (sie.ZoneTotals(0.1),)), zones)
+    monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 50)
+    by_sums = sie.solve_fixed(sie.Equation(without, right, (sie.ZoneTotals(0.1),)), zones)
+    assert by_sums.iterated and not direct.iterated
+    assert by_sums.density.at_t(5, 0.3) == pytest.approx(direct.density.at_t(5, 0.3), rel=1e-11)
+    with pytest.raises(ValueError, match="needs the regular kernel's potential"):
+        sie.solve_fixed(sie.Equation(without, right, (sie.Total(0.1), sie.EqualPotential())), zones)

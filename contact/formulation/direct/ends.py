@@ -38,6 +38,8 @@ _AT_REST = 1e-9
 # Steps of an end from which on the series is about that of the end; what falls as slowly is not told; and so many octaves of nodes too few
 # may do all the same.
 _ABOUT, _SLOW, _NEARLY = 0.1, 0.9, 0.1
+# Below, numbers lose digits.
+_SMALLEST = 1e-290
 # Half lengths over middles of pairs, in y, beyond which they have merged.
 _MERGED = 1.0 - 1e-9
 
@@ -249,7 +251,7 @@ class _Book:
             series[rows, : block.shape[1]] = block
         g, left = _without_last(series)
         orders = 2 * np.arange(g.shape[1]) + 1 if odd else np.arange(1, g.shape[1] + 1)
-        found = found & np.isfinite(self.tail) & (self.off < 1e-6)
+        found = found & np.isfinite(self.tail) & (self.off < 1e-6) & (self.half > _SMALLEST)
         none = np.zeros(len(self.half))
         return Ends(sheet, inner, outer, middle, self.half, g, orders, self.tail + left, self.off, self.steps, self.nodes, none, found)
 

@@ -25,7 +25,7 @@ Mask = NDArray[np.bool_]
 
 # Places outside: beside the zones, per length over which the shape varies, at the most; and how far away, in half lengths.
 _BESIDE, _PER_FEATURE, _MOST, _FARTHEST = 32, 4, 4096, 1e12
-_FAR = 128
+_FAR = 512
 # Of the largest gap slope, or gap: what is not told from rounding, over the coarseness of the values next to an end.
 _CLEAR = 1e-12
 _EPS = float(np.finfo(float).eps)

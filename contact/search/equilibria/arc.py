@@ -85,18 +85,20 @@ class Step:
 
 def steps(curve: Equilibria, here: Point, sense: float) -> Iterator[Step]:
     """From an equilibrium, steps along the curve, the control first rising (sense 1) or falling (-1)."""
-    place, length = _begun(here, sense), _FIRST
+    place, length, why = _begun(here, sense), _FIRST, "the curve of equilibria was not followed on"
     for _ in range(_MOST_STEPS):
         ahead = _along(curve, place, length)
         onward = None if ahead is None else _onward(place, ahead)
         if onward is None or not _keeps(place, onward):
+            if onward is not None and place.at.growth < 0.0 <= onward.at.growth:
+                why = "a contact loses its stability without a turn of its curve, to a motion that breaks a symmetry: it is not followed on"
             length *= _SHORTER
             if length < _NO_STEP:
                 break
             continue
         yield Step(curve, place, length, onward)
         place, length = onward, min(_LONGER * length, _LONGEST)
-    raise NotConverged("the curve of equilibria was not followed on")
+    raise NotConverged(why)
 
 
 def turning_point(curve: Equilibria, here: Point, sense: float = -1.0) -> Point:

@@ -123,15 +123,20 @@ def _typical(task: Task, intensity: float) -> Solution:
     strength = math.pi * intensity
     size = scene.profile.resolution or _extent(task) or 1.0
     load = max(strength * math.sqrt(size), scene.given_load or 0.0)
+    found: Solution | None = None
+    failure: OutOfRange | None = None
     for _ in range(_SCALINGS):
         try:
             found = bare(task, load)
-        except OutOfRange:
-            load *= 1e-3
+        except OutOfRange as refused:
+            load, failure = 1e-3 * load, refused
             continue
         last, load = load, max(strength * math.sqrt(float(np.sum(found.zone_widths))), scene.given_load or 0.0)
         if 0.5 < load / last < 2.0:
             break
+    if found is None:
+        assert failure is not None
+        raise failure
     return found
 
 

@@ -15,6 +15,7 @@ the border of the strip.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -30,10 +31,14 @@ from contact.verify.accuracy import Found
 
 Array = NDArray[np.float64]
 Search = Callable[[Problem, Control, Array | None], Found]
+Touches = Callable[[Problem, Control], bool]
 
 _STEPS = 30
-# How often a step towards a nominal pressure at which a zone reaches the border is halved.
-_HALVED = 3
+# How often a step towards a nominal pressure at which a zone reaches the border is halved, and how often what is left between that and one
+# at which none does; a step by less than this part is not looked at beforehand.
+_HALVED, _SEARCHED, _SHORT = 3, 6, 0.02
+# Where the miss turns by this much short of zero, over the least of it that was seen, it has no root.
+_NEAR_TURN = 0.5
 # Relative differences of load and nominal pressure that tell their rate.
 _APART = 1e-4
 
@@ -41,12 +46,12 @@ _APART = 1e-4
 class FirstOrder:
     """The pair of problems, and the search for the nominal pressure that carries the control.
 
-    strip, alone: searches for the zones of the strip under a given nominal pressure, and for those of the isolated reference. single: one
-    zone about the origin.
+    strip, alone: searches for the zones of the strip under a given nominal pressure, and for those of the isolated reference. touches:
+    whether these reach the border, as a coarse grid has it. single: one zone about the origin.
     """
 
-    def __init__(self, problem: Problem, strip: Search, alone: Search, tolerance: float, single: bool) -> None:
-        self.problem, self.strip, self.alone, self.tolerance = problem, strip, alone, tolerance
+    def __init__(self, problem: Problem, strip: Search, alone: Search, touches: Touches, tolerance: float, single: bool) -> None:
+        self.problem, self.strip, self.alone, self.touches, self.tolerance = problem, strip, alone, touches, tolerance
         self.single = single
         self.isolated = replace(problem, interaction=Isolated(), centre=0.0, amplitude=None, reference=True)
         self.together: Found | None = None
@@ -65,8 +70,7 @@ class FirstOrder:
             amplitude = self._amplitude_for(control, guess)
             assert self.together is not None
             found = self.together
-        rate = self._rate(found) if self.single else self._rate_of_miss(found, amplitude)
-        off = 0.0 if self.single else self._off(found, control, amplitude)
+        rate, off = (self._rate(found), 0.0) if self.single else self._rate_and_off(found, control, amplitude)
         load = found.fields.density.total
         final = self.strip(found.fields.problem.with_amplitude(amplitude), Load(load), _table(found))
         return replace(final, fields=replace(final.fields, amplitude_rate=rate), control=control, off=off), amplitude
@@ -95,19 +99,19 @@ class FirstOrder:
         (ahead, more), (behind, less) = self._at_width(width + step), self._at_width(width - step)
         return (more - less) / (ahead.fields.density.total - behind.fields.density.total)
 
-    def _rate_of_miss(self, found: Found, amplitude: float) -> float:
-        """d amplitude / d load of vanishing miss, by central differences in both."""
+    def _rate_and_off(self, found: Found, control: Control, amplitude: float) -> tuple[float, float]:
+        """(d amplitude / d load of vanishing miss; how far the ends may be off, over the widths of their zones, by what the nominal
+        pressure is off), by central differences in both."""
         load = found.fields.density.total
         ahead, behind = (self._missed_from(found, Load(load * (1 + more)), amplitude)[0] for more in (_APART, -_APART))
-        above, below = (self._missed_from(found, Load(load), amplitude * (1 + more))[0] for more in (_APART, -_APART))
-        return -(ahead - behind) / load / ((above - below) / amplitude)
-
-    def _off(self, found: Found, control: Control, amplitude: float) -> float:
-        """How far the ends may be off, over the widths of their zones, by what the nominal pressure is off."""
-        (above, wide), (below, narrow) = (self._missed_from(found, control, amplitude * (1 + more)) for more in (_APART, -_APART))
+        (above, wide), (below, narrow) = (self._missed_from(found, Load(load), amplitude * (1 + more)) for more in (_APART, -_APART))
+        rate = -(ahead - behind) / load / ((above - below) / amplitude)
+        if control.load is None:
+            # Under another control the zones follow the nominal pressure otherwise.
+            (above, wide), (below, narrow) = (self._missed_from(found, control, amplitude * (1 + more)) for more in (_APART, -_APART))
         apart = 2 * _APART * amplitude
         moved = float((np.abs(wide - narrow) / np.diff(_table(found), axis=1)).max()) / apart
-        return moved * self.close * (1 + apart / abs(above - below))
+        return rate, moved * self.close * (1 + apart / abs(above - below))
 
     def _missed_from(self, found: Found, control: Control, amplitude: float) -> tuple[float, Array]:
         """The miss at a nominal pressure near that of what was found, and the zones there."""
@@ -166,6 +170,8 @@ class FirstOrder:
             if abs(here) <= close:
                 return at
             best = self.together
+            if abs(step) > _SHORT * abs(at):
+                step = self._inside(control, at, step)
             try:
                 there = self._miss(control, at + step)
             except (OutOfRange, NotConverged):
@@ -182,6 +188,26 @@ class FirstOrder:
             step = here * (at - before) / (missed - here)
         raise self._refused(control)
 
+    def _inside(self, control: Control, at: float, step: float) -> float:
+        """A step, or as much of it as leaves the zones clear of the border: a smaller nominal pressure leaves wider ones. Where next to
+        nothing of it does, there is no nominal pressure to be found on the way."""
+        if not self._reaches(control, at + step):
+            return step
+        inside, outside = 0.0, step
+        for _ in range(_SEARCHED):
+            middle = 0.5 * (inside + outside)
+            inside, outside = (inside, middle) if self._reaches(control, at + middle) else (middle, outside)
+        if inside == 0.0:
+            raise self._refused(control)
+        return inside
+
+    def _reaches(self, control: Control, amplitude: float) -> bool:
+        """Whether a zone reaches the border at a nominal pressure; below zero there is none."""
+        problem = self.problem.with_amplitude(amplitude)
+        if self.together is not None:
+            problem = problem.about(self.together.fields.problem.centre)
+        return amplitude <= 0.0 or self.touches(problem, control)
+
     def _miss(self, control: Control, amplitude: float) -> float:
         """P0(W) / L less the nominal pressure at which W is the total width."""
         problem, start = self.problem.with_amplitude(amplitude), None
@@ -192,15 +218,26 @@ class FirstOrder:
         return alone.fields.density.total / self._period - amplitude
 
     def _between(self, control: Control, known: dict[float, float], close: float) -> float:
+        last = math.nan
+
+        def miss(at: float) -> float:
+            nonlocal last
+            last, found = at, self._miss(control, at)
+            return found if abs(found) > close else 0.0
+
         # Rounding may keep the bracket from closing: then its last point is as good as any.
-        root = bracketed(lambda at: self._miss(control, at), known, xtol=close, rtol=1e-15, most=_STEPS)
-        self._miss(control, root)
+        root = bracketed(miss, known, xtol=close, rtol=1e-15, most=_STEPS)
+        if last != root:
+            self._miss(control, root)
         return root
 
     def _beyond_turn(self, control: Control, passed: list[tuple[float, float]], close: float) -> float:
         """The root before the turn of the miss, where the top of the parabola through the last points is beyond zero."""
         if len(passed) == 3:
-            top = _turn(passed)
+            top, highest = _turn(passed)
+            # One that stays as far from zero as its points has no root to be looked for.
+            if highest * passed[0][1] > 0 and abs(highest) > _NEAR_TURN * min(abs(missed) for _, missed in passed):
+                raise self._refused(control)
             there = self._miss(control, top)
             if abs(there) <= close:
                 return top
@@ -218,11 +255,13 @@ class FirstOrder:
         )
 
 
-def _turn(points: list[tuple[float, float]]) -> float:
-    """Where the parabola through three points turns."""
+def _turn(points: list[tuple[float, float]]) -> tuple[float, float]:
+    """Where the parabola through three points turns, and its value there."""
     (a, fa), (b, fb), (c, fc) = points
     up, down = (b - a) * (fb - fc), (b - c) * (fb - fa)
-    return b - 0.5 * ((b - a) * up - (b - c) * down) / (up - down)
+    top = b - 0.5 * ((b - a) * up - (b - c) * down) / (up - down)
+    value = sum(f * (top - p) * (top - q) / ((at - p) * (at - q)) for at, f, p, q in ((a, fa, b, c), (b, fb, a, c), (c, fc, a, b)))
+    return top, value
 
 
 def _table(found: Found) -> Array:

@@ -146,11 +146,7 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False) -> Outcome:
         if task.progress is not None:
             task.progress("coarse grid", 0, None)
         with plan.timed("coarse search"):
-            # The first grid of a curve's next load begins where the last one's ended.
-            beside = task.shared.grid if points is None and task.along and control.load is not None and not held else None
-            proposal = proposed(scaled, problem, control, points, held=held, near=beside)
-        if task.along:
-            task.shared.grid = proposal
+            proposal = proposed(scaled, problem, control, points, held=held)
         if points is None:
             most = max(most, min(4 * proposal.points, MOST_POINTS))
         points, full = proposal.points, proposal.full

@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 
 # Steps of the centre of a strip, how much longer than its miss a secant's step may be, and how often one is shortened.
 _CENTRINGS, _LONGER, _SHORTENED = 30, 16.0, 3
+# Cells to a shortest length of a grid that tells whether zones reach the border, if that is known, else cells in all; its tolerance.
+_CELLS, _FEATURES, _ROUGHLY = 1, 256, 1e-3
 # In how many steps of it the miss must halve.
 _STALLED = 4
 
@@ -106,7 +108,13 @@ def first_order(task: Task, scaled: ScaledScene) -> Found:
     def alone(problem: Problem, control: Control, start: Array | None) -> Found:
         return _reference(task, problem, control, start)
 
-    closure = FirstOrder(scaled.problem, strip, alone, task.tolerance, task.single)
+    def touches(problem: Problem, control: Control) -> bool:
+        there, feature = replace(scaled, problem=problem, control=control), problem.profile.feature
+        wanted = _FEATURES if feature is None else _CELLS * problem.units.length * (problem.period or 1.0) / feature
+        points = 2 ** int(np.clip(np.ceil(np.log2(wanted)), 8, 13))
+        return proposed(there, problem, control, points, _ROUGHLY).touches_border
+
+    closure = FirstOrder(scaled.problem, strip, alone, touches, task.tolerance, task.single)
     with task.plan.timed("isolated reference"):
         found, _ = closure.found(scaled.control, _first_guess(task, scaled))
     return found
