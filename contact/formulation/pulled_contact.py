@@ -57,6 +57,8 @@ def contact_under(pulled: Pulled, control: Control, zones: Array) -> tuple[ZoneF
     """(fields of q on the zones of contact under a tension, the gap beside them)."""
     if control.load is not None and not control.load > 0.0:
         raise Lost
+    if len(zones) == 0:
+        zones = _lowest(pulled)
     for done in range(_ROUNDS):
         # Where narrow gaps close or open within an interval, their ends act on each other: the engine's own steps know how.
         state = (_settled if done < _PLAIN else _searched)(pulled, control, zones)
@@ -69,6 +71,15 @@ def contact_under(pulled: Pulled, control: Control, zones: Array) -> tuple[ZoneF
         if len(zones) == 0:
             raise Lost
     raise NotConverged("the zones under a given tension did not settle")
+
+
+def _lowest(pulled: Pulled) -> Array:
+    """A narrow zone about the lowest place of the deformed profile."""
+    table = pulled.pulling.table
+    x = table[:, :1] + np.diff(table, axis=1) * (np.arange(_SIGNS) + 0.5) / _SIGNS
+    i, j = np.unravel_index(int(np.argmin(pulled.shape(x.ravel()))), x.shape)
+    half = 0.5 * float(table[i, 1] - table[i, 0]) / _SIGNS
+    return np.array([[x[i, j] - half, x[i, j] + half]])
 
 
 def _settled(pulled: Pulled, control: Control, zones: Array) -> sie.State:

@@ -279,3 +279,9 @@ def test_a_scene_file_names_it(tmp_path):
     scene = contact.load_scene(path)
     assert scene.law == contact.Dugdale(1e-5, 5e-3)
     assert contact.solve(scene).load == pytest.approx(-5e-4, rel=1e-12)
+
+
+def test_an_interval_that_has_lost_its_zones_begins_with_its_lowest_place():
+    law = contact.Dugdale(1.33e-4, 1.12e5)
+    scene = contact.Scene(rough(19, 644939), 1e9, contact.Periodic(), law=law, mean_pressure=0.0)
+    assert contact.solve(scene, branch="receding").zones == pytest.approx(contact.solve(scene).zones, rel=1e-9)
