@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 _CELLS = 0.1
 _MOST_TILTS = 12
 _WIDENINGS = 4
+# Of the last grid: ends are off by parts of a cell, and what its signs do not tell the corrections of the zones do.
+_CLOSELY = 1e-5
 # How often a strip is moved to the middle of its zones.
 _CENTRINGS = 6
 # Of a width, or of what it leaves of the period: near enough for a load to begin with; cells in it at least; of a grid that tells as
@@ -60,7 +62,7 @@ class Proposed:
 
 
 def proposed(
-    scaled: ScaledScene, problem: Problem, control: Control, points: int | None, tol: float = 1e-8, held: bool = False,
+    scaled: ScaledScene, problem: Problem, control: Control, points: int | None, tol: float = _CLOSELY, held: bool = False,
     near: Proposed | None = None,
 ) -> Proposed:
     """Zones from a grid of so many points, or of as many as the profile's resolution asks for, to a tolerance; held: of a strip that
@@ -101,7 +103,7 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
         assert column is not None
         found = propose(
             partial(_pressed, problem, nominal, column), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), response,
-            resolution=profile.feature, points=points, load=load,
+            resolution=profile.feature, points=points, load=load, tol=_CLOSELY,
         )
         before, middle = middle, 0.5 * float(found.zones[0, 0] + found.zones[-1, 1])
         if held or abs(middle - before) <= _CELLS * profile.period / found.points:

@@ -43,14 +43,15 @@ def gaps() -> Iterator[Extreme]:
 
 def scales() -> Iterator[Extreme]:
     """A zone of width r beside one of width 1 is a cap of height ~ r^2. Slopes known to eps over a distance of order 1 change its
-    level by eps, and with it its width by eps/r^2 of itself."""
+    level by eps, and with it its width by eps/r^2 of itself. Its pressure is about sqrt(r) of the peak: to more than that, one zone is
+    the same answer."""
     group = "zones of very different width"
     for ratio in (1e-2, 1e-4, 1e-6):
         for period in (None, 4.0):
             yield Extreme(
                 group, f"1 : {ratio:g}, {'isolated' if period is None else 'periodic'}",
                 partial(designed, [[-1.0, 0.0], [0.5, 0.5 + ratio]], period), 1 / ratio**2, "ratio^-2",
-                heavy=ratio < 1e-5,
+                heavy=ratio < 1e-5, hair=float(np.sqrt(ratio)),
             )
     for order, ratio in ((40, 1e-3), (40, 1e-6), (1000, 1e-6)):
         yield Extreme(
