@@ -181,7 +181,7 @@ class ZoneFields(sie.Kept):
         """Mean gap over a period [m]: mean f + mean u - approach where all periods act, else by quadrature."""
         units, period = self.problem.units, self.problem.period
         assert period is not None
-        if self.problem.walls != (-np.inf, np.inf):
+        if self.problem.corners != (-np.inf, np.inf):
             return np.inf
         if not self.problem.interaction.strip:
             return (mean_shape(self.problem) + self.mean_displacement + self.level) * units.height
@@ -335,7 +335,7 @@ class ZoneFields(sie.Kept):
     def _known(self) -> tuple[float, float]:
         """Scaled limits of a profile that does not repeat, infinite without."""
         problem = self.problem
-        return max(problem.borders[0], problem.walls[0]), min(problem.borders[1], problem.walls[1])
+        return max(problem.borders[0], problem.corners[0]), min(problem.borders[1], problem.corners[1])
 
     @property
     def is_bounded(self) -> bool:

@@ -82,7 +82,7 @@ class Problem(sie.Kept):
         return self.operator.inverse_kernel(self.units.length)
 
     @cached_property
-    def walls(self) -> tuple[float, float]:
+    def corners(self) -> tuple[float, float]:
         """Scaled sharp corners beyond which the profile ends; infinite without."""
         if self.profile.support is None:
             return -np.inf, np.inf

@@ -76,7 +76,7 @@ def guess_half_width(problem: Problem, control: Control) -> float:
 def widest(problem: Problem) -> float:
     """Scaled half width that no zone about the origin exceeds; inf where nothing limits it."""
     cell = 0.4999 * problem.cell if problem.cell is not None else math.inf
-    return min(cell, problem.borders[1], problem.walls[1])
+    return min(cell, problem.borders[1], problem.corners[1])
 
 
 def _carried(problem: Problem, control: Control, a: Array) -> Array:

@@ -118,7 +118,7 @@ def find_ends(
     max_steps: int = 40,
     value: float = 0.0,
     collapse: float = 1e-3,
-    walls: tuple[float, float] = (-np.inf, np.inf),
+    limits: tuple[float, float] = (-np.inf, np.inf),
     signs: tuple[float, float] = (1.0, 1.0),
     near: bool = False,
     decay: float | None = None,
@@ -141,8 +141,8 @@ def find_ends(
     collapse : float
         One of several zones that has shrunk to this part of its first width, or a gap to this part of its first size, stops the search,
         which then reports it in `lost` or `met`.
-    walls : (float, float)
-        Free ends do not pass these; one that reaches a wall stays there as a singular end, until its intensity turns negative.
+    limits : (float, float)
+        Free ends do not pass these; one that reaches one stays there as a singular end, until its intensity turns negative.
     signs : (float, float)
         Of the wanted density next to left and to right ends (the slope of a gap falls at its right end).
     near : bool
@@ -183,7 +183,7 @@ def find_ends(
         loose = state.iterated and sizes.linear > progress.tightest
         if opened is not None and value != 0.0 and not state.iterated:
             state = state.with_value(opened, value)
-        zones, let_go = _let_go(zones, walls, state.density)
+        zones, let_go = _let_go(zones, limits, state.density)
         if opened is not None and (unit is None or unit.moved(zones) > _SAME_RESPONSE):
             unit = Unit.of(state, sizes)
         motion = _newton(state, zones, signs, unit)
@@ -216,7 +216,7 @@ def find_ends(
         value += motion.change
         closes = _closes(zones, equation, motion.delta)
         vanishes = motion.delta.sum(axis=0) <= zones.a - zones.b
-        zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), equation.forcing.cornered), walls)
+        zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), equation.forcing.cornered), limits)
         lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes, collapse)
         if len(lost) or len(met):
             reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.past_fold]))
@@ -308,27 +308,27 @@ def _of_places(state: AnyState, corners: Array) -> Array:
     return np.asarray(rounding)
 
 
-def _held_at(zones: Zones, walls: tuple[float, float]) -> Zones:
-    """Ends that went past a wall are put there and held, singular."""
-    low, high = zones.a[0] <= walls[0], zones.b[-1] >= walls[1]
+def _held_at(zones: Zones, limits: tuple[float, float]) -> Zones:
+    """Ends that went past a limit are put there and held, singular."""
+    low, high = zones.a[0] <= limits[0], zones.b[-1] >= limits[1]
     if not (low or high):
         return zones
     a, b, rest = zones.a.copy(), zones.b.copy(), zones.rest.copy()
     left, right = list(zones.left), list(zones.right)
     if low:
-        a[0], rest[0, 0], left[0] = walls[0], 0.0, SINGULAR
+        a[0], rest[0, 0], left[0] = limits[0], 0.0, SINGULAR
     if high:
-        b[-1], rest[1, -1], right[-1] = walls[1], 0.0, SINGULAR
+        b[-1], rest[1, -1], right[-1] = limits[1], 0.0, SINGULAR
     return replace(zones, a=a, b=b, rest=rest, left=left, right=right)
 
 
-def _let_go(zones: Zones, walls: tuple[float, float], density: AnyDensity) -> tuple[Zones, bool]:
-    """Ends held at a wall where the density pulls (negative intensity) become free; whether any did."""
-    if not np.isfinite(walls).any():
+def _let_go(zones: Zones, limits: tuple[float, float], density: AnyDensity) -> tuple[Zones, bool]:
+    """Ends held at a limit where the density pulls (negative intensity) become free; whether any did."""
+    if not np.isfinite(limits).any():
         return zones, False
     k_left, k_right = density.intensities
-    low = zones.left[0] == SINGULAR and zones.a[0] == walls[0] and k_left[0] < 0
-    high = zones.right[-1] == SINGULAR and zones.b[-1] == walls[1] and k_right[-1] < 0
+    low = zones.left[0] == SINGULAR and zones.a[0] == limits[0] and k_left[0] < 0
+    high = zones.right[-1] == SINGULAR and zones.b[-1] == limits[1] and k_right[-1] < 0
     if not (low or high):
         return zones, False
     left, right = list(zones.left), list(zones.right)

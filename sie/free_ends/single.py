@@ -139,7 +139,7 @@ class Moving:
         self.middle, self.half, self.h = middle, half, h
 
     def to_tips(self) -> None:
-        """Go to Hertz's contact at the deepest point in view: with h = kappa (x - x_0) and level L there,
+        """Go to the lone interval about the place where the right side's primitive is least: with h = kappa (x - x_0) and level L there,
         (kappa a^2 / 2) (log(a / 2d) - 1/2) = L."""
         middle, half, k = self.middle, self.half, _ORDER
         self.to(0.5 * (self.lowest + self.highest), 0.5 * (self.highest - self.lowest))

@@ -45,14 +45,14 @@ class ByPressure:
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
         equation, problem = self.problem.equation(control), self.problem
         steps = how.steps or self.most_steps
-        return sie.find_ends(equation, zones, how.tolerance, steps, value=how.value, walls=problem.walls, near=how.near)
+        return sie.find_ends(equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near)
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None, bounded_ends: bool = False) -> ZoneFields:
         """Fields with this number of zones at a load, whatever the signs. decay, bounded_ends: see `sie.find_ends`."""
         control = Load(load)
         zones, equation = kinds(self.problem, control, table), self.problem.equation(control)
         try:
-            free = sie.find_ends(equation, zones, tolerance, walls=self.problem.walls, decay=decay, bounded_ends=bounded_ends)
+            free = sie.find_ends(equation, zones, tolerance, limits=self.problem.corners, decay=decay, bounded_ends=bounded_ends)
         except sie.SingularSystem as failure:
             raise WrongTopology(f"the equation has no solution on such zones ({failure})", None) from failure
         if not free.converged:
@@ -111,7 +111,7 @@ def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
     count = len(table)
     end = problem.end if control.half_width is None else problem.held_end
     left, right = [end] * count, [end] * count
-    lo, hi = problem.walls
+    lo, hi = problem.corners
     table = np.clip(table, lo, hi)
     symmetric = is_symmetric(problem, table)
     if symmetric:
