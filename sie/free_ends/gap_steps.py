@@ -14,7 +14,8 @@ and the new half gap is sqrt(-4 P_0/P_2) there. With rho = K / (c S), S what is 
 
 If the density changes sign from one end to the other, what lies between has a density like X of its own, and the last square is absent.
 With a jump J of the density in it (a logarithm of the right side: `jumps.density`) part of S is that of a kink, (J/pi) sqrt(2/c),
-whose integral grows with c and not with c^2; then it is the sum of both integrals that changes by -K sqrt(2 c). For small K all of this is the plain step 2 K / A.
+whose integral grows with c and not with c^2; then it is the sum of both integrals that changes by -K sqrt(2 c). For small K all of
+this is the plain step 2 K / A.
 """
 
 from __future__ import annotations
