@@ -14,8 +14,9 @@ from contact.errors import NotConverged
 from contact.formulation.controls import Control
 from contact.formulation.equilibria import NoState
 from contact.formulation.fields import ZoneFields
+from contact.formulation.runs import runs_of
 from contact.formulation.tension import Pulled
-from contact.formulation.tension_intervals import fitted, interval_of, places, runs_of
+from contact.formulation.tension_intervals import fitted, interval_of, places
 
 Array = NDArray[np.float64]
 

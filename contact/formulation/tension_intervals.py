@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
 from contact.formulation.equilibria import Closed
+from contact.formulation.runs import runs_of
 
 Array = NDArray[np.float64]
 
@@ -29,11 +30,6 @@ def within(x: Array, a: float, b: float, period: float | None) -> NDArray[np.int
 
 def unwrapped(x: Array, a: float, b: float, period: float | None) -> Array:
     return x if period is None else x - np.floor((x - a) / period) * period
-
-
-def runs_of(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
-    return [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]
 
 
 def interval_of(zones: Array, table: Array) -> NDArray[np.intp]:

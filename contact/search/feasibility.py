@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
 from contact.formulation.full import period_samples
+from contact.formulation.runs import runs_of
 from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
-from contact.verify.certificate import runs_of
 
 Array = NDArray[np.float64]
 

@@ -82,9 +82,13 @@ def _as_given(task: Task, refused: Missed | None) -> Outcome | Missed:
     if _of_unknown_tilt(task):
         return NOT_MINE
     tilt = None if task.near is None else task.near.tilt
-    if not _loads_may_tell(task):
+
+    def given() -> Outcome:
         return _of_scaled(task, scaled_scene(task.scene, task.single, tilt or 0.0))
-    outcome: Outcome | Missed = attempted(lambda: _of_scaled(task, scaled_scene(task.scene, task.single, tilt or 0.0)))
+
+    if not _loads_may_tell(task):
+        return given()
+    outcome: Outcome | Missed = attempted(given)
     if isinstance(outcome, Missed) and task.scene.interaction.needs_period and isinstance(outcome.refusal, OutOfRange):
         # A period has one lowest place, which the grid has found.
         raise outcome.refusal

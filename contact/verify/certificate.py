@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
+from contact.formulation.runs import runs_of
 from contact.verify.minima import DIP_ROUNDING, follow, may_be_negative
 
 Array = NDArray[np.float64]
@@ -265,12 +266,6 @@ def _dips(
         ends = zones.middle[i] + zones.half[i] * np.cos([hi, lo])
         bad.append((float(ends[0]), float(ends[1])))
     return bad, min(found.least, found.lowest), found.relative
-
-
-def runs_of(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last index of every run of True."""
-    change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
-    return [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]
 
 
 def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int]:

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.formulation.gaps import GapFields
-from contact.verify.certificate import Certificate, runs_of
+from contact.formulation.runs import runs_of
+from contact.verify.certificate import Certificate
 from contact.verify.minima import DIP_ROUNDING, follow, may_be_negative
 
 Array = NDArray[np.float64]

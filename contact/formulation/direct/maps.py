@@ -62,13 +62,6 @@ class Map:
             return 2.0 * np.sqrt(y * (1.0 - y))
         return np.sqrt(1.0 - y * y)
 
-    def signed_weight(self, x: Array) -> Array | float:
-        """w anywhere, with the sign that it has on the left."""
-        if self.period is None:
-            return x if self.pair else 1.0
-        turn = x * (math.pi / self.period)
-        return np.sin(2.0 * turn) if self.pair else np.cos(turn)
-
     def rise(self, start: Array, distance: Array) -> Array:
         """y(start + distance) - y(start), without loss of digits for short distances."""
         if self.period is None:

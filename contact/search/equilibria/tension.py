@@ -17,8 +17,9 @@ from contact.formulation.cohesive import Cohesive, CohesivePoint, Loose
 from contact.formulation.equilibria import Closed, Equilibria, NoState, Point
 from contact.formulation.maxima import maximum
 from contact.formulation.pulled_contact import Covered, Lost
+from contact.formulation.runs import runs_of
 from contact.formulation.tension import Pulled
-from contact.formulation.tension_intervals import below, fitted, interval_of, joined, runs_of, unwrapped, within
+from contact.formulation.tension_intervals import below, fitted, interval_of, joined, unwrapped, within
 from contact.search.equilibria import arc, flow
 
 Array = NDArray[np.float64]
