@@ -10,6 +10,7 @@ from contact.model.interactions import Interaction, Isolated, Localized, Periodi
 from contact.model.laws import JKR, Dugdale, Frictionless, Law
 from contact.model.profiles import (
     Biquadratic,
+    Combined,
     Flat,
     Fourier,
     Parabola,
@@ -79,7 +80,7 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
-    "AdhesiveEvent", "AdhesivePath", "Biquadratic", "ContactError", "Dugdale", "E_star", "Event", "Flat", "Fourier", "Frictionless",
+    "AdhesiveEvent", "AdhesivePath", "Biquadratic", "Combined", "ContactError", "Dugdale", "E_star", "Event", "Flat", "Fourier", "Frictionless",
     "HalfPlane", "Interaction", "Isolated", "JKR", "Law", "Layer", "Localized", "MissingExtra",
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",
