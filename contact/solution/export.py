@@ -209,7 +209,7 @@ def describe(scene: Scene) -> dict[str, Any]:
     """The scene in the tables of a scene file; an array too long to read is told by its shape."""
     name, value = scene.control
     return {
-        "profile": {"shape": scene.profile.name, **_parameters(scene.profile)},
+        **{place: {key: _short(value) for key, value in table.items() if value is not None} for place, table in scene.profile.tables().items()},
         "material": {"E_star": scene.E_star},
         "interaction": {"model": scene.interaction.name, **_parameters(scene.interaction)},
         **_unusual(scene),
@@ -225,10 +225,8 @@ def _unusual(scene: Scene) -> dict[str, Any]:
 
 
 def _parameters(part: Any) -> dict[str, Any]:
-    """What a profile or an interaction was made with, less what was left out."""
-    if hasattr(part, "parameters"):
-        values = part.parameters()
-    elif dataclasses.is_dataclass(part):
+    """What an interaction, a substrate or a law was made with, less what was left out."""
+    if dataclasses.is_dataclass(part):
         values = {field.name: getattr(part, field.name) for field in dataclasses.fields(part)}
     else:
         values = {}

@@ -181,9 +181,9 @@ class Profile(sie.Kept):
         """What a scene file says of it: by table, the shape and its parameters."""
         return {"profile": {"shape": self.name, **self.parameters()}}
 
-    def varied(self, table: str, changes: Mapping[str, Any]) -> Profile:
-        """The same with other values of parameters of one of its tables."""
-        return type(self)(**{**self.parameters(), **changes})
+    def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> Profile:
+        """The same with other values of parameters, by table and name."""
+        return type(self)(**{**self.parameters(), **changes.get("profile", {})})
 
     @property
     def no_period(self) -> str:

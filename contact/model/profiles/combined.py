@@ -24,6 +24,8 @@ from contact.model.profiles.base import Array, Profile
 Window = tuple[float, float]
 
 _EPS = float(np.finfo(np.float64).eps)
+# Keys of a counter body's table that tell how it stands, and not what it is.
+STANDS = ("shift", "mirrored")
 # Cells of either body in the period that both have in common.
 _MOST_CELLS = 10_000
 # Of a body that repeats under one that does not and goes on for ever: cells on either side whose corners are told, within so many places.
@@ -96,11 +98,13 @@ class Combined(Profile):
         told["counter"] |= {"shift": self.shift} | ({"mirrored": True} if self.mirrored else {})
         return told
 
-    def varied(self, table: str, changes: Mapping[str, Any]) -> Profile:
-        own = {key: value for key, value in changes.items() if table == "counter" and key in ("shift", "mirrored")}
-        others = {key: value for key, value in changes.items() if key not in own}
-        body = self.bodies[table].varied("profile", others) if others else self.bodies[table]
-        return replace(self, **{table: body, **own})
+    def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> Profile:
+        changed = {key: value for key, value in changes.get("counter", {}).items() if key in STANDS}
+        for place, body in self.bodies.items():
+            others = {key: value for key, value in changes.get(place, {}).items() if place == "profile" or key not in STANDS}
+            if others:
+                changed[place] = body.varied({"profile": others})
+        return replace(self, **changed)
 
     def trace_summary(self) -> dict[str, Any] | None:
         told = {place: summary for place, body in self.bodies.items() if (summary := body.trace_summary()) is not None}

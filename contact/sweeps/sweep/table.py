@@ -18,7 +18,8 @@ from contact.model.scene import Scene
 from contact.solution.export import plain
 from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.chunks import Rows
-from contact.sweeps.sweep.keys import MODULUS, OF_CONTROLS, PARTS, Axis, parameters
+from contact.sweeps.sweep.keys import MODULUS, OF_CONTROLS, Axis
+from contact.sweeps.sweep.keys import tables as tables_of
 
 _WORDS = {"reason": "why a point failed", "warning": "what the model hardly covers"}
 # Of an array: what is told of it as it is; a longer one by its shape and its sum.
@@ -133,10 +134,11 @@ def _read(path: Path) -> Any:
 def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
     """The tables of a scene, without the keys that are varied; long arrays by their shape and their sum."""
     tables: dict[str, dict[str, Any]] = {"material": {"E_star": scene.E_star}}
-    for table in PARTS:
-        part = getattr(scene, table)
-        name = {"shape" if table == "profile" else "model": part.name or type(part).__qualname__}
-        tables[table] = {**name, **{key: _short(value) for key, value in parameters(part).items()}}
+    for table, values in tables_of(scene).items():
+        body = scene.profile.bodies.get(table)
+        part = getattr(scene, table) if body is None else body
+        name = {"model" if body is None else "shape": part.name or type(part).__qualname__}
+        tables[table] = {**name, **{key: _short(value) for key, value in values.items()}}
     controls = {name: value for name in OF_CONTROLS if (value := getattr(scene, name)) is not None}
     replaced = scene.control[0] if any(f"control.{name}" in but for name in OF_CONTROLS if name not in ("tilt", "moment")) else ""
     tables["control"] = {name: value for name, value in controls.items() if name != replaced}
