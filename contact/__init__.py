@@ -80,7 +80,8 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
-    "AdhesiveEvent", "AdhesivePath", "Biquadratic", "Combined", "ContactError", "Dugdale", "E_star", "Event", "Flat", "Fourier", "Frictionless",
+    "AdhesiveEvent", "AdhesivePath", "Biquadratic", "Combined", "ContactError", "Dugdale", "E_star", "Event", "Flat", "Fourier",
+    "Frictionless",
     "HalfPlane", "Interaction", "Isolated", "JKR", "Law", "Layer", "Localized", "MissingExtra",
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError",

@@ -229,8 +229,9 @@ class Explorer:
         if self.frame is None or scene is not self.frame.solution.scene:
             return
         try:
-            as_read = self.base.profile.bodies
-            text = to_toml(scene, {place: self.tables.get(place) for place, body in scene.profile.bodies.items() if body == as_read.get(place)})
+            read = self.base.profile.bodies
+            as_read = [place for place, body in scene.profile.bodies.items() if place in self.tables and body == read.get(place)]
+            text = to_toml(scene, {place: self.tables[place] for place in as_read})
         except SceneError as error:
             text = f"# {error}\n"
         if len(text) > _LONGEST:

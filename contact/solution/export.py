@@ -209,7 +209,7 @@ def describe(scene: Scene) -> dict[str, Any]:
     """The scene in the tables of a scene file; an array too long to read is told by its shape."""
     name, value = scene.control
     return {
-        **{place: {key: _short(value) for key, value in table.items() if value is not None} for place, table in scene.profile.tables().items()},
+        **{place: _given(table) for place, table in scene.profile.tables().items()},
         "material": {"E_star": scene.E_star},
         "interaction": {"model": scene.interaction.name, **_parameters(scene.interaction)},
         **_unusual(scene),
@@ -230,6 +230,10 @@ def _parameters(part: Any) -> dict[str, Any]:
         values = {field.name: getattr(part, field.name) for field in dataclasses.fields(part)}
     else:
         values = {}
+    return _given(values)
+
+
+def _given(values: Mapping[str, Any]) -> dict[str, Any]:
     return {name: _short(value) for name, value in values.items() if value is not None}
 
 

@@ -2,8 +2,8 @@
 
 Above, the profile is drawn where the approach has put it, touching the deformed surface along the zones. Heights are
 measured from the undeformed surface where the displacement is known absolutely. The body is above, its asperities pointing
-down; the counter-face below, flat or with heights of its own, is given the displacement of both. A scene of many zones, or of zones narrow beside the stretch
-shown, has a second column: the same two panels close to the highest pressure.
+down; the counter-face below, flat or with heights of its own, is given the displacement of both. A scene of many zones, or of
+zones narrow beside the stretch shown, has a second column: the same two panels close to the highest pressure.
 
 The figure is matplotlib's own object, drawn by Agg without pyplot: no window, no backend and no setting is touched.
 """
@@ -53,7 +53,7 @@ def plot(solution: Answer) -> Any:
 def summary(solution: Answer) -> str:
     """The solution in one line: model, load or mean pressure, contact, peak."""
     scene = solution.scene
-    parts = [f"{' on '.join(body.name for body in scene.profile.bodies.values())}, {scene.interaction.name}", f"$E^*$ = {quantity(scene.E_star, 'Pa')}"]
+    parts = [f"{scene.profile.title}, {scene.interaction.name}", f"$E^*$ = {quantity(scene.E_star, 'Pa')}"]
     if solution.mean_pressure is not None:
         parts.append(rf"$\bar p$ = {quantity(solution.mean_pressure, 'Pa')}")
     else:

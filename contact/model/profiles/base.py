@@ -177,6 +177,11 @@ class Profile(sie.Kept):
         """The profiles of the bodies whose gap this is, by the table of a scene file that tells each: of one body this one."""
         return {"profile": self}
 
+    @property
+    def title(self) -> str:
+        """What pictures and tables call it."""
+        return self.name
+
     def tables(self) -> dict[str, dict[str, Any]]:
         """What a scene file says of it: by table, the shape and its parameters."""
         return {"profile": {"shape": self.name, **self.parameters()}}

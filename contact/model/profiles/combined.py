@@ -93,6 +93,10 @@ class Combined(Profile):
     def bodies(self) -> dict[str, Profile]:
         return {"profile": self.profile, "counter": self.counter}
 
+    @property
+    def title(self) -> str:
+        return " on ".join(body.name for body in self.bodies.values())
+
     def tables(self) -> dict[str, dict[str, Any]]:
         told = {place: body.tables()["profile"] for place, body in self.bodies.items()}
         told["counter"] |= {"shift": self.shift} | ({"mirrored": True} if self.mirrored else {})
@@ -266,11 +270,12 @@ class Combined(Profile):
     def _supports(self, known: Window | None) -> list[Window] | None:
         """Stretches between sharp corners, of both at once: in a period, else all; None without any corners."""
         stretches = []
-        for body, support in ((self.profile, self.profile.support), (self.counter, self.counter.support)):
-            if support is None:
+        for place, body in self.bodies.items():
+            if body.support is None:
                 continue
-            first = support if body is self.profile else self._window_of(support)
-            stretches.append(list(self._copies(first, body.period, known)))
+            counter = place == "counter"
+            first = self._window_of(body.support) if counter else body.support
+            stretches.append(self._copies(first, body.period, known, around=counter and self.profile.support is not None))
         if not stretches:
             return None
         if len(stretches) == 1:
@@ -279,14 +284,13 @@ class Combined(Profile):
         least = 8 * _EPS * (abs(self.shift) + max(abs(end) for stretch in shared for end in stretch))
         return [(lo, hi) for lo, hi in shared if hi - lo > least]
 
-    def _copies(self, first: Window, period: float | None, known: Window | None) -> list[Window]:
-        """A stretch that repeats, as often as it does in what is looked at."""
+    def _copies(self, first: Window, period: float | None, known: Window | None, around: bool) -> list[Window]:
+        """A stretch that repeats, as often as it does in what is looked at; around: also those of the cells beside, which may reach in."""
         if period is None:
             return [first]
         if self.period is not None:
             count = round(self.period / period)
-            # Of one that is paired with another, those before and after the cell may reach into it.
-            turns = range(-count, 2 * count) if self._paired and first != self.profile.support else range(count)
+            turns = range(-count, 2 * count) if around else range(count)
         else:
             other = known or self._lone_support
             if other is None:
@@ -296,10 +300,6 @@ class Combined(Profile):
         copies = [(first[0] + turn * period, first[1] + turn * period) for turn in turns]
         bounds = known or self._lone_support if self.period is None else None
         return copies if bounds is None else [c for c in copies if c[1] > bounds[0] and c[0] < bounds[1]]
-
-    @property
-    def _paired(self) -> bool:
-        return self.profile.support is not None and self.counter.support is not None
 
     @property
     def _lone_support(self) -> Window | None:
@@ -313,22 +313,18 @@ class Combined(Profile):
     @cached_property
     def _merged(self) -> tuple[Array, Array, Array]:
         """Kinks, jumps and breakpoints of both, where they stand, those at one place as one."""
-        kinks = np.concatenate([self._placed(body, np.column_stack((body.kinks[:, 0], np.ones(len(body.kinks)), body.kinks[:, 1])))
-                                for body in self.bodies.values()])  # fmt: skip
-        jumps = np.concatenate([self._placed(body, np.asarray(body.jumps)) for body in self.bodies.values()])
-        places = np.concatenate([
-            self._placed(body, np.column_stack((body.breakpoints, np.zeros((len(body.breakpoints), 2)))))[:, 0]
-            for body in self.bodies.values()
-        ])  # fmt: skip
-        kinks, jumps = self._summed(kinks)[:, [0, 2]], self._summed(jumps)
-        at = np.concatenate((kinks[:, 0], jumps[:, 0], places, self.support or ()))
-        near = self._summed(np.column_stack((at, np.zeros(len(at)), np.ones(len(at)))))[:, 0]
-        return kinks, jumps, near
+        both = {place: (body.kinks, np.asarray(body.jumps), np.asarray(body.breakpoints)) for place, body in self.bodies.items()}
+        kinks = [self._placed(place, np.column_stack((of[0][:, 0], np.ones(len(of[0])), of[0][:, 1]))) for place, of in both.items()]
+        jumps = [self._placed(place, of[1]) for place, of in both.items()]
+        breaks = [self._placed(place, np.column_stack((of[2], np.zeros((len(of[2]), 2)))))[:, 0] for place, of in both.items()]
+        sharp, bent = self._summed(np.concatenate(kinks))[:, [0, 2]], self._summed(np.concatenate(jumps))
+        at = np.concatenate((sharp[:, 0], bent[:, 0], *breaks, np.array(self.support or ())))
+        return sharp, bent, self._summed(np.column_stack((at, np.zeros(len(at)), np.ones(len(at)))))[:, 0]
 
-    def _placed(self, body: Profile, rows: Array) -> Array:
+    def _placed(self, place: str, rows: Array) -> Array:
         """Rows of place, order and jump of a body where they stand, once for each of its cells."""
-        rows = np.array(rows, dtype=np.float64).reshape(-1, 3)
-        if body is self.counter:
+        body, rows = self.bodies[place], np.array(rows, dtype=np.float64).reshape(-1, 3)
+        if place == "counter":
             rows[:, 0] = self._above(rows[:, 0])
             if self.mirrored:
                 # Looked at from the other side the odd derivatives change sign, and right and left change places.
@@ -339,12 +335,12 @@ class Combined(Profile):
                 turns = np.arange(round(self.period / body.period))
             else:
                 assert ends is not None
-                turns = np.arange(np.floor((ends[0] - rows[:, 0].max()) / body.period), np.ceil((ends[1] - rows[:, 0].min()) / body.period) + 1)
+                first, last = (ends[0] - rows[:, 0].max()) / body.period, (ends[1] - rows[:, 0].min()) / body.period
+                turns = np.arange(np.floor(first), np.ceil(last) + 1)
             rows = np.concatenate([rows + [turn * body.period, 0.0, 0.0] for turn in turns])
         if self.period is not None and len(rows):
             rows[:, 0] = self.wrap(rows[:, 0])
-            last = rows[:, 0] >= self.x0 + self.period - self._alike(rows[:, 0])
-            rows[last, 0] = self.x0
+            rows[rows[:, 0] >= self.x0 + self.period - self._alike(rows[:, 0]), 0] = self.x0
         if ends is not None:
             slack = self._alike(np.array(ends))
             rows = rows[(rows[:, 0] > ends[0] + slack) & (rows[:, 0] < ends[1] - slack)]
