@@ -19,7 +19,7 @@ from contact.formulation.energy import elastic_energy
 from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.full import FullFields
 from contact.model.checks import finite_array, positive
-from contact.model.laws.base import CONTROLS
+from contact.model.controls import fields_under
 from contact.model.scene import Scene
 from contact.model.units import quantity
 from contact.search.equilibria.arc import pull_off
@@ -272,8 +272,7 @@ def _places(scene: Scene, zones: Array) -> Array:
 
 
 def _under(scene: Scene, control: str, value: float) -> Scene:
-    controls: dict[str, float | None] = {**dict.fromkeys(CONTROLS), control: value}
-    return replace(scene, **controls)  # type: ignore[arg-type]
+    return replace(scene, **fields_under(control, value))
 
 
 class _Run:

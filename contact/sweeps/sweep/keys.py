@@ -10,16 +10,14 @@ from typing import Any
 import numpy as np
 
 from contact.errors import SceneError
-from contact.model.interactions.base import CONTROLS, TURNING
+from contact.model.controls import TURNING, fields_under
+from contact.model.registry import CONTROLS
 from contact.model.scene import Scene
 
 Value = float | int | str
 
 PARTS = ("profile", "interaction", "substrate", "law")
 MODULUS = "material.E_star"
-OF_CONTROLS = {
-    "load": "N/m", "mean_pressure": "Pa", "approach": "m", "half_width": "m", "contact_fraction": "1", "tilt": "rad", "moment": "N",
-}
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ class Axis:
     def control(self) -> str:
         """The control that it is, or nothing."""
         table, _, name = self.key.partition(".")
-        return name if table == "control" and name in CONTROLS else ""
+        return name if table == "control" and name not in TURNING else ""
 
 
 def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
@@ -62,7 +60,9 @@ def keys_of(scene: Scene) -> dict[str, Any]:
         for name, value in parameters(getattr(scene, table)).items():
             if value is None or np.ndim(value) == 0:
                 known[f"{table}.{name}"] = value
-    return known | {f"control.{name}": getattr(scene, name) for name in (*CONTROLS, *TURNING)}
+    given, value = scene.control
+    controls = {name: value if name == given else None for name in CONTROLS.all()}
+    return known | {f"control.{name}": at for name, at in (controls | {name: getattr(scene, name) for name in TURNING}).items()}
 
 
 def parameters(part: Any) -> dict[str, Any]:
@@ -80,7 +80,7 @@ def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
         if key == MODULUS:
             changed["E_star"] = value
         elif table == "control":
-            changed |= {other: None for other in (CONTROLS if name in CONTROLS else TURNING)} | {name: value}
+            changed |= {**dict.fromkeys(TURNING), name: value} if name in TURNING else fields_under(name, float(value))
         else:
             part = getattr(scene, table)
             changed[table] = type(part)(**{**parameters(changed.get(table, part)), name: value})
@@ -115,5 +115,7 @@ def _unit(scene: Scene, key: str) -> str:
     table, _, name = key.partition(".")
     if key == MODULUS:
         return "Pa"
-    units = OF_CONTROLS if table == "control" else getattr(type(getattr(scene, table)), "units", {})
+    if table == "control":
+        return TURNING.get(name) or str(CONTROLS.find(name).unit)
+    units = getattr(type(getattr(scene, table)), "units", {})
     return str(units.get(name, "")) if isinstance(units, Mapping) else ""
