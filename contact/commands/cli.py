@@ -29,7 +29,7 @@ from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command
 from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
 from contact.extras import other_package, owners, require, version
-from contact.model.interactions.base import TURNING
+from contact.model.controls import TURNING
 from contact.model.registry import interactions, laws, profiles, substrates
 from contact.model.units import column, quantity
 from contact.solution.answer import Answer

@@ -17,17 +17,15 @@ from typing import Any
 import numpy as np
 
 from contact.errors import ContactError
-from contact.model.interactions.base import TURNING
-from contact.model.laws.base import CONTROLS
+from contact.model.controls import TURNING, Quantity, fields_under
 from contact.model.profiles.base import Profile
-from contact.model.registry import PROFILES
+from contact.model.registry import CONTROLS, PROFILES
 from contact.model.scene import Scene
 from contact.solution.solution import Solution
 
 UNITS = {
-    "load": "N/m", "mean_pressure": "Pa", "approach": "m", "half_width": "m", "contact_fraction": "", "tilt": "rad", "moment": "N",
-    "E_star": "Pa", "amplitude": "m", "period": "m", "length": "m", "radius": "m", "spacing": "m", "width": "m", "thickness": "m",
-    "height": "m", "work": "J/m²", "datum": "m",
+    **TURNING, "E_star": "Pa", "amplitude": "m", "period": "m", "length": "m", "radius": "m", "spacing": "m", "width": "m",
+    "thickness": "m", "height": "m", "work": "J/m²", "datum": "m",
 }  # fmt: skip
 # How far a number goes either way: a control much lower than higher, as contact soon is full.
 _CONTROL, _NUMBER = (1e-3, 10.0), (0.1, 10.0)
@@ -92,24 +90,30 @@ def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) 
 
 
 def _positive(name: str, value: float, at: Callable[[Scene, float], Scene], reach: tuple[float, float] = _NUMBER) -> Handle:
-    return Handle(name, UNITS.get(name, ""), value, reach[0] * value, reach[1] * value, at)
+    return Handle(name, _unit(name), value, reach[0] * value, reach[1] * value, at)
 
 
 def _signed(name: str, value: float, low: float, high: float) -> Handle:
-    return Handle(name, UNITS.get(name, ""), value, low, high, lambda now, to: with_number(now, name, to), log=False)
+    return Handle(name, _unit(name), value, low, high, lambda now, to: with_number(now, name, to), log=False)
+
+
+def _unit(name: str) -> str:
+    unit = CONTROLS.all()[name].unit if name in CONTROLS.all() else UNITS.get(name, "")
+    return "" if unit == "1" else unit
 
 
 def with_number(scene: Scene, name: str, value: float) -> Scene:
     """A scene with one of its own numbers changed."""
-    changed: dict[str, Any] = {name: value}
+    changed: dict[str, Any] = {name: value} if name in TURNING else fields_under(name, value)
     return replace(scene, **changed)
 
 
 def _control(scene: Scene, solution: Solution | None) -> Handle:
     name, value = scene.control
-    if name == "contact_fraction":
+    held = scene.control_object.held(scene)
+    if held is not None and held.quantity is Quantity.WIDTH:
         return _signed(name, value, min(0.005, value), 1.0)
-    if scene.law.pulls and name in ("load", "mean_pressure", "approach"):
+    if scene.law.pulls and scene.control_object.signed(scene):
         off = solution.pull_off if solution is not None else None
         pull = getattr(off, name, None) if off is not None else None
         reach = max(abs(value), abs(pull or 0.0)) or scene.E_star * 1e-6
@@ -127,7 +131,7 @@ def _numbers(scene: Scene, place: str) -> list[Handle]:
     found = []
     for field in dataclasses.fields(part):
         value = getattr(part, field.name)
-        if field.init and field.name not in CONTROLS and isinstance(value, float) and value > 0:
+        if field.init and isinstance(value, float) and value > 0:
 
             def at(now: Scene, to: float, name: str = field.name) -> Scene:
                 changed: dict[str, Any] = {place: replace(getattr(now, place), **{name: to})}

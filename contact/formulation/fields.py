@@ -57,6 +57,17 @@ class Fields(Protocol):
     def widening_rate(self) -> float: ...
 
 
+class NoZones(sie.Kept):
+    """What is the same of all fields without zones, and so without anything that acts beside them."""
+
+    starts = loads = np.zeros(0)
+    cohesive = np.zeros((0, 2))
+    widening_rate = 0.0
+
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
+        raise IndexError("there are no zones: use pressure(x)")
+
+
 def moved_ends(state: sie.AnyState) -> Array:
     """How far each end (2, Z) moves outward by a unit of the first condition's value: 2 K / A, as in a step of Newton's, or as the rates
     of prescribed intensities have it; 0 for ends that are held."""
@@ -87,6 +98,7 @@ class ZoneFields(sie.Kept):
     problem: Problem
     state: sie.AnyState = field(repr=False)
     amplitude_rate: float = 0.0
+    relief = None
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {"problem": self.problem, "amplitude_rate": self.amplitude_rate, "density": self.density}

@@ -16,9 +16,10 @@ from typing import Any, TypeVar
 
 from contact.errors import SceneError
 from contact.model.checks import text
-from contact.model.interactions.base import CONTROLS, TURNING
+from contact.model.controls import CONTROLS, TURNING, fields_under
 from contact.model.profiles.base import Profile
 from contact.model.profiles.combined import STANDS, Combined
+from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.registry import INTERACTIONS, LAWS, PROFILES, SUBSTRATES, Registry, from_table
 from contact.model.scene import E_star, Scene
 
@@ -146,12 +147,13 @@ def _read_model(table: Table, registry: Registry) -> Any:
 
 
 def _read_control(table: Table) -> dict[str, Any]:
-    _require_known("key", table, (*CONTROLS, *TURNING))
-    controls = [name for name in table if name in CONTROLS]
+    if any(name not in CONTROLS for name in table):
+        _require_known("key", table, (*REGISTERED.all(), *TURNING))
+    controls = [name for name in table if name not in TURNING]
     if len(controls) != 1:
         given = " and ".join(controls) or "nothing"
         raise SceneError(f"{given} given: give exactly one of {', '.join(CONTROLS)}")
-    return dict(table)
+    return fields_under(controls[0], table[controls[0]]) | {name: table[name] for name in TURNING if name in table}
 
 
 def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:

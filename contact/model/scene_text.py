@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from contact.errors import SceneError
-from contact.model.interactions.base import TURNING
-from contact.model.registry import INTERACTIONS, LAWS, PROFILES, SUBSTRATES, Registry
+from contact.model.controls import TURNING
+from contact.model.registry import CONTROLS, INTERACTIONS, LAWS, PROFILES, SUBSTRATES, Registry
 from contact.model.scene import Scene
 
 
@@ -34,6 +34,8 @@ def to_toml(scene: Scene, written: Mapping[str, Mapping[str, Any]] | None = None
         part = getattr(scene, place)
         if place == "interaction" or part != type(scene).__dict__[place]:
             tables.append((place, _named(part, registry, "model", _fields(part))))
+    if scene.given is not None:
+        _named(scene.given, CONTROLS, "", {})
     name, value = scene.control
     turning = {key: getattr(scene, key) for key in TURNING if getattr(scene, key) is not None}
     tables.append(("control", {name: value, **turning}))

@@ -20,7 +20,7 @@ import numpy as np
 
 from contact.errors import MissingExtra, SceneError
 from contact.extras import require, version
-from contact.model.interactions.base import TURNING
+from contact.model.controls import TURNING
 from contact.model.scene import Scene
 from contact.solution.answer import Answer
 from contact.solution.sampling import positions, window

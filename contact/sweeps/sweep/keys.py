@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from contact.errors import SceneError
-from contact.model.interactions.base import CONTROLS, TURNING
+from contact.model.controls import TURNING, fields_under
+from contact.model.registry import CONTROLS
 from contact.model.scene import Scene
 
 Value = float | int | str
@@ -18,9 +19,6 @@ Value = float | int | str
 # Besides the profile, which may have two tables.
 PARTS = ("interaction", "substrate", "law")
 MODULUS = "material.E_star"
-OF_CONTROLS = {
-    "load": "N/m", "mean_pressure": "Pa", "approach": "m", "half_width": "m", "contact_fraction": "1", "tilt": "rad", "moment": "N",
-}
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,7 @@ class Axis:
     def control(self) -> str:
         """The control that it is, or nothing."""
         table, _, name = self.key.partition(".")
-        return name if table == "control" and name in CONTROLS else ""
+        return name if table == "control" and name not in TURNING else ""
 
 
 def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
@@ -63,7 +61,9 @@ def keys_of(scene: Scene) -> dict[str, Any]:
         for name, value in values.items():
             if value is None or (np.ndim(value) == 0 and not isinstance(value, (bool, np.bool_))):
                 known[f"{table}.{name}"] = value
-    return known | {f"control.{name}": getattr(scene, name) for name in (*CONTROLS, *TURNING)}
+    given, value = scene.control
+    controls = {name: value if name == given else None for name in CONTROLS.all()}
+    return known | {f"control.{name}": at for name, at in (controls | {name: getattr(scene, name) for name in TURNING}).items()}
 
 
 def tables(scene: Scene) -> dict[str, dict[str, Any]]:
@@ -86,7 +86,7 @@ def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
         if key == MODULUS:
             changed["E_star"] = value
         elif table == "control":
-            changed |= {other: None for other in (CONTROLS if name in CONTROLS else TURNING)} | {name: value}
+            changed |= {**dict.fromkeys(TURNING), name: value} if name in TURNING else fields_under(name, float(value))
         else:
             others.setdefault(table, {})[name] = value
     # All values of a part at once: one by one they might not go together.
@@ -128,7 +128,7 @@ def _unit(scene: Scene, key: str) -> str:
     if key == MODULUS:
         return "Pa"
     if table == "control":
-        return OF_CONTROLS[name]
+        return TURNING.get(name) or str(CONTROLS.find(name).unit)
     body = scene.profile.bodies.get(table)
     for part in (getattr(scene, table),) if body is None else (body, scene.profile):
         units = getattr(type(part), "units", {})

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError, shown
 from contact.extras import require, version
+from contact.model.controls import TURNING
 from contact.model.scene import Scene
 from contact.solution.export import plain
 from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.chunks import Rows
-from contact.sweeps.sweep.keys import MODULUS, OF_CONTROLS, Axis
+from contact.sweeps.sweep.keys import MODULUS, Axis
 from contact.sweeps.sweep.keys import tables as tables_of
 
 _WORDS = {"reason": "why a point failed", "warning": "what the model hardly covers"}
@@ -139,9 +140,9 @@ def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
         part = getattr(scene, table) if body is None else body
         name = {"model" if body is None else "shape": part.name or type(part).__qualname__}
         tables[table] = {**name, **{key: _short(value) for key, value in values.items()}}
-    controls = {name: value for name in OF_CONTROLS if (value := getattr(scene, name)) is not None}
-    replaced = scene.control[0] if any(f"control.{name}" in but for name in OF_CONTROLS if name not in ("tilt", "moment")) else ""
-    tables["control"] = {name: value for name, value in controls.items() if name != replaced}
+    replaced = any(key.startswith("control.") and key.removeprefix("control.") not in TURNING for key in but)
+    turning = {name: value for name in TURNING if (value := getattr(scene, name)) is not None}
+    tables["control"] = turning if replaced else dict([scene.control], **turning)
     if MODULUS in but:
         del tables["material"]["E_star"]
     return {table: {key: value for key, value in values.items() if f"{table}.{key}" not in but} for table, values in tables.items()}
