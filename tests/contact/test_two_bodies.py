@@ -30,6 +30,7 @@ from contact import (
 )
 from contact.commands import cli
 from contact.explorer.handles import handles, turned
+from contact.formulation.conjugate import conjugate_of
 from contact.model.scene_file import scene_from_tables
 from contact.model.scene_text import to_toml
 from contact.solution.sampling import surfaces
@@ -153,6 +154,25 @@ def test_symmetry_and_tips_are_known_where_both_have_them_at_one_place() -> None
     # A wedge and a parabola, one zone: P = E* (slope a + pi a^2/(4 R)), a sum as the equation is linear in the shape.
     solution = contact.solve(Scene(Combined(Wedge(0.01), Parabola(0.1)), E, Isolated(), half_width=2e-4))
     assert solution.load == pytest.approx(E * (0.01 * 2e-4 + np.pi * 4e-8 / 0.4), rel=1e-12)
+
+
+@dataclass(frozen=True)
+class Alone(contact.Profile):
+    """A pair as one profile, which knows of no bodies."""
+
+    pair: Combined
+
+    height, slope = (lambda self, x: self.pair.height(x)), (lambda self, x: self.pair.slope(x))
+    period, kinks, jumps = (property(lambda self, name=name: getattr(self.pair, name)) for name in ("period", "kinks", "jumps"))
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_what_pressure_closes_both_faces_is_that_of_each_and_of_their_sum_by_itself(mirrored: bool) -> None:
+    pair = Combined(Sampled(KNOTS / 2, TRACE.heights[[*range(48), 0]], period=L / 2), Wedge(0.01, L / 3), 1e-4, mirrored)
+    x = np.linspace(0.0, L, 101) + 1e-6
+    one, other = conjugate_of(pair)(x), conjugate_of(Alone(pair))(x)
+    assert one == pytest.approx(other, abs=1e-10 * np.abs(other).max())
+    assert one == pytest.approx(pair.slope_conjugate(x), abs=1e-10 * np.abs(other).max())
 
 
 REFUSED = {

@@ -177,6 +177,10 @@ class Profile(sie.Kept):
         """The profiles of the bodies whose gap this is, by the table of a scene file that tells each: of one body this one."""
         return {"profile": self}
 
+    def facing(self, x: Array) -> dict[str, Array]:
+        """The places of the bodies at x, each told as its own profile counts them."""
+        return {"profile": x}
+
     @property
     def title(self) -> str:
         """What pictures and tables call it."""

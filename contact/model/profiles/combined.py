@@ -93,6 +93,10 @@ class Combined(Profile):
     def bodies(self) -> dict[str, Profile]:
         return {"profile": self.profile, "counter": self.counter}
 
+    def facing(self, x: Array) -> dict[str, Array]:
+        w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
+        return {"profile": self._on_profile(w), "counter": self._beneath(w)}
+
     @property
     def title(self) -> str:
         return " on ".join(body.name for body in self.bodies.values())
@@ -129,20 +133,20 @@ class Combined(Profile):
 
     # their sum --------------------------------------------------------------------------------------------------------
     def height(self, x: ArrayLike) -> Array:
-        w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
-        return np.asarray(np.asarray(self.profile.height(self._on_profile(w))) + np.asarray(self.counter.height(self._beneath(w))))
+        at = self.facing(np.asarray(x, dtype=np.float64))
+        return np.asarray(np.asarray(self.profile.height(at["profile"])) + np.asarray(self.counter.height(at["counter"])))
 
     def slope(self, x: ArrayLike) -> Array:
-        w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
-        counter = np.asarray(self.counter.slope(self._beneath(w)))
-        return np.asarray(np.asarray(self.profile.slope(self._on_profile(w))) + (-counter if self.mirrored else counter))
+        at = self.facing(np.asarray(x, dtype=np.float64))
+        counter = np.asarray(self.counter.slope(at["counter"]))
+        return np.asarray(np.asarray(self.profile.slope(at["profile"])) + (-counter if self.mirrored else counter))
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
         """The sum of both: a longer period of which its own is a part changes no conjugate."""
         if self.period is None:
             return None
-        w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
-        one, other = self.profile.slope_conjugate(w), self.counter.slope_conjugate(self._beneath(w))
+        at = self.facing(np.asarray(x, dtype=np.float64))
+        one, other = (body.slope_conjugate(at[place]) for place, body in self.bodies.items())
         # Turned round, the slope and the kernel both change their sign.
         return None if one is None or other is None else np.asarray(one + other)
 
@@ -281,7 +285,7 @@ class Combined(Profile):
         if len(stretches) == 1:
             return stretches[0]
         shared = [(max(a[0], b[0]), min(a[1], b[1])) for a in stretches[0] for b in stretches[1]]
-        least = 8 * _EPS * (abs(self.shift) + max(abs(end) for stretch in shared for end in stretch))
+        least = 8 * _EPS * (abs(self.shift) + max((abs(end) for stretch in shared for end in stretch), default=0.0))
         return [(lo, hi) for lo, hi in shared if hi - lo > least]
 
     def _copies(self, first: Window, period: float | None, known: Window | None, around: bool) -> list[Window]:
