@@ -134,7 +134,7 @@ def task_of(scene: Scene, tol: float) -> Task:
     return Task.of(scene, tol, None, None, under=_solved)
 
 
-def solved_at(task: Task, found: Found, told: str) -> Solution:
+def solved_at(task: Task, found: Outcome, told: str) -> Solution:
     """A contact that was followed to where it is, by the branch of the task; told: how it was come by."""
     def lost(_: Task) -> Outcome:
         raise NotConverged("only the contact that was followed is meant, and no other search for it")

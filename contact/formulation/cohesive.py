@@ -25,27 +25,31 @@ from contact.formulation.controls import Control
 from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.formulation.pulled_contact import contact_under
+from contact.formulation.pulled_contact import Lost, contact_under, look_around
 from contact.formulation.tension import Pulled
 from contact.formulation.tension_intervals import fitted, interval_of
 
 Array = NDArray[np.float64]
 
+# Surfaces that overlap by this part of the reach only touch.
+_TOUCHING = 1e-12
 # States that are remembered.
 _KNOWN = 256
 
 
 @dataclass(frozen=True, eq=False)
 class CohesivePoint(Point):
-    """table: the intervals I; zones: the contact within them (n, 2); q: its fields; by_ends, level_rates: motions of the zones' ends (2n,),
+    """table: the intervals I, none where everywhere is set; zones: the contact within them (n, 2); q: its fields, None where the surfaces
+    only pull; by_ends, level_rates: motions of the zones' ends (2n,),
     and of the level, by those of I and by the value of the control, the last column; look: sampled places without contact, ascending, and
     the gap there."""
 
     zones: Array
-    q: ZoneFields
+    q: ZoneFields | None
     by_ends: Array
     level_rates: Array
     look: tuple[Array, Array]
+    everywhere: bool = False
 
     @property
     def rate(self) -> float:
@@ -86,11 +90,16 @@ class Loose(Point):
 
 @dataclass(frozen=True)
 class Cohesive(Equilibria):
-    """Those of a problem whose law has a tension and a reach, both scaled here."""
+    """Those of a problem whose law has a tension and a reach, both scaled here.
+
+    loose: surfaces that pull without touching are states, too, where the load is not held; formal: the number of zones stays as it is,
+    whatever the signs of q and of the gap."""
 
     problem: Problem
     held: Control
     known: list[Known] = field(default_factory=list, compare=False, repr=False)
+    loose: bool = False
+    formal: bool = False
 
     @cached_property
     def stress(self) -> float:
@@ -108,7 +117,8 @@ class Cohesive(Equilibria):
     # one state --------------------------------------------------------------------------------------------------------
     def at(self, table: Array, value: float, tolerance: float = 1e-13) -> CohesivePoint:
         """The contact under the tension on given intervals; zones are looked for from those of the last state."""
-        return self.from_zones(table, value, _followed(self._nearest(table), table, value, self.problem.period))
+        zones = _followed(self._nearest(table), table, value, self.problem.period) if self.known else np.zeros((0, 2))
+        return self.from_zones(table, value, zones)
 
     def _nearest(self, table: Array) -> Known:
         """Of the states known, the one of the nearest intervals as many as these; else the last."""
@@ -122,15 +132,51 @@ class Cohesive(Equilibria):
         if table[0, 0] <= lo or table[-1, 1] >= hi:
             raise OutOfRange("the tension reaches the border of the part of the profile that is known")
         pulled = Pulled.of(self.problem, self.stress, table)
-        fields, look = self.contact_under(pulled, value, zones)
-        point = self._point(table, value, fields, look)
+        point = self._without_contact(table, value, pulled) if self._may_be_loose and len(zones) == 0 else None
+        if point is None or (not self.formal and point.look[1].min() < -_TOUCHING * self.reach):
+            try:
+                fields, look = self.contact_under(pulled, value, zones)
+                point = self._point(table, value, fields, look)
+            except Lost:
+                if not self._may_be_loose:
+                    raise
+                point = self._without_contact(table, value, pulled)
         self.known.append(Known(table, value, point.zones, point.by_ends))
         del self.known[:-_KNOWN]
         return point
 
+    @property
+    def _may_be_loose(self) -> bool:
+        return self.loose and self.held.load is None
+
     def contact_under(self, pulled: Pulled, value: float, zones: Array) -> tuple[ZoneFields, tuple[Array, Array]]:
         """(fields of q on the zones of contact under a tension and a value of the control, the gap beside them)."""
-        return contact_under(pulled, self.control(pulled, value), zones)
+        return contact_under(pulled, self.control(pulled, value), zones, self.formal)
+
+    def under_all(self, value: float, zones: Array) -> CohesivePoint:
+        """The contact under tension in all of a period; as stable as the frictionless one."""
+        pulled, none = self.everywhere, np.zeros((0, 2))
+        pull = pulled.pulling.total
+        loose: CohesivePoint | None = None
+        if self._may_be_loose:
+            level, x = -value - self.yields * pull, look_around(pulled, none)
+            loose = CohesivePoint(
+                none, value, np.zeros(0), np.zeros((0, 0)), np.zeros(0), -pull, level, none, None, np.zeros((0, 1)), np.array([-1.0]),
+                (x, pulled.shape(x) + level), True,
+            )
+            if len(zones) == 0 and (self.formal or loose.look[1].min() >= -_TOUCHING * self.reach):
+                return loose
+        try:
+            fields, look = self.contact_under(pulled, value, zones)
+        except Lost:
+            if loose is None:
+                raise
+            return loose
+        found = fields.density
+        return CohesivePoint(
+            none, value, np.zeros(0), np.zeros((0, 0)), np.zeros(0), found.total - pull, float(fields.level), found.zones.table, fields,
+            np.zeros((2 * len(found.zones), 1)), np.array([-1.0]), look, True,
+        )
 
     def control(self, pulled: Pulled, value: float) -> Control:
         """That of q: its load has the tension, too."""
@@ -144,8 +190,16 @@ class Cohesive(Equilibria):
         return float(self.held.yields or 0.0)
 
     def fields(self, here: Point) -> ZoneFields:
-        assert isinstance(here, CohesivePoint)
+        assert isinstance(here, CohesivePoint) and here.q is not None
         return here.q
+
+    def gap(self, here: Point, x: Array) -> Array:
+        """The scaled gap at places, rounding left as it is in contact."""
+        assert isinstance(here, CohesivePoint)
+        if here.q is not None:
+            return here.q.formal_gap(x)
+        pulled = self.everywhere if here.everywhere else Pulled.of(self.problem, self.stress, here.table)
+        return np.asarray(pulled.shape(x) + here.level)
 
     # how it follows ---------------------------------------------------------------------------------------------------
     def _point(self, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array]) -> CohesivePoint:
@@ -172,6 +226,19 @@ class Cohesive(Equilibria):
         return CohesivePoint(
             table, value, 1 - gap / self.reach, -(matrix + between) / self.reach, -change[:, -1] / self.reach,
             density.total - tension.total, float(fields.level), density.zones.table, fields, moved.reshape(-1, 2 * count + 1), level, look,
+        )
+
+    def _without_contact(self, table: Array, value: float, pulled: Pulled) -> CohesivePoint:
+        """The surfaces as they pull without touching, the load not being held: their gap is explicit."""
+        count, pull = len(table), pulled.pulling.total
+        at = np.concatenate((table[:, 0], table[:, 1]))
+        level = -value - self.yields * pull
+        gap, x = pulled.shape(at) + level, look_around(pulled, np.zeros((0, 2)))
+        rates = self.explicit(pulled, at, np.zeros(2 * count)) - self.yields * self.stress
+        by_ends, of_level = np.zeros((0, 2 * count + 1)), np.append(np.full(2 * count, -self.yields * self.stress), -1.0)
+        return CohesivePoint(
+            table, value, 1 - gap / self.reach, -rates / self.reach, np.full(2 * count, 1.0 / self.reach), -pull, level,
+            np.zeros((0, 2)), None, by_ends, of_level, (x, pulled.shape(x) + level),
         )
 
     def explicit(self, pulled: Pulled, at: Array, transform: Array) -> Array:

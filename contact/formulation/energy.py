@@ -8,7 +8,6 @@ crowd at their ends, so that logarithms there cost no digits. The nodes are doub
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,25 +16,30 @@ from contact.formulation.apart import ApartFields
 from contact.formulation.fields import Fields, ZoneFields
 from contact.formulation.full import FullFields
 from contact.formulation.gaps import GapFields
+from contact.formulation.loose import LooseFields
+from contact.formulation.quadrature import panels
 
 Array = NDArray[np.float64]
 # Of distances from the left and the right end of an interval, over its half width: a function's values there.
 Function = Callable[[Array, Array], Array]
 
-# Nodes of a zone to begin with, and of a panel; changes that are none, over the sum of all moduli; how many nodes at most.
-_NODES, _IN_PANEL, _CHANGE, _MOST = 32, 32, 1e-14, 2**17
+# Nodes of a zone to begin with; changes that are none, over the sum of all moduli; how many nodes at most.
+_NODES, _CHANGE, _MOST = 32, 1e-14, 2**17
 
 
 def elastic_energy(fields: Fields) -> float | None:
     """(1/2) int p u dx [J/m], per period where there is one; None without an approach, or where a strip stands for a period."""
     if isinstance(fields, ApartFields):
         return 0.0
-    assert isinstance(fields, ZoneFields | GapFields | FullFields)
+    assert isinstance(fields, ZoneFields | GapFields | FullFields | LooseFields)
     problem, units = fields.problem, fields.problem.units
     approach = fields.approach
     if approach is None or problem.interaction.strip:
         return None
-    pressed = _of_period(fields) if isinstance(fields, FullFields) else _of_zones(fields) + fields.borne_beside
+    if isinstance(fields, FullFields):
+        pressed = _of_period(fields)
+    else:
+        pressed = fields.borne_beside + (0.0 if isinstance(fields, LooseFields) else _of_zones(fields))
     return float(0.5 * (fields.load * approach - pressed * units.load * units.height))
 
 
@@ -73,7 +77,7 @@ def _by_angle(function: Function, inner: Array) -> float:
         if len(inner) == 0:
             angle, weight = (np.arange(count) + 0.5) * np.pi / count, np.full(count, np.pi / count)
         else:
-            angle, weight = _panels(cuts, count)
+            angle, weight = panels(cuts, count)
         value = weight * function(2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
         return float(value.sum()), float(np.abs(value).sum())
 
@@ -92,7 +96,7 @@ def _of_period(fields: FullFields) -> float:
         if len(breaks) == 0:
             x, weight = start + period * np.arange(count) / count, np.full(count, period / count)
         else:
-            x, weight = _panels(np.append(breaks, breaks[0] + period), count)
+            x, weight = panels(np.append(breaks, breaks[0] + period), count)
         value = weight * fields.pressure(units.x(x)) / units.pressure * problem.shape(x)
         return float(value.sum()), float(np.abs(value).sum())
 
@@ -109,24 +113,3 @@ def _settled(sums: Callable[[int], tuple[float, float]]) -> float:
             return here
         last = here
     return last
-
-
-def _panels(cuts: Array, count: int) -> tuple[Array, Array]:
-    """About so many nodes, and weights, between cuts."""
-    u, weight = _crowded()
-    parts = max(1, -(-count // (_IN_PANEL * (len(cuts) - 1))))
-    at = np.arange(parts + 1) / parts
-    cuts = np.append((cuts[:-1, None] + np.diff(cuts)[:, None] * at[:-1]).ravel(), cuts[-1])
-    width = np.diff(cuts)[:, None]
-    # From the nearer cut, so that nodes beside it keep their distance.
-    nodes = np.where(u <= 0.5, cuts[:-1, None] + width * u, cuts[1:, None] - width * (1 - u))
-    return nodes.ravel(), (width * weight).ravel()
-
-
-@lru_cache(maxsize=1)
-def _crowded() -> tuple[Array, Array]:
-    """Gauss's nodes on (0, 1) by u^5 (126 - 420 u + 540 u^2 - 315 u^3 + 70 u^4), of slope 630 u^4 (1 - u)^4."""
-    t, weight = np.polynomial.legendre.leggauss(_IN_PANEL)
-    u = 0.5 * (1 + t)
-    nodes = u**5 * (126 - 420 * u + 540 * u**2 - 315 * u**3 + 70 * u**4)
-    return nodes, 0.5 * weight * 630 * (u * (1 - u)) ** 4

@@ -54,8 +54,9 @@ class Covered(NoState):
         self.ends = ends
 
 
-def contact_under(pulled: Pulled, control: Control, zones: Array) -> tuple[ZoneFields, tuple[Array, Array]]:
-    """(fields of q on the zones of contact under a tension, the gap beside them)."""
+def contact_under(pulled: Pulled, control: Control, zones: Array, formal: bool = False) -> tuple[ZoneFields, tuple[Array, Array]]:
+    """(fields of q on the zones of contact under a tension, the gap beside them). formal: as many zones as are given, whatever the
+    signs."""
     if control.load is not None and not control.load > 0.0:
         raise Lost
     if len(zones) == 0:
@@ -65,7 +66,7 @@ def contact_under(pulled: Pulled, control: Control, zones: Array) -> tuple[ZoneF
         state = (_settled if done < _PLAIN else _searched)(pulled, control, zones)
         fields = ZoneFields(pulled, state)
         look = look_at(fields)
-        found = _corrected(fields, look)
+        found = None if formal else _corrected(fields, look)
         if found is None:
             return fields, look
         zones = fitted(found, pulled.pulling.table, pulled.period, pulled.pulling.everywhere)
@@ -76,7 +77,8 @@ def contact_under(pulled: Pulled, control: Control, zones: Array) -> tuple[ZoneF
 
 def _lowest(pulled: Pulled) -> Array:
     """A narrow zone about the lowest place of the deformed profile."""
-    table = pulled.pulling.table
+    tension = pulled.pulling
+    table = np.array([[0.0, tension.width]]) if tension.everywhere else tension.table
     x = table[:, :1] + np.diff(table, axis=1) * (np.arange(_SIGNS) + 0.5) / _SIGNS
     i, j = np.unravel_index(int(np.argmin(pulled.shape(x.ravel()))), x.shape)
     half = 0.5 * float(table[i, 1] - table[i, 0]) / _SIGNS
@@ -187,28 +189,35 @@ def _joined(zones: Array, first: Array, step: Array) -> tuple[Array, Array]:
 
 def look_at(fields: ZoneFields) -> tuple[Array, Array]:
     """(places without contact, the gap there)."""
-    zones, pulled = fields.density.zones.table, fields.problem
+    pulled = fields.problem
     assert isinstance(pulled, Pulled)
+    x = look_around(pulled, fields.density.zones.table)
+    return x, fields.formal_gap(x)
+
+
+def look_around(pulled: Pulled, zones: Array) -> Array:
+    """Places without contact, closer beside the ends of the zones and of the tension."""
     table, period = pulled.pulling.table, pulled.period
     lo, hi = pulled.borders
+    both = np.concatenate((table.ravel(), zones.ravel()))
     if period is not None:
-        left, right = [float(zones[-1, 1]) - period], [float(zones[0, 0]) + period]
-        edges = [(float(b), float(a)) for b, a in zip(zones[:, 1], [*zones[1:, 0], right[0]], strict=True)]
         marks = np.concatenate((table.ravel(), table.ravel() + period, table.ravel() - period))
+        first = float(both[0]) if len(both) else 0.0
+        edges = [(first, first + period)]
+        if len(zones):
+            edges = [(float(b), float(a)) for b, a in zip(zones[:, 1], [*zones[1:, 0], zones[0, 0] + period], strict=True)]
     else:
-        both = np.concatenate((table.ravel(), zones.ravel()))
-        span = float(both.max() - both.min())
-        left, right = [max(lo, both.min() - _FAR * span)], [min(hi, both.max() + _FAR * span)]
-        edges = [(float(b), float(a)) for b, a in zip([*left, *zones[:, 1]], [*zones[:, 0], *right], strict=True)]
-        marks = table.ravel()
-    spacing = fields.spacing if pulled.profile.resolution is not None else np.inf
+        span, marks = float(both.max() - both.min()), table.ravel()
+        left, right = max(lo, both.min() - _FAR * span), min(hi, both.max() + _FAR * span)
+        edges = [(float(b), float(a)) for b, a in zip([left, *zones[:, 1]], [*zones[:, 0], right], strict=True)]
+    resolution = pulled.profile.resolution
+    spacing = np.inf if resolution is None else resolution / pulled.units.length
     found = []
     for begin, end in edges:
         cuts = np.concatenate(([begin], np.sort(marks[(marks > begin) & (marks < end)]), [end]))
         for a, b in zip(cuts[:-1], cuts[1:], strict=True):
             found.append(places(float(a), float(b), 0.25 * spacing))
-    x = np.concatenate(found)
-    return x, fields.formal_gap(x)
+    return np.concatenate(found)
 
 
 def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:

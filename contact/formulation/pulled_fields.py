@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -12,15 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.controls import Approach, Load, Machine
+from contact.formulation.equilibria import Point
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.gaps import GapFields
+from contact.formulation.loose import LooseFields, beside, on_zones
 from contact.formulation.problem import Problem
 from contact.formulation.tension import Pulled, Tension
 
 Array = NDArray[np.float64]
-
-# Nodes on a part of an interval.
-_NODES = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,50 +114,25 @@ class PulledFields(ZoneFields):
         here = Cohesive(self.law_problem, held).from_zones(self.tension.table, held.value, self.density.zones.table)
         return scaled_second_variation(here)
 
-    def _beside(self, function: Callable[[Array], Array]) -> float:
-        """Scaled integral of a function over the intervals, without the zones: by Gauss's rule in the angle on every part."""
-        zones, tension, total = self.density.zones.table, self.tension, 0.0
-        table = tension.table
-        if tension.everywhere:
-            assert tension.period is not None
-            table = np.array([[zones[0, 1], zones[0, 1] + tension.period]])
-        t, weights = np.polynomial.legendre.leggauss(_NODES)
-        angle = 0.5 * np.pi * (1 + t)
-        for lo, hi in table:
-            shifts = (0.0,) if tension.period is None else (-tension.period, 0.0, tension.period)
-            inner = sorted(tuple(row + shift) for row in zones for shift in shifts if row[1] + shift > lo and row[0] + shift < hi)
-            starts, ends = [lo, *(b for _, b in inner)], [*(a for a, _ in inner), hi]
-            for a, b in zip(starts, ends, strict=True):
-                if b <= a:
-                    continue
-                parts = max(1, int(np.ceil((b - a) / self.spacing)))
-                cuts = np.linspace(a, b, parts + 1)
-                half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
-                x = middle - half * np.cos(angle)
-                total += float(np.sum(function(x.ravel()).reshape(x.shape) * half * np.sin(angle) * 0.5 * np.pi * weights))
-        return total
-
     @cached_property
     def borne_beside(self) -> float:
-        stress, width = self.tension.stress, self.density.zones.table
-        beside = self._beside(lambda x: self.standing_shape(x) - self.scaled_gap(x))
-        return -stress * beside - stress * self._on_zones(width)
-
-    def _on_zones(self, table: Array) -> float:
-        """int F dx over the zones, scaled."""
-        t, weights = np.polynomial.legendre.leggauss(_NODES)
-        total = 0.0
-        for a, b in table:
-            cuts = np.linspace(a, b, max(1, int(np.ceil((b - a) / self.spacing))) + 1)
-            half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
-            total += float(np.sum(self.standing_shape((middle + half * t).ravel()).reshape(-1, _NODES) * half * weights))
-        return total
+        stress, zones = self.tension.stress, self.density.zones.table
+        apart = beside(lambda x: self.standing_shape(x) - self.scaled_gap(x), self.pulled, zones, self.spacing)
+        return -stress * (apart + on_zones(self.standing_shape, self.pulled, zones, self.spacing))
 
     @cached_property
     def opened(self) -> float:
         """int gap dx over the intervals of tension [m^2]."""
         units = self.problem.units
-        return self._beside(self.scaled_gap) * units.length * units.height
+        return beside(self.scaled_gap, self.pulled, self.density.zones.table, self.spacing) * units.length * units.height
+
+
+def fields_of(curve: Cohesive, here: Point) -> PulledFields | LooseFields:
+    """What acts at an equilibrium, or where the surfaces only pull."""
+    problem, everywhere = curve.problem, isinstance(here, CohesivePoint) and here.everywhere
+    if isinstance(here, CohesivePoint) and here.q is not None:
+        return PulledFields(here.q.problem, here.q.state, law_problem=problem)
+    return LooseFields(problem, curve.everywhere if everywhere else Pulled.of(problem, curve.stress, here.table), here.level)
 
 
 def scaled_second_variation(here: CohesivePoint) -> Array:

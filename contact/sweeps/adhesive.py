@@ -13,23 +13,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.errors import NotConverged, OutOfRange, unwarned, warn
-from contact.formulation.controls import Approach
+from contact.errors import OutOfRange, unwarned, warn
+from contact.formulation.cohesive import CohesivePoint
 from contact.formulation.energy import elastic_energy
-from contact.formulation.equilibria import Equilibria, Point
+from contact.formulation.equilibria import Point
 from contact.formulation.full import FullFields
+from contact.formulation.loose import LooseFields
 from contact.model.checks import finite_array, positive
-from contact.model.controls import fields_under
 from contact.model.scene import Scene
 from contact.model.units import quantity
-from contact.search.equilibria.arc import pull_off
-from contact.search.equilibria.flow import Closed
-from contact.search.equilibria.history import History, Jump, Standing
+from contact.search.equilibria.following import Jump, Standing
+from contact.search.equilibria.history import History
 from contact.search.grid.tilt import known_part
 from contact.search.task import Task
 from contact.search.topology.loop import Progress
-from contact.search.topology.missed import Missed
-from contact.search.ways.branches import advancing, closed, to_follow
+from contact.search.ways.along_curve import followed, under
+from contact.search.ways.branches import closed
 from contact.solution import made
 from contact.solution.energy import Energy
 from contact.solution.plan import plan
@@ -221,7 +220,7 @@ def adhesive_path(
     """See `contact.path`."""
     given = finite_array(_UNITS[control], values)
     give = None if stiffness is None else 1.0 / positive("stiffness", stiffness)
-    run = _Run(_under(scene, control, 0.0), control, tol, give)
+    run = _Run(under(scene, control, 0.0), control, tol, give)
     run.refuse(given)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
@@ -271,19 +270,16 @@ def _places(scene: Scene, zones: Array) -> Array:
     return np.asarray(x[(x >= lo) & (x <= hi)])
 
 
-def _under(scene: Scene, control: str, value: float) -> Scene:
-    return replace(scene, **fields_under(control, value))
-
-
 class _Run:
     """scene: under the control, at no value. give: of the spring [m per N/m]."""
 
     def __init__(self, scene: Scene, control: str, tol: float, give: float | None) -> None:
         self.scene, self.control, self.tol = scene, control, tol
         self.task = replace(task_of(scene, tol), give=give)
-        scaled, curve = to_follow(self.task)
-        self.scaled, self.curve, self.problem = scaled, curve, curve.problem
-        self.history = History(curve, scaled.cell, self.note)
+        self.by = followed(self.task)
+        self.curve = self.by.law.curve
+        self.problem = self.curve.problem
+        self.history = History(self.by.law, self.note)
         self.followed: list[tuple[float, float, float, float]] = []
         self.rises = 1.0
 
@@ -292,7 +288,7 @@ class _Run:
         units = self.problem.units
         if point is not None:
             approach = -point.level * units.height if self.problem.operator.has_approach else np.nan
-            width = float(np.diff(point.table).sum()) * units.length
+            width = float(np.diff(point.contact).sum()) * units.length
             self.followed.append((point.load * units.load, approach, width, self.rises))
         elif self.curve.held.yields is not None:
             self.followed.append((0.0, value * units.height, 0.0, self.rises))
@@ -323,39 +319,36 @@ class _Run:
 
     def first(self, value: float) -> Standing:
         """Where the path begins: below first touch the surfaces are apart, else it is the advancing contact."""
-        if value < 0.0:
-            return Standing(value / self.unit)
-        if self.task.give is not None:
+        scaled, first = value / self.unit, self.by.law.first
+        if scaled < min(first, 0.0) or value < 0.0 == first:
+            return Standing(scaled)
+        if self.task.give is not None or value < 0.0:
             # The contact without adhesion under an approach of the far end need not lie within.
-            *_, found = self.history.to(Standing(-1.0), value / self.unit)
+            *_, found = self.history.to(Standing(min(-1.0, 2.0 * first)), scaled)
             assert isinstance(found, Standing)
             return found
-        task = replace(self.task, scene=_under(self.scene, self.control, value))
-        try:
-            start = advancing(task, self.scaled, self.curve, value / self.unit)
-        except Closed:
-            return Standing(value / self.unit, closed=True)
-        return Standing(value / self.unit, self.curve.settled(start))
+        return self.by.started(under(self.scene, self.control, value), scaled)
 
     def solved(self, here: Standing, value: float, before: float) -> Solution:
         """The solution where the path stands."""
-        scene = _under(self.scene, self.control, value)
+        scene = under(self.scene, self.control, value)
         way = "advancing" if self.rises else "receding"
         told = f"{way}, {'raised' if self.rises else 'lowered'} from {self.control} {before * self.unit:.6g}"
         task = replace(self.task, scene=scene, plan=plan(scene), branch=way)
         if here.point is None:
             return self._without_zones(task, here)
-        found = task.refine_topology(self.problem, replace(self.curve.held, value=here.value), here.point.table, near=True)
-        if isinstance(found, Missed):
-            raise task.error(found, self.problem)
-        solution = solved_at(task, found, told)
-        return solution if task.give is None else replace(solution, scene=_under(self.scene, "load", solution.load))
+        fields = self.by.fields(here.point)
+        if isinstance(fields, LooseFields):
+            assert isinstance(here.point, CohesivePoint)
+            return made.of_loose(task.scene, fields, here.point, task.plan, way)
+        solution = solved_at(task, self.by.outcome(task, here.point), told)
+        return solution if task.give is None else replace(solution, scene=under(self.scene, "load", solution.load))
 
     def _without_zones(self, task: Task, here: Standing) -> Solution:
         held, units = self.curve.held, self.problem.units
         if here.closed:
             load = self._closed_load(here.value)
-            scene = task.scene if held.load is not None else _under(self.scene, "load", load)
+            scene = task.scene if held.load is not None else under(self.scene, "load", load)
             return made.of_full(scene, task.full, closed(replace(task, scene=scene)).mean_pressure, task.plan, task.tol, task.branch)
         return made.of_apart(task.scene, self.problem, None if held.yields is None else here.value * units.height, task.plan)
 
@@ -383,7 +376,7 @@ class _Run:
             lost = energy - energy_after + (load if by_load else 0.5 * (load + load_after)) * (approach_after - approach)
         surfaces = None
         if jump.kind == "pull-off" and jump.before.point is not None:
-            fields = self.curve.fields(jump.before.point)
+            fields = self.by.fields(jump.before.point)
             x = _places(self.scene, zones)
             surfaces = np.array([x, -fields.displacement(x), fields.gap(x) - fields.displacement(x)])
         value = jump.before.value * self.unit
@@ -394,11 +387,8 @@ class _Run:
         """The approach [m] at which surfaces let go that a dead load draws apart: the contact follows the approach, as the load is slow to
         move, until no contact answers it; None where it was not followed so far."""
         assert last.point is not None
-        curve = Equilibria(self.problem, Approach(-last.point.level))
-        try:
-            return float(-pull_off(curve, curve.at(last.point.table, -last.point.level)).level * self.problem.units.height)
-        except NotConverged:
-            return None
+        apart = self.by.let_go(last.point)
+        return None if apart is None else float(-apart.level * self.problem.units.height)
 
     def _state(self, standing: Standing) -> tuple[float, float | None, float | None, Array]:
         """(load, approach, energy, zones) [N/m, m, J/m, m]."""
@@ -418,8 +408,8 @@ class _Run:
 
     def _of_point(self, point: Point) -> tuple[float, float | None, float | None, Array]:
         units = self.problem.units
-        fields = self.curve.fields(point)
+        fields = self.by.fields(point)
         elastic = elastic_energy(fields)
-        width = float(np.diff(point.table).sum()) * units.length
+        width = float(np.diff(point.contact).sum()) * units.length
         energy = None if elastic is None else elastic + self.scene.law.surface_energy(fields, width)
-        return point.load * units.load, fields.approach, energy, made.in_cell(self.scene, np.asarray(units.x(point.table)))
+        return point.load * units.load, fields.approach, energy, made.in_cell(self.scene, np.asarray(units.x(point.contact)))

@@ -77,8 +77,6 @@ def path(
     if stiffness is not None and control not in (None, "approach"):
         raise SceneError.of("stiffness", stiffness, f"left out under {control}: it is that of a spring whose far end's approach is given")
     name = control or ("load" if stiffness is None else "approach")
-    if scene.law.tension:
-        raise SceneError.of("law", scene.law.name, "one without a tension beside the contact: solve each load on its branch")
     if scene.law.bare is not None:
         return adhesive_path(scene, values, tol, progress, name, stiffness)
     if not scene.law.convex:

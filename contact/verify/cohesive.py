@@ -58,6 +58,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
     next_one = np.append(table[1:, 0], np.inf if period is None else table[0, 0] + period)
     away = np.minimum(np.minimum(np.abs(place - table[i, 0]), np.abs(place - table[i, 1])), np.abs(next_one[i] - place))
     told = away > _BESIDE * (table[i, 1] - table[i, 0])
+    assert here.q is not None
     rounding = here.q.gap_rounding
     wrong = told & np.where(within, gap > curve.reach + rounding, gap < curve.reach - rounding)
     missed = float(np.abs(here.residual).max())
@@ -82,6 +83,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
 
 def uncertain(curve: Cohesive, here: CohesivePoint) -> float:
     """What the ends of the tension may be off by, and the zones by it, over the width of either."""
+    assert here.q is not None
     rounding = here.q.gap_rounding / 16 / curve.reach
     ends = np.abs(np.linalg.solve(here.rates, here.residual)) + np.abs(np.linalg.inv(here.rates)) @ np.full(len(here.residual), rounding)
     width = np.tile(np.diff(here.zones, axis=1)[:, 0], 2)

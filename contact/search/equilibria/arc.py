@@ -58,7 +58,7 @@ class Step:
 
     def at(self, length: float) -> Point:
         """The equilibrium at a part of the step."""
-        found = _along(self.curve, self.start, length)
+        found = along(self.curve, self.start, length)
         if found is None:
             raise NotConverged("an equilibrium on the way along a curve was lost")
         return found
@@ -70,7 +70,7 @@ class Step:
 
     def turning(self) -> float:
         """How far it is to there."""
-        return self.where(lambda at: _onward(self.start, at).rises, self.start.rises, self.end.rises)
+        return self.where(lambda at: onward(self.start, at).rises, self.start.rises, self.end.rises)
 
     def where(
         self, function: Callable[[Point], float], first: float, last: float, length: float | None = None, near: float = 1e-14
@@ -87,17 +87,17 @@ def steps(curve: Equilibria, here: Point, sense: float) -> Iterator[Step]:
     """From an equilibrium, steps along the curve, the control first rising (sense 1) or falling (-1)."""
     place, length, why = _begun(here, sense), _FIRST, "the curve of equilibria was not followed on"
     for _ in range(_MOST_STEPS):
-        ahead = _along(curve, place, length)
-        onward = None if ahead is None else _onward(place, ahead)
-        if onward is None or not _keeps(place, onward):
-            if onward is not None and place.at.growth < 0.0 <= onward.at.growth:
+        ahead = along(curve, place, length)
+        end = None if ahead is None else onward(place, ahead)
+        if end is None or not _keeps(place, end):
+            if end is not None and place.at.growth < 0.0 <= end.at.growth:
                 why = "a contact loses its stability without a turn of its curve, to a motion that breaks a symmetry: it is not followed on"
             length *= _SHORTER
             if length < _NO_STEP:
                 break
             continue
-        yield Step(curve, place, length, onward)
-        place, length = onward, min(_LONGER * length, _LONGEST)
+        yield Step(curve, place, length, end)
+        place, length = end, min(_LONGER * length, _LONGEST)
     raise NotConverged(why)
 
 
@@ -149,7 +149,7 @@ def _begun(here: Point, sense: float) -> Place:
     return Place(here, here.widths, unit, tangent if tangent[-1] * sense >= 0.0 else -tangent)
 
 
-def _onward(before: Place, ahead: Point) -> Place:
+def onward(before: Place, ahead: Point) -> Place:
     """The same sense of the curve at another equilibrium of it."""
     unit = _unit(ahead)
     tangent = _tangent(ahead, ahead.widths, unit)
@@ -177,7 +177,7 @@ def _tangent(at: Point, widths: Array, unit: float) -> Array:
     return np.asarray(np.linalg.svd(matrix)[2][-1])
 
 
-def _along(curve: Equilibria, here: Place, length: float) -> Point | None:
+def along(curve: Equilibria, here: Place, length: float) -> Point | None:
     """The equilibrium at a distance along the tangent, perpendicular to it; None if Newton does not come to it at once."""
     widths, unit, tangent = here.widths, here.unit, here.tangent
     moved, value = length * tangent[:-1] * widths, here.at.value + length * tangent[-1] * unit
@@ -192,7 +192,7 @@ def _along(curve: Equilibria, here: Place, length: float) -> Point | None:
         matrix = np.block([[at.rates * widths, at.by_value[:, None] * unit], [tangent[None]]])
         step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
         size = float(np.abs(step).max())
-        if size > (0.3 * length if k == 0 else length) and size > _TIGHT:
+        if size > (0.3 if k == 0 else 1.0) * abs(length) and size > _TIGHT:
             return None
         moved, value = moved + step[:-1] * widths, value + step[-1] * unit
         if size < _TIGHT:

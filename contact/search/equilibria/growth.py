@@ -38,8 +38,8 @@ def with_new(table: Array, overlaps: Array) -> Array:
     return np.asarray(new[np.argsort(new[:, 0])])
 
 
-def touched(curve: Equilibria, cell: tuple[float, float]) -> Array:
-    """Narrow zones about the lowest places of a cell [m]."""
+def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) -> Array:
+    """Narrow intervals about the lowest places of a cell [m], of which all ends are driven outward under a value of the control."""
     problem, (lo, hi) = curve.problem, cell
     period, profile = problem.period, problem.profile
     per_feature = 0.0 if profile.resolution is None else 8 * (hi - lo) / profile.resolution
@@ -67,6 +67,6 @@ def touched(curve: Equilibria, cell: tuple[float, float]) -> Array:
     half = 0.25 * _TOUCH * (1.0 if period is None else min(period, step * 1e3))
     while True:
         table = np.array([[place - half, place + half] for place in places])
-        if np.all(curve.at(table, 0.0).residual > 0.0) or half < 1e-12:
+        if np.all(curve.at(table, value).residual > 0.0) or half < 1e-12:
             return table
         half *= 0.1

@@ -35,7 +35,7 @@ _HALVINGS = 60
 # Over the width of an interval, how far an end goes that contact covers as others advance.
 _FARTHER = 0.01
 # Zones over their intervals: of contact that is all but lost.
-_SHRUNK = 0.1
+SHRUNK = 0.1
 
 TOO_NARROW = (
     "the tension would act on strips narrower than a millionth of the zones beside them: under so large a stress adhesion is without range"
@@ -188,9 +188,9 @@ def pull_off(curve: Cohesive, here: Point) -> Point:
         raise NotConverged(TOO_NARROW) from covered
     except (Lost, NotConverged):
         last = curve.known[-1]
-        if not np.diff(last.zones, axis=1).sum() < _SHRUNK * np.diff(last.table, axis=1).sum():
+        if not np.diff(last.zones, axis=1).sum() < SHRUNK * np.diff(last.table, axis=1).sum():
             raise
-    return _touching(curve, last.table, float(last.zones.mean()))
+    return touching(curve, last.table, float(last.zones.mean()))
 
 
 def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
@@ -229,7 +229,7 @@ def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
     return state if rest is None else pull_off(curve, rest)
 
 
-def _touching(curve: Cohesive, table: Array, at: float) -> Loose:
+def touching(curve: Cohesive, table: Array, at: float) -> Loose:
     """The equilibrium in which the surfaces touch in one point, without pressure, beside one of hardly any contact there."""
     half = 0.02 * float(np.diff(table, axis=1).max())
     height = 0.0

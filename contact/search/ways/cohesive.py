@@ -77,11 +77,11 @@ def followed_under_tension(task: Task) -> Outcome:
             else:
                 rest = _lowered(task, scaled, curve, value)
     except Closed:
-        return _everywhere(task, problem)
+        return everywhere(task, problem)
     if rest is None:
         raise OutOfRange(past(curve, _pulled_off(task, scaled, curve), task))
     here = curve.settled(rest)
-    return _solved(task, curve, curve.at(here.moved(_newton(here)), value))
+    return solved(task, curve, curve.at(here.moved(_newton(here)), value))
 
 
 def _newton(here: Point) -> Array:
@@ -107,7 +107,7 @@ def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
 def _lowered(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
     """Advanced under the value, or under none and then lowered to it."""
     try:
-        start = _advanced(task, scaled, curve, max(value, 0.0))
+        start = advancing(task, scaled, curve, max(value, 0.0))
     except Closed:
         if value >= 0.0:
             raise
@@ -118,17 +118,17 @@ def _lowered(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
 def _pulled_off(task: Task, scaled: ScaledScene, curve: Cohesive) -> Point:
     """Where a contact comes apart that has advanced under no load."""
     try:
-        return pull_off(curve, _advanced(task, scaled, curve, 0.0))
+        return pull_off(curve, advancing(task, scaled, curve, 0.0))
     except Closed:
         nothing = replace(task, scene=_under(task.scene, 0.0))
-        zones = _under_all(nothing, curve.problem)
+        zones = under_all(nothing, curve.problem)
         if zones is None:
             raise OutOfRange("the surfaces come apart from full contact") from None
         return pull_off_from_all(curve, zones, 0.0)
 
 
 # starts ---------------------------------------------------------------------------------------------------------------
-def _advanced(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> CohesivePoint:
+def advancing(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> CohesivePoint:
     """The least equilibrium about first touch under a value of the control, not negative."""
     problem = scaled.problem
     if value == 0.0:
@@ -213,7 +213,7 @@ def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
 
 def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
     """From an interval about a lone body's least contact so wide that its ends are driven inward, and those of wider ones."""
-    here = _advanced(task, scaled, curve, max(value, 0.0))
+    here = advancing(task, scaled, curve, max(value, 0.0))
     middle, half = 0.5 * float(here.table[0, 0] + here.table[-1, 1]), 0.5 * float(here.table[-1, 1] - here.table[0, 0])
 
     def inward(half: float) -> bool:
@@ -234,7 +234,7 @@ def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None
     """From tension everywhere in a period; Closed where the gap stays below its reach, None where nothing is left."""
     problem = curve.problem
     try:
-        zones = _under_all(task, problem)
+        zones = under_all(task, problem)
         if zones is None:
             raise Closed
         fields, look = curve.contact_under(curve.everywhere, value, zones)
@@ -249,7 +249,7 @@ def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None
     return receded(curve, table, value)
 
 
-def _under_all(task: Task, problem: Problem) -> Array | None:
+def under_all(task: Task, problem: Problem) -> Array | None:
     """Scaled zones under tension everywhere; None in full contact; Lost where there are none."""
     scene, period = task.scene, task.scene.period
     assert period is not None
@@ -280,7 +280,7 @@ def _under(scene: Scene, value: float) -> Scene:
     return replace(scene, **{scene.control[0]: value})  # type: ignore[arg-type]
 
 
-def _solved(task: Task, curve: Cohesive, here: Point) -> Found:
+def solved(task: Task, curve: Cohesive, here: Point) -> Found:
     """The equilibrium as tightly as there is."""
     assert isinstance(here, CohesivePoint)
     problem = curve.problem
@@ -304,7 +304,7 @@ def _tight(task: Task, pulled: Pulled, load: float, zones: Array) -> tuple[Pulle
     return PulledFields(pulled, free.state), free, control
 
 
-def _everywhere(task: Task, problem: Problem) -> Outcome:
+def everywhere(task: Task, problem: Problem) -> Outcome:
     """Tension in all of a period: the contact under the bare law, less the tension."""
     scene = _bare_scene(task, problem)
     found = task.under(scene, _BARE, None, None)

@@ -1,0 +1,158 @@
+"""Surfaces that pull at each other without touching: a constant tension on intervals, and no contact anywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import sie
+from contact.formulation.fields import mean_shape
+from contact.formulation.problem import Problem
+from contact.formulation.quadrature import panels
+from contact.formulation.tension import Pulled, Tension
+
+Array = NDArray[np.float64]
+
+
+def beside(function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float) -> float:
+    """Scaled integral of a function over the intervals of tension less the zones, by panels between their ends and where the profile or
+    one of its derivatives jumps, none wider than the spacing."""
+    inner, outer = _parts(pulled, zones)
+    return sum(_integral(function, pulled, a, b, spacing) for a, b in outer if (a, b) not in inner)
+
+
+def on_zones(function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float) -> float:
+    """The same over the zones."""
+    return sum(_integral(function, pulled, float(a), float(b), spacing) for a, b in zones)
+
+
+def _parts(pulled: Pulled, zones: Array) -> tuple[set[tuple[float, float]], list[tuple[float, float]]]:
+    """(parts of the intervals that are contact, all their parts)."""
+    tension, inner, parts = pulled.pulling, set(), []
+    for lo, hi in _intervals(tension, zones):
+        shifts = (0.0,) if tension.period is None else (-tension.period, 0.0, tension.period)
+        held = sorted(
+            (float(a + shift), float(b + shift)) for a, b in zones for shift in shifts if b + shift > lo and a + shift < hi
+        )
+        held = [(max(a, lo), min(b, hi)) for a, b in held]
+        inner |= set(held)
+        ends = [lo, *(end for zone in held for end in zone), hi]
+        parts += [(a, b) for a, b in zip(ends[:-1], ends[1:], strict=True) if b > a]
+    return inner, parts
+
+
+def _intervals(tension: Tension, zones: Array) -> list[tuple[float, float]]:
+    if not tension.everywhere:
+        return [(float(a), float(b)) for a, b in tension.table]
+    assert tension.period is not None
+    first = float(zones[0, 1]) if len(zones) else 0.0
+    return [(first, first + tension.period)]
+
+
+def _integral(function: Callable[[Array], Array], pulled: Pulled, a: float, b: float, spacing: float) -> float:
+    breaks = np.asarray(pulled.forcing.jumps_at)
+    if pulled.period is not None:
+        breaks = a + np.mod(breaks - a, pulled.period)
+    even = np.linspace(a, b, max(1, int(np.ceil((b - a) / spacing))) + 1)
+    x, weight = panels(np.unique(np.concatenate((even, breaks[(breaks > a) & (breaks < b)]))))
+    return float(function(x) @ weight)
+
+
+@dataclass(frozen=True, eq=False)
+class LooseFields(sie.Kept):
+    """pulled: with the tension that acts; problem: the same with the scene's law; level: minus the scaled approach."""
+
+    problem: Problem
+    pulled: Pulled
+    level: float
+
+    @property
+    def tension(self) -> Tension:
+        return self.pulled.pulling
+
+    def pressure(self, x: ArrayLike) -> Array:
+        return np.asarray(-self.problem.law.tension * self.tension.holds(self._scaled(x)))
+
+    def displacement(self, x: ArrayLike) -> Array:
+        return np.asarray(self.tension.height(self._scaled(x)) * self.problem.units.height)
+
+    def gap(self, x: ArrayLike) -> Array:
+        return np.asarray(self.scaled_gap(self._scaled(x)) * self.problem.units.height)
+
+    def scaled_gap(self, x: Array) -> Array:
+        return np.asarray(self.pulled.shape(x) + self.level)
+
+    def _scaled(self, x: ArrayLike) -> Array:
+        return np.asarray(self.problem.units.scaled(np.asarray(x, dtype=float)))
+
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
+        raise IndexError("surfaces that pull without touching have no zones: use pressure(x)")
+
+    @property
+    def cohesive(self) -> Array:
+        """The intervals in which the surfaces pull (m, 2) [m]."""
+        return np.asarray(self.problem.units.x(np.array(_intervals(self.tension, np.zeros((0, 2))))))
+
+    @property
+    def starts(self) -> Array:
+        return np.zeros(0)
+
+    @property
+    def loads(self) -> Array:
+        return np.zeros(0)
+
+    @property
+    def load(self) -> float:
+        return -self.tension.total * self.problem.units.load
+
+    @property
+    def approach(self) -> float | None:
+        return -self.level * self.problem.units.height if self.problem.operator.has_approach else None
+
+    @property
+    def max_pressure(self) -> float:
+        return 0.0
+
+    @property
+    def contact_fraction(self) -> float:
+        return 0.0
+
+    @property
+    def stiffness(self) -> None:
+        """Not told: the tension's ends move with the approach."""
+        return None
+
+    @property
+    def widening_rate(self) -> float:
+        return 0.0
+
+    @property
+    def mean_gap(self) -> float:
+        period, units = self.problem.period, self.problem.units
+        assert period is not None
+        sunk = self.problem.compression * self.tension.total / period
+        return (mean_shape(self.problem) - sunk + self.level) * units.height
+
+    @cached_property
+    def _spacing(self) -> float:
+        resolution = self.problem.profile.resolution
+        if resolution is not None:
+            return resolution / self.problem.units.length
+        return self.tension.width / 16
+
+    @cached_property
+    def borne_beside(self) -> float:
+        """Scaled int p (F - gap) dx."""
+        return -self.tension.stress * beside(
+            lambda x: self.pulled.own_shape(x) - self.scaled_gap(x), self.pulled, np.zeros((0, 2)), self._spacing
+        )
+
+    @cached_property
+    def opened(self) -> float:
+        """int gap dx over the intervals of tension [m^2]."""
+        units = self.problem.units
+        return beside(self.scaled_gap, self.pulled, np.zeros((0, 2)), self._spacing) * units.length * units.height

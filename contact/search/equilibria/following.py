@@ -1,0 +1,156 @@
+"""What happens on the way along a curve of equilibria, by its law: what surfaces do that come together, and where something begins.
+
+Here of adhesion without range. A zone begins where surfaces touch, and takes a width at once: every change of the zones is a jump.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.formulation.equilibria import Closed, Equilibria, Point
+from contact.formulation.maxima import maximum
+from contact.search.equilibria.arc import Step
+from contact.search.equilibria.flow import receded
+from contact.search.equilibria.growth import grown, touched
+from contact.verify.certificate import openings
+
+Array = NDArray[np.float64]
+
+# A new zone over the overlap that was seen beyond its first touch; how narrow at the least; and what drives its ends that is nothing.
+NEW, LEAST, SLIGHT = 1e-2, 1e-12, 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """What there is under a value of the control: an equilibrium, or surfaces closed over the whole period, or apart."""
+
+    value: float
+    point: Point | None = None
+    closed: bool = False
+
+    @property
+    def apart(self) -> bool:
+        return self.point is None and not self.closed
+
+    @property
+    def count(self) -> int:
+        """Of zones."""
+        return 0 if self.point is None else len(self.point.contact)
+
+
+@dataclass(frozen=True, eq=False)
+class Jump:
+    """What happens to the zones, with a loss of energy or without: kind (contact.sweeps.adhesive), place: scaled, where it begins."""
+
+    kind: str
+    place: float
+    before: Standing
+    after: Standing
+
+
+@dataclass(frozen=True)
+class Following:
+    """cell: [m], where the surfaces touch first."""
+
+    curve: Equilibria
+    cell: tuple[float, float]
+
+    @property
+    def first(self) -> float:
+        """Value of the control at which surfaces that are apart come together."""
+        return 0.0
+
+    def begun(self) -> Jump:
+        """What they come to there."""
+        table = touched(self.curve, self.cell, self.first)
+        after = self.grown(table, self.first)
+        return Jump("full" if after.closed else "jump-in", float(table[0].mean()), Standing(self.first), after)
+
+    def opened(self, here: Standing, value: float) -> Jump | None:
+        """Where surfaces that are closed over the whole period open as the control falls to a value; None if they stay closed."""
+        return None
+
+    def apart_from_curve(self, here: Point) -> bool:
+        """Whether an equilibrium is none of the curve that is followed by the motions of ends."""
+        return False
+
+    def beside_curve(self, here: Point, value: float) -> Iterator[Jump | Standing]:
+        """What happens on the way of such an equilibrium to a value, up to a jump, or the standing there."""
+        raise NotImplementedError
+
+    def grown(self, table: Array, value: float) -> Standing:
+        """What ends that advance from these places come to."""
+        try:
+            return Standing(value, self.curve.settled(grown(self.curve, table, value)))
+        except Closed:
+            return Standing(value, closed=True)
+
+    def shrunk(self, table: Array, value: float) -> Standing:
+        """What ends that recede from these places come to."""
+        rest = receded(self.curve, table, value)
+        return Standing(value) if rest is None else Standing(value, self.curve.settled(rest))
+
+    def kind(self, before: Standing, after: Standing, rises: bool) -> str:
+        """Of a jump past a turning point."""
+        if after.apart:
+            return "pull-off"
+        if after.closed:
+            return "full"
+        return ("merge" if rises else "death") if after.count < before.count else "jump"
+
+    def gone(self, here: Point, sense: float) -> Jump | None:
+        """The end of a curve that is none of its turning points, beside an equilibrium; None if there is none."""
+        return None
+
+    def passed(self, step: Step, length: float, last: Point) -> Iterator[Jump]:
+        """What happens without a jump within a step."""
+        return iter(())
+
+    def interrupted(self, step: Step, length: float, last: Point, sense: float) -> Jump | None:
+        """The first jump within a step that is no turn: of all touches, where surfaces came to overlap."""
+        overlaps = openings(self.curve.fields(last)).overlaps if sense > 0.0 else np.zeros((0, 2))
+        if len(overlaps) == 0:
+            return None
+        curve = self.curve
+
+        def least(at: Point, lo: float, hi: float) -> tuple[float, float]:
+            fields = curve.fields(at)
+            x, depth = maximum(lambda x: -fields.formal_gap(x), np.linspace(lo, hi, 17))
+            return x, -depth
+
+        length, place, width = first_of(step, length, overlaps, least, lambda at: openings(curve.fields(at)).overlaps)
+        here = step.at(length)
+        half = 0.5 * NEW * width
+        while True:
+            new = np.concatenate((here.table, [[place - half, place + half]]))
+            new = new[np.argsort(new[:, 0])]
+            if half < LEAST or np.all(curve.at(new, here.value).residual > -SLIGHT):
+                break
+            half *= 0.1
+        after = self.grown(new, here.value)
+        return Jump("full" if after.closed else "birth", place, Standing(here.value, here), after)
+
+
+def first_of(
+    step: Step, length: float, seen: Array, least: Callable[[Point, float, float], tuple[float, float]], others: Callable[[Point], Array]
+) -> tuple[float, float, float]:
+    """(how far within a step it is to where something is zero first, its place, the width in which it was seen). seen: intervals (n, 2)
+    in which it is negative at the step's end; least: its (place, value) in an interval; others: intervals in which it is negative."""
+    place, width = 0.0, 0.0
+    while len(seen):
+        lo, hi = (float(end) for end in seen[0])
+        place, width = 0.5 * (lo + hi), hi - lo
+        first, last = least(step.start.at, lo, hi)[1], least(step.at(length), lo, hi)[1]
+        if not first > 0.0 > last:
+            break
+        length = step.where(lambda at, lo=lo, hi=hi: least(at, lo, hi)[1], first, last, length)  # type: ignore[misc]
+        here = step.at(length)
+        place = least(here, lo, hi)[0]
+        # Elsewhere it may have been before.
+        seen = others(here)
+        seen = seen[(seen[:, 0] > place) | (seen[:, 1] < place)]
+    return length, place, width

@@ -1,0 +1,353 @@
+"""What happens on the way along a curve of equilibria where a tension acts beside the contact (contact.formulation.cohesive).
+
+The ends that jump are those of the tension: its intervals begin where the gap comes below the reach, and are cut where it comes above, and
+either takes a width at once. Within them the contact is frictionless: zones begin, meet, part and vanish without a jump, where a pressure
+or a gap is zero. Under tension in all of a period there are no ends, and the contact is followed by the value of the control; closed
+surfaces open from there where their tension comes to the stress.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import NotConverged
+from contact.formulation.cohesive import Cohesive, CohesivePoint, Known
+from contact.formulation.equilibria import Closed, NoState, Point
+from contact.formulation.maxima import maximum
+from contact.formulation.pulled_contact import Covered, Lost
+from contact.formulation.roots import bracketed
+from contact.formulation.runs import runs_of
+from contact.formulation.tension_intervals import fitted, interval_of, joined, unwrapped
+from contact.search.equilibria import arc, tension
+from contact.search.equilibria.arc import Step
+from contact.search.equilibria.changes import Change, changes, condition, with_change
+from contact.search.equilibria.following import LEAST, NEW, SLIGHT, Following, Jump, Standing, first_of
+from contact.search.equilibria.growth import touched
+
+Array = NDArray[np.float64]
+At = Callable[[float], CohesivePoint]
+
+# Steps by the value of the control, and how often one is halved; how often a stretch with several changes is.
+_STEPS, _HALVINGS, _PARTS = 8, 40, 12
+# How much farther than a step its end is looked for, seen from there.
+_FARTHER = (1.0, 1.1, 1.5)
+# Of the value, short of full contact: there the last gap closes.
+_SHORT = 1e-7
+
+
+@dataclass(frozen=True)
+class FollowingUnderTension(Following):
+    """advanced: the least equilibrium about first touch under no load; pressed: scaled zones under tension in all of a period; full: value
+    of the control from which surfaces under tension everywhere are closed, size: what such values are counted in."""
+
+    curve: Cohesive
+    advanced: Callable[[], CohesivePoint]
+    pressed: Callable[[float], Array]
+    full: float
+    size: float
+
+    @property
+    def first(self) -> float:
+        return 0.0 if self.curve.held.load is not None else -self.curve.reach
+
+    def begun(self) -> Jump:
+        before = Standing(self.first)
+        if self.curve.held.load is not None:
+            try:
+                after = Standing(self.first, self.curve.settled(self.advanced()))
+            except Closed:
+                after = self.under_all(self.first)
+        else:
+            after = self.grown(touched(self.curve, self.cell, self.first), self.first)
+        place = 0.0 if after.point is None else float(np.mean(after.point.table[:1]) if len(after.point.table) else 0.0)
+        return Jump("full" if after.closed else "jump-in", place, before, after)
+
+    def grown(self, table: Array, value: float) -> Standing:
+        try:
+            return Standing(value, self.curve.settled(tension.advanced(self.curve, table, value)))
+        except Closed:
+            return self.under_all(value)
+
+    def shrunk(self, table: Array, value: float) -> Standing:
+        rest = tension.receded(self.curve, table, value)
+        return Standing(value) if rest is None else Standing(value, self.curve.settled(rest))
+
+    def kind(self, before: Standing, after: Standing, rises: bool) -> str:
+        if after.apart or after.closed:
+            return "pull-off" if after.apart else "full"
+        if after.count == before.count:
+            return "jump"
+        fewer = after.count < before.count
+        return ("merge" if fewer else "birth") if rises else ("death" if fewer else "split")
+
+    # where a tension begins or lets go -------------------------------------------------------------------------------
+    def interrupted(self, step: Step, length: float, last: Point, sense: float) -> Jump | None:
+        """The first place within a step at which the gap comes to the reach away from the ends of the tension."""
+        found: tuple[float, float, float, bool] | None = None
+        for outside in (True, False):
+            seen = self._wrong(last, outside)
+            if len(seen) == 0:
+                continue
+            here = first_of(
+                step, length, seen, lambda at, lo, hi, o=outside: self._least(at, lo, hi, o), lambda at, o=outside: self._wrong(at, o),  # type: ignore[misc]
+            )
+            if found is None or here[0] < found[0]:
+                found = (*here, outside)
+        if found is None:
+            return None
+        length, place, width, outside = found
+        here_at = step.at(length)
+        after = self._changed(here_at, place, width, outside)
+        before = Standing(here_at.value, here_at)
+        return Jump(self.kind(before, after, outside), place, before, after)
+
+    def _changed(self, here: Point, place: float, width: float, begins: bool) -> Standing:
+        """What an interval of tension that begins at a place comes to, or one that is cut there."""
+        curve, half = self.curve, 0.5 * NEW * width
+        assert isinstance(here, CohesivePoint)
+        sign = 1.0 if begins else -1.0
+        while True:
+            table = (_with_interval if begins else _cut)(here.table, place, half, curve.problem.period)
+            at = curve.from_zones(table, here.value, fitted(here.zones, table, curve.problem.period))
+            if half < LEAST or np.all(sign * at.residual > -SLIGHT):
+                break
+            half *= 0.1
+        return (self.grown if begins else self.shrunk)(table, here.value)
+
+    def _wrong(self, here: Point, outside: bool) -> Array:
+        """Places away from the ends of the tension between which the gap is below the reach outside of it, or above it inside (n, 2)."""
+        curve, period = self.curve, self.curve.problem.period
+        assert isinstance(here, CohesivePoint)
+        (x, gap), table, found = here.look, here.table, []
+        if period is not None:
+            x = unwrapped(x, table[0, 0], 0.0, period)
+        order = np.argsort(x)
+        x, gap = x[order], gap[order]
+        i = np.maximum(np.searchsorted(table[:, 0], x, side="right") - 1, 0)
+        inside = (x > table[i, 0]) & (x < table[i, 1])
+        wrong = (~inside & (gap < curve.reach)) if outside else (inside & (gap > curve.reach))
+        ends = np.append(table.ravel(), table[0, 0] + (period or np.inf))
+        for s, e in runs_of(wrong):
+            lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
+            # A run beside an end is what the end misses by.
+            if s > 0 and e < len(x) - 1 and not np.any((ends > lo) & (ends < hi)):
+                found.append((lo, hi))
+        return np.array(found).reshape(-1, 2)
+
+    def _least(self, here: Point, lo: float, hi: float, outside: bool) -> tuple[float, float]:
+        """(place, value) of what is above zero while no tension begins, or lets go, between two places."""
+        curve, sign = self.curve, -1.0 if outside else 1.0
+        place, most = maximum(lambda x: sign * (curve.gap(here, np.asarray(x)) - curve.reach), np.linspace(lo, hi, 17))
+        return place, -most
+
+    def gone(self, here: Point, sense: float) -> Jump | None:
+        """Under a held load contact may shrink to a point, which holds no more."""
+        last = self.curve.known[-1]
+        small = np.diff(last.zones, axis=1).sum() < tension.SHRUNK * np.diff(last.table, axis=1).sum()
+        if sense > 0.0 or self.curve.held.load is None or not small or len(last.zones) == 0:
+            return None
+        touch = tension.touching(self.curve, last.table, float(last.zones.mean()))
+        return Jump("pull-off", float(touch.contact[0, 0]), Standing(touch.value, touch), Standing(touch.value))
+
+    # what changes without a jump ----------------------------------------------------------------------------------------
+    def passed(self, step: Step, length: float, last: Point) -> Iterator[Jump]:
+        def at(part: float) -> CohesivePoint:
+            here = step.at(part)
+            assert isinstance(here, CohesivePoint)
+            return here
+
+        def beside(here: CohesivePoint, ahead: bool, reach: float) -> Iterator[At]:
+            place = arc.onward(step.start, here)
+            if not ahead:
+                place = replace(place, tangent=-place.tangent)
+            formal = self._formal(here)
+            for part in _FARTHER:
+                def formally(u: float, part: float = part) -> CohesivePoint:
+                    found = here if u == 0.0 else arc.along(formal, place, u * part * reach)
+                    if not isinstance(found, CohesivePoint):
+                        raise NotConverged("a change of the zones on the way along a curve was not located")
+                    return found
+                yield formally
+
+        start = step.start.at
+        assert isinstance(start, CohesivePoint) and isinstance(last, CohesivePoint)
+        yield from self._between(at, beside, (0.0, start), (length, last), _PARTS)
+
+    def _formal(self, here: CohesivePoint) -> Cohesive:
+        return replace(self.curve, formal=True, known=[Known(here.table, here.value, here.zones, here.by_ends)])
+
+    def _between(
+        self, at: At, beside: Callable[[CohesivePoint, bool, float], Iterator[At]], low: tuple[float, CohesivePoint],
+        high: tuple[float, CohesivePoint], parts: int,
+    ) -> Iterator[Jump]:
+        """Changes of the zones between two states. beside: from a state on, ahead or back so far at 1, with the zones that it has."""
+        found = changes(low[1], high[1], self.curve.problem.period)
+        if not found:
+            return
+        if len(found) > 1 and parts:
+            middle = 0.5 * (low[0] + high[0])
+            state = middle, at(middle)
+            yield from self._between(at, beside, low, state, parts - 1)
+            yield from self._between(at, beside, state, high, parts - 1)
+            return
+        for change in found:
+            jump = self._located(change, beside, low, high)
+            if jump is not None:
+                yield jump
+
+    def _located(
+        self, change: Change, beside: Callable[[CohesivePoint, bool, float], Iterator[At]], low: tuple[float, CohesivePoint],
+        high: tuple[float, CohesivePoint],
+    ) -> Jump | None:
+        smooth = low[1] if change.ahead else high[1]
+        first = condition(self.curve, smooth, change)[1]
+        if not first > 0.0:
+            return None
+        for formally in beside(smooth, change.ahead, high[0] - low[0]):
+            try:
+                last = condition(self.curve, formally(1.0), change)[1]
+            except (NotConverged, NoState):
+                continue
+            if last < 0.0:
+                break
+        else:
+            return None
+        try:
+            root = bracketed(lambda u: condition(self.curve, formally(u), change)[1], {0.0: first, 1.0: last}, xtol=1e-14)
+            here = formally(root)
+        except (NotConverged, NoState):
+            return None
+        place = condition(self.curve, here, change)[0]
+        other = replace(here, zones=with_change(here.zones, change, place))
+        before, after = (here, other) if change.ahead else (other, here)
+        return Jump(change.kind, place, Standing(here.value, before), Standing(here.value, after))
+
+    # tension everywhere ---------------------------------------------------------------------------------------------------
+    def under_all(self, value: float) -> Standing:
+        """Under tension in all of a period."""
+        if value >= self.full:
+            return Standing(value, closed=True)
+        return Standing(value, self.curve.under_all(value, self.pressed(value)))
+
+    def apart_from_curve(self, here: Point) -> bool:
+        return isinstance(here, CohesivePoint) and here.everywhere
+
+    def opened(self, here: Standing, value: float) -> Jump | None:
+        if value >= self.full:
+            return None
+        after = self.under_all(self.full - _SHORT * self.size)
+        assert isinstance(after.point, CohesivePoint)
+        return Jump("open", self._last_gap(after.point), Standing(self.full, closed=True), replace(after, value=self.full))
+
+    def _last_gap(self, here: CohesivePoint) -> float:
+        (x, gap) = here.look
+        return float(x[int(np.argmax(gap))])
+
+    def beside_curve(self, here: Point, value: float) -> Iterator[Jump | Standing]:
+        assert isinstance(here, CohesivePoint)
+        rises = value > here.value
+        end = min(value, self.full - _SHORT * self.size) if rises else value
+        # Seen from full contact on, the first value lies short of it.
+        at, step, halvings = here.value, (end - here.value) / _STEPS, 0
+        while at != end:
+            ahead = end if abs(step) >= abs(end - at) else at + step
+            try:
+                new = self.curve.under_all(ahead, here.zones)
+            except Lost:
+                yield self._lost(here)
+                return
+            except (NotConverged, NoState):
+                step, halvings = 0.5 * step, halvings + 1
+                if halvings > _HALVINGS:
+                    raise
+                continue
+            jump = None if rises else self._let_go(here, new)
+            last = new if jump is None else jump.before.point
+            assert isinstance(last, CohesivePoint)
+            yield from self._between(
+                lambda v, zones=here.zones: self.curve.under_all(v, zones), self._by_value(here, new),  # type: ignore[misc]
+                (here.value, here), (last.value, last), _PARTS,
+            )
+            if jump is not None:
+                yield jump
+                return
+            if ahead != end:
+                yield Standing(ahead, new)
+            here, at = new, ahead
+        if end == value:
+            yield Standing(value, here)
+        else:
+            yield Jump("full", self._last_gap(here), Standing(self.full, here), Standing(self.full, closed=True))
+
+    def _by_value(self, low: CohesivePoint, high: CohesivePoint) -> Callable[[CohesivePoint, bool, float], Iterator[At]]:
+        def beside(here: CohesivePoint, ahead: bool, reach: float) -> Iterator[At]:
+            formal, move = self._formal(here), reach if ahead else -reach
+            yield lambda u: here if u == 0.0 else formal.under_all(here.value + u * move, here.zones)
+
+        return beside
+
+    def _let_go(self, here: CohesivePoint, new: CohesivePoint) -> Jump | None:
+        """Where the gap somewhere comes to the reach as the control falls."""
+        curve, period = self.curve, self.curve.problem.period
+        (x, gap) = new.look
+        if not gap.max() > curve.reach:
+            return None
+        assert period is not None
+
+        def most(value: float) -> tuple[CohesivePoint, float, float]:
+            at = curve.under_all(value, here.zones)
+            place, height = maximum(lambda y: curve.gap(at, np.asarray(y)), at.look[0])
+            return at, place, height - curve.reach
+
+        first = most(here.value)[2]
+        value = here.value
+        if first < 0.0:
+            value = bracketed(
+                lambda v: most(v)[2], {here.value: first, new.value: most(new.value)[2]}, xtol=1e-15 * max(abs(here.value), abs(new.value))
+            )
+        at, place, _ = most(value)
+        half = 0.5 * NEW * period
+        while True:
+            table = np.array([[place + half, place + period - half]])
+            try:
+                cut = curve.from_zones(table, value, fitted(at.zones, table, period))
+                if half < LEAST or np.all(cut.residual < SLIGHT):
+                    break
+            except (Lost, Covered):
+                if half < LEAST:
+                    break
+            half *= 0.1
+        after = self.shrunk(table, value)
+        before = Standing(value, at)
+        return Jump(self.kind(before, after, False), place, before, after)
+
+    def _lost(self, here: CohesivePoint) -> Jump:
+        """Under a held load, where the last contact under tension everywhere shrinks to a point."""
+        curve = self.curve
+        pulled = curve.everywhere
+        place, lowest = maximum(lambda y: -pulled.shape(np.asarray(y)), np.sort(here.look[0]))
+        for a, b in here.zones:
+            inner, deep = maximum(lambda y: -pulled.shape(np.asarray(y)), np.linspace(a, b, 65))
+            if deep > lowest:
+                place, lowest = inner, deep
+        value = -pulled.pulling.total
+        none = np.zeros((0, 2))
+        touch = CohesivePoint(
+            none, value, np.zeros(0), np.zeros((0, 0)), np.zeros(0), value, lowest, np.array([[place, place]]), None, np.zeros((2, 1)),
+            np.array([-1.0]), (np.zeros(0), np.zeros(0)), True,
+        )
+        return Jump("pull-off", place, Standing(value, touch), Standing(value))
+
+
+def _with_interval(table: Array, place: float, half: float, period: float | None) -> Array:
+    return joined(np.asarray(table), np.zeros(len(table), dtype=bool), [(place - half, place + half)], period)
+
+
+def _cut(table: Array, place: float, half: float, period: float | None) -> Array:
+    """The intervals, the one about a place without what lies about it."""
+    i = int(interval_of(np.array([[place, place]]), table)[0])
+    return np.concatenate((table[:i], [[table[i, 0], place - half], [place + half, table[i, 1]]], table[i + 1 :]))

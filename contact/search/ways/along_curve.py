@@ -1,0 +1,192 @@
+"""What a path of surfaces that adhere is followed by: where it begins, how it goes on, and the solution where it stands."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from contact.errors import NotConverged, OutOfRange
+from contact.formulation.cohesive import Cohesive, CohesivePoint
+from contact.formulation.controls import Approach
+from contact.formulation.equilibria import Closed, Equilibria, Point
+from contact.formulation.fields import ZoneFields
+from contact.formulation.full import FullLimit
+from contact.formulation.loose import LooseFields
+from contact.formulation.pulled_contact import Lost
+from contact.formulation.pulled_fields import fields_of
+from contact.model.controls import fields_under
+from contact.model.scene import Scene
+from contact.search.equilibria.arc import pull_off
+from contact.search.equilibria.following import Following, Jump, Standing
+from contact.search.equilibria.following_tension import FollowingUnderTension
+from contact.search.equilibria.history import History
+from contact.search.grid.scaling import ScaledScene
+from contact.search.task import Task
+from contact.search.topology.missed import Missed
+from contact.search.ways import cohesive
+from contact.search.ways.branches import advancing, frame, to_follow
+from contact.search.ways.guesses import Outcome
+from contact.solution import made
+
+Array = NDArray[np.float64]
+
+
+# How far an approach is lowered for surfaces to let go, over its size and the reach of the tension.
+_FAR = 1e6
+
+
+@dataclass(frozen=True)
+class Followed:
+    """law: what happens on the way; started: the standing at a value of the control, not below first touch; fields: of an equilibrium;
+    outcome: what is solved where a path stands; let_go: where a contact held by its approach alone comes apart, None where it
+    was not followed so far."""
+
+    law: Following
+    started: Callable[[Scene, float], Standing]
+    fields: Callable[[Point], ZoneFields | LooseFields]
+    outcome: Callable[[Task, Point], Outcome]
+    let_go: Callable[[Point], Point | None]
+
+
+def followed(task: Task) -> Followed:
+    """By the law of the task's scene, which is under no load or no approach."""
+    return _under_tension(task) if task.scene.law.tension else _without_range(task)
+
+
+def _without_range(task: Task) -> Followed:
+    scaled, curve = to_follow(task)
+
+    def started(scene: Scene, value: float) -> Standing:
+        try:
+            return Standing(value, curve.settled(advancing(replace(task, scene=scene), scaled, curve, value)))
+        except Closed:
+            return Standing(value, closed=True)
+
+    def outcome(task: Task, here: Point) -> Outcome:
+        found = task.refine_topology(curve.problem, replace(curve.held, value=here.value), here.table, near=True)
+        if isinstance(found, Missed):
+            raise task.error(found, curve.problem)
+        return found
+
+    def let_go(here: Point) -> Point | None:
+        held = Equilibria(curve.problem, Approach(-here.level))
+        try:
+            return pull_off(held, held.at(here.table, -here.level))
+        except NotConverged:
+            return None
+
+    return Followed(Following(curve, scaled.cell), started, curve.fields, outcome, let_go)
+
+
+def _under_tension(task: Task) -> Followed:
+    scene, law = task.scene, task.scene.law
+    scaled = frame(task, math.sqrt(scene.E_star * law.tension * law.reach / math.pi))
+    problem = scaled.problem
+    curve = Cohesive(problem, task.control(problem), loose=True)
+    following = _Tension(task, scaled, curve).following
+
+    def started(scene: Scene, value: float) -> Standing:
+        try:
+            return Standing(value, curve.settled(cohesive.advancing(replace(task, scene=scene), scaled, curve, value)))
+        except Closed:
+            return following.under_all(value)
+
+    def outcome(task: Task, here: Point) -> Outcome:
+        assert isinstance(here, CohesivePoint)
+        if not here.everywhere:
+            return cohesive.solved(task, curve, here)
+        if task.give is not None:
+            task = replace(task, scene=under(task.scene, "load", here.load * problem.units.load), give=None)
+        return cohesive.everywhere(task, problem)
+
+    def let_go(here: Point) -> Point | None:
+        held = replace(task, scene=under(scene, "approach", 0.0), give=None)
+        return _Tension(held, scaled, Cohesive(problem, Approach(-here.level), loose=True)).let_go(here)
+
+    return Followed(following, started, lambda here: fields_of(curve, here), outcome, let_go)
+
+
+@dataclass(frozen=True)
+class _Tension:
+    task: Task
+    scaled: ScaledScene
+    curve: Cohesive
+
+    @property
+    def following(self) -> FollowingUnderTension:
+        full, size = self._full
+        return FollowingUnderTension(
+            self.curve, self.scaled.cell, lambda: cohesive.advancing(self._at(0.0), self.scaled, self.curve, 0.0), self._pressed, full, size
+        )
+
+    def _at(self, value: float) -> Task:
+        """Under a value of a load or of an approach."""
+        held = self.curve.held
+        name = "approach" if held.load is None else "load"
+        return replace(self.task, scene=under(self.task.scene, name, value * held.unit(self.scaled.problem.units)), give=None)
+
+    def _pressed(self, value: float) -> Array:
+        """Zones under tension in all of a period, or a guess of them."""
+        problem, known = self.scaled.problem, self.curve.known
+        task = self._at(value)
+        if self.curve.held.yields:
+            if known and len(known[-1].zones) and value < self._full[0] - self._full[1]:
+                return known[-1].zones
+            # Short of full contact what the spring holds is about the load there.
+            scene = task.scene
+            assert scene.period is not None and scene.law.bare is not None
+            full = FullLimit(scene.profile, scene.E_star, task.operator, scene.law.bare).pressure
+            task = replace(task, scene=under(scene, "load", (full * (1 - 1e-6) - scene.law.tension) * scene.period))
+        try:
+            zones = cohesive.under_all(task, problem)
+        except (Lost, OutOfRange):
+            return np.zeros((0, 2))
+        return np.zeros((0, 2)) if zones is None else zones
+
+    @cached_property
+    def _full(self) -> tuple[float, float]:
+        """(value of the control from which surfaces under tension everywhere are closed, what such values are counted in)."""
+        scene, held, units = self.task.scene, self.curve.held, self.scaled.problem.units
+        period, law = scene.period, scene.law
+        if period is None:
+            return math.inf, 0.0
+        assert law.bare is not None
+        full = FullLimit(scene.profile, scene.E_star, self.task.operator, law.bare).pressure
+        if not math.isfinite(full):
+            return math.inf, 0.0
+        load = (full - law.tension) * period
+        if held.load is not None:
+            return load / units.load, full * period / units.load
+        base = 2 * (self.task.operator.compression or 0.0) / scene.E_star / period
+        give = (held.yields or 0.0) * units.height / units.load
+        if base + give == 0.0:
+            return math.inf, 0.0
+        mean = made.mean_height(scene)
+        return (mean + (base + give) * load) / units.height, mean / units.height
+
+    def let_go(self, here: Point) -> Point | None:
+        """Where the surfaces let go as the approach falls from an equilibrium; None where that was not followed so far."""
+        value = -here.level
+        if isinstance(here, CohesivePoint) and here.everywhere:
+            start: Point = self.curve.under_all(value, here.zones[np.diff(here.zones, axis=1)[:, 0] > 0.0])
+        else:
+            zones = here.contact[np.diff(here.contact, axis=1)[:, 0] > 0.0]
+            start = self.curve.from_zones(here.table, value, zones)
+        far = value - _FAR * (self.curve.reach + abs(value))
+        try:
+            for found in History(self.following).to(Standing(value, start), far):
+                if isinstance(found, Jump) and found.kind == "pull-off":
+                    return found.before.point
+        except NotConverged:
+            return None
+        return None
+
+
+def under(scene: Scene, control: str, value: float) -> Scene:
+    """The scene under a value of one control."""
+    return replace(scene, **fields_under(control, value))
