@@ -306,7 +306,7 @@ def values_on(alpha: Array, beta: Array, u: Array, row: Index, left: Array, righ
             no_edge |= (left == 0) & vanishing[0][row] | (right == 0) & vanishing[1][row]
         # The same places in every interval are one row of angles.
         l, r = (left[:1], right[:1]) if left.ndim == 2 and left.strides[0] == 0 == right.strides[0] else (left, right)
-        sums = sine_sum(u, row, *(np.broadcast_to(a, left.shape) for a in (nearer_angle(l, r), l < r)))
+        sums = sine_sum(u, row, np.broadcast_to(nearer_angle(l, r), left.shape), np.broadcast_to(l < r, left.shape))
         return np.asarray(np.where(no_edge, 0.0, edge) + sums)
 
 
