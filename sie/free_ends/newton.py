@@ -117,7 +117,6 @@ def find_ends(
     tolerance: float = 1e-12,
     max_steps: int = 40,
     value: float = 0.0,
-    collapse: float = 1e-3,
     limits: tuple[float, float] = (-np.inf, np.inf),
     signs: tuple[float, float] = (1.0, 1.0),
     near: bool = False,
@@ -138,9 +137,6 @@ def find_ends(
         Newton steps after which the search is given up.
     value : float
         First guess for the value of an open condition.
-    collapse : float
-        One of several zones that has shrunk to this part of its first width, or a gap to this part of its first size, stops the search,
-        which then reports it in `lost` or `met`.
     limits : (float, float)
         Free ends do not pass these; one that reaches one stays there as a singular end, until its intensity turns negative.
     signs : (float, float)
@@ -217,7 +213,7 @@ def find_ends(
         closes = _closes(zones, equation, motion.delta)
         vanishes = motion.delta.sum(axis=0) <= zones.a - zones.b
         zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), equation.forcing.cornered), limits)
-        lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes, collapse)
+        lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes)
         if len(lost) or len(met):
             reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.past_fold]))
             return Free(

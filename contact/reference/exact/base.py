@@ -315,18 +315,11 @@ def half_width_from_sine(s: float, c: float, period: float) -> float:
     return period / pi * (asin(s) if s < c else 0.5 * pi - asin(c))
 
 
-def abel_gap(
-    load_rate: Callable[[Array], Array], a: float, e: Array, E_star: float, period: float | None = None
-) -> Array:
-    """(2/pi E*) int_a^(a+e) P'(s) arcosh(..) ds, by a double-exponential rule (see the head of this file)."""
+def abel_gap(load_rate: Callable[[Array], Array], a: float, e: Array, E_star: float) -> Array:
+    """(2/pi E*) int_a^(a+e) P'(s) arcosh((a+e)/s) ds, by a double-exponential rule (see the head of this file)."""
     e = np.asarray(e, dtype=float)[..., None]
     s, rest = a + e * FROM_LEFT, e * FROM_RIGHT
-    if period is None:
-        y = rest / s
-    else:
-        u, half = pi / period * s, 0.5 * pi / period * rest
-        y = 2.0 * np.cos(u + half) * np.sin(half) / np.sin(u)
-    return 2.0 / (pi * E_star) * np.sum(e * WEIGHT * load_rate(s) * arcosh1p(np.maximum(y, 0.0)), axis=-1)
+    return 2.0 / (pi * E_star) * np.sum(e * WEIGHT * load_rate(s) * arcosh1p(np.maximum(rest / s, 0.0)), axis=-1)
 
 
 def refuse_load(load: float, most: float, why: str) -> None:

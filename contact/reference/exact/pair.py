@@ -204,16 +204,14 @@ def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
     return float(brentq(miss, half, high, xtol=1e-300, rtol=1e-15))
 
 
-def pair_at_load(
-    ratio: Ratio, load: float, E_star: float, limit: float, period: float | None = None, middle: float | None = None
-) -> EvenPair:
-    """The pair that carries the load, m by `bounded_middle` or, given, held: the root of P(h), which grows with h.
+def pair_at_load(ratio: Ratio, load: float, E_star: float, limit: float, period: float | None = None) -> EvenPair:
+    """The pair that carries the load, m by `bounded_middle`: the root of P(h), which grows with h.
 
     limit: what y stays below. OutOfRange past the load at which the zones meet.
     """
 
     def at(half: float) -> EvenPair | None:
-        m = bounded_middle(ratio, half, limit) if middle is None else (middle if half < middle else None)
+        m = bounded_middle(ratio, half, limit)
         return None if m is None else EvenPair.on(m, half, ratio, E_star, limit, period)
 
     def miss(log_half: float) -> float:

@@ -47,12 +47,12 @@ class ByPressure:
         steps = how.steps or self.most_steps
         return sie.find_ends(equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near)
 
-    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None, bounded_ends: bool = False) -> ZoneFields:
-        """Fields with this number of zones at a load, whatever the signs. decay, bounded_ends: see `sie.find_ends`."""
+    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> ZoneFields:
+        """Fields with this number of zones at a load, whatever the signs. decay: see `sie.find_ends`."""
         control = Load(load)
         zones, equation = kinds(self.problem, control, table), self.problem.equation(control)
         try:
-            free = sie.find_ends(equation, zones, tolerance, limits=self.problem.corners, decay=decay, bounded_ends=bounded_ends)
+            free = sie.find_ends(equation, zones, tolerance, limits=self.problem.corners, decay=decay, bounded_ends=False)
         except sie.SingularSystem as failure:
             raise WrongTopology(f"the equation has no solution on such zones ({failure})", None) from failure
         if not free.converged:
