@@ -129,6 +129,12 @@ class IterativeSystem(System):
             rows -= y[self.layout.coefficients :] @ self.column_rows
         return rows[self.kept], Applied(self, y, middle, self._with_own(y, mean))
 
+    def felt(self, y: Array) -> Array:
+        """What unknowns do to the solved zones other than their own: the sizes of its coefficients on each, added up."""
+        rows, count = np.abs(self.sums(y, rough=True)[0]), self.layout.m[self.zones.solved]
+        zone = np.repeat(np.arange(len(count)), count)
+        return np.asarray(np.bincount(zone, rows, minlength=len(count)), dtype=np.float64)
+
     def _with_own(self, y: Array, mean: Array) -> Array:
         solved = self.zones.solved
         w = self.zones.half[solved]

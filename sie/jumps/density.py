@@ -367,4 +367,7 @@ class DensityJumps(ForcingJumps):
         return self._exterior(zone)
 
     def _sine_weights(self, k: Index, j: Array) -> Array:
-        return -np.cos(j * self.phi[k][:, None])
+        # By the angle from the nearer end: beside either, its multiples keep their digits.
+        from_left = (self.psi < self.phi)[k][:, None]
+        cosines = np.cos(j * np.minimum(self.phi, self.psi)[k][:, None])
+        return np.asarray(np.where(from_left & (j % 2 == 1), cosines, -cosines))
