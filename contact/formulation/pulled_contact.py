@@ -6,6 +6,8 @@ the root of the distance from there. Where q is negative a zone is cut, where th
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,6 +40,8 @@ _GONE = 1e-3
 _NEW = 0.5
 # How far from the zones of a lone body it is looked.
 _FAR = 1e3
+# How often a gap is looked at more closely about its extremes.
+_CLOSER = 3
 # Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary faster.
 _SIGNS = 128
 
@@ -191,8 +195,27 @@ def look_at(fields: ZoneFields) -> tuple[Array, Array]:
     """(places without contact, the gap there)."""
     pulled = fields.problem
     assert isinstance(pulled, Pulled)
-    x = look_around(pulled, fields.density.zones.table)
-    return x, fields.formal_gap(x)
+    return looked(fields.formal_gap, look_around(pulled, fields.density.zones.table))
+
+
+def looked(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
+    """(places, the gap there), those of its extremes among them, as parabolas have them: what begins there begins without width."""
+    order = np.argsort(x)
+    x, value = x[order], gap(x[order])
+    for _ in range(_CLOSER):
+        a, b, c = x[:-2], x[1:-1], x[2:]
+        left, right = (value[1:-1] - value[:-2]) / (b - a), (value[2:] - value[1:-1]) / (c - b)
+        turns = (left * right <= 0.0) & (left != right)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            top = 0.5 * (a + b) - left * 0.5 * (c - a) / (right - left)
+        top = top[turns & (top > a) & (top < c)]
+        top = np.unique(top[~np.isin(top, x)])
+        if len(top) == 0:
+            break
+        x, value = np.concatenate((x, top)), np.concatenate((value, gap(top)))
+        order = np.argsort(x)
+        x, value = x[order], value[order]
+    return x, value
 
 
 def look_around(pulled: Pulled, zones: Array) -> Array:
@@ -217,7 +240,11 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
         cuts = np.concatenate(([begin], np.sort(marks[(marks > begin) & (marks < end)]), [end]))
         for a, b in zip(cuts[:-1], cuts[1:], strict=True):
             found.append(places(float(a), float(b), 0.25 * spacing))
-    return np.concatenate(found)
+    kinks = pulled.forcing.kinks[0]
+    if period is not None and len(kinks):
+        kinks = np.concatenate((kinks - period, kinks, kinks + period))
+    held = [kinks[(kinks > a) & (kinks < b)] for a, b in edges]
+    return np.unique(np.concatenate((*found, *held)))
 
 
 def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:

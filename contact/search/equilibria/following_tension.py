@@ -24,7 +24,7 @@ from contact.formulation.runs import runs_of
 from contact.formulation.tension_intervals import fitted, interval_of, joined, unwrapped
 from contact.search.equilibria import arc, tension
 from contact.search.equilibria.arc import Step
-from contact.search.equilibria.changes import Change, changes, condition, with_change
+from contact.search.equilibria.changes import Change, about, changes, condition, with_change
 from contact.search.equilibria.following import LEAST, NEW, SLIGHT, Following, Jump, Standing, first_of
 from contact.search.equilibria.growth import touched
 
@@ -35,6 +35,10 @@ At = Callable[[float], CohesivePoint]
 _STEPS, _HALVINGS, _PARTS = 8, 40, 12
 # How much farther than a step its end is looked for, seen from there.
 _FARTHER = (1.0, 1.1, 1.5)
+# Newton's steps to an equilibrium, the last one over the widths, and a gap over the reach that is none.
+_NEWTON, _STILL, _TOUCHES = 20, 1e-12, 1e-9
+# Over its width, how far an interval of tension is pushed inward that has let go.
+_PUSH = 0.03
 # Of the value, short of full contact: there the last gap closes.
 _SHORT = 1e-7
 
@@ -145,13 +149,61 @@ class FollowingUnderTension(Following):
         return place, -most
 
     def gone(self, here: Point, sense: float) -> Jump | None:
-        """Under a held load contact may shrink to a point, which holds no more."""
-        last = self.curve.known[-1]
-        small = np.diff(last.zones, axis=1).sum() < tension.SHRUNK * np.diff(last.table, axis=1).sum()
-        if sense > 0.0 or self.curve.held.load is None or not small or len(last.zones) == 0:
+        """Contact that shrinks to a point within its interval of tension, and on which the interval hangs: without it that lets go."""
+        curve = self.curve
+        assert isinstance(here, CohesivePoint)
+        if sense > 0.0 or len(here.zones) == 0:
             return None
-        touch = tension.touching(self.curve, last.table, float(last.zones.mean()))
-        return Jump("pull-off", float(touch.contact[0, 0]), Standing(touch.value, touch), Standing(touch.value))
+        i = interval_of(here.zones, here.table)
+        share = np.diff(here.zones, axis=1)[:, 0] / np.diff(here.table, axis=1)[i, 0]
+        k = int(np.argmin(share))
+        if share[k] > tension.SHRUNK:
+            return None
+        if curve.held.load is not None and len(here.zones) == 1:
+            last: Point = tension.touching(curve, here.table, float(here.zones.mean()))
+            return Jump("pull-off", float(last.contact[0, 0]), Standing(last.value, last), Standing(last.value))
+        touch = self._without(here, k)
+        if touch is None:
+            return None
+        place, state = touch
+        before = Standing(state.value, replace(state, zones=with_change(state.zones, Change("death", False, (place, place)), place)))
+        if state.growth < 0.0:
+            return Jump("death", place, before, Standing(state.value, state), smooth=True)
+        width = float(np.diff(state.table[i[k]])[0])
+        table = state.table.copy()
+        table[i[k]] += np.array([_PUSH, -_PUSH]) * width
+        after = self.shrunk(table, state.value)
+        return Jump(self.kind(before, after, False), place, before, after)
+
+    def _without(self, here: CohesivePoint, k: int) -> tuple[float, CohesivePoint] | None:
+        """(place, equilibrium) in which the surfaces just touch where a zone is about to vanish; None if it was not found."""
+        others, (a, b) = np.delete(here.zones, k, axis=0), here.zones[k]
+        change = Change("death", False, about(others, float(a), float(b), self.curve.problem.period))
+        formal = replace(self.curve, formal=True, known=[Known(here.table, here.value, others, np.delete(here.by_ends, [k, k + len(here.zones)], 0))])
+
+        def state(value: float, table: Array) -> CohesivePoint:
+            at = formal.at(table, value)
+            for _ in range(_NEWTON):
+                step = np.linalg.solve(-at.rates, at.residual)
+                at = formal.at(at.moved(step), value)
+                if float(np.abs(step / at.widths).max()) < _STILL:
+                    break
+            return at
+
+        value, step = here.value, 1e-4 / float(np.abs(here.by_value).max())
+        try:
+            at = state(value, here.table)
+            place, least = condition(formal, at, change)
+            for _ in range(_NEWTON):
+                new = state(value + step, at.table)
+                place, ahead = condition(formal, new, change)
+                value, at = value + step, new
+                if ahead == least or abs(step) < 1e-15 * abs(value):
+                    break
+                step, least = -step * ahead / (ahead - least), ahead
+        except (NotConverged, NoState, np.linalg.LinAlgError):
+            return None
+        return (place, at) if abs(least) < _TOUCHES * self.curve.reach else None
 
     # what changes without a jump ----------------------------------------------------------------------------------------
     def passed(self, step: Step, length: float, last: Point) -> Iterator[Jump]:
@@ -224,7 +276,7 @@ class FollowingUnderTension(Following):
         place = condition(self.curve, here, change)[0]
         other = replace(here, zones=with_change(here.zones, change, place))
         before, after = (here, other) if change.ahead else (other, here)
-        return Jump(change.kind, place, Standing(here.value, before), Standing(here.value, after))
+        return Jump(change.kind, place, Standing(here.value, before), Standing(here.value, after), smooth=True)
 
     # tension everywhere ---------------------------------------------------------------------------------------------------
     def under_all(self, value: float) -> Standing:
@@ -241,7 +293,7 @@ class FollowingUnderTension(Following):
             return None
         after = self.under_all(self.full - _SHORT * self.size)
         assert isinstance(after.point, CohesivePoint)
-        return Jump("open", self._last_gap(after.point), Standing(self.full, closed=True), replace(after, value=self.full))
+        return Jump("open", self._last_gap(after.point), Standing(self.full, closed=True), replace(after, value=self.full), smooth=True)
 
     def _last_gap(self, here: CohesivePoint) -> float:
         (x, gap) = here.look
@@ -281,7 +333,7 @@ class FollowingUnderTension(Following):
         if end == value:
             yield Standing(value, here)
         else:
-            yield Jump("full", self._last_gap(here), Standing(self.full, here), Standing(self.full, closed=True))
+            yield Jump("full", self._last_gap(here), Standing(self.full, here), Standing(self.full, closed=True), smooth=True)
 
     def _by_value(self, low: CohesivePoint, high: CohesivePoint) -> Callable[[CohesivePoint, bool, float], Iterator[At]]:
         def beside(here: CohesivePoint, ahead: bool, reach: float) -> Iterator[At]:
