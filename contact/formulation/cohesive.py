@@ -236,9 +236,10 @@ class Cohesive(Equilibria):
         gap = pulled.shape(at) + level
         look = looked(lambda x: pulled.shape(x) + level, look_around(pulled, np.zeros((0, 2))))
         rates = self.explicit(pulled, at, np.zeros(2 * count)) - self.yields * self.stress
-        by_ends, of_level = np.zeros((0, 2 * count + 1)), np.append(np.full(2 * count, -self.yields * self.stress), -1.0)
+        none, by_ends = np.zeros((0, 2)), np.zeros((0, 2 * count + 1))
+        of_level = np.append(np.full(2 * count, -self.yields * self.stress), -1.0)
         return CohesivePoint(
-            table, value, 1 - gap / self.reach, -rates / self.reach, np.full(2 * count, 1.0 / self.reach), -pull, level, np.zeros((0, 2)), None,
+            table, value, 1 - gap / self.reach, -rates / self.reach, np.full(2 * count, 1.0 / self.reach), -pull, level, none, None,
             by_ends, of_level, look,
         )
 

@@ -44,7 +44,7 @@ class Standing:
 
 @dataclass(frozen=True, eq=False)
 class Jump:
-    """What happens to the zones: kind (contact.sweeps.adhesive), place: scaled, where it begins; smooth: nothing jumps, and nothing is lost."""
+    """What happens to the zones: kind (contact.sweeps.adhesive); place: scaled, where it begins; smooth: nothing jumps, nothing is lost."""
 
     kind: str
     place: float

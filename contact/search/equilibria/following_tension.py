@@ -111,13 +111,17 @@ class FollowingUnderTension(Following):
 
     def _changed(self, here: Point, place: float, width: float, begins: bool) -> Standing:
         """What an interval of tension that begins at a place comes to, or one that is cut there."""
-        curve, half = self.curve, 0.5 * NEW * width
+        curve, half, period = self.curve, 0.5 * NEW * width, self.curve.problem.period
+        if period is not None:
+            place -= np.floor((place - here.table[0, 0]) / period) * period
         assert isinstance(here, CohesivePoint)
         sign = 1.0 if begins else -1.0
         while True:
-            table = (_with_interval if begins else _cut)(here.table, place, half, curve.problem.period)
-            at = curve.from_zones(table, here.value, fitted(here.zones, table, curve.problem.period))
-            if half < LEAST or np.all(sign * at.residual > -SLIGHT):
+            table = (_with_interval if begins else _cut)(here.table, place, half, period)
+            at = curve.from_zones(table, here.value, fitted(here.zones, table, period))
+            # The ends that are new are driven, all others at rest.
+            new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half
+            if half < LEAST or (np.all(sign * at.residual > -SLIGHT) and np.all(sign * at.residual[new] > 0.0)):
                 break
             half *= 0.1
         return (self.grown if begins else self.shrunk)(table, here.value)
@@ -159,14 +163,22 @@ class FollowingUnderTension(Following):
         k = int(np.argmin(share))
         if share[k] > tension.SHRUNK:
             return None
-        if curve.held.load is not None and len(here.zones) == 1:
-            last: Point = tension.touching(curve, here.table, float(here.zones.mean()))
-            return Jump("pull-off", float(last.contact[0, 0]), Standing(last.value, last), Standing(last.value))
-        touch = self._without(here, k)
-        if touch is None:
+        if curve.held.load is not None and share.max() <= tension.SHRUNK:
+            last = tension.touching(curve, here.table, float(here.zones[k].mean()))
+            others = np.delete(here.zones.mean(axis=1), k)
+            points = np.sort(np.append(others, last.zones[0, 0]))
+            last = replace(last, zones=np.column_stack((points, points)))
+            return Jump("pull-off", float(last.zones[0, 0]), Standing(last.value, last), Standing(last.value))
+        # As a rule one alone, but two of the same kind together.
+        for gone in (np.array([k]), np.flatnonzero(share <= tension.SHRUNK)):
+            touch = self._without(here, gone)
+            if touch is not None:
+                break
+        else:
             return None
-        place, state = touch
-        before = Standing(state.value, replace(state, zones=with_change(state.zones, Change("death", False, (place, place)), place)))
+        places, state = touch
+        before = Standing(state.value, replace(state, zones=_with_points(state.zones, places)))
+        place = float(places[0])
         if state.growth < 0.0:
             return Jump("death", place, before, Standing(state.value, state), smooth=True)
         width = float(np.diff(state.table[i[k]])[0])
@@ -175,11 +187,13 @@ class FollowingUnderTension(Following):
         after = self.shrunk(table, state.value)
         return Jump(self.kind(before, after, False), place, before, after)
 
-    def _without(self, here: CohesivePoint, k: int) -> tuple[float, CohesivePoint] | None:
-        """(place, equilibrium) in which the surfaces just touch where a zone is about to vanish; None if it was not found."""
-        others, (a, b) = np.delete(here.zones, k, axis=0), here.zones[k]
-        change = Change("death", False, about(others, float(a), float(b), self.curve.problem.period))
-        formal = replace(self.curve, formal=True, known=[Known(here.table, here.value, others, np.delete(here.by_ends, [k, k + len(here.zones)], 0))])
+    def _without(self, here: CohesivePoint, gone: NDArray[np.intp]) -> tuple[Array, CohesivePoint] | None:
+        """(places, equilibrium) in which the surfaces just touch where zones are about to vanish; None if it was not found."""
+        count, period = len(here.zones), self.curve.problem.period
+        others = np.delete(here.zones, gone, axis=0)
+        each = [Change("death", False, about(others, float(a), float(b), period)) for a, b in here.zones[gone]]
+        known = Known(here.table, here.value, others, np.delete(here.by_ends, np.append(gone, gone + count), axis=0))
+        formal = replace(self.curve, formal=True, known=[known])
 
         def state(value: float, table: Array) -> CohesivePoint:
             at = formal.at(table, value)
@@ -193,17 +207,20 @@ class FollowingUnderTension(Following):
         value, step = here.value, 1e-4 / float(np.abs(here.by_value).max())
         try:
             at = state(value, here.table)
-            place, least = condition(formal, at, change)
+            least = condition(formal, at, each[0])[1]
             for _ in range(_NEWTON):
-                new = state(value + step, at.table)
-                place, ahead = condition(formal, new, change)
-                value, at = value + step, new
+                at = state(value + step, at.table)
+                ahead = condition(formal, at, each[0])[1]
+                value += step
                 if ahead == least or abs(step) < 1e-15 * abs(value):
                     break
                 step, least = -step * ahead / (ahead - least), ahead
         except (NotConverged, NoState, np.linalg.LinAlgError):
             return None
-        return (place, at) if abs(least) < _TOUCHES * self.curve.reach else None
+        touches = _TOUCHES * self.curve.reach
+        if abs(least) > touches or at.look[1].min() < -touches:
+            return None
+        return np.sort([condition(formal, at, one)[0] for one in each]), at
 
     # what changes without a jump ----------------------------------------------------------------------------------------
     def passed(self, step: Step, length: float, last: Point) -> Iterator[Jump]:
@@ -393,6 +410,12 @@ class FollowingUnderTension(Following):
             np.array([-1.0]), (np.zeros(0), np.zeros(0)), True,
         )
         return Jump("pull-off", place, Standing(value, touch), Standing(value))
+
+
+def _with_points(zones: Array, places: Array) -> Array:
+    """The zones, and contact in points."""
+    both = np.concatenate((zones, np.column_stack((places, places))))
+    return np.asarray(both[np.argsort(both[:, 0])])
 
 
 def _with_interval(table: Array, place: float, half: float, period: float | None) -> Array:
