@@ -209,7 +209,7 @@ def describe(scene: Scene) -> dict[str, Any]:
     """The scene in the tables of a scene file; an array too long to read is told by its shape."""
     name, value = scene.control
     return {
-        "profile": {"shape": scene.profile.name, **_parameters(scene.profile)},
+        **{place: _given(table) for place, table in scene.profile.tables().items()},
         "material": {"E_star": scene.E_star},
         "interaction": {"model": scene.interaction.name, **_parameters(scene.interaction)},
         **_unusual(scene),
@@ -225,13 +225,15 @@ def _unusual(scene: Scene) -> dict[str, Any]:
 
 
 def _parameters(part: Any) -> dict[str, Any]:
-    """What a profile or an interaction was made with, less what was left out."""
-    if hasattr(part, "parameters"):
-        values = part.parameters()
-    elif dataclasses.is_dataclass(part):
+    """What an interaction, a substrate or a law was made with, less what was left out."""
+    if dataclasses.is_dataclass(part):
         values = {field.name: getattr(part, field.name) for field in dataclasses.fields(part)}
     else:
         values = {}
+    return _given(values)
+
+
+def _given(values: Mapping[str, Any]) -> dict[str, Any]:
     return {name: _short(value) for name, value in values.items() if value is not None}
 
 
