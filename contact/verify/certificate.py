@@ -27,8 +27,6 @@ _ZOOMS = 7
 NARROWEST = 1e-13
 # Distances from a kink, over the half width, at which the pressure is looked at.
 _AWAY = np.geomspace(NARROWEST, 0.1, 37)
-# From this number of zones on, all gaps are looked at together.
-_MANY = 32
 
 # Normalised positions at which zones are looked at for what the gap comes to on them.
 _ON_ZONES = np.cos(np.pi * np.array([0.125, 0.375, 0.625, 0.875]))
@@ -268,30 +266,6 @@ def _dips(
     return bad, min(found.least, found.lowest), found.relative
 
 
-def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int]:
-    """(smallest gap found, intervals of overlap, rounding of the gap, points), scaled."""
-    if len(fields.density.zones) >= _MANY:
-        return _gaps_together(fields, rounding)
-    bad: list[tuple[float, float]] = []
-    smallest: float | None = None
-    points = 0
-    for lo, hi, left_zone, right_zone in fields.open_intervals():
-        x = _between(lo, hi, fields, left_zone, right_zone)
-        scaled_gap = fields.gap_between(lo, hi)
-        gap = scaled_gap(x)
-        points += len(x)
-        finite = _finite(gap)
-        if not np.any(np.isfinite(finite)):
-            continue
-        finite, x = _zoom(scaled_gap, x, finite)
-        here = float(finite.min())
-        smallest = here if smallest is None else min(smallest, here)
-        fails = finite < -rounding
-        bad += _overlaps(x, fails, lo, hi)
-    far = _far_away(fields)
-    return smallest, np.array(bad + far[0]).reshape(-1, 2), rounding, points + far[1]
-
-
 def _far_away(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
     """(intervals of overlap, points) far from all zones: a turned or a lopsided body may touch there as well."""
     bad: list[tuple[float, float]] = []
@@ -304,14 +278,15 @@ def _far_away(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
     return bad, points
 
 
-def _gaps_together(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int]:
-    """The same for many zones: the points of all gaps at once, and only minima followed that may touch zero.
+def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int]:
+    """(smallest gap found, intervals of overlap, rounding of the gap, points), scaled: the points of all gaps at once, and only minima
+    followed that may touch zero.
 
     Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones.
     """
     intervals = list(fields.open_intervals())
-    parts = [_between(lo, hi, fields, left, right, thinned=True) for lo, hi, left, right in intervals]
-    points = np.concatenate(parts)
+    parts = [_between(lo, hi, fields, left, right) for lo, hi, left, right in intervals]
+    points = np.concatenate([np.zeros(0), *parts])
     place = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
     count = len(points)
     gap = _finite(fields.formal_gap(points))
@@ -372,16 +347,16 @@ def _overlaps(x: Array, fails: NDArray[np.bool_], lo: float, hi: float) -> list[
     ]
 
 
-def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool, thinned: bool = False) -> Array:
+def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool) -> Array:
     """Points in (lo, hi), evenly at least as close as the fields' spacing asks for, quadratically closer next to zones; tips among
-    them, and the limit of what is looked at: the body may touch right there. thinned: between zones no more than the spacing asks for, if
-    that is less than the least number, but beside their ends."""
+    them, and the limit of what is looked at: the body may touch right there. Between zones no more than the spacing asks for, if that is
+    less than the least number, but beside their ends."""
     known = fields.problem.profile.resolution is not None and (fields.is_bounded or (left_zone and right_zone))
     asked = 4 * (hi - lo) / fields.spacing
     n = int(np.clip(asked, _FEWEST, _MOST_KNOWN if known else _MOST))
     s = (np.arange(n) + 0.5) / n
     if left_zone and right_zone:
-        s = _THINNED if thinned and asked <= _FEWEST // 2 else np.sin(0.5 * np.pi * s) ** 2
+        s = _THINNED if asked <= _FEWEST // 2 else np.sin(0.5 * np.pi * s) ** 2
     elif left_zone:
         s = np.append(s * s, 1.0)
     elif right_zone:
