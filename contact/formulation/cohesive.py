@@ -25,7 +25,7 @@ from contact.formulation.controls import Control
 from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.formulation.pulled_contact import Lost, contact_under, look_around
+from contact.formulation.pulled_contact import Lost, contact_under, look_around, looked
 from contact.formulation.tension import Pulled
 from contact.formulation.tension_intervals import fitted, interval_of
 
@@ -162,7 +162,7 @@ class Cohesive(Equilibria):
             level, x = -value - self.yields * pull, look_around(pulled, none)
             loose = CohesivePoint(
                 none, value, np.zeros(0), np.zeros((0, 0)), np.zeros(0), -pull, level, none, None, np.zeros((0, 1)), np.array([-1.0]),
-                (x, pulled.shape(x) + level), True,
+                looked(lambda y: pulled.shape(y) + level, x), True,
             )
             if len(zones) == 0 and (self.formal or loose.look[1].min() >= -_TOUCHING * self.reach):
                 return loose
@@ -233,12 +233,14 @@ class Cohesive(Equilibria):
         count, pull = len(table), pulled.pulling.total
         at = np.concatenate((table[:, 0], table[:, 1]))
         level = -value - self.yields * pull
-        gap, x = pulled.shape(at) + level, look_around(pulled, np.zeros((0, 2)))
+        gap = pulled.shape(at) + level
+        look = looked(lambda x: pulled.shape(x) + level, look_around(pulled, np.zeros((0, 2))))
         rates = self.explicit(pulled, at, np.zeros(2 * count)) - self.yields * self.stress
-        by_ends, of_level = np.zeros((0, 2 * count + 1)), np.append(np.full(2 * count, -self.yields * self.stress), -1.0)
+        none, by_ends = np.zeros((0, 2)), np.zeros((0, 2 * count + 1))
+        of_level = np.append(np.full(2 * count, -self.yields * self.stress), -1.0)
         return CohesivePoint(
-            table, value, 1 - gap / self.reach, -rates / self.reach, np.full(2 * count, 1.0 / self.reach), -pull, level,
-            np.zeros((0, 2)), None, by_ends, of_level, (x, pulled.shape(x) + level),
+            table, value, 1 - gap / self.reach, -rates / self.reach, np.full(2 * count, 1.0 / self.reach), -pull, level, none, None,
+            by_ends, of_level, look,
         )
 
     def explicit(self, pulled: Pulled, at: Array, transform: Array) -> Array:

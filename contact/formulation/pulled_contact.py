@@ -6,6 +6,8 @@ the root of the distance from there. Where q is negative a zone is cut, where th
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -36,8 +38,10 @@ _COVERED = 1e-6
 _GONE = 1e-3
 # Of an overlap, as wide a new zone begins.
 _NEW = 0.5
-# How far from the zones of a lone body it is looked.
-_FAR = 1e3
+# How far from the zones of a lone body it is looked, and in which parts, over what these span.
+_FAR, _CUTS = 1e3, np.array([0.25, 1.0, 4.0, 16.0, 64.0])
+# How often a gap is looked at more closely about its extremes.
+_CLOSER = 3
 # Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary faster.
 _SIGNS = 128
 
@@ -191,8 +195,27 @@ def look_at(fields: ZoneFields) -> tuple[Array, Array]:
     """(places without contact, the gap there)."""
     pulled = fields.problem
     assert isinstance(pulled, Pulled)
-    x = look_around(pulled, fields.density.zones.table)
-    return x, fields.formal_gap(x)
+    return looked(fields.formal_gap, look_around(pulled, fields.density.zones.table))
+
+
+def looked(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
+    """(places, the gap there), those of its extremes among them, as parabolas have them: what begins there begins without width."""
+    order = np.argsort(x)
+    x, value = x[order], gap(x[order])
+    for _ in range(_CLOSER):
+        a, b, c = x[:-2], x[1:-1], x[2:]
+        left, right = (value[1:-1] - value[:-2]) / (b - a), (value[2:] - value[1:-1]) / (c - b)
+        turns = (left * right <= 0.0) & (left != right)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            top = 0.5 * (a + b) - left * 0.5 * (c - a) / (right - left)
+        top = top[turns & (top > a) & (top < c)]
+        top = np.unique(top[~np.isin(top, x)])
+        if len(top) == 0:
+            break
+        x, value = np.concatenate((x, top)), np.concatenate((value, gap(top)))
+        order = np.argsort(x)
+        x, value = x[order], value[order]
+    return x, value
 
 
 def look_around(pulled: Pulled, zones: Array) -> Array:
@@ -207,7 +230,8 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
         if len(zones):
             edges = [(float(b), float(a)) for b, a in zip(zones[:, 1], [*zones[1:, 0], zones[0, 0] + period], strict=True)]
     else:
-        span, marks = float(both.max() - both.min()), table.ravel()
+        span = float(both.max() - both.min())
+        marks = np.concatenate((table.ravel(), both.min() - span * _CUTS, both.max() + span * _CUTS))
         left, right = max(lo, both.min() - _FAR * span), min(hi, both.max() + _FAR * span)
         edges = [(float(b), float(a)) for b, a in zip([left, *zones[:, 1]], [*zones[:, 0], right], strict=True)]
     resolution = pulled.profile.resolution
@@ -217,11 +241,16 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
         cuts = np.concatenate(([begin], np.sort(marks[(marks > begin) & (marks < end)]), [end]))
         for a, b in zip(cuts[:-1], cuts[1:], strict=True):
             found.append(places(float(a), float(b), 0.25 * spacing))
-    return np.concatenate(found)
+    kinks = pulled.forcing.kinks[0]
+    if period is not None and len(kinks):
+        kinks = np.concatenate((kinks - period, kinks, kinks + period))
+    held = [kinks[(kinks > a) & (kinks < b)] for a, b in edges]
+    return np.unique(np.concatenate((*found, *held)))
 
 
 def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
     """Zones with pulling parts cut out and new ones where the surfaces overlap; None where there are no such places."""
+    assert isinstance(fields.problem, Pulled)
     density, (x, gap) = fields.density, look
     zones, out, changed = density.zones, [], False
     varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
@@ -241,8 +270,11 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
         if np.isfinite(begin):
             out.append((begin, float(zones.b[i])))
     rounding = fields.gap_rounding + 2 * float(np.abs(fields.formal_gap(zones.middle)).max())
-    inside = density.locate(x)[2]
-    for s, e in runs_of((gap < -rounding) & ~inside):
+    free, tension = ~density.locate(x)[2], fields.problem.pulling
+    if len(tension.table):
+        # Beyond the intervals of tension it is for these to grow first.
+        free &= tension.holds(x)
+    for s, e in runs_of((gap < -rounding) & free):
         lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
         if (s == 0 or lo in zones.table) and (e == len(x) - 1 or hi in zones.table):
             continue

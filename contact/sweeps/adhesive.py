@@ -373,7 +373,8 @@ class _Run:
             approach_after = self._parted(jump.before)
         lost = None
         if energy is not None and energy_after is not None and approach is not None and approach_after is not None:
-            lost = energy - energy_after + (load if by_load else 0.5 * (load + load_after)) * (approach_after - approach)
+            done = (load if by_load else 0.5 * (load + load_after)) * (approach_after - approach)
+            lost = 0.0 if jump.smooth else energy - energy_after + done
         surfaces = None
         if jump.kind == "pull-off" and jump.before.point is not None:
             fields = self.by.fields(jump.before.point)

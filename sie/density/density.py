@@ -220,9 +220,13 @@ class Density(Located):
         out = values_on(*self.bounded, zone, left, right, self._bounded_ends)
         if len(self.jumps):
             out = out.copy()
-            flat, flat_left, flat_right = out.reshape(-1), left.ravel(), right.ravel()
-            for i, here in of_zones(zone.ravel()):
+            flat, flat_zone, flat_left, flat_right = out.reshape(-1), zone.ravel(), left.ravel(), right.ravel()
+            few = self.jumps.few.holds(flat_zone)
+            some, rest = np.flatnonzero(few), np.flatnonzero(~few)
+            flat[some] += self.jumps.few.density(flat_zone[some], flat_left[some], flat_right[some])
+            for i, there in of_zones(flat_zone[rest]):
                 if i in self.jumps.by_zone:
+                    here = rest[there]
                     flat[here] += self.jumps.density(i, flat_left[here], flat_right[here])
         return np.asarray(out)
 

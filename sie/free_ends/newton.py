@@ -122,6 +122,7 @@ def find_ends(
     near: bool = False,
     decay: float | None = None,
     bounded_ends: bool = True,
+    off: float = 1.0,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -149,6 +150,9 @@ def find_ends(
     bounded_ends : bool
         Whether 1/sqrt(d) is taken out of the last density: the rest is right at equal normalised position to first order in what the ends
         are off, and the whole of it, farther from them, at equal places to second order.
+    off : float
+        What the ends are off by over their zones' widths, as far as that is known: the better they are, the tighter is the first solution
+        by iteration.
 
     Returns
     -------
@@ -169,7 +173,7 @@ def find_ends(
     """
     decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
     opened = equation.open_condition
-    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1])
+    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off)
     sizes = first_sizes(equation, zones)
     unit: Unit | None = None
     while True:

@@ -28,6 +28,8 @@ Array = NDArray[np.float64]
 _NEW = 0.5
 # How often a step is shortened that would lose contact.
 _TRIES = 6
+# How often, and by how much, intervals are widened that contact covers.
+_WIDENINGS, _WIDEN = 120, 1.25
 # Newton's steps of a state without contact.
 _STEPS = 80
 # Of the control, until the gap somewhere comes to the reach.
@@ -80,7 +82,8 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
         if new is not None:
             if len(new) == 0:
                 return None
-            here = curve.from_zones(new, value, fitted(here.zones, new, curve.problem.period))
+            zones = fitted(here.zones, new, curve.problem.period)
+            here = curve.from_zones(uncovered(curve, new, value, zones) if sign > 0 else new, value, zones)
             continue
         ahead, move = _step(curve, here, sign)
         assert isinstance(ahead, CohesivePoint)
@@ -90,9 +93,26 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
     raise NotConverged("the ends of the tension did not come to rest under a held control")
 
 
+def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Array:
+    """The intervals, or wider ones where contact covers these: what it covers is driven on."""
+    for _ in range(_WIDENINGS):
+        try:
+            curve.from_zones(table, value, fitted(zones, table, curve.problem.period))
+            return table
+        except Covered as covered:
+            width, gaps = np.diff(table, axis=1)[:, 0], curve.gaps(table)
+            left, right = covered.ends.reshape(2, -1)
+            out = 0.5 * (_WIDEN - 1) * width
+            table = table + np.column_stack((-1.0 * left * np.minimum(out, 0.4 * np.roll(gaps, 1)), right * np.minimum(out, 0.4 * gaps)))
+    raise NotConverged(TOO_NARROW)
+
+
 def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     limit, back = flow.limits(curve, here, sign)
     lost, beyond = 0, np.zeros(len(limit))
+    # An interval that was cut is parted by little at first.
+    gaps = curve.gaps(here.table)
+    size = np.minimum(here.widths, np.concatenate((np.roll(gaps, 1), gaps)))
     for _ in range(flow.MOST_TRIES):
         step = flow.kept_step(here, sign, limit, back) + beyond
         try:
@@ -113,7 +133,7 @@ def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
         passed = flow.passed(here, ahead, step, sign)
         if not passed.any():
             # Short of where contact is lost it is not at rest.
-            return ahead, float(np.abs(step / here.widths).max()) if lost == 0 else np.inf
+            return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
         kept = np.where(passed | (here.growth >= 0.0), 0.5, 0.9)
         limit = kept * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
     raise NotConverged("no step of the ends keeps to the branch")

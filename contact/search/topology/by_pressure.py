@@ -45,7 +45,9 @@ class ByPressure:
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
         equation, problem = self.problem.equation(control), self.problem
         steps = how.steps or self.most_steps
-        return sie.find_ends(equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near)
+        return sie.find_ends(
+            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, off=how.off
+        )
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> ZoneFields:
         """Fields with this number of zones at a load, whatever the signs. decay: see `sie.find_ends`."""
