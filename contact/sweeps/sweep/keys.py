@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,6 +12,7 @@ from contact.errors import SceneError
 from contact.model.controls import TURNING, fields_under
 from contact.model.registry import CONTROLS
 from contact.model.scene import Scene
+from contact.solution.export import parameters
 
 Value = float | int | str
 
@@ -63,13 +63,6 @@ def keys_of(scene: Scene) -> dict[str, Any]:
     given, value = scene.control
     controls = {name: value if name == given else None for name in CONTROLS.all()}
     return known | {f"control.{name}": at for name, at in (controls | {name: getattr(scene, name) for name in TURNING}).items()}
-
-
-def parameters(part: Any) -> dict[str, Any]:
-    """What to give the class of a part of a scene, by name, to make it again."""
-    if hasattr(part, "parameters"):
-        return dict(part.parameters())
-    return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
 
 
 def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:

@@ -16,10 +16,10 @@ from contact.errors import SceneError, shown
 from contact.extras import require, version
 from contact.model.controls import TURNING
 from contact.model.scene import Scene
-from contact.solution.export import plain
+from contact.solution.export import parameters, plain
 from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.chunks import Rows
-from contact.sweeps.sweep.keys import MODULUS, PARTS, Axis, parameters
+from contact.sweeps.sweep.keys import MODULUS, PARTS, Axis
 
 _WORDS = {"reason": "why a point failed", "warning": "what the model hardly covers"}
 # Of an array: what is told of it as it is; a longer one by its shape and its sum.
