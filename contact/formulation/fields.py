@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
@@ -17,8 +17,6 @@ from contact.formulation.problem import Problem
 
 Array = NDArray[np.float64]
 
-# Zones from which on the potential of far ones is interpolated.
-_MANY = 8
 # Zones at the most that the highest pressure is looked for in, below the sampling.
 _PEAKS = 16
 # How far from the zones a half-line is looked at closely, and at all, in units of what the zones span.
@@ -252,13 +250,6 @@ class ZoneFields(sie.Kept):
     def formal_pressure(self, x: Array) -> Array:
         """Scaled, whatever its sign."""
         return np.asarray(self.density(x))
-
-    def gap_between(self, lo: float, hi: float) -> Callable[[Array], Array]:
-        """The scaled gap as a function on an interval without contact; cheap at many points where zones are many."""
-        potential = self.density.potential_on(lo, hi) if len(self.density.zones) >= _MANY else None
-        if potential is None:
-            return self.scaled_gap
-        return lambda x: self.standing_shape(x) + self.level + self._raised(x, potential(x))
 
     def standing_shape(self, x: Array) -> Array:
         """F of the profile as it stands: turned on by what the first guess of the tilt missed."""

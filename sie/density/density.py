@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -33,7 +32,6 @@ from sie.density.field import (
     quadrature,
     transform_at,
 )
-from sie.density.interval_potential import IntervalPotential
 from sie.density.located import Located, real_of
 from sie.density.plane import Plane
 from sie.density.treecode import Treecode
@@ -277,10 +275,6 @@ class Density(Located):
             raise ValueError("the regular kernel has no potential")
         x = real_of(x)
         return potential_at(self, self.into_period(x).ravel(), self.sources).reshape(x.shape)
-
-    def potential_on(self, lo: float, hi: float) -> Callable[[Array], Array] | None:
-        """The potential on [lo, hi], an interval without zones in it, cheap at many points; None where nothing is gained."""
-        return IntervalPotential.on(self, lo, hi)
 
     def into_period(self, x: Array) -> Array:
         """x moved by periods to within half of one of the zones' middle, where the kernel's poles are the near ones."""

@@ -323,10 +323,6 @@ class SlitDensity(Located):
         return out
 
     # the line ---------------------------------------------------------------------------------------------------------
-    def potential_on(self, lo: float, hi: float) -> None:
-        """Nothing is gained beside slits: see `Density.potential_on`."""
-        return None
-
     def _into_wide(self, x: Array) -> Array:
         """x moved by periods to lie right of the first wide zone's left end."""
         period = self.kernel.period
