@@ -92,7 +92,7 @@ class AdhesiveEvent(Event):
 
     def change(self) -> str:
         ends = "apart", "full contact"
-        before = len(self.before) or ends[0]
+        before = len(self.before) or ends[self.kind == "open"]
         return f"{before} to {len(self.after) or ends[self.kind == 'full']}"
 
 

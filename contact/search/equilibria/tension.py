@@ -115,8 +115,9 @@ def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     # An interval that was cut is parted by little at first.
     gaps = curve.gaps(here.table)
     size = np.minimum(here.widths, np.concatenate((np.roll(gaps, 1), gaps)))
-    for tried in range(flow.MOST_TRIES):
-        if tried >= _ONE_WAY and here.growth >= 0.0:
+    back_again = 0
+    for _ in range(flow.MOST_TRIES):
+        if back_again >= _ONE_WAY and here.growth >= 0.0:
             return _let_go(curve, here, sign)
         step = flow.kept_step(here, sign, limit, back) + beyond
         try:
@@ -138,7 +139,7 @@ def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
         if not passed.any():
             # Short of where contact is lost it is not at rest.
             return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
-        limit = _shorter(here, limit, step, np.where(passed, 0.5, 0.9))
+        limit, back_again = _shorter(here, limit, step, np.where(passed, 0.5, 0.9)), back_again + 1
     raise NotConverged("no step of the ends keeps to the branch")
 
 
@@ -161,7 +162,7 @@ def _let_go(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
         if np.all(np.abs(step) <= np.where(sign * step > 0.0, onward, back)):
             try:
                 return curve.at(here.moved(step), here.value), np.inf
-            except NoState:
+            except Covered:
                 pass
         above *= 2.0
     raise NotConverged("no step of the ends keeps to the branch")
