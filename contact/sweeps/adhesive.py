@@ -378,7 +378,7 @@ class _Run:
         surfaces = None
         if jump.kind == "pull-off" and jump.before.point is not None:
             fields = self.by.fields(jump.before.point)
-            x = _places(self.scene, zones)
+            x = _places(self.scene, zones if len(zones) else fields.cohesive)
             surfaces = np.array([x, -fields.displacement(x), fields.gap(x) - fields.displacement(x)])
         value = jump.before.value * self.unit
         place = float(units.x(np.array(jump.place)))

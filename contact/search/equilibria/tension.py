@@ -68,7 +68,7 @@ def _held(curve: Cohesive, table: Array, value: float) -> Array:
     before = curve._nearest(table).table
     for _ in range(_TRIES):
         try:
-            curve.at(table, value)
+            curve.at(table, value, flow.ROUGH)
             break
         except Covered as covered:
             if len(before) != len(table):
@@ -78,14 +78,14 @@ def _held(curve: Cohesive, table: Array, value: float) -> Array:
 
 
 def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> CohesivePoint | None:
-    here = curve.at(table, value)
+    here = curve.at(table, value, flow.ROUGH)
     for _ in range(flow.MOST_STEPS):
         new = _parted(curve, here) if sign < 0 else _grown(curve, here)
         if new is not None:
             if len(new) == 0:
                 return None
             zones = fitted(here.zones, new, curve.problem.period)
-            here = curve.from_zones(uncovered(curve, new, value, zones) if sign > 0 else new, value, zones)
+            here = curve.from_zones(uncovered(curve, new, value, zones) if sign > 0 else new, value, zones, flow.ROUGH)
             continue
         ahead, move = _step(curve, here, sign)
         assert isinstance(ahead, CohesivePoint)
@@ -99,7 +99,7 @@ def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Arra
     """The intervals, or wider ones where contact covers these: what it covers is driven on."""
     for _ in range(_WIDENINGS):
         try:
-            curve.from_zones(table, value, fitted(zones, table, curve.problem.period))
+            curve.from_zones(table, value, fitted(zones, table, curve.problem.period), flow.ROUGH)
             return table
         except Covered as covered:
             width, gaps = np.diff(table, axis=1)[:, 0], curve.gaps(table)
@@ -121,7 +121,7 @@ def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
             return _let_go(curve, here, sign)
         step = flow.kept_step(here, sign, limit, back) + beyond
         try:
-            ahead = curve.at(here.moved(step), here.value)
+            ahead = curve.at(here.moved(step), here.value, flow.ROUGH)
         except Lost:
             lost += 1
             if lost > _TRIES:
@@ -161,7 +161,7 @@ def _let_go(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
         step = np.linalg.solve(np.diag((max(here.growth, 0.0) + above) * here.weight) - here.rates, here.residual)
         if np.all(np.abs(step) <= np.where(sign * step > 0.0, onward, back)):
             try:
-                return curve.at(here.moved(step), here.value), np.inf
+                return curve.at(here.moved(step), here.value, flow.ROUGH), np.inf
             except Covered:
                 pass
         above *= 2.0
