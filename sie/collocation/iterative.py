@@ -77,10 +77,13 @@ def unfit(equation: Equation, zones: Zones) -> str | None:
 
 
 class IterativeSystem(System):
-    """Rows applied to unknowns; no matrix is kept."""
+    """Rows applied to unknowns; no matrix is kept. rough: what far zones do is known to 1e-7 of all of it."""
 
-    def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps) -> None:
+    def __init__(
+        self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps, rough: bool = False
+    ) -> None:
         super().__init__(equation, zones, m, coefficients, jumps)
+        self.rough = rough
         solved, kernel = zones.solved, equation.kernel
         if kernel.regular is not None and kernel.regular_potential is None and self.wants_levels:
             raise ValueError("a condition on potentials needs the regular kernel's potential")
@@ -96,7 +99,7 @@ class IterativeSystem(System):
         g = np.where(k < self.lowest.shape[1], self.lowest[zone, np.minimum(k, self.lowest.shape[1] - 1)], 0.0)
         self.column_rows = np.array([self._projected(c.value) for c in equation.columns]).reshape(-1, len(k))
         none = np.zeros(len(solved))
-        self.known_field = self.sums(self.layout.flat(self.known)) if len(jumps) else (np.zeros(len(k)), none, none)
+        self.known_field = self.sums(self.layout.flat(self.known), rough) if self.known.any() else (np.zeros(len(k)), none, none)
         if self.unseen_moments is not None:
             rows, middle, mean = self.sums.of_panels(self.unseen_moments)
             self.known_field = self.known_field[0] + rows, self.known_field[1] + middle, self.known_field[2] + mean
@@ -124,7 +127,7 @@ class IterativeSystem(System):
     # rows applied ---------------------------------------------------------------------------------------------------
     def applied(self, y: Array, rough: bool = False) -> tuple[Array, Applied]:
         """(rows of the equation, what conditions ask for) for unknowns y. rough: see `ZoneSums`."""
-        rows, middle, mean = self.sums(y, rough)
+        rows, middle, mean = self.sums(y, rough or self.rough)
         rows -= y[self.own]
         if self.layout.columns:
             rows -= y[self.layout.coefficients :] @ self.column_rows

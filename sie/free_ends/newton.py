@@ -44,6 +44,9 @@ _BORDERINGS = 12
 # was: what that leaves of a step is this part of it.
 _SAME_RESPONSE = 0.01
 
+# Of a solution by iteration that is wanted no better than this, sums are rough.
+_ROUGHLY = 1e-7
+
 # The same, found by iteration: motions over what they are of each zone by itself.
 _AMPLIFIED = 1e10
 _FOUND = "the ends are at rest"
@@ -178,7 +181,7 @@ def find_ends(
     unit: Unit | None = None
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
-        sizes.linear, sizes.value = progress.linear, value
+        sizes.linear, sizes.rough, sizes.value = progress.linear, progress.linear > max(_ROUGHLY, progress.tightest), value
         state = solve_zones(equation, zones, decay, sizes)
         loose = state.iterated and sizes.linear > progress.tightest
         if opened is not None and value != 0.0 and not state.iterated:
