@@ -44,6 +44,9 @@ _BORDERINGS = 12
 # was: what that leaves of a step is this part of it.
 _SAME_RESPONSE = 0.01
 
+# What zones said to be near are expected to move by, over their widths: what a rougher solution would add does not fall as steps do.
+_STEP_NEAR = 1e-4
+
 # The same, found by iteration: motions over what they are of each zone by itself.
 _AMPLIFIED = 1e10
 _FOUND = "the ends are at rest"
@@ -123,6 +126,7 @@ def find_ends(
     near: bool = False,
     decay: float | None = None,
     bounded_ends: bool = True,
+    expected: float = 1.0,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -153,6 +157,8 @@ def find_ends(
     bounded_ends : bool
         Whether 1/sqrt(d) is taken out of the last density: the rest is right at equal normalised position to first order in what the ends
         are off, and the whole of it, farther from them, at equal places to second order.
+    expected : float
+        About how far the first step will move an end, over its zone's width: a solution by iteration need not be much better than that.
 
     Returns
     -------
@@ -173,7 +179,8 @@ def find_ends(
     """
     decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
     opened = equation.open_condition
-    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1])
+    expected = min(expected, _STEP_NEAR) if near else expected
+    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], expected)
     sizes = first_sizes(equation, zones)
     unit: Unit | None = None
     while True:

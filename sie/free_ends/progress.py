@@ -70,11 +70,12 @@ class Rest:
 
 @dataclass(eq=False)
 class Progress:
-    """The steps so far of a search for ends from zones of these widths and gaps."""
+    """The steps so far of a search for ends from zones of these widths and gaps. expected: about the first move over a width."""
 
     tolerance: float
     first_width: Array
     first_gap: Array
+    expected: float = 1.0
     trace: list[Step] = field(default_factory=list)
     turns: list[Turn] = field(default_factory=list)
     best: float = np.inf
@@ -85,7 +86,7 @@ class Progress:
     @property
     def last(self) -> float:
         """The largest move of the last step over its zone's width, at most one."""
-        return min(self.trace[-1].move, 1.0) if self.trace else 1.0
+        return min(self.trace[-1].move, 1.0) if self.trace else self.expected
 
     @property
     def linear(self) -> float:

@@ -80,12 +80,14 @@ class Formulation(Protocol[Kind]):
 @dataclass(frozen=True)
 class Newton:
     """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
-    most. near: given up as soon as the intervals turn out to be far from the solution, or not as many."""
+    most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. expected: about the first move of an
+    end, over its interval's width."""
 
     tolerance: float
     value: float = 0.0
     steps: int = 0
     near: bool = False
+    expected: float = 1.0
 
 
 def refine_topology(
