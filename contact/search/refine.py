@@ -94,7 +94,7 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
     if not model.follows_isolated:
         return centred(task, scaled, table)
-    return first_order(task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)))
+    return first_order(task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)), found)
 
 
 def _is_rounding(task: Task, found: Found) -> bool:

@@ -46,6 +46,8 @@ _SAME_RESPONSE = 0.01
 
 # Of a solution by iteration that is wanted no better than this, sums are rough.
 _ROUGHLY = 1e-7
+# What zones said to be near are expected to move by, over their widths: what a rougher solution would add does not fall as steps do.
+_STEP_NEAR = 1e-4
 
 # The same, found by iteration: motions over what they are of each zone by itself.
 _AMPLIFIED = 1e10
@@ -176,6 +178,7 @@ def find_ends(
     """
     decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
     opened = equation.open_condition
+    off = min(off, _STEP_NEAR) if near else off
     progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off)
     sizes = first_sizes(equation, zones)
     unit: Unit | None = None
