@@ -11,6 +11,7 @@ from contact.model.interactions import Interaction, Isolated, Localized, Periodi
 from contact.model.laws import JKR, Dugdale, Frictionless, Law
 from contact.model.profiles import (
     Biquadratic,
+    Combined,
     Flat,
     Fourier,
     Parabola,
@@ -82,8 +83,8 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
-    "AdhesiveEvent", "AdhesivePath", "Biquadratic", "ContactError", "Control", "Dugdale", "E_star", "Event", "Flat", "Fourier",
-    "Frictionless", "HalfPlane", "Interaction", "Isolated", "JKR", "Law", "Layer", "Localized", "MissingExtra",
+    "AdhesiveEvent", "AdhesivePath", "Biquadratic", "Combined", "ContactError", "Control", "Dugdale", "E_star", "Event", "Flat",
+    "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated", "JKR", "Law", "Layer", "Localized", "MissingExtra",
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
     "SceneError", "Sinusoid", "Solution", "Substrate", "Wedge", "controls", "explore",
     "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",

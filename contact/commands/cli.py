@@ -330,7 +330,7 @@ def _show_solution(solution: Answer, seconds: float) -> None:
     others = [what for what, part in (("substrate", scene.substrate), ("law", scene.law)) if part != type(scene).__dict__[what]]
     fraction = solution.contact_fraction
     show_table(
-        ", ".join((f"{scene.profile.name} profile", f"{scene.interaction.name} interaction", *others)),
+        ", ".join((f"{scene.profile.title} profile", f"{scene.interaction.name} interaction", *others)),
         ("quantity", "value"),
         [
             ("load", quantity(solution.load, "N/m", 10)),

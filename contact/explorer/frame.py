@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from contact.errors import ContactError, NotConverged, unwarned
 from contact.model.scene import Scene
 from contact.model.units import prefix, quantity
-from contact.solution.sampling import positions, window, zones_within
+from contact.solution.sampling import positions, surfaces, window, zones_within
 from contact.solution.solution import Solution
 from contact.solver import solve
 
@@ -53,14 +53,13 @@ def drawn(solution: Solution, seconds: float) -> Frame:
     """The fields of a solution, where straight lines between the places show them."""
     lo, hi = window(solution)
     x = positions(solution, lo, hi, _POINTS)
-    surface = -solution.displacement(x)
-    body = surface + solution.gap(x)
+    surface, body = surfaces(solution, x)
     pressure = solution.pressure(x)
     zones = zones_within(solution, lo, hi)
-    seen = np.isfinite(body)
-    low, high = min(surface.min(), body[seen].min()), max(surface.max(), body[seen].max())
-    # A body with sharp corners goes up without end beside them.
-    body = np.where(seen, body, high + _FLANK * (high - low))
+    seen, below = np.isfinite(body), np.isfinite(surface)
+    low, high = min(surface[below].min(), body[seen].min()), max(surface[below].max(), body[seen].max())
+    # A body with sharp corners goes on without end beside them.
+    body, surface = np.where(seen, body, high + _FLANK * (high - low)), np.where(below, surface, low - _FLANK * (high - low))
     place = np.clip(np.searchsorted(zones[:, 0], x, side="right") - 1, 0, None)
     inside = (x >= zones[place, 0]) & (x <= zones[place, 1]) if len(zones) else np.zeros(x.shape, dtype=bool)
     along, up = prefix(max(abs(lo), abs(hi))), prefix(max(high - low, 1e-3 * max(abs(low), abs(high))))

@@ -58,7 +58,11 @@ def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...
     found += [
         _signed(name, value, -2 * abs(value), 2 * abs(value)) for name in TURNING if (value := getattr(scene, name)) not in (None, 0.0)
     ]
-    found += _shape(scene.profile)
+    found += _shape(scene, "profile")
+    for place in scene.profile.bodies:
+        if place != "profile":
+            found += [replace(handle, name=f"{place} {handle.name}") for handle in _shape(scene, place)]
+    found += _stands(scene.profile)
     found += [handle for place in ("substrate", "law", "interaction") for handle in _numbers(scene, place)]
     found.append(_positive("E_star", scene.E_star, lambda now, value: replace(now, E_star=value)))
     return _named_apart([*found, *_samples(scene.profile)])
@@ -157,35 +161,55 @@ def _allowed(scene: Scene, handle: Handle) -> Handle:
 
 
 # shapes ---------------------------------------------------------------------------------------------------------------
-def _shape(profile: Profile) -> list[Handle]:
-    """Positive numbers of a profile, and what its lists of numbers do together."""
+def _stands(profile: Profile) -> list[Handle]:
+    """Lengths that tell how one of two bodies stands to the other: half of what there is of them to either side."""
+    found = []
+    for place, table in profile.tables().items():
+        body = profile.bodies[place]
+        own, (lo, hi) = body.tables()["profile"], _cell(body) or _cell(profile) or (-0.5, 0.5)
+        for name, value in table.items():
+            if name not in own and isinstance(value, float):
+                reach = 0.5 * (hi - lo)
+
+                def at(now: Scene, to: float, place: str = place, name: str = name) -> Scene:
+                    return _with(now, place, {name: to})
+
+                found.append(Handle(name, UNITS.get(name, "m"), value, value - reach, value + reach, at, log=False))
+    return found
+
+
+def _shape(scene: Scene, place: str) -> list[Handle]:
+    """Positive numbers of the profile of a body, and what its lists of numbers do together."""
+    profile = scene.profile.bodies[place]
     given = {name: value for name, value in profile.parameters().items() if value is not None}
     lists = [name for name, value in given.items() if np.ndim(value) == 1 and np.size(value)]
     found = []
     high = _together(profile, given, lists, _heights_grow)
     if high:
-        found.append(_scale("amplitude", _depth(profile), high) if _cell(profile) else _scale("heights, times", 1.0, high))
+        found.append(_scale(place, "amplitude", _depth(profile), high) if _cell(profile) else _scale(place, "heights, times", 1.0, high))
     lengths = [name for name in given if name not in high and (name in lists or name == "period")]
     long = _together(profile, given, lengths, _shape_grows) if lists else ()
-    if long:
+    if scene.profile.period is not None and len(scene.profile.bodies) > 1:
+        # Of two bodies that repeat together neither is stretched alone.
+        given.pop("period", None)
+    elif long:
         reach = profile.period or float(np.ptp(given[next(name for name in long if name in lists)]))
-        found.append(_scale("period" if profile.period is not None else "length", reach, long))
+        found.append(_scale(place, "period" if profile.period is not None else "length", reach, long))
     alone = [name for name, value in given.items() if name not in (*high, *long) and isinstance(value, float) and value > 0]
-    return found + [_positive(name, given[name], lambda now, to, name=name: _with(now, **{name: to})) for name in alone]  # type: ignore[misc]
+    return found + [_positive(name, given[name], lambda now, to, name=name: _with(now, place, {name: to})) for name in alone]  # type: ignore[misc]
 
 
-def _scale(name: str, size: float, parameters: tuple[str, ...]) -> Handle:
+def _scale(place: str, name: str, size: float, parameters: tuple[str, ...]) -> Handle:
     def at(now: Scene, to: float) -> Scene:
-        given = now.profile.parameters()
-        return _with(now, **{key: _times(given[key], to / size) for key in parameters})
+        given = now.profile.bodies[place].parameters()
+        return _with(now, place, {key: _times(given[key], to / size) for key in parameters})
 
     return _positive(name, size, at)
 
 
-def _with(scene: Scene, **changed: Any) -> Scene:
-    """A scene with some parameters of its profile changed."""
-    profile = scene.profile
-    return replace(scene, profile=type(profile)(**{**profile.parameters(), **changed}))
+def _with(scene: Scene, place: str, changed: Mapping[str, Any]) -> Scene:
+    """A scene with some parameters of the profile of a body changed."""
+    return replace(scene, profile=scene.profile.varied({place: changed}))
 
 
 def _times(value: Any, factor: float) -> Any:
@@ -242,7 +266,7 @@ def _depth(profile: Profile) -> float:
 
 def _samples(profile: Profile) -> list[Handle]:
     """A shape read at so many even places, with the spline of measured points through them: what a coarser instrument would see."""
-    if profile.support is not None or _cell(profile) is None:
+    if profile.support is not None or _cell(profile) is None or len(profile.bodies) > 1:
         return []
 
     def at(now: Scene, to: float) -> Scene:

@@ -60,7 +60,7 @@ return (value / Math.pow(10, power)).toPrecision(4) + ' ' + letter + unit;
 class Explorer:
     """A scene and the page that shows it. `layout` is what Panel serves and notebooks show."""
 
-    def __init__(self, scene: Scene, tol: float, table: Mapping[str, Any] | None = None, directory: str | Path = ".") -> None:
+    def __init__(self, scene: Scene, tol: float, tables: Mapping[str, Any] | None = None, directory: str | Path = ".") -> None:
         self.pn, self.models = require("panel"), require("bokeh.models")
         self.tol, self.directory = tol, directory
         self.frame: Frame | None = None
@@ -68,7 +68,7 @@ class Explorer:
         self._due = False
         self._walk: Iterator[Solution] | None = None
         self._make()
-        self._begin(scene, table)
+        self._begin(scene, tables)
 
     # what stands on the page --------------------------------------------------------------------------------------------
     def _make(self) -> None:
@@ -122,9 +122,9 @@ class Explorer:
         return top, bottom, curve
 
     # a scene ------------------------------------------------------------------------------------------------------------
-    def _begin(self, scene: Scene, table: Mapping[str, Any] | None) -> None:
-        """A new scene: its sliders, and its first frame. table: [profile] as it was written."""
-        self.base, self.table = scene, table
+    def _begin(self, scene: Scene, tables: Mapping[str, Any] | None) -> None:
+        """A new scene: its sliders, and its first frame. tables: of its file, as they were written."""
+        self.base, self.tables = scene, tables or {}
         self.moved, self.known, self.frame = {}, handles(scene), None
         self.branch.visible = scene.law.pulls
         self._show()
@@ -169,7 +169,7 @@ class Explorer:
         except (ContactError, ValueError, OSError) as error:
             self._refuse(str(error) if isinstance(error, ContactError) else f"is not a scene file: {error}")
             return
-        self._begin(scene, tables["profile"])
+        self._begin(scene, tables)
 
     # frames -------------------------------------------------------------------------------------------------------------
     def _change(self) -> None:
@@ -229,7 +229,9 @@ class Explorer:
         if self.frame is None or scene is not self.frame.solution.scene:
             return
         try:
-            text = to_toml(scene, self.table if self.table is not None and scene.profile == self.base.profile else None)
+            read = self.base.profile.bodies
+            as_read = [place for place, body in scene.profile.bodies.items() if place in self.tables and body == read.get(place)]
+            text = to_toml(scene, {place: self.tables[place] for place in as_read})
         except SceneError as error:
             text = f"# {error}\n"
         if len(text) > _LONGEST:

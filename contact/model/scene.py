@@ -144,8 +144,9 @@ class Scene(sie.Kept):
 
     def __post_init__(self) -> None:
         _require_instance("profile", self.profile, Profile, "Sinusoid(amplitude=1e-6, period=1e-4)")
-        if not type(self.profile).__module__.startswith("contact."):
-            require_declared(self.profile)
+        for body in self.profile.bodies.values():
+            if not type(body).__module__.startswith("contact."):
+                require_declared(body)
         _require_instance("interaction", self.interaction, Interaction, "Periodic()")
         _require_instance("substrate", self.substrate, Substrate, "HalfPlane()")
         _require_instance("law", self.law, Law, "Frictionless()")
@@ -223,7 +224,7 @@ class Scene(sie.Kept):
 
     def _check_period(self) -> None:
         if self.interaction.needs_period and self.profile.period is None:
-            allowed = f"a model without a period, as the {self.profile.name} profile has none"
+            allowed = f"a model without a period, as {self.profile.no_period}"
             raise SceneError.of("interaction", self.interaction.name, allowed)
 
     def _check_admitted(self, control: Control) -> None:

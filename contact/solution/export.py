@@ -196,7 +196,7 @@ def describe(scene: Scene) -> dict[str, Any]:
     """The scene in the tables of a scene file; an array too long to read is told by its shape."""
     name, value = scene.control
     return {
-        "profile": {"shape": scene.profile.name, **_parameters(scene.profile)},
+        **{place: _given(table) for place, table in scene.profile.tables().items()},
         "material": {"E_star": scene.E_star},
         "interaction": {"model": scene.interaction.name, **_parameters(scene.interaction)},
         **_unusual(scene),
@@ -212,14 +212,16 @@ def _unusual(scene: Scene) -> dict[str, Any]:
 
 
 def _parameters(part: Any) -> dict[str, Any]:
-    """What a part was made with, less what was left out."""
-    return {name: _short(value) for name, value in parameters(part).items() if value is not None}
+    """What an interaction, a substrate or a law was made with, less what was left out."""
+    return _given(parameters(part))
+
+
+def _given(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: _short(value) for name, value in values.items() if value is not None}
 
 
 def parameters(part: Any) -> dict[str, Any]:
     """What to give the class of a part of a scene, by name, to make it again."""
-    if hasattr(part, "parameters"):
-        return dict(part.parameters())
     return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
 
 

@@ -63,6 +63,24 @@ def positions(solution: Answer, lo: float, hi: float, most: int = _MOST_POINTS) 
     return np.unique(x[(x >= lo) & (x <= hi)])
 
 
+def surfaces(solution: Answer, x: Array) -> tuple[Array, Array]:
+    """(counter-face, body): heights [m], upwards, of the lower surface, which is given the displacement of both, and of the upper one.
+
+    Beyond the sharp corners of a body there is none: the upper surface is inf and the lower one -inf there.
+    """
+    profile = solution.scene.profile
+    face = profile.counter_height(x)
+    there = np.isfinite(face)
+    surface = face - np.max(face[there], initial=-np.inf) - solution.displacement(x)
+    body = surface + np.where(there, solution.gap(x), np.nan)
+    if there.all():
+        return surface, body
+    # Beside the corners of the counter body the other goes on as it is, turned as it stands.
+    own = np.asarray(profile.bodies["profile"].height(x)) - (solution.tilt or 0.0) * x
+    both = np.isfinite(body) & np.isfinite(own)
+    return surface, np.where(there, body, own + np.median((body - own)[both]) if both.any() else np.inf)
+
+
 def _near_kinks(solution: Answer, zones: Array) -> Array:
     """Points closing in on each kink that lies in a zone."""
     profile, period = solution.scene.profile, solution.scene.period

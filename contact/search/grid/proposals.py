@@ -231,9 +231,11 @@ def placed(problem: Problem, zones: Array) -> Array:
     period = problem.period
     if period is None:
         return scaled
-    if problem.profile.symmetric:
-        # About the origin, so that mirror images stand together.
-        scaled = scaled - np.round(scaled.mean(axis=1) / period)[:, None] * period
+    bounded = np.isfinite(problem.corners).all()
+    if problem.profile.symmetric or bounded:
+        # About the origin, so that mirror images stand together; of a body between sharp corners there where these are.
+        middle = 0.5 * sum(problem.corners) if bounded else 0.0
+        scaled = scaled - np.round((scaled.mean(axis=1) - middle) / period)[:, None] * period
         scaled = scaled[np.argsort(scaled[:, 0])]
     if problem.interaction.strip and len(scaled):
         gaps = np.append(scaled[1:, 0] - scaled[:-1, 1], scaled[0, 0] + period - scaled[-1, 1])

@@ -16,7 +16,8 @@ from contact.solution.export import parameters
 
 Value = float | int | str
 
-PARTS = ("profile", "interaction", "substrate", "law")
+# Besides the profile, which may have two tables.
+PARTS = ("interaction", "substrate", "law")
 MODULUS = "material.E_star"
 
 
@@ -56,18 +57,25 @@ def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
 def keys_of(scene: Scene) -> dict[str, Any]:
     """Keys that can be varied, with their present values: all of the scene that is not an array."""
     known: dict[str, Any] = {MODULUS: scene.E_star}
-    for table in PARTS:
-        for name, value in parameters(getattr(scene, table)).items():
-            if value is None or np.ndim(value) == 0:
+    for table, values in tables(scene).items():
+        for name, value in values.items():
+            if value is None or (np.ndim(value) == 0 and not isinstance(value, (bool, np.bool_))):
                 known[f"{table}.{name}"] = value
     given, value = scene.control
     controls = {name: value if name == given else None for name in CONTROLS.all()}
     return known | {f"control.{name}": at for name, at in (controls | {name: getattr(scene, name) for name in TURNING}).items()}
 
 
+def tables(scene: Scene) -> dict[str, dict[str, Any]]:
+    """What the parts of a scene are made of, by table and name."""
+    shapes = {table: {name: value for name, value in told.items() if name != "shape"} for table, told in scene.profile.tables().items()}
+    return shapes | {table: parameters(getattr(scene, table)) for table in PARTS}
+
+
 def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
     """The scene with other values; a control replaces the one that it has."""
     changed: dict[str, Any] = {}
+    others: dict[str, dict[str, Value]] = {}
     for key, value in settings.items():
         table, _, name = key.partition(".")
         if key == MODULUS:
@@ -75,8 +83,14 @@ def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
         elif table == "control":
             changed |= {**dict.fromkeys(TURNING), name: value} if name in TURNING else fields_under(name, float(value))
         else:
+            others.setdefault(table, {})[name] = value
+    # All values of a part at once: one by one they might not go together.
+    for table in PARTS:
+        if table in others:
             part = getattr(scene, table)
-            changed[table] = type(part)(**{**parameters(changed.get(table, part)), name: value})
+            changed[table] = type(part)(**{**parameters(part), **others[table]})
+    if any(table in scene.profile.bodies for table in others):
+        changed["profile"] = scene.profile.varied(others)
     return replace(scene, **changed)
 
 
@@ -110,5 +124,9 @@ def _unit(scene: Scene, key: str) -> str:
         return "Pa"
     if table == "control":
         return TURNING.get(name) or str(CONTROLS.find(name).unit)
-    units = getattr(type(getattr(scene, table)), "units", {})
-    return str(units.get(name, "")) if isinstance(units, Mapping) else ""
+    body = scene.profile.bodies.get(table)
+    for part in (getattr(scene, table),) if body is None else (body, scene.profile):
+        units = getattr(type(part), "units", {})
+        if isinstance(units, Mapping) and name in units:
+            return str(units[name])
+    return ""

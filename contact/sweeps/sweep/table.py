@@ -16,10 +16,11 @@ from contact.errors import SceneError, shown
 from contact.extras import require, version
 from contact.model.controls import TURNING
 from contact.model.scene import Scene
-from contact.solution.export import parameters, plain
+from contact.solution.export import plain
 from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.chunks import Rows
-from contact.sweeps.sweep.keys import MODULUS, PARTS, Axis
+from contact.sweeps.sweep.keys import MODULUS, Axis
+from contact.sweeps.sweep.keys import tables as tables_of
 
 _WORDS = {"reason": "why a point failed", "warning": "what the model hardly covers"}
 # Of an array: what is told of it as it is; a longer one by its shape and its sum.
@@ -134,10 +135,11 @@ def _read(path: Path) -> Any:
 def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
     """The tables of a scene, without the keys that are varied; long arrays by their shape and their sum."""
     tables: dict[str, dict[str, Any]] = {"material": {"E_star": scene.E_star}}
-    for table in PARTS:
-        part = getattr(scene, table)
-        name = {"shape" if table == "profile" else "model": part.name or type(part).__qualname__}
-        tables[table] = {**name, **{key: _short(value) for key, value in parameters(part).items()}}
+    for table, values in tables_of(scene).items():
+        body = scene.profile.bodies.get(table)
+        part = getattr(scene, table) if body is None else body
+        name = {"model" if body is None else "shape": part.name or type(part).__qualname__}
+        tables[table] = {**name, **{key: _short(value) for key, value in values.items()}}
     replaced = any(key.startswith("control.") and key.removeprefix("control.") not in TURNING for key in but)
     turning = {name: value for name in TURNING if (value := getattr(scene, name)) is not None}
     tables["control"] = turning if replaced else dict([scene.control], **turning)
