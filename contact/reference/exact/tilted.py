@@ -17,10 +17,10 @@ from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite, positive, positive_or_none
-from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, arcosh1p, zone_potential
+from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, Zoned, arcosh1p, zone_potential
 
 
-class TiltedZone:
+class TiltedZone(Zoned):
     """One zone under a turned punch, the gap at no load being f(x) - tilt x; the base of its solutions.
 
     M = int p x dx is the moment about the middle of the body, e = M/P the centre of the load. Derived here, see the head of this module.
@@ -116,16 +116,6 @@ class TiltedZone:
     def zones(self) -> Array:
         """Ends of the zone [m], (1, 2)."""
         return np.array([[self.middle - self.half_width, self.middle + self.half_width]])
-
-    @property
-    def zone_widths(self) -> Array:
-        """Width of the zone [m], (1,)."""
-        return np.array([2.0 * self.half_width])
-
-    @property
-    def zone_loads(self) -> Array:
-        """Load of the zone [N/m], (1,)."""
-        return np.array([self.load])
 
     @property
     def approach(self) -> float | None:
