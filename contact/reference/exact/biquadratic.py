@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
-from contact.model.checks import positive, positive_or_none
+from contact.model.checks import keep, positive, positive_or_none
 from contact.reference.exact.base import Array, Zoned, arcosh1p, sinh_minus, zone_potential
 
 
@@ -90,8 +90,7 @@ class IsolatedBiquadratic(Zoned):
     period = None
 
     def __post_init__(self) -> None:
-        for name in ("radius", "spacing", "E_star", "load"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "radius", "spacing", "E_star", "load")
         positive_or_none("datum", self.datum)
 
     @classmethod

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange, SceneError
-from contact.model.checks import finite, positive, positive_or_none
+from contact.model.checks import finite, keep, positive, positive_or_none
 from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, Zoned, arcosh1p, zone_potential
 
 
@@ -191,8 +191,7 @@ class TiltedParabola(TiltedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("radius", "E_star", "half_width"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "radius", "E_star", "half_width")
         finite("tilt", self.tilt)
         positive_or_none("datum", self.datum)
 
@@ -283,8 +282,7 @@ class TiltedWedge(TiltedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("wedge_slope", "E_star", "half_width"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "wedge_slope", "E_star", "half_width")
         finite("tilt", self.tilt)
         positive_or_none("datum", self.datum)
         if abs(self.tilt) >= self.wedge_slope:
@@ -416,8 +414,7 @@ class TiltedPunch(TiltedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("corner", "E_star", "load"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "corner", "E_star", "load")
         finite("moment", self.moment)
         positive_or_none("datum", self.datum)
         if not abs(self.moment) < self.load * self.corner:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import SceneError
-from contact.model.checks import finite_array, positive_or_none
+from contact.model.checks import finite_array, keep, positive_or_none
 from contact.reference.exact.base import Zoned
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile
@@ -28,7 +28,7 @@ class GivenZones(Zoned):
     period: float | None
 
     def _check(self) -> None:
-        object.__setattr__(self, "period", positive_or_none("period", self.period))
+        keep(self, positive_or_none, "period")
         zones = finite_array("zones", self.zones, ndim=2)
         object.__setattr__(self, "zones", zones)
         if zones.shape[1] != 2 or np.any(np.diff(zones.ravel()) <= 0.0):
