@@ -24,6 +24,9 @@ Array = NDArray[np.float64]
 
 # Newton's steps of the zones under a given tension, and how often their number may change.
 _STEPS, _ROUNDS = 80, 16
+# Of the density; and what ends miss, and Newton's last step but one, over the strips beside them: of a state, and of one on the way.
+TIGHT = 1e-14
+_DONE, _LAST, _ROUGHLY, _ROUGHLY_LAST = 1e-11, 1e-9, 1e-5, 1e-3
 # After so many changes of their number the zones are left to the engine's search.
 _PLAIN = 3
 # A zone's end moves at most by these parts of its width, and of the gap beside it; it comes so much nearer to the end of its interval.
@@ -58,16 +61,18 @@ class Covered(NoState):
         self.ends = ends
 
 
-def contact_under(pulled: Pulled, control: Control, zones: Array, formal: bool = False) -> tuple[ZoneFields, tuple[Array, Array]]:
+def contact_under(
+    pulled: Pulled, control: Control, zones: Array, formal: bool = False, tolerance: float = TIGHT
+) -> tuple[ZoneFields, tuple[Array, Array]]:
     """(fields of q on the zones of contact under a tension, the gap beside them). formal: as many zones as are given, whatever the
-    signs."""
+    signs; tolerance: of the density."""
     if control.load is not None and not control.load > 0.0:
         raise Lost
     if len(zones) == 0:
         zones = _lowest(pulled)
     for done in range(_ROUNDS):
         # Where narrow gaps close or open within an interval, their ends act on each other: the engine's own steps know how.
-        state = (_settled if done < _PLAIN else _searched)(pulled, control, zones)
+        state = (_settled if done < _PLAIN else _searched)(pulled, control, zones, tolerance)
         fields = ZoneFields(pulled, state)
         look = look_at(fields)
         found = None if formal else _corrected(fields, look)
@@ -89,13 +94,15 @@ def _lowest(pulled: Pulled) -> Array:
     return np.array([[x[i, j] - half, x[i, j] + half]])
 
 
-def _settled(pulled: Pulled, control: Control, zones: Array) -> sie.State:
+def _settled(pulled: Pulled, control: Control, zones: Array, tolerance: float) -> sie.State:
     """Newton on the ends of zones whose number is given, or falls."""
     equation, first = pulled.equation(control), np.diff(zones, axis=1)[:, 0]
     before: tuple[Array, Array] | None = None
     best, stuck = np.inf, 0
+    # Newton's steps square what is missed, and one more is taken.
+    done, last = (_DONE, _LAST) if tolerance <= TIGHT else (_ROUGHLY, _ROUGHLY_LAST)
     for _ in range(_STEPS):
-        state = sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-14)
+        state = sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), tolerance)
         k, slope = np.array(state.density.intensities), np.array(state.density.edge_slopes)
         width, (room, shared) = np.diff(zones, axis=1)[:, 0], _room(pulled, zones)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -116,7 +123,7 @@ def _settled(pulled: Pulled, control: Control, zones: Array) -> sie.State:
         miss = float(np.abs(step / least).max())
         best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
         # Of narrow strips rounding leaves more.
-        if miss < 1e-11 or (stuck > 2 and miss < _ROUNDED):
+        if miss < done or (stuck > 2 and miss < _ROUNDED):
             return state
         covers = ~shared & (room < _COVERED * width) & (step > 0.5 * room)
         if covers.any():
@@ -127,9 +134,9 @@ def _settled(pulled: Pulled, control: Control, zones: Array) -> sie.State:
             raise Covered(ends.ravel())
         limit = np.minimum(_OUTWARD * width, np.where(shared, _INTO_GAP, 1 - _NEARER) * room)
         moved = np.clip(step, -_INWARD * width, limit)
-        if float(np.abs(moved / least).max()) < 1e-9:
+        if float(np.abs(moved / least).max()) < last:
             zones = zones + np.column_stack((-moved[0], moved[1]))
-            return sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-14)
+            return sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), tolerance)
         lost = (width < _GONE * first) & (step < -_INWARD * width).all(axis=0)
         if lost.any():
             if lost.all():
@@ -141,7 +148,7 @@ def _settled(pulled: Pulled, control: Control, zones: Array) -> sie.State:
     raise NotConverged("the ends of zones under a given tension did not come to rest")
 
 
-def _searched(pulled: Pulled, control: Control, zones: Array) -> sie.AnyState:
+def _searched(pulled: Pulled, control: Control, zones: Array, tolerance: float) -> sie.AnyState:
     """The same by the engine's search, of zones that stay within their intervals."""
     equation, table, everywhere = pulled.equation(control), pulled.pulling.table, pulled.pulling.everywhere
     for _ in range(_ROUNDS):
@@ -159,7 +166,7 @@ def _searched(pulled: Pulled, control: Control, zones: Array) -> sie.AnyState:
         else:
             i = interval_of(ended, table) if len(table) else np.zeros(len(ended), dtype=np.intp)
             within = everywhere or len(table) == 0 or bool(np.all((ended[:, 0] > table[i, 0]) & (ended[:, 1] < table[i, 1])))
-            return free.state if free.converged and within else _settled(pulled, control, zones)
+            return free.state if free.converged and within else _settled(pulled, control, zones, tolerance)
     raise NotConverged("the number of zones under a given tension did not settle")
 
 

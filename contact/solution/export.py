@@ -221,7 +221,7 @@ def _given(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def parameters(part: Any) -> dict[str, Any]:
-    """What to give the class of a part of a scene, by name, to make it again."""
+    """What to give the class of an interaction, a substrate or a law, by name, to make it again."""
     return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
 
 

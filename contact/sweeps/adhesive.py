@@ -93,7 +93,7 @@ class AdhesiveEvent(Event):
 
     def change(self) -> str:
         ends = "apart", "full contact"
-        before = len(self.before) or ends[0]
+        before = len(self.before) or ends[self.kind == "open"]
         return f"{before} to {len(self.after) or ends[self.kind == 'full']}"
 
 
@@ -379,7 +379,7 @@ class _Run:
         drawn = None
         if jump.kind == "pull-off" and jump.before.point is not None:
             fields = self.by.fields(jump.before.point)
-            x = _places(self.scene, zones)
+            x = _places(self.scene, zones if len(zones) else fields.cohesive)
             surface = self.scene.profile.counter_height(x) - fields.displacement(x)
             drawn = np.array([x, surface, surface + fields.gap(x)])
         value = jump.before.value * self.unit

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -84,3 +85,88 @@ def test_a_loop_loses_the_work_of_its_load_by_the_closed_forms(name, size, held)
     assert found.dissipated == pytest.approx(done, rel=1e-8)
     assert found.work == pytest.approx(done, rel=1e-8)
     assert jump_in.lost > 0.0 < pull_off.lost
+
+
+def test_surfaces_that_only_pull_are_followed_under_a_held_approach():
+    """A soft cylinder: its tension begins at the reach, touches smoothly, and lets go at a fold, all in closed form without contact."""
+    scene, _ = body("cylinder", 0.01)
+    found = contact.path(scene, [-0.1, 1e-3, -0.01, -0.1], control="approach")
+    s, h, unit = scene.law.stress, scene.law.reach, 4 * scene.law.stress / (np.pi * E)
+
+    def approach(c):
+        return 0.5 * c**2 - h - unit * c * (np.log(1 / (2 * c)) + 1)
+
+    fold = brentq(lambda c: c - unit * np.log(1 / (2 * c)), 1e-6, 0.1, xtol=1e-18)
+    begun = brentq(lambda c: approach(c) + h, fold, 0.4, xtol=1e-18)
+    touch = brentq(lambda c: approach(c) + unit * c * (np.log(1 / c) + 1), begun, 0.5, xtol=1e-18)
+    assert [event.kind for event in found.events] == ["jump-in", "birth", "death", "pull-off"]
+    jump_in, birth, death, pull_off = found.events
+    assert jump_in.value == pytest.approx(-h, rel=1e-12) and jump_in.load_after == pytest.approx(-2 * s * begun, rel=1e-8)
+    assert birth.value == pytest.approx(approach(touch), rel=1e-10) == death.value and birth.load == pytest.approx(-2 * s * touch, rel=1e-10)
+    assert pull_off.value == pytest.approx(approach(fold), rel=1e-12)
+    t, weights = np.polynomial.legendre.leggauss(20)
+    c = 0.5 * (begun + fold) + 0.5 * (fold - begun) * t
+    done = 0.5 * (fold - begun) * float(weights @ (-2 * s * c * (c - unit * np.log(1 / (2 * c)))))
+    assert found.work == pytest.approx(done, rel=1e-8)
+    assert birth.lost == death.lost == 0.0 < jump_in.lost
+    loose = found.solutions[2]
+    c = brentq(lambda c: approach(c) + 0.01, fold, touch, xtol=1e-18)
+    assert len(loose.zones) == 0 and loose.cohesive == pytest.approx(np.array([[-c, c]]), rel=1e-10)
+    assert loose.load == pytest.approx(-2 * s * c, rel=1e-10) and loose.approach == pytest.approx(-0.01, rel=1e-12)
+    assert loose.certificate.holds and loose.certificate.stability > 0.0 and loose.gap(c) == pytest.approx(h, rel=1e-10)
+    assert loose.pressure([0.0, 2 * c]).tolist() == [-s, 0.0]
+
+
+def test_full_contact_closes_and_opens_without_a_loss_and_lets_go_where_the_valley_comes_to_the_reach():
+    scene, curve = body("wave", 5e-3)
+    found = contact.path(scene, [0.0, 0.04, 0.0])
+    assert [event.kind for event in found.events] == ["jump", "full", "open", "jump"]
+    snap, full, opening, split = found.events
+    assert full.value == pytest.approx(curve.opening_mean_pressure, rel=1e-12) and opening.value == full.value
+    assert full.lost == opening.lost == 0.0 and snap.lost > 0.0 < split.lost
+    last = curve.at(max(c for c in curve.turning_points() if c < 0.5))
+    assert snap.value == pytest.approx(last.load, rel=1e-10) and snap.before[0, 1] == pytest.approx(last.half_width, rel=1e-5)
+    met = curve.at(0.5)
+    assert split.value == pytest.approx(met.load, rel=1e-10)
+    lost = met.energy - curve.receding(met.load).energy + met.load * (curve.receding(met.load).approach - met.approach)
+    assert split.lost == pytest.approx(lost, rel=1e-7)
+    assert opening.change() == "full contact to 1" and full.change() == "1 to full contact"
+
+
+def test_zones_within_one_interval_of_tension_meet_and_part_at_one_load_without_a_loss():
+    pair = contact.Scene(
+        contact.Biquadratic(1.0, 0.2), E, contact.Isolated(datum=1.0), law=contact.Dugdale(1e-6, 5e-3), load=0.0
+    )
+    found = contact.path(pair, [1.5e-3, 3e-3, 1.5e-3])
+    merge, split = found.events
+    assert (merge.kind, split.kind) == ("merge", "split") and merge.value == pytest.approx(split.value, rel=1e-12)
+    assert merge.lost == split.lost == 0.0 and found.work == pytest.approx(0.0, abs=1e-14)
+    assert len(merge.before) == 2 and merge.before[0, 1] == merge.before[1, 0] == merge.position == pytest.approx(0.0, abs=1e-9)
+    # Of one zone there the pressure above the tension is zero.
+    touching = contact.solve(replace(pair, load=merge.value * (1 + 1e-9)), branch="receding")
+    assert touching.pressure(0.0) == pytest.approx(-5e-3, rel=1e-5)
+
+
+def test_a_large_stress_jumps_and_parts_as_adhesion_without_range():
+    scene, _ = body("cylinder", 20.0)
+    found, jkr = loop("cylinder", 20.0, "load"), contact.path(replace(scene, law=contact.JKR(W_CYLINDER)), VALUES["cylinder"]["load"])
+    assert [event.value for event in found.events] == pytest.approx([event.value for event in jkr.events], rel=1e-4)
+    assert found.dissipated == pytest.approx(jkr.dissipated, rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stress", [1e5, 1e6, 1e7])
+def test_a_rough_loop_is_closed_in_energy_and_its_smooth_pieces_are_by_quadrature(stress):
+    rng = np.random.default_rng(0)
+    k, phase = np.arange(1, 7), rng.uniform(0, 2 * np.pi, 6)
+    profile = contact.Fourier(1e-4, 1e-7 / k * np.cos(phase), 1e-7 / k * np.sin(phase))
+    scene = contact.Scene(profile, 1e9, contact.Periodic(), law=contact.Dugdale(1e-3, stress), load=0.0)
+    found = contact.path(scene, [-500.0, 40.0, -500.0])
+    assert found.work == found.dissipated and all(event.lost >= 0.0 for event in found.events)
+    t, weights = np.polynomial.legendre.leggauss(6)
+    loads = 39.0 + t
+    piece = contact.path(scene, np.concatenate(([38.0], loads, [40.0])))
+    one, *inner, two = piece.solutions
+    assert len(piece.events) == 0
+    done = two.load * two.approach - one.load * one.approach - float(weights @ [s.approach for s in inner])
+    assert two.energy.total - one.energy.total == pytest.approx(done, rel=1e-8)

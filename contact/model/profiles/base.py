@@ -194,6 +194,15 @@ class Profile(sie.Kept):
         """What a scene file says of it: by table, the shape and its parameters."""
         return {"profile": {"shape": self.name, **self.parameters()}}
 
+    @property
+    def preparation(self) -> dict[str, Any]:
+        """Of measured points: the keys by which they were prepared, with their values; none of any other shape."""
+        return {}
+
+    def unprepared(self) -> dict[str, Any]:
+        """What there was before, by name."""
+        return {}
+
     def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> Profile:
         """The same with other values of parameters, by table and name."""
         return type(self)(**{**self.parameters(), **changes.get("profile", {})})

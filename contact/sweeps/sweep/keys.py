@@ -19,6 +19,8 @@ Value = float | int | str
 # Besides the profile, which may have two tables.
 PARTS = ("interaction", "substrate", "law")
 MODULUS = "material.E_star"
+# No key of a scene file: which of several equilibria a scene has is said of its solution.
+BRANCH, BRANCHES = "branch", ("advancing", "receding")
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,9 @@ def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
         if key not in known:
             raise SceneError.unknown("key", key, known)
     axes = tuple(Axis(key, _values(key, given, known[key]), _unit(scene, key)) for key, given in over.items())
+    for axis in axes:
+        if axis.key == BRANCH and set(axis.values) - set(BRANCHES):
+            raise SceneError.of(BRANCH, over[BRANCH], f"words, of {' and '.join(BRANCHES)}")
     controls = [axis.key for axis in axes if axis.control]
     if len(controls) > 1:
         raise SceneError.of("over", " and ".join(controls), "one control: the others follow from it")
@@ -59,16 +64,21 @@ def keys_of(scene: Scene) -> dict[str, Any]:
     known: dict[str, Any] = {MODULUS: scene.E_star}
     for table, values in tables(scene).items():
         for name, value in values.items():
-            if value is None or (np.ndim(value) == 0 and not isinstance(value, (bool, np.bool_))):
+            if value is None or np.ndim(value) == 0:
                 known[f"{table}.{name}"] = value
     given, value = scene.control
     controls = {name: value if name == given else None for name in CONTROLS.all()}
+    if not scene.law.convex:
+        known[BRANCH] = BRANCHES[0]
     return known | {f"control.{name}": at for name, at in (controls | {name: getattr(scene, name) for name in TURNING}).items()}
 
 
 def tables(scene: Scene) -> dict[str, dict[str, Any]]:
     """What the parts of a scene are made of, by table and name."""
     shapes = {table: {name: value for name, value in told.items() if name != "shape"} for table, told in scene.profile.tables().items()}
+    # Of traces also by what their points were prepared: a period is among the others' keys already.
+    for table, body in scene.profile.bodies.items():
+        shapes[table] = {**body.preparation, **shapes[table]}
     return shapes | {table: parameters(getattr(scene, table)) for table in PARTS}
 
 
@@ -78,6 +88,8 @@ def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
     others: dict[str, dict[str, Value]] = {}
     for key, value in settings.items():
         table, _, name = key.partition(".")
+        if key == BRANCH:
+            continue
         if key == MODULUS:
             changed["E_star"] = value
         elif table == "control":
@@ -120,6 +132,8 @@ def _value(value: Any, whole: bool) -> Value | None:
 def _unit(scene: Scene, key: str) -> str:
     """As the class declares it; empty where it does not."""
     table, _, name = key.partition(".")
+    if key == BRANCH:
+        return ""
     if key == MODULUS:
         return "Pa"
     if table == "control":

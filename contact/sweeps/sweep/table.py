@@ -19,7 +19,7 @@ from contact.model.scene import Scene
 from contact.solution.export import plain
 from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.chunks import Rows
-from contact.sweeps.sweep.keys import MODULUS, Axis
+from contact.sweeps.sweep.keys import BRANCH, BRANCHES, MODULUS, Axis
 from contact.sweeps.sweep.keys import tables as tables_of
 
 _WORDS = {"reason": "why a point failed", "warning": "what the model hardly covers"}
@@ -30,9 +30,11 @@ _LONGEST = 64
 class Table:
     """Numbers of all points, flat; what is not solved yet is nan."""
 
-    def __init__(self, scene: Scene, axes: Sequence[Axis], tol: float) -> None:
-        self.axes, self.tol = tuple(axes), tol
+    def __init__(self, scene: Scene, axes: Sequence[Axis], tol: float, branch: str = BRANCHES[0]) -> None:
+        self.axes, self.tol, self.branch = tuple(axes), tol, branch
         self.scene = told(scene, {axis.key for axis in axes})
+        if branch != BRANCHES[0] and not any(axis.key == BRANCH for axis in axes):
+            self.scene["control"][BRANCH] = branch
         self.shape = tuple(len(axis.values) for axis in axes)
         size = int(np.prod(self.shape))
         self.numbers = {name: np.full(size, np.nan) for name in NUMBERS}
@@ -139,6 +141,11 @@ def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
         body = scene.profile.bodies.get(table)
         part = getattr(scene, table) if body is None else body
         name = {"model" if body is None else "shape": part.name or type(part).__qualname__}
+        if body is not None:
+            prepared = {f"{table}.{key}" for key in body.preparation}
+            # Where it is varied how a trace is prepared, it is known by what was read, and else by what has become of that.
+            hidden = set() if prepared & but - {f"{table}.period"} else set(body.preparation) - set(body.parameters())
+            values = {**{key: value for key, value in values.items() if key not in hidden}, **({} if hidden else body.unprepared())}
         tables[table] = {**name, **{key: _short(value) for key, value in values.items()}}
     replaced = any(key.startswith("control.") and key.removeprefix("control.") not in TURNING for key in but)
     turning = {name: value for name in TURNING if (value := getattr(scene, name)) is not None}
