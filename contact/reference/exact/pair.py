@@ -18,6 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan, ceil, exp, inf, log, pi, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,7 +26,7 @@ from scipy.fft import dct
 from scipy.optimize import brentq
 
 from contact.errors import OutOfRange, SceneError
-from contact.model.checks import positive
+from contact.model.checks import keep, positive
 from contact.reference.exact.base import Array
 
 # The terms of a series that falls as rho^n: up to rounding, and what that takes where a zone all but ends at a singularity.
@@ -235,6 +236,19 @@ def pair_at_load(ratio: Ratio, load: float, E_star: float, limit: float, period:
     return pair
 
 
+def tips_slope(x: Array, radius: float, spacing: float) -> Array:
+    """f' of f = (x^2 - c^2)^2/8Rc^2, spacing = 2c."""
+    c = 0.5 * spacing
+    return np.asarray(x * (x - c) * (x + c) / (2.0 * radius * c * c))
+
+
+def check_row(row: Any) -> None:
+    """The numbers of two tips in a row: positive, and the tips within a period."""
+    keep(row, positive, "radius", "spacing", "period", "E_star", "mean_pressure")
+    if not row.spacing < row.period:
+        raise SceneError.of("spacing", row.spacing, f"below the period {row.period:.17g}")
+
+
 @dataclass(frozen=True)
 class PeriodicBiquadratic:
     """f = (x^2 - c^2)^2/8Rc^2 repeated with the period L, while each tip has its own zone: exact, by (34) in v = tan(pi x/L).
@@ -296,22 +310,16 @@ class PeriodicBiquadratic:
     mean_pressure: float
 
     def __post_init__(self) -> None:
-        for name in ("radius", "spacing", "period", "E_star", "mean_pressure"):
-            positive(name, getattr(self, name))
-        if not self.spacing < self.period:
-            raise SceneError.of("spacing", self.spacing, f"below the period {self.period:.17g}")
+        check_row(self)
 
     @cached_property
     def pair(self) -> EvenPair:
         """The solution in v = tan(pi x/L)."""
-        c, length = 0.5 * self.spacing, self.period
-
         def ratio(y: Array, middle: float, half: float) -> Array:
             v = np.sqrt(y)
-            x = length / pi * np.arctan(v)
-            return x * (x - c) * (x + c) / (2.0 * self.radius * c * c * v)
+            return tips_slope(self.period / pi * np.arctan(v), self.radius, self.spacing) / v
 
-        return pair_at_load(ratio, self.load, self.E_star, inf, length)
+        return pair_at_load(ratio, self.load, self.E_star, inf, self.period)
 
     load = property(lambda self: self.mean_pressure * self.period)
     zones = property(lambda self: self.pair.zones)
@@ -333,9 +341,7 @@ class PeriodicBiquadratic:
     def slope(self, x: ArrayLike) -> Array:
         """f'(x)."""
         x = np.asarray(x, dtype=float)
-        x = x - self.period * np.round(x / self.period)
-        c = 0.5 * self.spacing
-        return np.asarray(x * (x - c) * (x + c) / (2.0 * self.radius * c * c))
+        return tips_slope(x - self.period * np.round(x / self.period), self.radius, self.spacing)
 
     def pressure(self, x: ArrayLike) -> Array:
         """p(x) [Pa], 0 outside the zones."""
