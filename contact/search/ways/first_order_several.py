@@ -236,11 +236,11 @@ class FirstOrderOfSeveral:
             centre = 0.0
         return self._at(np.array([centre, fine.amplitude, grid.load]), strip, alone, 1.0, _ROUGHLY)
 
-    def _at(self, unknowns: Array, strip: Array, alone: Array, expected: float, tolerance: float) -> _At:
-        """The contacts of the strip and of its profile alone from about their zones, whatever the signs. expected: about the first move of
-        an end; tolerance: of the ends."""
+    def _at(self, unknowns: Array, strip: Array, alone: Array, off: float, tolerance: float) -> _At:
+        """The contacts of the strip and of its profile alone from about their zones, whatever the signs. off: what ends are off by
+        over the widths of their zones; tolerance: of the ends."""
         about, pressure, load = (float(unknown) for unknown in unknowns)
-        newton = Newton(max(self.task.tolerance, tolerance), off=expected)
+        newton = Newton(max(self.task.tolerance, tolerance), off=off)
         with self.task.plan.timed("zone ends"):
             of_strip = self._contact(self.problem.with_amplitude(pressure).about(about), load, strip, newton, True)
         with self.task.plan.timed("isolated reference"):
