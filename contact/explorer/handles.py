@@ -281,6 +281,6 @@ def _samples(profile: Profile) -> list[Handle]:
     return [Handle("samples", "", 0.0, _SAMPLES[0] - 1, high, at, log=True, whole=True)]
 
 
-def rounded(value: float, digits: int = 4) -> float:
+def rounded(value: float) -> float:
     """A number that a hand has turned to, with the digits it can mean."""
-    return float(f"{value:.{digits}g}") if math.isfinite(value) else value
+    return float(f"{value:.4g}") if math.isfinite(value) else value

@@ -25,7 +25,7 @@ from contact.formulation.controls import Control
 from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.formulation.pulled_contact import Lost, contact_under, look_around
+from contact.formulation.pulled_contact import TIGHT, Lost, contact_under, look_around, looked
 from contact.formulation.tension import Pulled
 from contact.formulation.tension_intervals import fitted, interval_of
 
@@ -115,10 +115,10 @@ class Cohesive(Equilibria):
         return Pulled.of(self.problem, self.stress, np.zeros((0, 2)), everywhere=True)
 
     # one state --------------------------------------------------------------------------------------------------------
-    def at(self, table: Array, value: float, tolerance: float = 1e-13) -> CohesivePoint:
+    def at(self, table: Array, value: float, tolerance: float = TIGHT) -> CohesivePoint:
         """The contact under the tension on given intervals; zones are looked for from those of the last state."""
         zones = _followed(self._nearest(table), table, value, self.problem.period) if self.known else np.zeros((0, 2))
-        return self.from_zones(table, value, zones)
+        return self.from_zones(table, value, zones, tolerance)
 
     def _nearest(self, table: Array) -> Known:
         """Of the states known, the one of the nearest intervals as many as these; else the last."""
@@ -126,7 +126,7 @@ class Cohesive(Equilibria):
         alike = [one for one in known if one.table.shape == table.shape]
         return min(reversed(alike), key=lambda one: float(np.abs(one.table - table).max())) if alike else known[-1]
 
-    def from_zones(self, table: Array, value: float, zones: Array) -> CohesivePoint:
+    def from_zones(self, table: Array, value: float, zones: Array, tolerance: float = TIGHT) -> CohesivePoint:
         """The same from a first guess of the zones."""
         lo, hi = self.problem.borders
         if table[0, 0] <= lo or table[-1, 1] >= hi:
@@ -135,7 +135,7 @@ class Cohesive(Equilibria):
         point = self._without_contact(table, value, pulled) if self._may_be_loose and len(zones) == 0 else None
         if point is None or (not self.formal and point.look[1].min() < -_TOUCHING * self.reach):
             try:
-                fields, look = self.contact_under(pulled, value, zones)
+                fields, look = self.contact_under(pulled, value, zones, tolerance)
                 point = self._point(table, value, fields, look)
             except Lost:
                 if not self._may_be_loose:
@@ -149,9 +149,11 @@ class Cohesive(Equilibria):
     def _may_be_loose(self) -> bool:
         return self.loose and self.held.load is None
 
-    def contact_under(self, pulled: Pulled, value: float, zones: Array) -> tuple[ZoneFields, tuple[Array, Array]]:
+    def contact_under(
+        self, pulled: Pulled, value: float, zones: Array, tolerance: float = TIGHT
+    ) -> tuple[ZoneFields, tuple[Array, Array]]:
         """(fields of q on the zones of contact under a tension and a value of the control, the gap beside them)."""
-        return contact_under(pulled, self.control(pulled, value), zones, self.formal)
+        return contact_under(pulled, self.control(pulled, value), zones, self.formal, tolerance)
 
     def under_all(self, value: float, zones: Array) -> CohesivePoint:
         """The contact under tension in all of a period; as stable as the frictionless one."""
@@ -162,7 +164,7 @@ class Cohesive(Equilibria):
             level, x = -value - self.yields * pull, look_around(pulled, none)
             loose = CohesivePoint(
                 none, value, np.zeros(0), np.zeros((0, 0)), np.zeros(0), -pull, level, none, None, np.zeros((0, 1)), np.array([-1.0]),
-                (x, pulled.shape(x) + level), True,
+                looked(lambda y: pulled.shape(y) + level, x), True,
             )
             if len(zones) == 0 and (self.formal or loose.look[1].min() >= -_TOUCHING * self.reach):
                 return loose
@@ -233,12 +235,14 @@ class Cohesive(Equilibria):
         count, pull = len(table), pulled.pulling.total
         at = np.concatenate((table[:, 0], table[:, 1]))
         level = -value - self.yields * pull
-        gap, x = pulled.shape(at) + level, look_around(pulled, np.zeros((0, 2)))
+        gap = pulled.shape(at) + level
+        look = looked(lambda x: pulled.shape(x) + level, look_around(pulled, np.zeros((0, 2))))
         rates = self.explicit(pulled, at, np.zeros(2 * count)) - self.yields * self.stress
-        by_ends, of_level = np.zeros((0, 2 * count + 1)), np.append(np.full(2 * count, -self.yields * self.stress), -1.0)
+        none, by_ends = np.zeros((0, 2)), np.zeros((0, 2 * count + 1))
+        of_level = np.append(np.full(2 * count, -self.yields * self.stress), -1.0)
         return CohesivePoint(
-            table, value, 1 - gap / self.reach, -rates / self.reach, np.full(2 * count, 1.0 / self.reach), -pull, level,
-            np.zeros((0, 2)), None, by_ends, of_level, (x, pulled.shape(x) + level),
+            table, value, 1 - gap / self.reach, -rates / self.reach, np.full(2 * count, 1.0 / self.reach), -pull, level, none, None,
+            by_ends, of_level, look,
         )
 
     def explicit(self, pulled: Pulled, at: Array, transform: Array) -> Array:

@@ -6,6 +6,8 @@ the root of the distance from there. Where q is negative a zone is cut, where th
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,6 +24,9 @@ Array = NDArray[np.float64]
 
 # Newton's steps of the zones under a given tension, and how often their number may change.
 _STEPS, _ROUNDS = 80, 16
+# Of the density; and what ends miss, and Newton's last step but one, over the strips beside them: of a state, and of one on the way.
+TIGHT = 1e-14
+_DONE, _LAST, _ROUGHLY, _ROUGHLY_LAST = 1e-11, 1e-9, 1e-5, 1e-3
 # After so many changes of their number the zones are left to the engine's search.
 _PLAIN = 3
 # A zone's end moves at most by these parts of its width, and of the gap beside it; it comes so much nearer to the end of its interval.
@@ -36,8 +41,10 @@ _COVERED = 1e-6
 _GONE = 1e-3
 # Of an overlap, as wide a new zone begins.
 _NEW = 0.5
-# How far from the zones of a lone body it is looked.
-_FAR = 1e3
+# How far from the zones of a lone body it is looked, and in which parts, over what these span.
+_FAR, _CUTS = 1e3, np.array([0.25, 1.0, 4.0, 16.0, 64.0])
+# How often a gap is looked at more closely about its extremes.
+_CLOSER = 3
 # Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary faster.
 _SIGNS = 128
 
@@ -54,16 +61,18 @@ class Covered(NoState):
         self.ends = ends
 
 
-def contact_under(pulled: Pulled, control: Control, zones: Array, formal: bool = False) -> tuple[ZoneFields, tuple[Array, Array]]:
+def contact_under(
+    pulled: Pulled, control: Control, zones: Array, formal: bool = False, tolerance: float = TIGHT
+) -> tuple[ZoneFields, tuple[Array, Array]]:
     """(fields of q on the zones of contact under a tension, the gap beside them). formal: as many zones as are given, whatever the
-    signs."""
+    signs; tolerance: of the density."""
     if control.load is not None and not control.load > 0.0:
         raise Lost
     if len(zones) == 0:
         zones = _lowest(pulled)
     for done in range(_ROUNDS):
         # Where narrow gaps close or open within an interval, their ends act on each other: the engine's own steps know how.
-        state = (_settled if done < _PLAIN else _searched)(pulled, control, zones)
+        state = (_settled if done < _PLAIN else _searched)(pulled, control, zones, tolerance)
         fields = ZoneFields(pulled, state)
         look = look_at(fields)
         found = None if formal else _corrected(fields, look)
@@ -85,13 +94,15 @@ def _lowest(pulled: Pulled) -> Array:
     return np.array([[x[i, j] - half, x[i, j] + half]])
 
 
-def _settled(pulled: Pulled, control: Control, zones: Array) -> sie.State:
+def _settled(pulled: Pulled, control: Control, zones: Array, tolerance: float) -> sie.State:
     """Newton on the ends of zones whose number is given, or falls."""
     equation, first = pulled.equation(control), np.diff(zones, axis=1)[:, 0]
     before: tuple[Array, Array] | None = None
     best, stuck = np.inf, 0
+    # Newton's steps square what is missed, and one more is taken.
+    done, last = (_DONE, _LAST) if tolerance <= TIGHT else (_ROUGHLY, _ROUGHLY_LAST)
     for _ in range(_STEPS):
-        state = sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-14)
+        state = sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), tolerance)
         k, slope = np.array(state.density.intensities), np.array(state.density.edge_slopes)
         width, (room, shared) = np.diff(zones, axis=1)[:, 0], _room(pulled, zones)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -112,7 +123,7 @@ def _settled(pulled: Pulled, control: Control, zones: Array) -> sie.State:
         miss = float(np.abs(step / least).max())
         best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
         # Of narrow strips rounding leaves more.
-        if miss < 1e-11 or (stuck > 2 and miss < _ROUNDED):
+        if miss < done or (stuck > 2 and miss < _ROUNDED):
             return state
         covers = ~shared & (room < _COVERED * width) & (step > 0.5 * room)
         if covers.any():
@@ -123,9 +134,9 @@ def _settled(pulled: Pulled, control: Control, zones: Array) -> sie.State:
             raise Covered(ends.ravel())
         limit = np.minimum(_OUTWARD * width, np.where(shared, _INTO_GAP, 1 - _NEARER) * room)
         moved = np.clip(step, -_INWARD * width, limit)
-        if float(np.abs(moved / least).max()) < 1e-9:
+        if float(np.abs(moved / least).max()) < last:
             zones = zones + np.column_stack((-moved[0], moved[1]))
-            return sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-14)
+            return sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), tolerance)
         lost = (width < _GONE * first) & (step < -_INWARD * width).all(axis=0)
         if lost.any():
             if lost.all():
@@ -137,7 +148,7 @@ def _settled(pulled: Pulled, control: Control, zones: Array) -> sie.State:
     raise NotConverged("the ends of zones under a given tension did not come to rest")
 
 
-def _searched(pulled: Pulled, control: Control, zones: Array) -> sie.AnyState:
+def _searched(pulled: Pulled, control: Control, zones: Array, tolerance: float) -> sie.AnyState:
     """The same by the engine's search, of zones that stay within their intervals."""
     equation, table, everywhere = pulled.equation(control), pulled.pulling.table, pulled.pulling.everywhere
     for _ in range(_ROUNDS):
@@ -155,7 +166,7 @@ def _searched(pulled: Pulled, control: Control, zones: Array) -> sie.AnyState:
         else:
             i = interval_of(ended, table) if len(table) else np.zeros(len(ended), dtype=np.intp)
             within = everywhere or len(table) == 0 or bool(np.all((ended[:, 0] > table[i, 0]) & (ended[:, 1] < table[i, 1])))
-            return free.state if free.converged and within else _settled(pulled, control, zones)
+            return free.state if free.converged and within else _settled(pulled, control, zones, tolerance)
     raise NotConverged("the number of zones under a given tension did not settle")
 
 
@@ -191,8 +202,27 @@ def look_at(fields: ZoneFields) -> tuple[Array, Array]:
     """(places without contact, the gap there)."""
     pulled = fields.problem
     assert isinstance(pulled, Pulled)
-    x = look_around(pulled, fields.density.zones.table)
-    return x, fields.formal_gap(x)
+    return looked(fields.formal_gap, look_around(pulled, fields.density.zones.table))
+
+
+def looked(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
+    """(places, the gap there), those of its extremes among them, as parabolas have them: what begins there begins without width."""
+    order = np.argsort(x)
+    x, value = x[order], gap(x[order])
+    for _ in range(_CLOSER):
+        a, b, c = x[:-2], x[1:-1], x[2:]
+        left, right = (value[1:-1] - value[:-2]) / (b - a), (value[2:] - value[1:-1]) / (c - b)
+        turns = (left * right <= 0.0) & (left != right)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            top = 0.5 * (a + b) - left * 0.5 * (c - a) / (right - left)
+        top = top[turns & (top > a) & (top < c)]
+        top = np.unique(top[~np.isin(top, x)])
+        if len(top) == 0:
+            break
+        x, value = np.concatenate((x, top)), np.concatenate((value, gap(top)))
+        order = np.argsort(x)
+        x, value = x[order], value[order]
+    return x, value
 
 
 def look_around(pulled: Pulled, zones: Array) -> Array:
@@ -207,7 +237,8 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
         if len(zones):
             edges = [(float(b), float(a)) for b, a in zip(zones[:, 1], [*zones[1:, 0], zones[0, 0] + period], strict=True)]
     else:
-        span, marks = float(both.max() - both.min()), table.ravel()
+        span = float(both.max() - both.min())
+        marks = np.concatenate((table.ravel(), both.min() - span * _CUTS, both.max() + span * _CUTS))
         left, right = max(lo, both.min() - _FAR * span), min(hi, both.max() + _FAR * span)
         edges = [(float(b), float(a)) for b, a in zip([left, *zones[:, 1]], [*zones[:, 0], right], strict=True)]
     resolution = pulled.profile.resolution
@@ -217,11 +248,16 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
         cuts = np.concatenate(([begin], np.sort(marks[(marks > begin) & (marks < end)]), [end]))
         for a, b in zip(cuts[:-1], cuts[1:], strict=True):
             found.append(places(float(a), float(b), 0.25 * spacing))
-    return np.concatenate(found)
+    kinks = pulled.forcing.kinks[0]
+    if period is not None and len(kinks):
+        kinks = np.concatenate((kinks - period, kinks, kinks + period))
+    held = [kinks[(kinks > a) & (kinks < b)] for a, b in edges]
+    return np.unique(np.concatenate((*found, *held)))
 
 
 def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
     """Zones with pulling parts cut out and new ones where the surfaces overlap; None where there are no such places."""
+    assert isinstance(fields.problem, Pulled)
     density, (x, gap) = fields.density, look
     zones, out, changed = density.zones, [], False
     varies = fields.spacing if fields.problem.profile.resolution is not None else np.inf
@@ -241,8 +277,11 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
         if np.isfinite(begin):
             out.append((begin, float(zones.b[i])))
     rounding = fields.gap_rounding + 2 * float(np.abs(fields.formal_gap(zones.middle)).max())
-    inside = density.locate(x)[2]
-    for s, e in runs_of((gap < -rounding) & ~inside):
+    free, tension = ~density.locate(x)[2], fields.problem.pulling
+    if len(tension.table):
+        # Beyond the intervals of tension it is for these to grow first.
+        free &= tension.holds(x)
+    for s, e in runs_of((gap < -rounding) & free):
         lo, hi = x[max(s - 1, 0)], x[min(e + 1, len(x) - 1)]
         if (s == 0 or lo in zones.table) and (e == len(x) - 1 or hi in zones.table):
             continue

@@ -20,7 +20,7 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError
-from contact.model.checks import finite, finite_or_none, positive
+from contact.model.checks import finite, finite_or_none, keep, positive
 from contact.model.controls import CONTROLS, TURNING, Control, Quantity, fields_under
 from contact.model.interactions.base import Interaction
 from contact.model.interactions.declared import require_elastic
@@ -150,7 +150,7 @@ class Scene(sie.Kept):
         _require_instance("interaction", self.interaction, Interaction, "Periodic()")
         _require_instance("substrate", self.substrate, Substrate, "HalfPlane()")
         _require_instance("law", self.law, Law, "Frictionless()")
-        object.__setattr__(self, "E_star", positive("E_star", self.E_star))
+        keep(self, positive, "E_star")
 
         for turning in TURNING:
             object.__setattr__(self, turning, finite_or_none(turning, getattr(self, turning)))

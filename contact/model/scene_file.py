@@ -80,13 +80,13 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     return _under(f"{path}:", lambda: scene_from_tables(tables, path.parent))
 
 
-def read_scene(text: bytes, name: str, directory: str | PathLike[str] = ".") -> Scene:
+def read_scene(text: bytes, name: str) -> Scene:
     """The scene of a TOML text that no file holds; faults are told under that name."""
     try:
         tables = tomllib.loads(text.decode("utf-8"))
     except ValueError as error:
         raise SceneError(f"{name}: is not a TOML file: {error}") from error
-    return _under(f"{name}:", lambda: scene_from_tables(tables, directory))
+    return _under(f"{name}:", lambda: scene_from_tables(tables))
 
 
 def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Scene:

@@ -93,10 +93,10 @@ class Task:
 
     def refine_topology(
         self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 0,
-        rounds: int = ROUNDS,
+        rounds: int = ROUNDS, off: float = 1.0,
     ) -> Found | Missed:
         """Zones that pass, from proposed ones."""
-        newton = Newton(self.tolerance, value, steps, near)
+        newton = Newton(self.tolerance, value, steps, near, off)
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
             return refine_topology(ByPressure(problem), control, table, newton, self.progress, timed=self.plan.timed, rounds=rounds)

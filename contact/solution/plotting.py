@@ -4,8 +4,6 @@ Above, the profile is drawn where the approach has put it, touching the deformed
 measured from the undeformed surface where the displacement is known absolutely. The body is above, its asperities pointing
 down; the counter-face below, flat or with heights of its own, is given the displacement of both. A scene of many zones, or of
 zones narrow beside the stretch shown, has a second column: the same two panels close to the highest pressure.
-
-The figure is matplotlib's own object, drawn by Agg without pyplot: no window, no backend and no setting is touched.
 """
 
 from __future__ import annotations
@@ -14,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from contact.extras import require
 from contact.model.units import prefix, quantity
 from contact.solution.answer import Answer, Array
+from contact.solution.panels import new_figure
 from contact.solution.sampling import peak_position, positions, surfaces, window, zones_within
 
 _BODY, _SURFACE, _PRESSURE, _ZONE, _CLOSE = "#7a7a7a", "#1f5a92", "#b3261e", "#f2c14e", "#3d7a4a"
@@ -36,8 +34,7 @@ def plot(solution: Answer) -> Any:
     close = _close_up(solution, *stretches[0])
     if close is not None:
         stretches.append(close)
-    figure = require("matplotlib.figure").Figure(figsize=(7.2 if close is None else 10.2, 5.4), layout="constrained")
-    require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
+    figure = new_figure(7.2 if close is None else 10.2, 5.4)
     ratios = [1.0] if close is None else [1.55, 1.0]
     axes = figure.subplots(2, len(stretches), sharex="col", squeeze=False, width_ratios=ratios)
     for (top, bottom), (lo, hi) in zip(axes.T, stretches, strict=True):

@@ -93,7 +93,7 @@ class AdhesiveEvent(Event):
 
     def change(self) -> str:
         ends = "apart", "full contact"
-        before = len(self.before) or ends[0]
+        before = len(self.before) or ends[self.kind == "open"]
         return f"{before} to {len(self.after) or ends[self.kind == 'full']}"
 
 
@@ -374,11 +374,12 @@ class _Run:
             approach_after = self._parted(jump.before)
         lost = None
         if energy is not None and energy_after is not None and approach is not None and approach_after is not None:
-            lost = energy - energy_after + (load if by_load else 0.5 * (load + load_after)) * (approach_after - approach)
+            done = (load if by_load else 0.5 * (load + load_after)) * (approach_after - approach)
+            lost = 0.0 if jump.smooth else energy - energy_after + done
         drawn = None
         if jump.kind == "pull-off" and jump.before.point is not None:
             fields = self.by.fields(jump.before.point)
-            x = _places(self.scene, zones)
+            x = _places(self.scene, zones if len(zones) else fields.cohesive)
             surface = self.scene.profile.counter_height(x) - fields.displacement(x)
             drawn = np.array([x, surface, surface + fields.gap(x)])
         value = jump.before.value * self.unit

@@ -35,7 +35,7 @@ def look_at(equation: Equation, zones: Zones) -> None:
     how = (any(condition.count(zones) > 0 and speaks_of_levels(condition, zones) for condition in equation.conditions), zones.symmetric)
     parts = [("the right side", equation.forcing), *((f"column {k}", column) for k, column in enumerate(equation.columns))]
     for name, forcing in parts:
-        if how not in _seen(forcing):
+        if not forcing.looked_at and how not in _seen(forcing):
             _look_at_forcing(name, forcing, *_places(zones), *how)
             _seen(forcing).add(how)
     # Kernels of this package are what they are.

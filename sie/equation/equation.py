@@ -71,6 +71,8 @@ class Forcing(Kept):
         digits that the primitive has lost.
     placed : callable or None
         Where x comes to stand when `value` rounds it; None: x itself. Narrow zones far from the origin see it.
+    looked_at : bool
+        Whether it is known to be in order, and its primitive to rise as its value says: then that is not looked at again.
 
     Raises
     ------
@@ -101,6 +103,7 @@ class Forcing(Kept):
     singular_between: bool = False
     resolution: float | None = None
     placed: Function | None = None
+    looked_at: bool = False
 
     def sampled(self, start: Array, away: Array, slope: Function) -> Array:
         """g at start + away, more exactly than such places can be told apart: taken where they are rounded to, and what that is

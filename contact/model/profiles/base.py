@@ -26,6 +26,10 @@ Array = NDArray[np.float64]
 # Places a period at which slopes are read.
 _PLACES = 1024
 
+# The one tip of many shapes.
+AT_ORIGIN = np.zeros(1)
+AT_ORIGIN.setflags(write=False)
+
 
 class Profile(sie.Kept):
     """Base of all profiles; subclasses are frozen dataclasses that check their fields when made.

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
-from contact.model.checks import finite
+from contact.model.checks import finite, keep
 from contact.model.profiles.base import Array, Profile
 
 Window = tuple[float, float]
@@ -81,7 +81,7 @@ class Combined(Profile):
             body = getattr(self, field)
             if not isinstance(body, Profile) or len(body.bodies) != 1:
                 raise SceneError.of(field, body, "the contact.Profile of one body, such as Sinusoid(amplitude=1e-6, period=1e-4)")
-        object.__setattr__(self, "shift", finite("shift", self.shift))
+        keep(self, finite, "shift")
         if not isinstance(self.mirrored, (bool, np.bool_)):
             raise SceneError.of("mirrored", self.mirrored, "True or False")
         object.__setattr__(self, "period", _common_period(self.profile.period, self.counter.period))

@@ -209,17 +209,6 @@ def _measured_length(x: Array, height: Array) -> float:
     return float(x[-1] - x[0])
 
 
-def read_columns(
-    path: str | Path, columns: Sequence[int | str] = (), units: str | Sequence[str] | None = None
-) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Position and height [m] of a text file, and the line of each."""
-    table = read_table(path, columns)
-    values, _ = in_metres(path, table, units)
-    x, height, lines, _ = in_order(path, values[:, 0], values[:, 1], table.lines)
-    filled(path, x, height, lines, None)
-    return x, height, lines
-
-
 def _doubtful_heights(name: str, height: Array, many: str) -> tuple[str, ...]:
     """What is doubtful about heights that are missing, or may be. many: how many are, if that is a large part."""
     told = [f"{name}: {many}, more than a tenth of them"] if many else []

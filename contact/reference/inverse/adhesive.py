@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.model.checks import finite, positive
+from contact.model.checks import finite, keep, positive
 from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
 from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
@@ -100,9 +100,8 @@ class AdhesiveDesign(GivenZones):
     period: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("E_star", "work"):
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
-        object.__setattr__(self, "load", finite("load", self.load))
+        keep(self, positive, "E_star", "work")
+        keep(self, finite, "load")
         self._check()
 
     @property

@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.model.checks import positive
+from contact.model.checks import keep, positive
 from contact.reference.exact.base import FROM_LEFT, WEIGHT
 from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
@@ -94,8 +94,7 @@ class DesignedContact(GivenZones):
     period: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("E_star", "load"):
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
+        keep(self, positive, "E_star", "load")
         self._check()
 
     @cached_property

@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import SceneError
-from contact.model.checks import finite_array, positive_or_none
+from contact.model.checks import finite_array, keep, positive_or_none
+from contact.reference.exact.base import Zoned
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile
 
 Array = NDArray[np.float64]
 
 
-class GivenZones:
+class GivenZones(Zoned):
     """A subclass has the profile, the loads of the zones, and the formulas in its distances dl, dr from the ends of an interval."""
 
     # Annotations only: a subclass has them as its fields.
@@ -27,7 +28,7 @@ class GivenZones:
     period: float | None
 
     def _check(self) -> None:
-        object.__setattr__(self, "period", positive_or_none("period", self.period))
+        keep(self, positive_or_none, "period")
         zones = finite_array("zones", self.zones, ndim=2)
         object.__setattr__(self, "zones", zones)
         if zones.shape[1] != 2 or np.any(np.diff(zones.ravel()) <= 0.0):
@@ -71,21 +72,6 @@ class GivenZones:
     def slope(self, x: ArrayLike) -> Array:
         """f'(x)."""
         return self.profile.slope(x)
-
-    @property
-    def mean_pressure(self) -> float | None:
-        """Load over period; None without one."""
-        return None if self.period is None else self.load / self.period
-
-    @property
-    def zone_widths(self) -> Array:
-        """Width of every zone [m], (n,)."""
-        return np.diff(self.zones, axis=1)[:, 0]
-
-    @property
-    def contact_fraction(self) -> float | None:
-        """The share of the period in contact; None without a period."""
-        return None if self.period is None else float(np.sum(self.zone_widths)) / self.period
 
     @property
     def nearness(self) -> float:

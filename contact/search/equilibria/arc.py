@@ -187,7 +187,7 @@ def along(curve: Equilibria, here: Place, length: float) -> Point | None:
             return None
         try:
             at = curve.at(table, value)
-        except NoState:
+        except (NoState, NotConverged):
             return None
         matrix = np.block([[at.rates * widths, at.by_value[:, None] * unit], [tangent[None]]])
         step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))

@@ -60,13 +60,13 @@ def _between(
     for a, b in high:
         held = _held(low, a, b, period)
         if len(held) == 0:
-            found.append(Change(*new, _about(low, a, b, period)))
+            found.append(Change(*new, about(low, a, b, period)))
         for left, right in zip(held[:-1, 1], held[1:, 0], strict=True):
             found.append(Change(*met, (float(left - 0.25 * (right - left)), float(right + 0.25 * (right - left)))))
     return found
 
 
-def _about(zones: Array, a: float, b: float, period: float | None) -> tuple[float, float]:
+def about(zones: Array, a: float, b: float, period: float | None) -> tuple[float, float]:
     """Places about a zone that is not there yet, and away from others."""
     lo, hi = 1.5 * a - 0.5 * b, 1.5 * b - 0.5 * a
     for shift in (0.0,) if period is None else (-period, 0.0, period):

@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 # A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's resolution.
 _INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
 # On the way the states are solved to this; ends at rest: the last step over the widths.
-_ROUGH, REST = 1e-9, 1e-6
+ROUGH, REST = 1e-9, 1e-6
 # By how much of r, and of K*, a step may pass a place of rest; from how near an equilibrium Newton's step is taken as it is.
 _OVERSHOT, _SLIGHT, _NEAR, _FAR = 0.1, 1e-4, 0.02, 0.05
 # A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
@@ -72,7 +72,7 @@ def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
     for _ in range(MOST_TRIES):
         step = kept_step(here, sign, limit, back)
         # Of ends that are driven hard, little must be left out to know how those at rest are.
-        ahead = curve.at(here.moved(step), here.value, max(1e-14, _ROUGH / max(1.0, float(np.abs(here.residual).max()))))
+        ahead = curve.at(here.moved(step), here.value, max(1e-14, ROUGH / max(1.0, float(np.abs(here.residual).max()))))
         gone_past = passed(here, ahead, step, sign)
         if not gone_past.any():
             return ahead, float(np.abs(step / here.widths).max())

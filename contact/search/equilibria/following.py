@@ -44,12 +44,13 @@ class Standing:
 
 @dataclass(frozen=True, eq=False)
 class Jump:
-    """What happens to the zones, with a loss of energy or without: kind (contact.sweeps.adhesive), place: scaled, where it begins."""
+    """What happens to the zones: kind (contact.sweeps.adhesive); place: scaled, where it begins; smooth: nothing jumps, nothing is lost."""
 
     kind: str
     place: float
     before: Standing
     after: Standing
+    smooth: bool = False
 
 
 @dataclass(frozen=True)

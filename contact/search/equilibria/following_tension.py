@@ -24,7 +24,7 @@ from contact.formulation.runs import runs_of
 from contact.formulation.tension_intervals import fitted, interval_of, joined, unwrapped
 from contact.search.equilibria import arc, tension
 from contact.search.equilibria.arc import Step
-from contact.search.equilibria.changes import Change, changes, condition, with_change
+from contact.search.equilibria.changes import Change, about, changes, condition, with_change
 from contact.search.equilibria.following import LEAST, NEW, SLIGHT, Following, Jump, Standing, first_of
 from contact.search.equilibria.growth import touched
 
@@ -35,6 +35,10 @@ At = Callable[[float], CohesivePoint]
 _STEPS, _HALVINGS, _PARTS = 8, 40, 12
 # How much farther than a step its end is looked for, seen from there.
 _FARTHER = (1.0, 1.1, 1.5)
+# Newton's steps to an equilibrium, the last one over the widths, and a gap over the reach that is none.
+_NEWTON, _STILL, _TOUCHES = 20, 1e-12, 1e-9
+# Over its width, how far an interval of tension is pushed inward that has let go.
+_PUSH = 0.03
 # Of the value, short of full contact: there the last gap closes.
 _SHORT = 1e-7
 
@@ -107,13 +111,17 @@ class FollowingUnderTension(Following):
 
     def _changed(self, here: Point, place: float, width: float, begins: bool) -> Standing:
         """What an interval of tension that begins at a place comes to, or one that is cut there."""
-        curve, half = self.curve, 0.5 * NEW * width
+        curve, half, period = self.curve, 0.5 * NEW * width, self.curve.problem.period
+        if period is not None:
+            place -= np.floor((place - here.table[0, 0]) / period) * period
         assert isinstance(here, CohesivePoint)
         sign = 1.0 if begins else -1.0
         while True:
-            table = (_with_interval if begins else _cut)(here.table, place, half, curve.problem.period)
-            at = curve.from_zones(table, here.value, fitted(here.zones, table, curve.problem.period))
-            if half < LEAST or np.all(sign * at.residual > -SLIGHT):
+            table = (_with_interval if begins else _cut)(here.table, place, half, period)
+            at = curve.from_zones(table, here.value, fitted(here.zones, table, period))
+            # The ends that are new are driven, all others at rest.
+            new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half
+            if half < LEAST or (np.all(sign * at.residual > -SLIGHT) and np.all(sign * at.residual[new] > 0.0)):
                 break
             half *= 0.1
         return (self.grown if begins else self.shrunk)(table, here.value)
@@ -145,13 +153,74 @@ class FollowingUnderTension(Following):
         return place, -most
 
     def gone(self, here: Point, sense: float) -> Jump | None:
-        """Under a held load contact may shrink to a point, which holds no more."""
-        last = self.curve.known[-1]
-        small = np.diff(last.zones, axis=1).sum() < tension.SHRUNK * np.diff(last.table, axis=1).sum()
-        if sense > 0.0 or self.curve.held.load is None or not small or len(last.zones) == 0:
+        """Contact that shrinks to a point within its interval of tension, and on which the interval hangs: without it that lets go."""
+        curve = self.curve
+        assert isinstance(here, CohesivePoint)
+        if sense > 0.0 or len(here.zones) == 0:
             return None
-        touch = tension.touching(self.curve, last.table, float(last.zones.mean()))
-        return Jump("pull-off", float(touch.contact[0, 0]), Standing(touch.value, touch), Standing(touch.value))
+        i = interval_of(here.zones, here.table)
+        share = np.diff(here.zones, axis=1)[:, 0] / np.diff(here.table, axis=1)[i, 0]
+        k = int(np.argmin(share))
+        if share[k] > tension.SHRUNK:
+            return None
+        if curve.held.load is not None and share.max() <= tension.SHRUNK:
+            last = tension.touching(curve, here.table, float(here.zones[k].mean()))
+            others = np.delete(here.zones.mean(axis=1), k)
+            points = np.sort(np.append(others, last.zones[0, 0]))
+            last = replace(last, zones=np.column_stack((points, points)))
+            return Jump("pull-off", float(last.zones[0, 0]), Standing(last.value, last), Standing(last.value))
+        # As a rule one alone, but two of the same kind together.
+        for gone in (np.array([k]), np.flatnonzero(share <= tension.SHRUNK)):
+            touch = self._without(here, gone)
+            if touch is not None:
+                break
+        else:
+            return None
+        places, state = touch
+        before = Standing(state.value, replace(state, zones=_with_points(state.zones, places)))
+        place = float(places[0])
+        if state.growth < 0.0:
+            return Jump("death", place, before, Standing(state.value, state), smooth=True)
+        width = float(np.diff(state.table[i[k]])[0])
+        table = state.table.copy()
+        table[i[k]] += np.array([_PUSH, -_PUSH]) * width
+        after = self.shrunk(table, state.value)
+        return Jump(self.kind(before, after, False), place, before, after)
+
+    def _without(self, here: CohesivePoint, gone: NDArray[np.intp]) -> tuple[Array, CohesivePoint] | None:
+        """(places, equilibrium) in which the surfaces just touch where zones are about to vanish; None if it was not found."""
+        count, period = len(here.zones), self.curve.problem.period
+        others = np.delete(here.zones, gone, axis=0)
+        each = [Change("death", False, about(others, float(a), float(b), period)) for a, b in here.zones[gone]]
+        known = Known(here.table, here.value, others, np.delete(here.by_ends, np.append(gone, gone + count), axis=0))
+        formal = replace(self.curve, formal=True, known=[known])
+
+        def state(value: float, table: Array) -> CohesivePoint:
+            at = formal.at(table, value)
+            for _ in range(_NEWTON):
+                step = np.linalg.solve(-at.rates, at.residual)
+                at = formal.at(at.moved(np.asarray(step, dtype=np.float64)), value)
+                if float(np.abs(step / at.widths).max()) < _STILL:
+                    break
+            return at
+
+        value, step = here.value, 1e-4 / float(np.abs(here.by_value).max())
+        try:
+            at = state(value, here.table)
+            least = condition(formal, at, each[0])[1]
+            for _ in range(_NEWTON):
+                at = state(value + step, at.table)
+                ahead = condition(formal, at, each[0])[1]
+                value += step
+                if ahead == least or abs(step) < 1e-15 * abs(value):
+                    break
+                step, least = -step * ahead / (ahead - least), ahead
+        except (NotConverged, NoState, np.linalg.LinAlgError):
+            return None
+        touches = _TOUCHES * self.curve.reach
+        if abs(least) > touches or at.look[1].min() < -touches:
+            return None
+        return np.sort([condition(formal, at, one)[0] for one in each]), at
 
     # what changes without a jump ----------------------------------------------------------------------------------------
     def passed(self, step: Step, length: float, last: Point) -> Iterator[Jump]:
@@ -224,7 +293,7 @@ class FollowingUnderTension(Following):
         place = condition(self.curve, here, change)[0]
         other = replace(here, zones=with_change(here.zones, change, place))
         before, after = (here, other) if change.ahead else (other, here)
-        return Jump(change.kind, place, Standing(here.value, before), Standing(here.value, after))
+        return Jump(change.kind, place, Standing(here.value, before), Standing(here.value, after), smooth=True)
 
     # tension everywhere ---------------------------------------------------------------------------------------------------
     def under_all(self, value: float) -> Standing:
@@ -241,7 +310,7 @@ class FollowingUnderTension(Following):
             return None
         after = self.under_all(self.full - _SHORT * self.size)
         assert isinstance(after.point, CohesivePoint)
-        return Jump("open", self._last_gap(after.point), Standing(self.full, closed=True), replace(after, value=self.full))
+        return Jump("open", self._last_gap(after.point), Standing(self.full, closed=True), replace(after, value=self.full), smooth=True)
 
     def _last_gap(self, here: CohesivePoint) -> float:
         (x, gap) = here.look
@@ -281,7 +350,7 @@ class FollowingUnderTension(Following):
         if end == value:
             yield Standing(value, here)
         else:
-            yield Jump("full", self._last_gap(here), Standing(self.full, here), Standing(self.full, closed=True))
+            yield Jump("full", self._last_gap(here), Standing(self.full, here), Standing(self.full, closed=True), smooth=True)
 
     def _by_value(self, low: CohesivePoint, high: CohesivePoint) -> Callable[[CohesivePoint, bool, float], Iterator[At]]:
         def beside(here: CohesivePoint, ahead: bool, reach: float) -> Iterator[At]:
@@ -341,6 +410,12 @@ class FollowingUnderTension(Following):
             np.array([-1.0]), (np.zeros(0), np.zeros(0)), True,
         )
         return Jump("pull-off", place, Standing(value, touch), Standing(value))
+
+
+def _with_points(zones: Array, places: Array) -> Array:
+    """The zones, and contact in points."""
+    both = np.concatenate((zones, np.column_stack((places, places))))
+    return np.asarray(both[np.argsort(both[:, 0])])
 
 
 def _with_interval(table: Array, place: float, half: float, period: float | None) -> Array:

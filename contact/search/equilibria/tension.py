@@ -28,6 +28,10 @@ Array = NDArray[np.float64]
 _NEW = 0.5
 # How often a step is shortened that would lose contact.
 _TRIES = 6
+# How often, and by how much, intervals are widened that contact covers.
+_WIDENINGS, _WIDEN = 120, 1.25
+# So often ends are let go one way only; of the widths, how far else.
+_ONE_WAY, _SLOWLY = 4, 0.5
 # Newton's steps of a state without contact.
 _STEPS = 80
 # Of the control, until the gap somewhere comes to the reach.
@@ -64,7 +68,7 @@ def _held(curve: Cohesive, table: Array, value: float) -> Array:
     before = curve._nearest(table).table
     for _ in range(_TRIES):
         try:
-            curve.at(table, value)
+            curve.at(table, value, flow.ROUGH)
             break
         except Covered as covered:
             if len(before) != len(table):
@@ -74,13 +78,14 @@ def _held(curve: Cohesive, table: Array, value: float) -> Array:
 
 
 def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> CohesivePoint | None:
-    here = curve.at(table, value)
+    here = curve.at(table, value, flow.ROUGH)
     for _ in range(flow.MOST_STEPS):
         new = _parted(curve, here) if sign < 0 else _grown(curve, here)
         if new is not None:
             if len(new) == 0:
                 return None
-            here = curve.from_zones(new, value, fitted(here.zones, new, curve.problem.period))
+            zones = fitted(here.zones, new, curve.problem.period)
+            here = curve.from_zones(uncovered(curve, new, value, zones) if sign > 0 else new, value, zones, flow.ROUGH)
             continue
         ahead, move = _step(curve, here, sign)
         assert isinstance(ahead, CohesivePoint)
@@ -90,32 +95,76 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
     raise NotConverged("the ends of the tension did not come to rest under a held control")
 
 
+def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Array:
+    """The intervals, or wider ones where contact covers these: what it covers is driven on."""
+    for _ in range(_WIDENINGS):
+        try:
+            curve.from_zones(table, value, fitted(zones, table, curve.problem.period), flow.ROUGH)
+            return table
+        except Covered as covered:
+            width, gaps = np.diff(table, axis=1)[:, 0], curve.gaps(table)
+            left, right = covered.ends.reshape(2, -1)
+            out = 0.5 * (_WIDEN - 1) * width
+            table = table + np.column_stack((-1.0 * left * np.minimum(out, 0.4 * np.roll(gaps, 1)), right * np.minimum(out, 0.4 * gaps)))
+    raise NotConverged(TOO_NARROW)
+
+
 def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     limit, back = flow.limits(curve, here, sign)
     lost, beyond = 0, np.zeros(len(limit))
+    # An interval that was cut is parted by little at first.
+    gaps = curve.gaps(here.table)
+    size = np.minimum(here.widths, np.concatenate((np.roll(gaps, 1), gaps)))
+    back_again = 0
     for _ in range(flow.MOST_TRIES):
+        if back_again >= _ONE_WAY and here.growth >= 0.0:
+            return _let_go(curve, here, sign)
         step = flow.kept_step(here, sign, limit, back) + beyond
         try:
-            ahead = curve.at(here.moved(step), here.value)
+            ahead = curve.at(here.moved(step), here.value, flow.ROUGH)
         except Lost:
             lost += 1
             if lost > _TRIES:
                 raise
-            limit = 0.3 * np.minimum(limit, np.abs(step))
+            limit = _shorter(here, limit, step, 0.3)
             continue
         except Covered as covered:
             # What has gone too far inward goes less far; what others have pushed out goes farther.
             if sign < 0:
-                limit = np.where(covered.ends, 0.5, 0.9) * np.minimum(limit, np.abs(step))
+                limit = _shorter(here, limit, step, np.where(covered.ends, 0.5, 0.9))
             else:
                 beyond = np.where(covered.ends, 2 * beyond + _FARTHER * here.widths, beyond)
             continue
         passed = flow.passed(here, ahead, step, sign)
         if not passed.any():
             # Short of where contact is lost it is not at rest.
-            return ahead, float(np.abs(step / here.widths).max()) if lost == 0 else np.inf
-        kept = np.where(passed | (here.growth >= 0.0), 0.5, 0.9)
-        limit = kept * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
+            return ahead, float(np.abs(step / size).max()) if lost == 0 else np.inf
+        limit, back_again = _shorter(here, limit, step, np.where(passed, 0.5, 0.9)), back_again + 1
+    raise NotConverged("no step of the ends keeps to the branch")
+
+
+def _shorter(here: Point, limit: Array, step: Array, by: Array | float) -> Array:
+    """Limits of a shorter step. A damped one keeps its shape, so that ends at rest do not hold up the others."""
+    if here.growth >= 0.0:
+        return np.asarray(float(np.min(by)) * limit * float((np.abs(step) / limit).max()))
+    return np.asarray(by * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths)))
+
+
+def _let_go(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
+    """Where ends that run away drive others the other way, as under a held approach: all ends down the slope of the energy, a step of
+    the implicit Euler method, as long as lets them go no farther than they may."""
+    onward, back = flow.limits(curve, here, sign)
+    gaps = curve.gaps(here.table)
+    size = np.minimum(here.widths, np.concatenate((np.roll(gaps, 1), gaps)))
+    onward, above = np.minimum(onward, _SLOWLY * np.maximum(size, 1e-3 * here.widths)), 1e-3
+    for _ in range(flow.MOST_TRIES):
+        step: Array = np.linalg.solve(np.diag((max(here.growth, 0.0) + above) * here.weight) - here.rates, here.residual).astype(np.float64)
+        if np.all(np.abs(step) <= np.where(sign * step > 0.0, onward, back)):
+            try:
+                return curve.at(here.moved(step), here.value, flow.ROUGH), np.inf
+            except Covered:
+                pass
+        above *= 2.0
     raise NotConverged("no step of the ends keeps to the branch")
 
 

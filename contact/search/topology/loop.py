@@ -80,12 +80,14 @@ class Formulation(Protocol[Kind]):
 @dataclass(frozen=True)
 class Newton:
     """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
-    most. near: given up as soon as the intervals turn out to be far from the solution, or not as many."""
+    most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at
+    first, over the widths, as far as that is known."""
 
     tolerance: float
     value: float = 0.0
     steps: int = 0
     near: bool = False
+    off: float = 1.0
 
 
 def refine_topology(
@@ -124,7 +126,7 @@ def _rounds(
         if progress is not None:
             progress(f"{form.what}s", done, None)
         free = _ended(form, control, table, newton, free)
-        newton = newton if free.value is None else replace(newton, value=free.value)
+        newton = replace(newton, value=newton.value if free.value is None else free.value, off=1.0)
         ended = free.density.zones.table
         if len(free.lost) or len(free.met):
             table = np.delete(ended, free.lost, axis=0) if len(free.lost) else merged(ended, free.met, form.problem.period)

@@ -17,19 +17,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact.errors import NotConverged, OutOfRange
+from contact.errors import OutOfRange
 from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.controls import Load
 from contact.formulation.equilibria import Closed, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
-from contact.formulation.pulled_contact import Covered, Lost
+from contact.formulation.pulled_contact import Lost
 from contact.formulation.pulled_fields import PulledFields, PulledGapFields
 from contact.formulation.tension import Pulled
 from contact.formulation.tension_intervals import below, fitted, united_about
 from contact.model.scene import Scene
-from contact.search.equilibria.tension import TOO_NARROW, advanced, pull_off, pull_off_from_all, receded
+from contact.search.equilibria.tension import advanced, pull_off, pull_off_from_all, receded, uncovered
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.shared import Shared
@@ -142,25 +142,9 @@ def advancing(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
         zones = fields.density.zones.table
         table = united_about(below(zones, look, curve.reach, problem.period), _begun(curve, fields), problem.period)
         zones = fitted(zones, table, problem.period)
-    here = advanced(curve, _begun_wider(curve, table, value, zones), value)
+    here = advanced(curve, uncovered(curve, table, value, zones), value)
     assert isinstance(here, CohesivePoint)
     return here
-
-
-def _begun_wider(curve: Cohesive, table: Array, value: float, zones: Array) -> Array:
-    """The intervals, or wider ones where contact covers these: what it covers is driven on."""
-    for _ in range(_WIDENINGS):
-        try:
-            curve.from_zones(table, value, fitted(zones, table, curve.problem.period))
-            return table
-        except Covered as covered:
-            width, gaps = np.diff(table, axis=1)[:, 0], curve.gaps(table)
-            left, right = covered.ends.reshape(2, -1)
-            out = 0.5 * (_WIDEN - 1) * width
-            table = table + np.column_stack((
-                -1.0 * left * np.minimum(out, 0.4 * np.roll(gaps, 1)), right * np.minimum(out, 0.4 * gaps)
-            ))
-    raise NotConverged(TOO_NARROW)
 
 
 def _begun(curve: Cohesive, fields: ZoneFields) -> Array:

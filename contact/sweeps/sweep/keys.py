@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,6 +12,7 @@ from contact.errors import SceneError
 from contact.model.controls import TURNING, fields_under
 from contact.model.registry import CONTROLS
 from contact.model.scene import Scene
+from contact.solution.export import parameters
 
 Value = float | int | str
 
@@ -80,11 +80,6 @@ def tables(scene: Scene) -> dict[str, dict[str, Any]]:
     for table, body in scene.profile.bodies.items():
         shapes[table] = {**body.preparation, **shapes[table]}
     return shapes | {table: parameters(getattr(scene, table)) for table in PARTS}
-
-
-def parameters(part: Any) -> dict[str, Any]:
-    """What to give the class of a part of a scene, by name, to make it again."""
-    return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
 
 
 def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
