@@ -199,7 +199,7 @@ class FollowingUnderTension(Following):
             at = formal.at(table, value)
             for _ in range(_NEWTON):
                 step = np.linalg.solve(-at.rates, at.residual)
-                at = formal.at(at.moved(step), value)
+                at = formal.at(at.moved(np.asarray(step, dtype=np.float64)), value)
                 if float(np.abs(step / at.widths).max()) < _STILL:
                     break
             return at
