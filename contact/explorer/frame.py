@@ -19,7 +19,8 @@ from contact.solver import solve
 
 Array = NDArray[np.float64]
 
-_POINTS = 4000  # of a stretch: a few on each pixel column of a screen
+POINTS = 4000  # of a stretch: a few on each pixel column of a screen
+FEW = 500  # while a hand moves: one on every second column, and those at the ends of the zones
 _FLANK = 0.6  # how far beyond the rest a body without end is drawn
 
 
@@ -37,22 +38,22 @@ class Frame:
     push: str
 
 
-def solved(scene: Scene, tol: float, near: Solution | None, branch: str) -> Frame:
+def solved(scene: Scene, tol: float, near: Solution | None, branch: str, points: int = POINTS) -> Frame:
     """The frame of a scene. near: the last solution, from whose zones the search starts where they are of the same shape."""
     start = time.perf_counter()
     alike = near is not None and all(getattr(near.scene, part) == getattr(scene, part) for part in _PARTS)
     with unwarned():
         solution = solve(scene, tol=tol, near=near if alike and not scene.law.pulls else None, branch=branch)
-    return drawn(solution, time.perf_counter() - start)
+    return drawn(solution, time.perf_counter() - start, points)
 
 
 _PARTS = ("profile", "interaction", "substrate", "law")
 
 
-def drawn(solution: Solution, seconds: float) -> Frame:
-    """The fields of a solution, where straight lines between the places show them."""
+def drawn(solution: Solution, seconds: float, points: int = POINTS) -> Frame:
+    """The fields of a solution, where straight lines between the places show them, as far as so many do."""
     lo, hi = window(solution)
-    x = positions(solution, lo, hi, _POINTS)
+    x = positions(solution, lo, hi, points)
     surface, body = surfaces(solution, x)
     pressure = solution.pressure(x)
     zones = zones_within(solution, lo, hi)

@@ -70,15 +70,15 @@ def surfaces(solution: Answer, x: Array) -> tuple[Array, Array]:
     """
     profile = solution.scene.profile
     face = profile.counter_height(x)
-    there = np.isfinite(face)
-    surface = face - np.max(face[there], initial=-np.inf) - solution.displacement(x)
-    body = surface + np.where(there, solution.gap(x), np.nan)
-    if there.all():
-        return surface, body
-    # Beside the corners of the counter body the other goes on as it is, turned as it stands.
+    surface = face - np.max(face[np.isfinite(face)], initial=-np.inf) - solution.displacement(x)
+    # The body is not deformed: where it stands at one place says where it stands.
     own = np.asarray(profile.bodies["profile"].height(x)) - (solution.tilt or 0.0) * x
-    both = np.isfinite(body) & np.isfinite(own)
-    return surface, np.where(there, body, own + np.median((body - own)[both]) if both.any() else np.inf)
+    zones = zones_within(solution, float(x[0]), float(x[-1]))
+    there = np.isfinite(surface) & np.isfinite(own)
+    touching = there & np.isin(x, zones)
+    place = int(np.argmax(touching if touching.any() else there))
+    away = 0.0 if touching.any() else float(solution.gap(x[place]))
+    return surface, own + (surface[place] + away - own[place])
 
 
 def _near_kinks(solution: Answer, zones: Array) -> Array:
