@@ -69,6 +69,7 @@ def test_prints_that_differ_by_more_than_rounding_are_noticed() -> None:
 # At most: solves of the linear system, modes of one solution, kernel evaluations, places at which a profile is asked for anything.
 # About three times what was counted: what a change makes slow costs ten times as much and more.
 COUNTS = {
+    "adhesion": (300, 300, 1e5, 1e5),
     "compare_models": (100, 72, 1e4, 1e5),
     "designed_texture": (36, 240, 3e4, 2e4),
     "flat_punch": (100, 48, 1e3, 4e3),
@@ -82,6 +83,7 @@ COUNTS = {
     "textures": (900, 400, 1e5, 1e6),
     "tilted_punch": (120, 48, 1e3, 1e5),
     "two_zones": (50, 120, 3e4, 1e4),
+    "adhesive": (300, 300, 1e6, 1e6),
     "hertz": (6, 48, 1e2, 3e4),
     "localized": (10, 96, 3e3, 4e3),
     "punch": (100, 48, 1e3, 4e3),

@@ -253,7 +253,10 @@ class Cohesive(Equilibria):
         np.fill_diagonal(lag, 1.0)
         between = self.stress / np.pi * tension.log(lag)
         own = np.concatenate((tension.log(table[:, 1] - table[:, 0]),) * 2) * self.stress / np.pi
-        others = np.array([tension.others(j % count, float(x)) for j, x in enumerate(at)])
+        # The slope that the other intervals make there: of all ends but its own interval's.
+        signs = np.concatenate((np.ones(count), -np.ones(count)))
+        alone = np.tile(np.eye(count, dtype=bool), (2, 2))
+        others = np.where(alone, 0.0, between) @ signs
         outward = np.concatenate((-np.ones(count), np.ones(count)))
         np.fill_diagonal(between, own + outward * (pulled.own_slope(at) - transform + others))
         return between

@@ -155,11 +155,6 @@ class Tension(sie.Kept):
             weights.append((half * w).ravel())
         return np.concatenate(at), np.concatenate(weights)
 
-    def others(self, i: int, x: float) -> float:
-        """s T of all intervals but i, at x."""
-        rest = replace(self, table=np.delete(self.table, i, axis=0))
-        return float(rest.slope(np.array(x)))
-
 
 def clausen(angle: Array) -> Array:
     """Cl_2 = -int_0^angle ln|2 sin(t/2)| dt = t (1 - ln t + sum_k zeta(2k)/(k (2k + 1)) (t/2 pi)^2k), 0 < t <= pi, odd and of period

@@ -37,34 +37,35 @@ def scripts() -> dict[str, Path]:
 
 
 @contextlib.contextmanager
-def _recorded(package: Any, found: list[Any]) -> Iterator[None]:
-    """What `package.solve` gives while this lasts."""
-    solve = package.solve
+def _recorded(package: Any, found: list[Any], name: str = "solve") -> Iterator[None]:
+    """What `package.solve`, or another function, gives while this lasts."""
+    function = getattr(package, name)
 
     def recording(*given: Any, **options: Any) -> Any:
-        solution = solve(*given, **options)
-        found.append(solution)
-        return solution
+        result = function(*given, **options)
+        found.append(result)
+        return result
 
-    package.solve = recording
+    setattr(package, name, recording)
     try:
         yield
     finally:
-        package.solve = solve
+        setattr(package, name, function)
 
 
-def run(file: Path) -> tuple[list[contact.Solution], list[sie.Solution], str]:
-    """What a script solves by `contact` and by `sie` alone, and what it prints."""
+def run(file: Path) -> tuple[list[contact.Path], list[contact.Solution], list[sie.Solution], str]:
+    """The load paths that a script follows, what it solves by `contact` and by `sie` alone, and what it prints."""
     spec = importlib.util.spec_from_file_location(f"gallery_{file.stem}", file)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    paths: list[Any] = []
     contacts: list[Any] = []
     equations: list[Any] = []
     printed = io.StringIO()
-    with _recorded(contact, contacts), _recorded(sie, equations), contextlib.redirect_stdout(printed):
+    with _recorded(contact, paths, "path"), _recorded(contact, contacts), _recorded(sie, equations), contextlib.redirect_stdout(printed):
         spec.loader.exec_module(module)
         module.main()
-    return contacts, equations, printed.getvalue()
+    return paths, contacts, equations, printed.getvalue()
 
 
 def _distinct(solutions: list[contact.Solution]) -> list[contact.Solution]:
@@ -158,8 +159,11 @@ def keep(name: str, file: Path, folder: Path = KEPT) -> None:
         save(solution.plot(), folder / f"{name}.png", dpi=80)
         (folder / f"{name}.txt").write_text(numbers(solution), encoding="utf-8")
         return
-    contacts, equations, printed = run(file)
-    save(of_contact(contacts) if contacts else of_engine(equations), folder / f"{name}.png")
+    paths, contacts, equations, printed = run(file)
+    if paths:
+        save(paths[-1].plot(), folder / f"{name}.png", dpi=80)
+    else:
+        save(of_contact(contacts) if contacts else of_engine(equations), folder / f"{name}.png")
     (folder / f"{name}.txt").write_text(printed, encoding="utf-8")
 
 

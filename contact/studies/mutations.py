@@ -150,6 +150,20 @@ MUTATIONS = (
         "self.position = float(self.problem.units.x(np.array(place + 1e-4)))", ("tests/contact/test_path.py",),
     ),
     Mutation(
+        "adhesion: the intensity one part in 1e6 too strong", "contact/model/laws/jkr.py",
+        "return -sqrt(E_star * self.work / pi)", "return -sqrt(E_star * self.work / pi) * (1 + 1e-6)", ("tests/contact/test_jkr.py",),
+    ),
+    Mutation(
+        "adhesion of a finite range: what it takes to open the gap left out", "contact/model/laws/dugdale.py",
+        "+ self.stress * float(fields.opened)", "+ 0.0 * self.stress * float(fields.opened)",
+        ("tests/contact/test_dugdale.py", "tests/contact/test_dugdale_path.py"),
+    ),
+    Mutation(
+        "a loop of adhesion: jumps whose work is that of the load before alone", "contact/sweeps/adhesive.py",
+        "0.5 * (load + load_after)) * (approach_after - approach)", "load) * (approach_after - approach)",
+        ("tests/contact/test_dugdale_path.py",),
+    ),
+    Mutation(
         "a module that no wave needs", "contact/search/task.py",
         "import numpy as np\nfrom numpy.typing", "import numpy as np\nimport scipy.interpolate  # noqa: F401\nfrom numpy.typing",
         ("tests/contact/test_plan.py",),

@@ -78,8 +78,7 @@ def test_a_loop_loses_the_work_of_its_load_by_the_closed_forms(name, size, held)
     if held == "load":
         done += off.load * (curve.pull_off(0.0).approach - off.approach)
     else:
-        start = 0.0 if held == "load" else -reach
-        done += 0.5 * on.load * (on.approach - start)
+        done += 0.5 * on.load * (on.approach + reach)
         if held == "spring":
             done += 0.5 * off.load * off.load / STIFF[name]
     assert found.dissipated == pytest.approx(done, rel=1e-8)

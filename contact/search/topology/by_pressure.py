@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
+from contact.errors import SceneError
+from contact.formulation import height_rounding
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
@@ -87,6 +89,8 @@ class ByPressure:
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
         """Those with pulling parts cut out, and a new one in every overlap."""
         if len(certificate.negative) == 0 and len(certificate.overlaps) == 0:
+            if rounded := height_rounding.told(self.problem, zones.table):
+                raise SceneError(rounded, "profile", self.problem.profile)
             raise WrongTopology(certificate.note or "the balance of load fails", None)
         middle = certificate.overlaps.mean(axis=1)
         half = 0.5 * _NEW * (certificate.overlaps[:, 1] - certificate.overlaps[:, 0])

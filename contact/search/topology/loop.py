@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 import sie
 from contact.errors import ContactError, SceneError
+from contact.formulation import height_rounding
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.search.topology.intervals import merged
@@ -158,7 +159,8 @@ def _ended(form: Formulation[Kind], control: Control, table: Array, newton: Newt
     except ValueError as fault:
         if isinstance(fault, ContactError):
             raise
-        raise SceneError(f"what the scene gives the equation does not go together: {fault}") from fault
+        reason = height_rounding.told(form.problem, table) or f"what the scene gives the equation does not go together: {fault}"
+        raise SceneError(reason) from fault
     form.refuse(table, free)
     if newton.near and not free.converged:
         raise WrongTopology(f"the {form.what}s are not near those of the solution", free)

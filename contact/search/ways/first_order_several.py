@@ -1,12 +1,12 @@
 """The first-order closure of several zones: the nominal pressure is the mean load of the profile alone at the same total width.
 
-    W(pbar, c, P) = W0(pbar L, c),    c = the middle of the outermost ends,    and the approach, where it is given
+    W(pbar, c, P) = W0(pbar L, c),    c = the middle of the outermost ends
 
 W: total width of the zones of the strip about c under the load P; W0: of those of its profile alone, cut off at the borders of the strip,
 under the load pbar L. Both are contacts under a load, so that W0 grows with it and every search is for a convex problem's only solution.
 Grids tell where the root is, and that there is none (contact.search.grid.closure); from there Newton's steps, by how the ends of either
-contact follow the loads and the nominal pressure (2 K / A), with secants for what the centre adds (C. G. Broyden, Math. Comp. 19, 1965,
-577-593, doi 10.1090/S0025-5718-1965-0198670-6).
+contact follow the loads, the nominal pressure and the centre (2 K / A), corrected by secants on the way (C. G. Broyden, Math. Comp. 19,
+1965, 577-593, doi 10.1090/S0025-5718-1965-0198670-6). An approach is that of a load, found in turn.
 """
 
 from __future__ import annotations
@@ -38,15 +38,17 @@ Array = NDArray[np.float64]
 
 # Steps towards a root, how often one is halved, and how often the signs are looked at there. After how large a step zones that are lost
 # are looked for; of a step what the next one leaves where rounding does.
-_STEPS, _HALVED, _LOOKS, _FAR, _SLOW = 20, 4, 4, 1e-4, 0.5
+_STEPS, _HALVED, _LOOKS, _FAR, _SLOW = 40, 4, 4, 1e-4, 0.5
+# Miss of the centre over that of the width that does not matter.
+_OFF_CENTRE = 1e-3
 # Steps that tell how the misses follow the unknowns: those of smaller ones are rounding.
 _LEAST = 1e-9
 # How often zones of the profile alone are put right, and what part of their width does not matter on the way.
 _CORRECTIONS, _MINOR = 3, 1e-4
 # Largest change of the nominal pressure and of the load in a step; a load that is off by more is looked for by grids.
 _LARGEST = 0.1
-# Loads tried for an approach, and of one that is refused and one that is not, how near they come.
-_LOADS, _APART = 12, 1e-2
+# Loads tried for an approach; how near one is, over it, for Newton's steps on the load, and by what part it changes at the most before.
+_LOADS, _NEAR, _LEAST_PART = 12, 2e-2, 0.3
 # Cells of the grids that zones are taken from, to a shortest length of the profile, and their tolerance.
 _CELLS, _FEWEST, _MOST, _CLOSELY = 4, 2**9, 2**14, 1e-5
 # Tolerance of the ends at first, and of later ones over the step of the unknowns, as long as that is not one of the last; part of a width
@@ -80,11 +82,11 @@ class _At:
         zones = self.alone.free.density.zones
         return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.corners)
 
-    def misses(self, approach: float | None) -> Array:
-        """Of the width, the centre and the approach."""
+    @property
+    def misses(self) -> Array:
+        """Of the width and the centre."""
         middle = 0.5 * float(self.table[0, 0] + self.table[-1, 1])
-        sunk = 0.0 if approach is None else -self.strip.fields.level - approach
-        return np.array([_width(self.strip) - _width(self.alone), middle - self.unknowns[0], sunk])
+        return np.array([_width(self.strip) - _width(self.alone), middle - self.unknowns[0]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,14 +122,17 @@ class _Rates:
         ends = np.array([by_centre, moved_ends(state, 2), moved_ends(state)])
         return cls(ends, np.array(approach), moved_ends(at.alone.fields.state), float(high) - float(low))
 
-    def matrix(self, period: float, by_load: bool) -> Array:
-        """Of the misses by the unknowns; the load is given where `by_load`."""
+    def matrix(self, period: float) -> Array:
+        """Of the misses by the unknowns (2, 3)."""
         width, middle = self.ends.sum(axis=(1, 2)), 0.5 * (self.ends[:, 1, -1] - self.ends[:, 0, 0])
         width[:2] -= self.cut, period * float(self.alone.sum())
         middle[0] -= 1.0
-        if by_load:
-            return np.array([[*width[:2], 0.0], [*middle[:2], 0.0], [0.0, 0.0, 1.0]])
-        return np.array([width, middle, self.approach])
+        return np.array([width, middle])
+
+    def following(self, period: float) -> Array:
+        """How the unknowns grow with the load (3,)."""
+        matrix = self.matrix(period)
+        return np.append(-np.linalg.solve(matrix[:, :2], matrix[:, 2]), 1.0)
 
     def of_strip(self, step: Array) -> Array:
         """Motions of the ends of the strip by a step of the unknowns."""
@@ -166,6 +171,29 @@ class _Difference:
         return (self.ahead(x) - self.behind(x)) * self.factor
 
 
+@dataclass
+class _Bracket:
+    """Nominal pressures and misses of the width there, too narrow alone [positive] and too wide."""
+
+    low: tuple[float, float] = (-math.inf, math.nan)
+    high: tuple[float, float] = (math.inf, math.nan)
+    width: float = math.inf
+
+    def within(self, at: float, miss: float, step: float, falls: bool) -> float:
+        """A step from there, if it stays within the bracket, and that or the step falls; else one of false position, or to the middle."""
+        if miss > 0.0:
+            self.low = (at, miss)
+        elif miss < 0.0:
+            self.high = (at, miss)
+        (low, at_low), (high, at_high) = self.low, self.high
+        before, self.width = self.width, high - low
+        inside = low < at + step < high and (falls or math.isinf(before) or self.width < _SLOW * before)
+        if inside or not math.isfinite(self.width) or self.width <= _LEAST * at:
+            return step
+        share = at_low / (at_low - at_high) if self.width < _SLOW * before else 0.5
+        return low + min(max(share, 0.1), 0.9) * self.width - at
+
+
 class FirstOrderOfSeveral:
     """The search under the scene's own control."""
 
@@ -181,26 +209,33 @@ class FirstOrderOfSeveral:
             rough = self._rough(grid, first)
             if rough is None:
                 raise self._refused()
-            return self._exact(self._started(grid, rough), None)
+            return self._exact(self._started(grid, rough))
         assert control.approach is not None
-        low, high = 0.0, math.inf
+        low, high, refused = 0.0, math.inf, False
         for _ in range(_LOADS):
             rough = self._rough(grid, first)
+            step = math.nan
             if rough is None:
-                high = grid.load
-                if high - low < _APART * high:
-                    raise self._refused()
-                load = 0.5 * (max(low, 0.6 * high) + high)
+                high, refused = grid.load, True
             else:
                 at = self._started(grid, rough)
-                load = grid.load + (control.approach + at.strip.fields.level) / _Rates.of(at).approach[2]
-                if abs(load / grid.load - 1) < _LARGEST:
-                    return self._exact(at, control.approach)
-                low = max(low, grid.load) if load > grid.load else low
-                load = max(load, 0.3 * grid.load)
-                load = load if load < high else 0.5 * (grid.load + high)
-            grid = ClosureGrid(self.scaled, self.problem, load)
+                rates = _Rates.of(at)
+                step = (control.approach + at.strip.fields.level) / float(rates.approach @ rates.following(self.period))
+                if abs(step) < _NEAR * grid.load:
+                    return self._exact(at)
+                if control.approach > -at.strip.fields.level:
+                    low = grid.load
+                else:
+                    high, refused = grid.load, False
+            if high - low < _NEAR * high:
+                break
+            load = grid.load + step
+            inside = max(low, _LEAST_PART * grid.load) < load < min(high, grid.load / _LEAST_PART)
+            between = 0.5 * (low + high) if low > 0.0 and high < math.inf else 0.5 * grid.load if low == 0.0 else 2 * grid.load
+            grid = ClosureGrid(self.scaled, self.problem, load if inside else between)
             first = grid.first()
+        if refused:
+            raise self._refused()
         raise NotConverged(f"not converged: no load was found that has the {control.told(self.problem.units)}; {EXACT}")
 
     def closer(self, found: Closed) -> Found:
@@ -208,7 +243,7 @@ class FirstOrderOfSeveral:
         assert found.at is not None
         at = found.at
         again = self._at(at.unknowns, at.table, _table(at.alone), self.task.tolerance, 0.0)
-        return self._exact(again, self.scaled.control.approach)
+        return self._exact(again)
 
     def _rough(self, grid: ClosureGrid, first: AtPressure) -> AtPressure | None:
         with self.task.plan.timed("coarse search"):
@@ -285,20 +320,39 @@ class FirstOrderOfSeveral:
             alone = found
         return alone
 
-    def _exact(self, at: _At, approach: float | None) -> Found:
-        """From contacts near the root to those at it, with the zones that there are."""
+    def _exact(self, at: _At) -> Found:
+        """From contacts near the root to those at it, with the zones that there are, under the load that has the approach."""
+        approach, size, before = self.scaled.control.approach, float(at.unknowns[2]), math.inf
         at = replace(at, strip=self._looked_at(at.strip), alone=self._looked_at(at.alone))
-        for _ in range(_LOOKS):
-            at, rates, off = self._stepped(at, approach)
+        for _ in range(_LOADS):
+            at, rates, off = self._signed(at)
+            follows = rates.following(self.period)
+            if approach is None:
+                missed = np.append(off, 0.0)
+                break
+            rate = float(rates.approach @ follows)
+            load = (approach + at.strip.fields.level) / rate
+            # The load that has the approach is off by what centre and nominal pressure are, and these by what it is.
+            missed = np.append(off, 0.0) + np.abs(follows) * (_MARGIN * abs(load) + float(np.abs(rates.approach[:2]) @ off) / abs(rate))
+            settled = rates.of_ends(load * follows, at.table).max() <= self.task.tolerance
+            if settled or (abs(load) > _SLOW * before and before < self.task.tol * size):
+                break
+            before, asked = abs(load), abs(load) / size
+            at, _ = self._moved(at, rates, min(1.0, _LARGEST / asked) * load * follows, asked, False)
+        else:
+            raise self._unsettled("the load", at)
+        fields: ZoneFields = replace(
+            at.strip.fields, amplitude_rate=float(follows[1]), centring=float(rates.approach[0] * follows[0])
+        )
+        return Closed(**vars(replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed, at.table))), at=at)
+
+    def _signed(self, at: _At) -> tuple[_At, _Rates, Array]:
+        """`_stepped`, with the signs of what it has come to."""
+        for look in range(_LOOKS):
+            at, rates, off = self._stepped(at, watched=look > 0)
             looked = replace(at, strip=self._looked_at(at.strip, closely=True), alone=self._looked_at(at.alone, closely=True))
             if looked.same_zones(at):
-                # As the load grows, the nominal pressure and the centre follow it.
-                matrix = rates.matrix(self.period, by_load=False)[:2]
-                follow = -np.linalg.solve(matrix[:, :2], matrix[:, 2])
-                fields: ZoneFields = replace(
-                    looked.strip.fields, amplitude_rate=float(follow[1]), centring=float(rates.approach[0] * follow[0])
-                )
-                return Closed(**vars(replace(looked.strip, fields=fields, control=self.scaled.control, off=off)), at=looked)
+                return looked, rates, off
             at = looked
         raise self._unsettled("the zones", at)
 
@@ -306,32 +360,42 @@ class FirstOrderOfSeveral:
         missed = Missed(f"{what} of the first-order closure did not settle; {EXACT}", at.strip.free)
         return self.task.error(missed, at.strip.fields.problem)
 
-    def _stepped(self, at: _At, approach: float | None) -> tuple[_At, _Rates, Array]:
-        """(contacts at the root, rates near it, what ends (Z, 2) are off over their zones' widths)."""
+    def _stepped(self, at: _At, watched: bool) -> tuple[_At, _Rates, Array]:
+        """(contacts at the root under their load, rates near it, what centre and nominal pressure are off): Newton's steps within a bracket
+        of the nominal pressure, since widths bend sharply where zones are born or meet. watched: signs are looked at after every step, as
+        once zones have come or gone."""
         rates = _Rates.of(at)
-        matrix, misses = rates.matrix(self.period, approach is None), at.misses(approach)
-        size = np.array([self.period, at.unknowns[1], at.unknowns[2]])
-        before = math.inf
+        matrix, misses = rates.matrix(self.period)[:, :2], at.misses
+        size, bracket, before = np.array([self.period, at.unknowns[1]]), _Bracket(), math.inf
         for _ in range(_STEPS):
-            step = np.asarray(-np.linalg.solve(matrix, misses), dtype=np.float64)
-            asked = float(np.abs(step / size).max())
+            step = np.zeros(3)
+            step[:2] = -np.linalg.solve(matrix, misses)
+            asked = float(np.abs(step[:2] / size).max())
             off = rates.of_ends(step, at.table)
             settled = off.max() <= self.task.tolerance or (asked > _SLOW * before and before < self.task.tol)
             if settled and at.strip.tolerance <= self.task.tolerance:
-                return at, rates, _MARGIN * off + self._rounding(at, rates, matrix)
+                return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
             step *= min(1.0, _LARGEST / max(asked, 1e-300))
-            there, step = self._moved(at, rates, step, asked)
-            last, misses = misses, there.misses(approach)
+            if watched and abs(misses[1]) > _OFF_CENTRE * abs(misses[0]):
+                # How wide the zones are under a nominal pressure is told where the strip is centred on them.
+                step[:] = -misses[1] / matrix[1, 0], 0.0, 0.0
+            else:
+                step[1] = bracket.within(float(at.unknowns[1]), float(misses[0]), float(step[1]), asked <= _SLOW * before)
+                step[0] = -(misses[1] + matrix[1, 1] * step[1]) / matrix[1, 0]
+            there, step = self._moved(at, rates, step, asked, watched)
+            last, misses = misses, there.misses
             if asked > _LEAST:
-                matrix = matrix + np.outer(misses - last - matrix @ step, step / size**2) / float(((step / size) ** 2).sum())
+                by = step[:2]
+                matrix = matrix + np.outer(misses - last - matrix @ by, by / size**2) / float(((by / size) ** 2).sum())
             same = there.same_zones(at)
+            watched = watched or not same
             if not same or (asked > _FAR and not there.strip.fields.state.iterated):
                 rates = _Rates.of(there)
-                matrix = rates.matrix(self.period, approach is None)
+                matrix = rates.matrix(self.period)[:, :2]
             at, before = there, asked if same else math.inf
         raise self._unsettled("the nominal pressure", at)
 
-    def _moved(self, at: _At, rates: _Rates, step: Array, asked: float) -> tuple[_At, Array]:
+    def _moved(self, at: _At, rates: _Rates, step: Array, asked: float, watched: bool) -> tuple[_At, Array]:
         """The contacts after a step, or after as much of it as they follow."""
         for halved in range(_HALVED + 1):
             strip, alone = _spread(at.table, rates.of_strip(step)), _spread(_table(at.alone), rates.alone * self.period * step[1])
@@ -341,7 +405,7 @@ class FirstOrderOfSeveral:
                 # The ends need be no better known than what the next step will move them by.
                 tolerance = 0.0 if asked < _LAST else min(_FINER * asked, _ROUGHLY)
                 there = self._at(at.unknowns + step, strip, alone, asked, tolerance)
-                if asked < _FAR:
+                if asked < _FAR and not watched:
                     return there, step
                 return replace(there, strip=self._looked_at(there.strip), alone=self._looked_at(there.alone)), step
             except NotConverged:
@@ -350,12 +414,12 @@ class FirstOrderOfSeveral:
                 step = 0.5 * step
         raise AssertionError
 
-    def _rounding(self, at: _At, rates: _Rates, matrix: Array) -> Array:
-        """What the errors of both widths make of the ends (Z, 2)."""
+    def _rounding(self, at: _At) -> float:
+        """What the difference of the widths may be off."""
         missed = _failing(at.alone)
         for found in (at.strip, at.alone):
             missed += float(((found.free.end_error + found.fields.state.end_truncation) * np.diff(_table(found), axis=1)).sum())
-        return rates.of_ends(np.asarray(np.linalg.inv(matrix)[:, 0] * missed, dtype=np.float64), at.table)
+        return missed
 
 
 def _spread(table: Array, moved: Array) -> Array:

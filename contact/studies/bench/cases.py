@@ -12,9 +12,17 @@ from numpy.typing import NDArray
 
 from contact.errors import NotConverged
 from contact.model.interactions import Periodic
+from contact.model.laws import JKR, Dugdale, Frictionless, Law
 from contact.model.profiles import Biquadratic, Fourier, Parabola, Profile, Sinusoid, Wedge
 from contact.model.scene import Scene
-from contact.reference.exact import PeriodicBiquadratic, PeriodicParabola, PeriodicWedge, Westergaard
+from contact.reference.exact import (
+    DugdaleWave,
+    JKRWave,
+    PeriodicBiquadratic,
+    PeriodicParabola,
+    PeriodicWedge,
+    Westergaard,
+)
 from contact.reference.inverse import random_problem
 from contact.solution.solution import Solution
 from contact.solver import solve
@@ -30,7 +38,7 @@ PERIOD = 1e-4
 @dataclass(frozen=True, eq=False)
 class Case:
     """A scene under periodic contact and how its truth is known; `exact` is made when first asked for. single: one zone a period;
-    localized: the localized models are run on it too."""
+    localized: the localized models are run on it too; law: where it is not frictionless contact, no other program is asked."""
 
     name: str
     profile: Profile
@@ -40,10 +48,11 @@ class Case:
     judged_by: str
     single: bool = False
     localized: bool = True
+    law: Law = Frictionless()
 
     @property
     def scene(self) -> Scene:
-        return Scene(self.profile, self.E_star, Periodic(), mean_pressure=self.mean_pressure)
+        return Scene(self.profile, self.E_star, Periodic(), law=self.law, mean_pressure=self.mean_pressure)
 
     @cached_property
     def exact(self) -> Exact:
@@ -102,6 +111,18 @@ def rough(harmonics: int, mean_pressure: float, zones: int) -> Case:
     )
 
 
+def adhesive(law: JKR | Dugdale) -> Case:
+    """Johnson's wave, or one under Maugis's law, hanging: under a load about half way to pull-off."""
+    amplitude, E_star = 0.01, 1.0
+    curve = JKRWave(amplitude, 1.0, E_star, law.work) if isinstance(law, JKR) else DugdaleWave(amplitude, 1.0, E_star, law.work, law.stress)
+    exact = curve.at_load(0.5 * curve.pull_off().load)
+    assert exact.mean_pressure is not None
+    return Case(
+        f"adhesive wave, {law.name}", Sinusoid(amplitude, 1.0), E_star, exact.mean_pressure, lambda scene: exact, "closed form",
+        localized=False, law=law,
+    )
+
+
 def rough_nearly_full() -> Case:
     """`solve` takes the gaps; it is judged by the zones."""
     return Case("rough, nearly full", rough_profile(64), 1.0, 0.012, ByZones.of, "the zones' formulation", localized=False)
@@ -120,7 +141,10 @@ def best(scene: Scene, tol: float) -> Solution:
 
 def suite(quick: bool) -> list[Case]:
     """The scenes of the work-precision part."""
-    cases = [wave(0.4), wave(0.9), wedge(), parabola(), biquadratic(), designed(), rough(64, 0.002, 16)]
+    cases = [
+        wave(0.4), wave(0.9), wedge(), parabola(), biquadratic(), designed(), rough(64, 0.002, 16),
+        adhesive(JKR(1e-5)), adhesive(Dugdale(1e-5, 1e-2)),
+    ]
     if not quick:
         cases += [rough_nearly_full(), rough(512, 0.005, 135)]
     return cases

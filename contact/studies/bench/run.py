@@ -78,7 +78,7 @@ def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
     rows = list(precision.ours(case, quick))
     if case.localized:
         rows += precision.hierarchy(case, quick)
-    for peer in chosen:
+    for peer in chosen if case.law.by_gaps else ():
         rows += peers.rows(peer, case, quick, LONGEST_QUICK if quick else LONGEST)
     return rows
 
