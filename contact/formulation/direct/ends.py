@@ -142,7 +142,9 @@ def ends_under(sheet: Sheet, loads: Array) -> Ends:
     with np.errstate(all="ignore"):
         if sheet.corner is not None:
             return _cornered(sheet, loads)
-        return _pair(sheet, loads) if sheet.map.pair else _one(sheet, loads)
+        if sheet.map.pair:
+            return _pair(sheet, loads)
+        return _one_load(sheet, float(loads[0])) if len(loads) == 1 else _one(sheet, loads)
 
 
 def ends_at(sheet: Sheet, half_widths: Array) -> Ends:
@@ -196,6 +198,59 @@ def _one(sheet: Sheet, loads: Array, given: Array | None = None, widths: Array |
     half = book.half
     outer = np.asarray(sheet.map.x(half)) if widths is None else widths
     return book.ends(sheet, -outer, outer, np.zeros(len(loads)), book.came_out & (outer < sheet.limit), True)
+
+
+def _one_load(sheet: Sheet, load: float) -> Ends:
+    """The same of one load, in numbers: there calls take longer than what they do."""
+    way = sheet.map
+    top, factor, kink = float(way.y(np.array(sheet.limit))), way.load_factor * math.pi, abs(sheet.kink)
+    half, size, steps, rests = 0.25 * top if math.isfinite(top) else 1.0, _FIRST, 0, False
+    while size <= _LARGEST:
+        nodal, slowest, coarse = table(size, True), _EPS, False
+        for _ in range(_STEPS):
+            values = _slopes(sheet, half * nodal.t)
+            first, edge, *ending = (values @ nodal.sums).tolist()
+            kinked, kinked_rate = _kink_load(sheet, half)  # type: ignore[arg-type]
+            total = 0.5 * factor * half * first + float(kinked)
+            rate = half * (factor * edge + float(kinked_rate)) / total if total else math.nan
+            if not (load / total > 0.0 and abs(rate) > 0.0 and math.isfinite(rate)):
+                return _not_found(sheet)
+            move, rounding = math.log(load / total) / rate, 4.0 * _EPS * (1.0 + 1.0 / abs(rate))
+            scale, last = float(np.abs(values).max()) + kink, max(map(abs, ending))
+            steps += 1
+            ended = last <= _EPS * _RESOLVED * scale
+            if ended and (rests or abs(move) <= 4.0 * rounding):
+                return _of_series(sheet, half, nodal.coefficients(values[None]), last / scale, abs(move) + rounding, steps, 2 * size)
+            # As in the rows of a book: as many nodes as the series asks for, not past the widest, nor by many decades at once.
+            coarse = not ended and not abs(move) > _ABOUT
+            moved = half * math.exp(min(max(move, -40.0), 40.0))
+            half, rests = 0.5 * (half + top) if moved >= top else moved, abs(move) <= _AT_REST
+            if coarse:
+                slowest = max(last / scale, _EPS)
+                break
+        if not coarse:
+            return _not_found(sheet)
+        wanted = math.log(_EPS) / math.log(min(slowest, _SLOW))
+        size *= 2 ** max(1, math.ceil(math.log2(wanted) - _NEARLY))
+    return _not_found(sheet)
+
+
+def _of_series(sheet: Sheet, half: float, series: Array, tail: float, off: float, steps: int, nodes: int) -> Ends:
+    """One row of one zone."""
+    g, left = _without_last(series)
+    outer, zero = np.array([float(sheet.map.x(np.array(half)))]), np.zeros(1)
+    found = np.array([outer[0] < sheet.limit and off < 1e-6 and half > _SMALLEST])
+    return Ends(
+        sheet, -outer, outer, zero, np.array([half]), g, 2 * np.arange(g.shape[1]) + 1, tail + left, np.array([off]),
+        np.array([steps], dtype=np.intp), np.array([nodes], dtype=np.intp), zero, found,
+    )
+
+
+def _not_found(sheet: Sheet) -> Ends:
+    zero, none = np.zeros(1), np.zeros(1, dtype=np.intp)
+    return Ends(
+        sheet, zero, zero, zero, zero, np.zeros((1, 0)), none[:0], zero, zero, none, none, zero, np.zeros(1, dtype=bool),
+    )
 
 
 class _Book:
