@@ -31,7 +31,7 @@ class Table:
     """Nodes t and what is made of values there. odd: of an odd G, on the right half alone.
 
     orders: k >= 1 of the coefficients; first: of g_1; edge, far_edge: of q(1) and q(-1); last: of the last two coefficients; sums: of g_1,
-    q(1) and those two at once. The angles at which q is looked at are given by their sines and cosines.
+    q(1), those two, q(-1) and the mean at once. The angles at which q is looked at are given by their sines and cosines.
     """
 
     odd: bool
@@ -100,7 +100,7 @@ def table(size: int, odd: bool) -> Table:
     far_edge = matrix @ (orders * (2.0 * (orders % 2) - 1.0))
     last = np.ascontiguousarray(matrix[:, -2:])
     first, edge = matrix[:, 0].copy(), matrix @ orders
-    sums = np.column_stack((first, edge, last))
+    sums = np.column_stack((first, edge, last, far_edge, np.full(size, 1.0 / size)))
     return Table(odd, np.cos(angle), orders, first, edge, far_edge, last, sums, np.sin(at), np.cos(at))
 
 
