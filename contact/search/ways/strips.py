@@ -29,8 +29,6 @@ Array = NDArray[np.float64]
 
 # Steps of the centre of a strip, how much longer than its miss a secant's step may be, and how often one is shortened.
 _CENTRINGS, _LONGER, _SHORTENED = 30, 16.0, 3
-# Cells to a shortest length of a grid that tells whether zones reach the border, if that is known, else cells in all; its tolerance.
-_CELLS, _FEATURES, _ROUGHLY = 1, 256, 1e-3
 # In how many steps of it the miss must halve.
 _STALLED = 4
 
@@ -111,22 +109,21 @@ def first_order(task: Task, scaled: ScaledScene, found: Found | None = None) -> 
     def alone(problem: Problem, control: Control, start: Array | None) -> Found:
         return _reference(task, problem, control, start)
 
-    def touches(problem: Problem, control: Control) -> bool:
-        there, feature = replace(scaled, problem=problem, control=control), problem.profile.feature
-        wanted = _FEATURES if feature is None else _CELLS * problem.units.length * (problem.period or 1.0) / feature
-        points = 2 ** int(np.clip(np.ceil(np.log2(wanted)), 8, 13))
-        return proposed(there, problem, control, points, _ROUGHLY).touches_border
-
-    if not task.single and scaled.control.half_width is None:
+    first: Array | None = None
+    if scaled.control.half_width is not None:
+        guess = 2 * scaled.control.half_width
+    elif task.single:
+        guess = 2 * guess_half_width(scaled.problem, scaled.control)
+    else:
         with task.plan.timed("coarse search"):
-            grid = ClosureGrid(scaled, scaled.problem, _first_guess(task, scaled) * (scaled.problem.period or 1.0))
+            grid = ClosureGrid(scaled, scaled.problem, _about_load(scaled))
             rough = grid.first()
         if not _is_asperity(grid, rough):
             return FirstOrderOfSeveral(task, scaled).found(grid, rough)
-    closure = FirstOrder(scaled.problem, strip, alone, touches, task.tolerance, task.single)
+        first = scaled.problem.units.scaled(rough.strip.zones)
+        guess = float(first[0, 1] - first[0, 0])
     with task.plan.timed("isolated reference"):
-        found, _ = closure.found(scaled.control, _first_guess(task, scaled))
-    return found
+        return FirstOrder(scaled.problem, strip, alone, first).found(scaled.control, guess)
 
 
 def _is_asperity(grid: ClosureGrid, rough: AtPressure) -> bool:
@@ -138,18 +135,12 @@ def _is_asperity(grid: ClosureGrid, rough: AtPressure) -> bool:
     return int(np.sum((height[1:-1] < height[:-2]) & (height[1:-1] <= height[2:]))) <= 1
 
 
-def _first_guess(task: Task, scaled: ScaledScene) -> float:
-    """Total width of one zone about the origin; else the nominal pressure of the exact contact of the period, scaled."""
+def _about_load(scaled: ScaledScene) -> float:
+    """The load, or that of the exact contact of the period, scaled."""
     problem, control = scaled.problem, scaled.control
-    assert problem.period is not None
-    if task.single:
-        return 2 * guess_half_width(problem, control)
     if control.load is not None:
-        return control.load / problem.period
-    if control.half_width is not None:
-        return 0.0
-    exact = proposed(scaled, replace(problem, interaction=Periodic()), control, None)
-    return exact.load / problem.units.load / problem.period
+        return control.load
+    return proposed(scaled, replace(problem, interaction=Periodic()), control, None).load / problem.units.load
 
 
 def _reference(task: Task, problem: Problem, control: Control, start: Array | None) -> Found:
