@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 
 # Surfaces that overlap by this part of the reach only touch.
 _TOUCHING = 1e-12
+# To which the densities are solved that rates are told of where zones are many.
+_OF_RATES = 1e-10
 # States that are remembered.
 _KNOWN = 256
 
@@ -208,6 +210,9 @@ class Cohesive(Equilibria):
     def _point(self, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array]) -> CohesivePoint:
         pulled, state = fields.problem, fields.state.whole
         assert isinstance(pulled, Pulled)
+        if state.iteration is not None:
+            # There are as many right sides as ends: a matrix once, not an iteration for each.
+            state = sie.solve_fixed(pulled.equation(self.control(pulled, value)), state.density.zones, _OF_RATES, direct=True)
         tension, density, count = pulled.pulling, state.density, len(table)
         at = np.concatenate((table[:, 0], table[:, 1]))
         strengths = np.hstack((self.stress * np.eye(2 * count), np.zeros((2 * count, 1))))
