@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Any
 from contact import interrupts  # noqa: F401  isort: skip
 from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
 from contact.extras import require, version
+from contact.model.controls import Control
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
 from contact.model.laws import JKR, Dugdale, Frictionless, Law
 from contact.model.profiles import (
     Biquadratic,
+    Combined,
     Flat,
     Fourier,
     Parabola,
@@ -22,12 +24,14 @@ from contact.model.profiles import (
     self_affine,
 )
 from contact.model.registry import (
+    controls,
     interaction,
     interactions,
     law,
     laws,
     profile,
     profiles,
+    register_control,
     register_interaction,
     register_law,
     register_profile,
@@ -79,12 +83,11 @@ def __dir__() -> list[str]:
 
 
 __all__ = [
-    "AdhesiveEvent", "AdhesivePath", "Biquadratic", "ContactError", "Dugdale", "E_star", "Event", "Flat", "Fourier", "Frictionless",
-    "HalfPlane", "Interaction", "Isolated", "JKR", "Law", "Layer", "Localized", "MissingExtra",
+    "AdhesiveEvent", "AdhesivePath", "Biquadratic", "Combined", "ContactError", "Control", "Dugdale", "E_star", "Event", "Flat",
+    "Fourier", "Frictionless", "HalfPlane", "Interaction", "Isolated", "JKR", "Law", "Layer", "Localized", "MissingExtra",
     "ModelWarning", "NotConverged", "OutOfRange", "Parabola", "Path", "Periodic", "Plan", "Polynomial", "Profile", "Sampled", "Scene",
-    "SceneError",
-    "Sinusoid", "Solution", "Substrate", "Wedge", "explore",
+    "SceneError", "Sinusoid", "Solution", "Substrate", "Wedge", "controls", "explore",
     "interaction", "interactions", "law", "laws", "load_scene", "path", "plan", "profile",
-    "profiles", "read_trace", "register_interaction", "register_law", "register_profile", "register_substrate", "self_affine",
-    "solve", "solve_many", "substrate", "substrates", "sweep",
+    "profiles", "read_trace", "register_control", "register_interaction", "register_law", "register_profile", "register_substrate",
+    "self_affine", "solve", "solve_many", "substrate", "substrates", "sweep",
 ]

@@ -11,7 +11,7 @@ from contact.errors import MissingExtra
 
 # Which extra installs a package that a plain install does not bring.
 EXTRAS = {
-    "matplotlib": "plot", "xarray": "io", "h5netcdf": "io", "h5py": "io",
+    "matplotlib": "plot", "xarray": "io", "h5netcdf": "io", "h5py": "io", "filelock": "io",
     "tamaas": "peers", "ContactMechanics": "peers", "SurfaceTopography": "instruments",
     "panel": "explore", "bokeh": "explore", "distributed": "cluster", "cloudpickle": "cluster",
 }

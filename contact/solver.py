@@ -25,6 +25,7 @@ from contact.search.refine import refined
 from contact.search.shared import Shared
 from contact.search.task import Task
 from contact.search.topology.loop import Progress
+from contact.search.ways.by_quantity import by_quantity
 from contact.search.ways.direct import directly
 from contact.search.ways.full_contact import Full
 from contact.search.ways.guesses import Outcome
@@ -118,10 +119,13 @@ def solved_along(
     scene: Scene, tol: float, progress: Progress | None, shared: Shared, along: tuple[Solution, ...]
 ) -> Solution:
     """One scene on a curve of its control's values. shared: what it has in common with the others; along: the last of them."""
+    near = along[-1] if along else None
+    if scene.control_object.held(scene) is None:
+        return _solved(scene, tol, progress, near)
     direct = directly(scene, tol)
     if direct is not None:
         return direct
-    task = replace(Task.of(scene, tol, progress, along[-1] if along else None, under=_solved), shared=shared, along=along)
+    task = replace(Task.of(scene, tol, progress, near, under=_solved), shared=shared, along=along)
     return _run(task)
 
 
@@ -142,6 +146,8 @@ def solved_at(task: Task, found: Outcome, told: str) -> Solution:
 def _solved(
     scene: Scene, tol: float, progress: Progress | None, near: Solution | None, branch: str = "advancing"
 ) -> Solution:
+    if scene.control_object.held(scene) is None:
+        return by_quantity(scene, tol, near, lambda loaded, tighter, beside: _solved(loaded, tighter, progress, beside))
     direct = directly(scene, tol)
     return direct if direct is not None else _run(Task.of(scene, tol, progress, near, under=_solved, branch=branch))
 

@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import ContactError, shown
+from contact.errors import ContactError, SceneError, shown
 from contact.model.profiles.base import Profile
+from contact.model.profiles.declared import require_declarations
 from contact.model.profiles.derive import by_ladder
 from contact.model.profiles.one_sided import Seen, jumps_at
 from contact.model.substrates.base import Substrate
@@ -206,24 +207,16 @@ def _points(profile: Profile, window: tuple[float, float] | None) -> Array:
 
 
 def _declarations(profile: Profile, x: Array) -> Iterator[str]:
+    try:
+        require_declarations(profile)
+    except SceneError as error:
+        yield str(error)
+        return
     period = profile.period
-    if period is not None and not (isinstance(period, float | int) and np.isfinite(period) and period > 0):
-        yield f"period is {period!r}: it must be a number > 0 or None"
-    if not isinstance(profile.symmetric, bool):
-        yield f"symmetric is {profile.symmetric!r}: it must be True or False (is it a property?)"
-    kinks = profile.kinks
-    if callable(kinks) or np.ndim(kinks) != 2 or np.shape(kinks)[1] != 2:
-        yield "kinks must be a property with an array of shape (k, 2): position, slope jump"
-    elif period is not None and np.size(kinks):
-        outside = [s for s in np.asarray(kinks)[:, 0] if not profile.x0 <= s < profile.x0 + period]
+    if period is not None:
+        outside = [s for s in profile.kinks[:, 0] if not profile.x0 <= s < profile.x0 + period]
         if outside:
             yield f"kinks at {outside} lie outside the cell [{profile.x0:g}, {profile.x0 + period:g})"
-    for name in ("support", "extent"):
-        ends = getattr(profile, name)
-        if ends is not None and not (len(ends) == 2 and ends[0] < ends[1]):
-            yield f"{name} is {ends!r}: it must be (lo, hi) with lo < hi, or None"
-    if profile.resolution is not None and not profile.resolution > 0:
-        yield f"resolution is {profile.resolution!r}: it must be > 0 or None"
     if not dataclasses.is_dataclass(profile) or not profile.__dataclass_params__.frozen:
         yield "note: not a frozen dataclass: changed after a solve, it is not what was solved"
 

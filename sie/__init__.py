@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from sie.basis.zones import Zones
     from sie.collocation.fixed import SingularSystem, State, solve_fixed
     from sie.density.density import Density
-    from sie.density.interval_potential import IntervalPotential
     from sie.equation.conditions import (
         Amplitude,
         Condition,
@@ -36,7 +35,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Amplitude", "Answers", "AnyDensity", "AnyState", "BOUNDED", "Condition", "CountError", "Density", "End", "EndRates",
-    "EqualPotential", "Equation", "FREE", "Forcing", "Free", "IntervalPotential", "Kept", "Kernel", "Level", "NotConverged",
+    "EqualPotential", "Equation", "FREE", "Forcing", "Free", "Kept", "Kernel", "Level", "NotConverged",
     "PiecewiseTransform", "Rows", "SINGULAR", "SingularSystem", "SlitDensity", "Smooth", "Solution", "State", "Total",
     "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_motions", "end_rates",
     "find_ends", "free_with_intensity", "hilbert", "images", "moment", "solve", "solve_fixed", "solve_zones",
@@ -51,7 +50,6 @@ _HOMES = {
     "sie.basis.zones": "Zones",
     "sie.collocation.fixed": "SingularSystem State solve_fixed",
     "sie.density.density": "Density",
-    "sie.density.interval_potential": "IntervalPotential",
     "sie.equation.conditions": "Amplitude Condition EqualPotential Level Rows Total TotalWidth Weighted ZoneMoments ZoneTotals moment",
     "sie.equation.equation": "CountError Equation Forcing",
     "sie.fast.piecewise": "PiecewiseTransform",

@@ -78,6 +78,7 @@ COUNTS = {
     "own_law": (3, 48, 3e2, 1e4),
     "own_profile": (6, 72, 1e2, 3e4),
     "own_substrate": (100, 300, 1e6, 1e5),
+    "registration": (900, 150, 1e5, 1e5),
     "rounded_punch": (24, 48, 1e2, 2e5),
     "textures": (900, 400, 1e5, 1e6),
     "tilted_punch": (120, 48, 1e3, 1e5),
@@ -88,6 +89,7 @@ COUNTS = {
     "punch": (100, 48, 1e3, 4e3),
     "stylus-ground": (12, 3700, 1e7, 2e6),
     "stylus": (10, 300, 1e4, 2e6),
+    "two-bodies": (100, 700, 5e5, 2e6),
     "wave": (6, 48, 3e2, 2e3),
 }
 
@@ -190,6 +192,17 @@ def test_textures_under_one_pressure_differ_as_their_page_says() -> None:
     # A wave: H. M. Westergaard, J. Appl. Mech. 6 (1939) A49.
     wave = found["wave", 5e8]
     assert wave.mean_pressure == pytest.approx(np.pi * 1.1e11 * 5e-3 * np.sin(np.pi * wave.contact_fraction / 2) ** 2, rel=1e-9)
+
+
+def test_two_faces_mate_where_the_tips_of_one_stand_in_the_valleys_of_the_other() -> None:
+    found = module("registration").main()
+    assert [len(s.zones) for s in found] == [1] * 8 + [3]
+    assert np.all(np.diff([s.mean_gap for s in found]) < 0)
+    # Beyond, it is the same the other way round: both faces are symmetric.
+    pair = found[5].scene.profile
+    beyond = contact.Combined(pair.profile, pair.counter, -pair.shift)
+    other = contact.solve(contact.Scene(beyond, 1.1e11, contact.Periodic(), mean_pressure=1e8), tol=1e-9)
+    assert other.zones[0] == pytest.approx(-found[5].zones[0, ::-1], abs=1e-12)
 
 
 def test_models_come_closer_to_the_exact_one_with_every_neighbour_they_keep() -> None:

@@ -42,9 +42,10 @@ def test_the_recipe_needs_what_the_package_needs() -> None:
     assert RECIPE["build"]["python"]["entry_points"] == [f"{name} = {place}" for name, place in PROJECT["scripts"].items()]
 
 
-def test_all_brings_every_extra_but_the_other_codes() -> None:
-    brought = set(re.findall(r"[\w-]+", PROJECT["optional-dependencies"]["all"][0].partition("[")[2]))
-    assert brought >= set(PROJECT["optional-dependencies"]) - {"all", "peers"}
+def test_all_brings_every_extra() -> None:
+    lists = re.findall(r"\[([\w,-]+)\]", " ".join(PROJECT["optional-dependencies"]["all"]))
+    brought = {name for names in lists for name in names.split(",")}
+    assert brought == set(PROJECT["optional-dependencies"]) - {"all"}
 
 
 def test_what_the_container_copies_is_there() -> None:
@@ -79,3 +80,42 @@ def test_a_package_that_takes_the_name_is_told_with_the_version(other: list[str]
 def test_dir_of_the_package_shows_what_is_public_and_no_more() -> None:
     assert set(dir(contact)) == {*contact.__all__, "__version__"}
     assert all(hasattr(contact, name) for name in dir(contact))
+
+
+def readme_as_shown(**changes: object) -> str:
+    """The readme in the metadata of the package, by the same hook that builds it."""
+    metadata = pytest.importorskip("hatchling.metadata.core")
+    manager = pytest.importorskip("hatchling.plugin.manager").PluginManager()
+    config = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    if changes:
+        config["project"]["urls"] = {"Source": changes.pop("source")}
+        config["tool"]["hatch"]["metadata"]["hooks"]["custom"] |= changes
+    core = metadata.ProjectMetadata(str(ROOT), manager, config).core
+    assert core.readme_content_type == "text/markdown"
+    return str(core.readme)
+
+
+def without_code(text: str) -> str:
+    return re.sub(r"^```.*?^```", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def test_the_readme_of_an_index_has_no_link_that_leads_nowhere_and_names_files_that_are_there() -> None:
+    page, shown = (ROOT / "README.md").read_text(encoding="utf-8"), readme_as_shown()
+    assert [link for link in re.findall(r"\]\(([^)]+)\)", without_code(shown)) if not re.match(r"https?://|#", link)] == []
+    named = re.findall(r"`((?:docs|examples)/[\w./-]+|[A-Z]+\.md)`", shown)
+    linked = {link.partition("#")[0] for link in re.findall(r"\]\(([^)]+)\)", without_code(page)) if not re.match(r"https?://|#", link)}
+    assert linked <= set(named) and all((ROOT / name).exists() for name in linked)
+    assert re.findall(r"^```.*?^```", shown, re.MULTILINE | re.DOTALL) == re.findall(r"^```.*?^```", page, re.MULTILINE | re.DOTALL)
+    # What is said of the archive of source is true of it.
+    included = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["hatch"]["build"]["targets"]["sdist"]["include"]
+    assert all(f"/{name.partition('/')[0]}" in included for name in linked) and "/hatch_build.py" in included
+    assert f"sie_contact-{PROJECT['version']}.tar.gz" in shown
+
+
+def test_with_an_address_of_its_source_the_readme_of_an_index_leads_there() -> None:
+    files, images = "{source}/blob/v{version}/{path}", "{source}/raw/v{version}/{path}"
+    shown = readme_as_shown(source="https://example.org/x/", files=files, images=images)
+    at = f"https://example.org/x/blob/v{PROJECT['version']}"
+    assert f"[Quick start]({at}/docs/quickstart.md)" in shown and f"]({at}/docs/theory.md#errata)" in shown
+    assert f"](https://example.org/x/raw/v{PROJECT['version']}/docs/images/stylus.png)" in shown
+    assert "tar.gz" not in shown

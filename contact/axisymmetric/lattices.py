@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import SceneError
-from contact.model.checks import positive
+from contact.model.checks import keep, positive
 
 Array = NDArray[np.float64]
 Site = tuple[float, float]
@@ -54,7 +54,7 @@ class Density:
     value: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "value", positive("value", self.value))
+        keep(self, positive, "value")
 
     @property
     def density(self) -> float:
@@ -108,7 +108,7 @@ class Lattice:
     spacing: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "spacing", positive("spacing", self.spacing))
+        keep(self, positive, "spacing")
 
     @property
     def unit_basis(self) -> Array:

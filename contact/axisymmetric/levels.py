@@ -27,7 +27,7 @@ from contact.axisymmetric.spot import one_control, ring_count
 from contact.axisymmetric.system import Kind, State, refine_topology, room, total_load, touching_tip
 from contact.axisymmetric.system import approach as given_approach
 from contact.errors import OutOfRange, SceneError
-from contact.model.checks import finite, non_negative, positive
+from contact.model.checks import finite, keep, non_negative, positive
 
 Array = NDArray[np.float64]
 
@@ -67,11 +67,11 @@ class Level:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "profile", as_profile(self.profile))
-        object.__setattr__(self, "depth", non_negative("depth", self.depth))
+        keep(self, non_negative, "depth")
         if (self.density is None) == (self.sites is None):
             raise SceneError("exactly one of density and sites must be given for a level")
         if self.density is not None:
-            object.__setattr__(self, "density", positive("density", self.density))
+            keep(self, positive, "density")
         if self.sites is not None:
             object.__setattr__(self, "sites", _sites(self.sites))
 

@@ -25,7 +25,7 @@ import sie
 from contact.axisymmetric.derived import LogDerivative, Octaves
 from contact.axisymmetric.quadrature import panels, quarter
 from contact.errors import SceneError
-from contact.model.checks import finite, positive
+from contact.model.checks import finite, keep, positive
 
 Array = NDArray[np.float64]
 
@@ -186,7 +186,7 @@ class Sphere(AxisymmetricProfile):
     radius: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", positive("radius", self.radius))
+        keep(self, positive, "radius")
 
     def height(self, r: ArrayLike) -> Array:
         return np.asarray(r, dtype=np.float64) ** 2 / (2 * self.radius)
@@ -249,7 +249,7 @@ class Cone(AxisymmetricProfile):
     steepness: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "steepness", positive("steepness", self.steepness))
+        keep(self, positive, "steepness")
 
     def height(self, r: ArrayLike) -> Array:
         return self.steepness * np.asarray(r, dtype=np.float64)
@@ -317,7 +317,7 @@ class PowerLaw(AxisymmetricProfile):
         if not 1.0 <= exponent <= 300.0:
             raise SceneError.of("exponent", self.exponent, "a finite number from 1 to 300")
         object.__setattr__(self, "exponent", exponent)
-        object.__setattr__(self, "scale", positive("scale", self.scale))
+        keep(self, positive, "scale")
 
     @property
     def _stretch(self) -> float:

@@ -1,5 +1,5 @@
 """The command line: `contact solve | plan | compare | path | sweep | explore | trace | figures | bench | stability`, and lists of what a
-scene may name, `contact profiles | interactions | substrates | laws`.
+scene may name, `contact profiles | interactions | substrates | laws | controls`.
 
 Exit status 0: solved; 2: bad input or out of range; 3: not converged; 130: interrupted. For all but 0 stderr has one line, after a
 line for each warning.
@@ -14,6 +14,7 @@ import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from operator import attrgetter
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -29,8 +30,8 @@ from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command
 from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
 from contact.extras import other_package, owners, require, version
-from contact.model.interactions.base import TURNING
-from contact.model.registry import interactions, laws, profiles, substrates
+from contact.model.controls import TURNING
+from contact.model.registry import controls, interactions, laws, profiles, substrates
 from contact.model.units import column, quantity
 from contact.solution.answer import Answer
 from contact.solution.export import (
@@ -273,35 +274,23 @@ def stability_command(quick: bool, out: Path | None) -> None:
         raise NotConverged(f"{failed} of {len(found.rows)} scenes fail")
 
 
-@main.command("profiles")
-def profiles_command() -> None:
-    """List the profile shapes a scene file can name, with their parameters."""
-    rows = [(name, _parameters(shape), _description(shape)) for name, shape in profiles().items()]
-    show_table("profiles", ("shape", "parameters", "what it is"), rows)
+def _listed(kind: str, known: Callable[[], Mapping[str, Any]], what: str, second: str = "parameters") -> None:
+    """The command that lists what a scene file can name of one kind."""
+
+    @main.command(kind, help=f"List the {what} a scene file can name.")
+    def list_command() -> None:
+        told = _parameters if second == "parameters" else attrgetter(second)
+        rows = [(name, told(cls), ", ".join(getattr(cls, "allows", ())), _description(cls)) for name, cls in known().items()]
+        heads = ("shape" if kind == "profiles" else "name", second, "controls", "what it is")
+        shown = [0, 1, 2, 3] if any(row[2] for row in rows) else [0, 1, 3]
+        show_table(kind, [heads[k] for k in shown], [[row[k] for k in shown] for row in rows])
 
 
-@main.command("interactions")
-def interactions_command() -> None:
-    """List the interaction models a scene file can name, with their parameters and controls."""
-    rows = [
-        (name, _parameters(model), ", ".join(model.allows), _description(model))
-        for name, model in interactions().items()
-    ]
-    show_table("interactions", ("model", "parameters", "controls", "what it is"), rows)
-
-
-@main.command("substrates")
-def substrates_command() -> None:
-    """List the elastic bodies a scene file can name, with their parameters."""
-    rows = [(name, _parameters(body), _description(body)) for name, body in substrates().items()]
-    show_table("substrates", ("model", "parameters", "what it is"), rows)
-
-
-@main.command("laws")
-def laws_command() -> None:
-    """List the laws of the interface a scene file can name, with their parameters and controls."""
-    rows = [(name, _parameters(law), ", ".join(law.allows), _description(law)) for name, law in laws().items()]
-    show_table("laws", ("model", "parameters", "controls", "what it is"), rows)
+_listed("profiles", profiles, "profile shapes, with their parameters,")
+_listed("interactions", interactions, "interaction models, with their parameters and controls,")
+_listed("substrates", substrates, "elastic bodies, with their parameters,")
+_listed("laws", laws, "laws of the interface, with their parameters and controls,")
+_listed("controls", controls, "controls, with their units,", "unit")
 
 
 Write = Callable[[Answer, Path, bool], None]
@@ -341,7 +330,7 @@ def _show_solution(solution: Answer, seconds: float) -> None:
     others = [what for what, part in (("substrate", scene.substrate), ("law", scene.law)) if part != type(scene).__dict__[what]]
     fraction = solution.contact_fraction
     show_table(
-        ", ".join((f"{scene.profile.name} profile", f"{scene.interaction.name} interaction", *others)),
+        ", ".join((f"{scene.profile.title} profile", f"{scene.interaction.name} interaction", *others)),
         ("quantity", "value"),
         [
             ("load", quantity(solution.load, "N/m", 10)),

@@ -18,6 +18,7 @@ from contact.errors import NotConverged, OutOfRange, SceneError
 from contact.model.units import column, quantity
 from contact.solution.terminal import Progress, show_table
 from contact.sweeps.points import NUMBERS
+from contact.sweeps.sweep.keys import BRANCHES
 from contact.sweeps.sweep.run import sweep
 
 
@@ -29,12 +30,14 @@ from contact.sweeps.sweep.run import sweep
 @click.option("--scheduler", metavar="ADDRESS", help="Solve on the workers of this Dask scheduler, such as tcp://host:8786.")
 @click.option("--workers", type=int, metavar="N", help="Processes of this machine; as many as processors if left out.")
 @click.option("--retry", is_flag=True, help="Try again what failed, as OUT.nc says.")
+@click.option("--branch", type=click.Choice(BRANCHES), default=BRANCHES[0], show_default=True,
+              help="Of several equilibria under adhesion: by raising, or by lowering the control. --vary branch=advancing,receding: both.")
 @click.option("--overwrite", is_flag=True, help="Write over OUT.nc, and solve all anew.")
 @QUIET
 @TOL
 def sweep_command(
-    scene: Path, varied: Sequence[str], out: Path, scheduler: str | None, workers: int | None, retry: bool, overwrite: bool, quiet: bool,
-    tol: float,
+    scene: Path, varied: Sequence[str], out: Path, scheduler: str | None, workers: int | None, retry: bool, branch: str,
+    overwrite: bool, quiet: bool, tol: float,
 ) -> None:
     """Solve a SCENE over a grid of values of its keys, such as --vary control.mean_pressure=1e6:1e8:20:log.
 
@@ -50,7 +53,8 @@ def sweep_command(
     start = time.perf_counter()
     with Progress(wanted=not quiet) as progress:
         table = sweep(
-            problem, over, scheduler, tol=tol, workers=workers, out=out, overwrite=overwrite, retry=retry, progress=progress
+            problem, over, scheduler, tol=tol, workers=workers, out=out, overwrite=overwrite, retry=retry, branch=branch,
+            progress=progress,
         )
     if not quiet:
         _show(table, time.perf_counter() - start)

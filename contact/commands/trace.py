@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 
 from contact.commands.outputs import OVERWRITE, checked, checked_figure
 from contact.commands.trace_plot import plot_trace
-from contact.errors import warn
+from contact.errors import SceneError, warn
 from contact.extras import require
 from contact.model.profiles.base import Profile
 from contact.model.profiles.sampled import Sampled
@@ -89,6 +90,8 @@ def _with_keys(command: Callable[..., None]) -> Callable[..., None]:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def trace_command(file: Path, figure: Path | None, scene: Path | None, overwrite: bool, as_json: bool, **options: str | None) -> None:
     """Read a trace from a FILE and print its length, pitch, heights and roughness, and what was done to it."""
+    if file.suffix.lower() == ".toml":
+        raise SceneError.of("FILE", str(file), "a file of points, as a scene file names one; `contact solve` reads the scene itself")
     keys = {name: KEYS[name][0](text) for name, text in options.items() if text is not None}
     if figure is not None:
         checked_figure(figure)
@@ -131,9 +134,31 @@ def show_trace(title: str, measured: Roughness, history: tuple[str, ...]) -> Non
 
 
 def show_profile(profile: Profile) -> None:
-    """The same of a scene's profile, where it is one that was read from a file."""
-    if isinstance(profile, Sampled) and profile.history:
-        show_trace("trace, as it is solved", roughness(profile), profile.history)
+    """The same of a scene's profile, where it is one that was read from a file; of two bodies what each is, and how they stand."""
+    pair = len(profile.bodies) > 1
+    if pair:
+        rows = [(place, str(table["shape"]), _told(table)) for place, table in profile.tables().items()]
+        show_table("two bodies", ("body", "shape", "parameters"), [*rows, ("together", "", _together(profile))])
+    for place, body in profile.bodies.items():
+        if isinstance(body, Sampled) and body.history:
+            show_trace(f"trace of {place}, as it is solved" if pair else "trace, as it is solved", roughness(body), body.history)
+
+
+def _told(table: Mapping[str, Any]) -> str:
+    """Parameters of a body; lists of numbers by how many they are."""
+    given = {key: value for key, value in table.items() if key != "shape" and value is not None}
+    return ", ".join(f"{key} {len(value)} numbers" if np.ndim(value) else f"{key} = {value}" for key, value in given.items())
+
+
+def _together(profile: Profile) -> str:
+    """Over which length two bodies are one surface."""
+    if profile.period is not None:
+        cells = [f"{round(profile.period / body.period)} of {place}" for place, body in profile.bodies.items() if body.period]
+        return f"period {quantity(profile.period, 'm', 6)}: {', '.join(cells)}"
+    ends = profile.support or profile.extent
+    if ends is None:
+        return "no period"
+    return f"face each other from {quantity(ends[0], 'm', 6)} to {quantity(ends[1], 'm', 6)}"
 
 
 def starting_scene(file: Path, folder: Path, keys: Mapping[str, Any], measured: Roughness, period: float | None) -> str:

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.extras import require
 from contact.model.traces.prepare import Trace
 from contact.model.traces.roughness import Roughness
 from contact.model.units import prefix, quantity
+from contact.solution.panels import new_figure
 
 Array = NDArray[np.float64]
 
@@ -21,8 +21,7 @@ _LONGEST = 90  # letters of a title
 def plot_trace(trace: Trace, measured: Roughness, spectrum: tuple[Array, Array], heights: tuple[Array, Array]) -> Any:
     """A matplotlib Figure: a row for each step, and below heights and spectrum of the last."""
     stages = list(trace.stages)
-    figure = require("matplotlib.figure").Figure(figsize=(9.0, 1.7 * len(stages) + 3.0), layout="constrained")
-    require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
+    figure = new_figure(9.0, 1.7 * len(stages) + 3.0)
     grid = figure.add_gridspec(len(stages) + 1, 2, height_ratios=[1.0] * len(stages) + [1.7])
     longest = max(float(np.nanmax(x) - np.nanmin(x)) for _, x, _ in stages)
     along, along_unit = prefix(longest)

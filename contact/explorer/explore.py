@@ -101,7 +101,7 @@ def _free() -> int:
 
 
 def _given(scene: Any) -> tuple[Scene, dict[str, Any] | None, Path]:
-    """The scene, its table [profile] as written, and the folder that names of files count from."""
+    """The scene, its tables as written, and the folder that names of files count from."""
     if scene is None:
         scene = Scene(Sinusoid(1e-6, 1e-4), 1.1e11, Periodic(), mean_pressure=1.7e9)
     if isinstance(scene, Scene):
@@ -109,4 +109,4 @@ def _given(scene: Any) -> tuple[Scene, dict[str, Any] | None, Path]:
     if not isinstance(scene, (str, PathLike)):
         raise SceneError.of("scene", scene, "a contact.Scene, or the name of a scene file")
     read = load_scene(scene)
-    return read, tomllib.loads(Path(scene).read_text(encoding="utf-8"))["profile"], Path(scene).parent
+    return read, tomllib.loads(Path(scene).read_text(encoding="utf-8")), Path(scene).parent

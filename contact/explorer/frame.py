@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from contact.errors import ContactError, NotConverged, unwarned
 from contact.model.scene import Scene
 from contact.model.units import prefix, quantity
-from contact.solution.sampling import positions, window, zones_within
+from contact.solution.sampling import positions, surfaces, window, zones_within
 from contact.solution.solution import Solution
 from contact.solver import solve
 
 Array = NDArray[np.float64]
 
-_POINTS = 4000  # of a stretch: a few on each pixel column of a screen
+POINTS = 4000  # of a stretch: a few on each pixel column of a screen
+FEW = 500  # while a hand moves: one on every second column, and those at the ends of the zones
 _FLANK = 0.6  # how far beyond the rest a body without end is drawn
 
 
@@ -37,30 +38,29 @@ class Frame:
     push: str
 
 
-def solved(scene: Scene, tol: float, near: Solution | None, branch: str) -> Frame:
+def solved(scene: Scene, tol: float, near: Solution | None, branch: str, points: int = POINTS) -> Frame:
     """The frame of a scene. near: the last solution, from whose zones the search starts where they are of the same shape."""
     start = time.perf_counter()
     alike = near is not None and all(getattr(near.scene, part) == getattr(scene, part) for part in _PARTS)
     with unwarned():
         solution = solve(scene, tol=tol, near=near if alike and not scene.law.pulls else None, branch=branch)
-    return drawn(solution, time.perf_counter() - start)
+    return drawn(solution, time.perf_counter() - start, points)
 
 
 _PARTS = ("profile", "interaction", "substrate", "law")
 
 
-def drawn(solution: Solution, seconds: float) -> Frame:
-    """The fields of a solution, where straight lines between the places show them."""
+def drawn(solution: Solution, seconds: float, points: int = POINTS) -> Frame:
+    """The fields of a solution, where straight lines between the places show them, as far as so many do."""
     lo, hi = window(solution)
-    x = positions(solution, lo, hi, _POINTS)
-    surface = -solution.displacement(x)
-    body = surface + solution.gap(x)
+    x = positions(solution, lo, hi, points)
+    surface, body = surfaces(solution, x)
     pressure = solution.pressure(x)
     zones = zones_within(solution, lo, hi)
-    seen = np.isfinite(body)
-    low, high = min(surface.min(), body[seen].min()), max(surface.max(), body[seen].max())
-    # A body with sharp corners goes up without end beside them.
-    body = np.where(seen, body, high + _FLANK * (high - low))
+    seen, below = np.isfinite(body), np.isfinite(surface)
+    low, high = min(surface[below].min(), body[seen].min()), max(surface[below].max(), body[seen].max())
+    # A body with sharp corners goes on without end beside them.
+    body, surface = np.where(seen, body, high + _FLANK * (high - low)), np.where(below, surface, low - _FLANK * (high - low))
     place = np.clip(np.searchsorted(zones[:, 0], x, side="right") - 1, 0, None)
     inside = (x >= zones[place, 0]) & (x <= zones[place, 1]) if len(zones) else np.zeros(x.shape, dtype=bool)
     along, up = prefix(max(abs(lo), abs(hi))), prefix(max(high - low, 1e-3 * max(abs(low), abs(high))))

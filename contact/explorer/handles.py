@@ -17,17 +17,15 @@ from typing import Any
 import numpy as np
 
 from contact.errors import ContactError
-from contact.model.interactions.base import TURNING
-from contact.model.laws.base import CONTROLS
+from contact.model.controls import TURNING, Quantity, fields_under
 from contact.model.profiles.base import Profile
-from contact.model.registry import PROFILES
+from contact.model.registry import CONTROLS, PROFILES
 from contact.model.scene import Scene
 from contact.solution.solution import Solution
 
 UNITS = {
-    "load": "N/m", "mean_pressure": "Pa", "approach": "m", "half_width": "m", "contact_fraction": "", "tilt": "rad", "moment": "N",
-    "E_star": "Pa", "amplitude": "m", "period": "m", "length": "m", "radius": "m", "spacing": "m", "width": "m", "thickness": "m",
-    "height": "m", "work": "J/m²", "datum": "m",
+    **TURNING, "E_star": "Pa", "amplitude": "m", "period": "m", "length": "m", "radius": "m", "spacing": "m", "width": "m",
+    "thickness": "m", "height": "m", "work": "J/m²", "datum": "m",
 }  # fmt: skip
 # How far a number goes either way: a control much lower than higher, as contact soon is full.
 _CONTROL, _NUMBER = (1e-3, 10.0), (0.1, 10.0)
@@ -60,7 +58,11 @@ def handles(scene: Scene, solution: Solution | None = None) -> tuple[Handle, ...
     found += [
         _signed(name, value, -2 * abs(value), 2 * abs(value)) for name in TURNING if (value := getattr(scene, name)) not in (None, 0.0)
     ]
-    found += _shape(scene.profile)
+    found += _shape(scene, "profile")
+    for place in scene.profile.bodies:
+        if place != "profile":
+            found += [replace(handle, name=f"{place} {handle.name}") for handle in _shape(scene, place)]
+    found += _stands(scene.profile)
     found += [handle for place in ("substrate", "law", "interaction") for handle in _numbers(scene, place)]
     found.append(_positive("E_star", scene.E_star, lambda now, value: replace(now, E_star=value)))
     return _named_apart([*found, *_samples(scene.profile)])
@@ -88,24 +90,30 @@ def turned(scene: Scene, moved: Mapping[str, float], known: tuple[Handle, ...]) 
 
 
 def _positive(name: str, value: float, at: Callable[[Scene, float], Scene], reach: tuple[float, float] = _NUMBER) -> Handle:
-    return Handle(name, UNITS.get(name, ""), value, reach[0] * value, reach[1] * value, at)
+    return Handle(name, _unit(name), value, reach[0] * value, reach[1] * value, at)
 
 
 def _signed(name: str, value: float, low: float, high: float) -> Handle:
-    return Handle(name, UNITS.get(name, ""), value, low, high, lambda now, to: with_number(now, name, to), log=False)
+    return Handle(name, _unit(name), value, low, high, lambda now, to: with_number(now, name, to), log=False)
+
+
+def _unit(name: str) -> str:
+    unit = CONTROLS.all()[name].unit if name in CONTROLS.all() else UNITS.get(name, "")
+    return "" if unit == "1" else unit
 
 
 def with_number(scene: Scene, name: str, value: float) -> Scene:
     """A scene with one of its own numbers changed."""
-    changed: dict[str, Any] = {name: value}
+    changed: dict[str, Any] = {name: value} if name in TURNING else fields_under(name, value)
     return replace(scene, **changed)
 
 
 def _control(scene: Scene, solution: Solution | None) -> Handle:
     name, value = scene.control
-    if name == "contact_fraction":
+    held = scene.control_object.held(scene)
+    if held is not None and held.quantity is Quantity.WIDTH:
         return _signed(name, value, min(0.005, value), 1.0)
-    if scene.law.pulls and name in ("load", "mean_pressure", "approach"):
+    if scene.law.pulls and scene.control_object.signed(scene):
         off = solution.pull_off if solution is not None else None
         pull = getattr(off, name, None) if off is not None else None
         reach = max(abs(value), abs(pull or 0.0)) or scene.E_star * 1e-6
@@ -123,7 +131,7 @@ def _numbers(scene: Scene, place: str) -> list[Handle]:
     found = []
     for field in dataclasses.fields(part):
         value = getattr(part, field.name)
-        if field.init and field.name not in CONTROLS and isinstance(value, float) and value > 0:
+        if field.init and isinstance(value, float) and value > 0:
 
             def at(now: Scene, to: float, name: str = field.name) -> Scene:
                 changed: dict[str, Any] = {place: replace(getattr(now, place), **{name: to})}
@@ -153,35 +161,55 @@ def _allowed(scene: Scene, handle: Handle) -> Handle:
 
 
 # shapes ---------------------------------------------------------------------------------------------------------------
-def _shape(profile: Profile) -> list[Handle]:
-    """Positive numbers of a profile, and what its lists of numbers do together."""
+def _stands(profile: Profile) -> list[Handle]:
+    """Lengths that tell how one of two bodies stands to the other: half of what there is of them to either side."""
+    found = []
+    for place, table in profile.tables().items():
+        body = profile.bodies[place]
+        own, (lo, hi) = body.tables()["profile"], _cell(body) or _cell(profile) or (-0.5, 0.5)
+        for name, value in table.items():
+            if name not in own and isinstance(value, float):
+                reach = 0.5 * (hi - lo)
+
+                def at(now: Scene, to: float, place: str = place, name: str = name) -> Scene:
+                    return _with(now, place, {name: to})
+
+                found.append(Handle(name, UNITS.get(name, "m"), value, value - reach, value + reach, at, log=False))
+    return found
+
+
+def _shape(scene: Scene, place: str) -> list[Handle]:
+    """Positive numbers of the profile of a body, and what its lists of numbers do together."""
+    profile = scene.profile.bodies[place]
     given = {name: value for name, value in profile.parameters().items() if value is not None}
     lists = [name for name, value in given.items() if np.ndim(value) == 1 and np.size(value)]
     found = []
     high = _together(profile, given, lists, _heights_grow)
     if high:
-        found.append(_scale("amplitude", _depth(profile), high) if _cell(profile) else _scale("heights, times", 1.0, high))
+        found.append(_scale(place, "amplitude", _depth(profile), high) if _cell(profile) else _scale(place, "heights, times", 1.0, high))
     lengths = [name for name in given if name not in high and (name in lists or name == "period")]
     long = _together(profile, given, lengths, _shape_grows) if lists else ()
-    if long:
+    if scene.profile.period is not None and len(scene.profile.bodies) > 1:
+        # Of two bodies that repeat together neither is stretched alone.
+        given.pop("period", None)
+    elif long:
         reach = profile.period or float(np.ptp(given[next(name for name in long if name in lists)]))
-        found.append(_scale("period" if profile.period is not None else "length", reach, long))
+        found.append(_scale(place, "period" if profile.period is not None else "length", reach, long))
     alone = [name for name, value in given.items() if name not in (*high, *long) and isinstance(value, float) and value > 0]
-    return found + [_positive(name, given[name], lambda now, to, name=name: _with(now, **{name: to})) for name in alone]  # type: ignore[misc]
+    return found + [_positive(name, given[name], lambda now, to, name=name: _with(now, place, {name: to})) for name in alone]  # type: ignore[misc]
 
 
-def _scale(name: str, size: float, parameters: tuple[str, ...]) -> Handle:
+def _scale(place: str, name: str, size: float, parameters: tuple[str, ...]) -> Handle:
     def at(now: Scene, to: float) -> Scene:
-        given = now.profile.parameters()
-        return _with(now, **{key: _times(given[key], to / size) for key in parameters})
+        given = now.profile.bodies[place].parameters()
+        return _with(now, place, {key: _times(given[key], to / size) for key in parameters})
 
     return _positive(name, size, at)
 
 
-def _with(scene: Scene, **changed: Any) -> Scene:
-    """A scene with some parameters of its profile changed."""
-    profile = scene.profile
-    return replace(scene, profile=type(profile)(**{**profile.parameters(), **changed}))
+def _with(scene: Scene, place: str, changed: Mapping[str, Any]) -> Scene:
+    """A scene with some parameters of the profile of a body changed."""
+    return replace(scene, profile=scene.profile.varied({place: changed}))
 
 
 def _times(value: Any, factor: float) -> Any:
@@ -238,7 +266,7 @@ def _depth(profile: Profile) -> float:
 
 def _samples(profile: Profile) -> list[Handle]:
     """A shape read at so many even places, with the spline of measured points through them: what a coarser instrument would see."""
-    if profile.support is not None or _cell(profile) is None:
+    if profile.support is not None or _cell(profile) is None or len(profile.bodies) > 1:
         return []
 
     def at(now: Scene, to: float) -> Scene:
@@ -253,6 +281,6 @@ def _samples(profile: Profile) -> list[Handle]:
     return [Handle("samples", "", 0.0, _SAMPLES[0] - 1, high, at, log=True, whole=True)]
 
 
-def rounded(value: float, digits: int = 4) -> float:
+def rounded(value: float) -> float:
     """A number that a hand has turned to, with the digits it can mean."""
-    return float(f"{value:.{digits}g}") if math.isfinite(value) else value
+    return float(f"{value:.4g}") if math.isfinite(value) else value

@@ -7,6 +7,7 @@ loads comes from the page's own server.
 from __future__ import annotations
 
 import math
+import time
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from html import escape
@@ -17,7 +18,7 @@ import numpy as np
 
 from contact.errors import ContactError, SceneError
 from contact.explorer.curve import along, same_curve
-from contact.explorer.frame import Frame, place_on_curve, solved, table, told
+from contact.explorer.frame import FEW, POINTS, Frame, drawn, place_on_curve, solved, table, told
 from contact.explorer.handles import Handle, handles, rounded, turned
 from contact.extras import require
 from contact.model.scene import Scene
@@ -31,6 +32,8 @@ _DECADE = 0.01  # step of a slider by equal factors, in powers of ten
 _STEPS = 400
 _NEXT = 5  # ms from one thing to do to the next, so that what the page sends comes between
 _REST = 300  # ms without a change before the load curve is drawn
+_USED, _ROOM = 0.5, 0.08  # of a range, at least; of what it shows, to either side
+_READ = 0.1  # s: numbers that change more often are not read
 _DEAR = 0.3  # s: the curve of a scene that takes longer is not drawn unasked
 _LONGEST = 20_000  # letters of a text that is shown
 
@@ -60,15 +63,17 @@ return (value / Math.pow(10, power)).toPrecision(4) + ' ' + letter + unit;
 class Explorer:
     """A scene and the page that shows it. `layout` is what Panel serves and notebooks show."""
 
-    def __init__(self, scene: Scene, tol: float, table: Mapping[str, Any] | None = None, directory: str | Path = ".") -> None:
+    def __init__(self, scene: Scene, tol: float, tables: Mapping[str, Any] | None = None, directory: str | Path = ".") -> None:
         self.pn, self.models = require("panel"), require("bokeh.models")
         self.tol, self.directory = tol, directory
         self.frame: Frame | None = None
         self.moved: dict[str, float] = {}
-        self._due = False
+        # A frame is to come; what follows once the hand is at rest is to come, and when; when numbers are told again.
+        self._due = self._waits = self._curve_is_due = False
+        self._rest_at = self._tell_at = 0.0
         self._walk: Iterator[Solution] | None = None
         self._make()
-        self._begin(scene, table)
+        self._begin(scene, tables)
 
     # what stands on the page --------------------------------------------------------------------------------------------
     def _make(self) -> None:
@@ -102,8 +107,11 @@ class Explorer:
         self.pressure, self.zones = data({"x": nothing, "p": nothing}), data({"left": nothing, "right": nothing})
         self.line, self.point = data({"across": nothing, "up": nothing}), data({"across": nothing, "up": nothing})
         common = {"height": 250, "sizing_mode": "stretch_width", "tools": "pan,box_zoom,wheel_zoom,reset,save", "min_border_left": 75}
-        top = figure(**common, y_axis_label="height")
-        bottom = figure(**common, x_range=top.x_range, y_axis_label="pressure")
+        # Ranges that are told beforehand: those that Bokeh finds in the data itself are found while it paints, and paint all once more.
+        self.ranges = {name: models.Range1d(0.0, 1.0) for name in ("along", "up", "push")}
+        self._fitted: dict[str, tuple[str, float, float]] = {}
+        top = figure(**common, x_range=self.ranges["along"], y_range=self.ranges["up"], y_axis_label="height")
+        bottom = figure(**common, x_range=self.ranges["along"], y_range=self.ranges["push"], y_axis_label="pressure")
         curve = figure(**common)
         for one in (top, bottom):
             one.vstrip(x0="left", x1="right", source=self.zones, fill_color=_ZONE, fill_alpha=0.25, line_color=None)
@@ -122,9 +130,9 @@ class Explorer:
         return top, bottom, curve
 
     # a scene ------------------------------------------------------------------------------------------------------------
-    def _begin(self, scene: Scene, table: Mapping[str, Any] | None) -> None:
-        """A new scene: its sliders, and its first frame. table: [profile] as it was written."""
-        self.base, self.table = scene, table
+    def _begin(self, scene: Scene, tables: Mapping[str, Any] | None) -> None:
+        """A new scene: its sliders, and its first frame. tables: of its file, as they were written."""
+        self.base, self.tables = scene, tables or {}
         self.moved, self.known, self.frame = {}, handles(scene), None
         self.branch.visible = scene.law.pulls
         self._show()
@@ -169,7 +177,7 @@ class Explorer:
         except (ContactError, ValueError, OSError) as error:
             self._refuse(str(error) if isinstance(error, ContactError) else f"is not a scene file: {error}")
             return
-        self._begin(scene, tables["profile"])
+        self._begin(scene, tables)
 
     # frames -------------------------------------------------------------------------------------------------------------
     def _change(self) -> None:
@@ -180,11 +188,15 @@ class Explorer:
 
     def _soon(self, do: Callable[[], None], after: int = _NEXT) -> None:
         """After what the browser has sent meanwhile; at once where there is no server, as in tests and notebooks."""
-        document = self.pn.state.curdoc
-        if document is not None and document.session_context is not None:
-            document.add_timeout_callback(do, after)
+        if self._is_served:
+            self.pn.state.curdoc.add_timeout_callback(do, after)
         else:
             do()
+
+    @property
+    def _is_served(self) -> bool:
+        document = self.pn.state.curdoc
+        return document is not None and document.session_context is not None
 
     def _show(self) -> None:
         """The frame of the scene as it stands; all of it reaches the browser in one message."""
@@ -196,16 +208,41 @@ class Explorer:
         last = self.frame
         try:
             scene = turned(self.base, self.moved, self.known)
-            self.frame = solved(scene, self.tol, last.solution if last else None, self.branch.value)
+            self.frame = solved(scene, self.tol, last.solution if last else None, self.branch.value, FEW if self._is_served else POINTS)
+            if last is None or not same_curve(last.solution.scene, scene) or self._of_curve != self.branch.value:
+                self._forget_curve()
             self._paint(self.frame)
+            if time.monotonic() >= self._tell_at or not self._is_served:
+                self._tell(self.frame)
         except Exception as error:  # a page shows no traceback; what is no fault of the scene is told as such
             self._refuse(told(error))
             return
-        self.message.object, self.numbers.styles = "", _SEEN
-        self._soon(lambda: self._write(scene), _REST)
-        same = last is not None and same_curve(last.solution.scene, scene) and self._of_curve == self.branch.value
-        if not same or (self.draw.visible and self.frame.seconds <= _DEAR):
-            self._forget_curve(self.frame.seconds)
+        if self.message.object:
+            self.message.object, self.numbers.styles = "", _SEEN
+        self._rest_at = time.monotonic() + 1e-3 * _REST
+        if not self._waits:
+            self._waits = True
+            self._soon(self._settle, _REST)
+
+    def _settle(self) -> None:
+        """What the eye looks for once the hand is at rest: the last numbers, all places of the fields, the text, the load curve."""
+        left = self._rest_at - time.monotonic()
+        if left > 0 and self._is_served:
+            self._soon(self._settle, 1 + int(1e3 * left))
+            return
+        self._waits = False
+        if self.frame is None:
+            return
+        with self.pn.io.hold():
+            if self._is_served:
+                self.frame = drawn(self.frame.solution, self.frame.seconds)
+                self._paint(self.frame)
+                self._tell(self.frame)
+            self._write(self.frame.solution.scene)
+            if self._curve_is_due:
+                self.draw.visible = self.frame.seconds > _DEAR
+                if not self.draw.visible:
+                    self._start_curve()
 
     def _refuse(self, message: str) -> None:
         old = "" if self.frame is None else " What is drawn, and the numbers, are of the last scene that was solved."
@@ -214,22 +251,46 @@ class Explorer:
 
     def _paint(self, frame: Frame) -> None:
         self.surfaces.data, self.pressure.data, self.zones.data = frame.surfaces, frame.pressure, frame.zones
+        for name, unit, shown in (
+            ("along", frame.along, [frame.surfaces["x"]]), ("up", frame.up, [frame.surfaces["body"], frame.surfaces["surface"]]),
+            ("push", frame.push, [frame.pressure["p"], np.zeros(1)]),
+        ):  # fmt: skip
+            self._fit(name, unit, float(min(np.min(one) for one in shown)), float(max(np.max(one) for one in shown)))
         self.top.yaxis.axis_label, self.bottom.yaxis.axis_label = f"height [{frame.up}]", f"pressure [{frame.push}]"
         self.bottom.xaxis.axis_label = f"x [{frame.along}]"
-        self.numbers.object = table(frame)
         across, up, (name, unit), (what, whose) = place_on_curve(frame.solution)
         if not self.line.data["across"]:
             # The scales of the curve stay while it does.
             self._across, self._up = prefix(abs(across)), prefix(abs(up))
             self.curve.xaxis.axis_label, self.curve.yaxis.axis_label = f"{name} [{self._across[1]}{unit}]", f"{what} [{self._up[1]}{whose}]"
+
+    def _fit(self, name: str, unit: str, low: float, high: float) -> None:
+        """A range that shows all: the last one where it does and half of it is used, so that what grows is seen to grow.
+
+        One that was turned by hand, with the tools of the picture, stays until it is reset there.
+        """
+        shown, last = self.ranges[name], self._fitted.get(name)
+        if last is not None and last[0] == unit and last[1] <= low and high <= last[2] and high - low >= _USED * (last[2] - last[1]):
+            return
+        room = (_ROOM * (high - low) if name != "along" else 0.0) or (0.0 if high > low else 1.0)
+        fitted = low - room, high + room
+        by_hand = last is not None and last[0] == unit and (shown.start, shown.end) != last[1:]
+        shown.update(**({} if by_hand else {"start": fitted[0], "end": fitted[1]}), reset_start=fitted[0], reset_end=fitted[1])
+        self._fitted[name] = (unit, *fitted)
+
+    def _tell(self, frame: Frame) -> None:
+        """Numbers, and the point on the load curve: no more often than they are read, as the browser lays the page out anew for them."""
+        self._tell_at = time.monotonic() + _READ
+        self.numbers.object = table(frame)
+        across, up, *_ = place_on_curve(frame.solution)
         self.point.data = {"across": [across * self._across[0]], "up": [up * self._up[0]]}
 
     def _write(self, scene: Scene) -> None:
-        """The text of the scene, once it is at rest; of a trace that is as its file has it, the file's name."""
-        if self.frame is None or scene is not self.frame.solution.scene:
-            return
+        """The text of the scene; of a trace that is as its file has it, the file's name."""
         try:
-            text = to_toml(scene, self.table if self.table is not None and scene.profile == self.base.profile else None)
+            read = self.base.profile.bodies
+            as_read = [place for place, body in scene.profile.bodies.items() if place in self.tables and body == read.get(place)]
+            text = to_toml(scene, {place: self.tables[place] for place in as_read})
         except SceneError as error:
             text = f"# {error}\n"
         if len(text) > _LONGEST:
@@ -239,22 +300,18 @@ class Explorer:
     # the load curve -----------------------------------------------------------------------------------------------------
     _of_curve = ""
 
-    def _forget_curve(self, seconds: float) -> None:
+    def _forget_curve(self) -> None:
         """What was drawn is of another scene."""
-        self._walk = None
+        self._walk, self._curve_is_due = None, True
         self._of_curve = self.branch.value
-        self.line.data = {"across": [], "up": []}
-        assert self.frame is not None
-        self._paint(self.frame)
-        self.draw.visible = seconds > _DEAR
-        if not self.draw.visible:
-            self._start_curve()
+        if self.line.data["across"]:
+            self.line.data = {"across": [], "up": []}
 
     def _start_curve(self) -> None:
         if self.frame is not None:
-            self.draw.visible = False
+            self.draw.visible = self._curve_is_due = False
             self._walk = walk = along(self.frame.solution.scene, self.known[0], self.tol, self.branch.value)
-            self._soon(lambda: self._step(walk), _REST)
+            self._soon(lambda: self._step(walk))
 
     def _step(self, walk: Iterator[Solution]) -> None:
         """One more point, unless the scene has changed; where frames are due, these first."""

@@ -7,19 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import sie
-from contact.formulation.fields import mean_shape
+from contact.formulation.fields import NoZones, mean_shape
 from contact.formulation.problem import Problem
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class ApartFields(sie.Kept):
+class ApartFields(NoZones):
     """approach [m], not above zero; None where no approach is held: then they may be anywhere, and their gap is infinite."""
 
     problem: Problem
     approach: float | None
+    load = max_pressure = contact_fraction = stiffness = 0.0
 
     def pressure(self, x: ArrayLike) -> Array:
         return np.zeros(np.shape(x))
@@ -31,41 +31,6 @@ class ApartFields(sie.Kept):
         if self.approach is None:
             return np.full(np.shape(x), np.inf)
         return np.asarray(self.problem.profile.height(np.asarray(x, dtype=float)) - self.problem.lowest - self.approach)
-
-    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
-        raise IndexError("surfaces apart have no zones: use pressure(x)")
-
-    @property
-    def cohesive(self) -> Array:
-        return np.zeros((0, 2))
-
-    @property
-    def starts(self) -> Array:
-        return np.zeros(0)
-
-    @property
-    def loads(self) -> Array:
-        return np.zeros(0)
-
-    @property
-    def load(self) -> float:
-        return 0.0
-
-    @property
-    def max_pressure(self) -> float:
-        return 0.0
-
-    @property
-    def contact_fraction(self) -> float:
-        return 0.0
-
-    @property
-    def stiffness(self) -> float:
-        return 0.0
-
-    @property
-    def widening_rate(self) -> float:
-        return 0.0
 
     @property
     def mean_gap(self) -> float:

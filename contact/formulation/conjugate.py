@@ -66,6 +66,10 @@ class Conjugate(sie.Kept):
     def smooth(self) -> Callable[[Array], Array]:
         """All of H f' but the logarithms (J / pi) ln|2 sin(pi (x - s) / L)| of the kinks."""
         profile, length = self.profile, self.period
+        if len(profile.bodies) > 1:
+            # Of a sum the sum, each by the way that is its own: logarithms that repeat within the period are one of the shorter period.
+            parts = {place: conjugate_of(body).smooth for place, body in profile.bodies.items()}
+            return lambda x: np.asarray(sum(parts[place](at) for place, at in profile.facing(x).items()))
         given = profile.slope_conjugate(np.array([profile.x0 + 0.4142 * length])) is not None
         if given and len(self.kinks) == 0:
             return lambda x: np.asarray(profile.slope_conjugate(x))

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 import sie
 from contact.errors import OutOfRange
 from contact.formulation.units import Units
+from contact.model.controls import Quantity
 from contact.model.scene import Scene
 
 Array = NDArray[np.float64]
@@ -211,18 +212,16 @@ class _OpenedAndSunk(sie.Condition):
         return matrix + self.depth * row, constants + self.depth * constant, value
 
 
+_KINDS: dict[Quantity, type[Control]] = {
+    Quantity.LOAD: Load, Quantity.APPROACH: Approach, Quantity.HALF_WIDTH: HalfWidth, Quantity.WIDTH: Width,
+}
+
+
 def scaled_control(scene: Scene, units: Units) -> Control:
     """The scene's control in scaled variables."""
-    name, value = scene.control
-    load = scene.given_load
-    kind: type[Control]
-    if load is not None:
-        kind, value = Load, load
-    elif name == "contact_fraction":
-        assert scene.profile.period is not None
-        kind, value = Width, value * scene.profile.period
-    else:
-        kind = Approach if name == "approach" else HalfWidth
+    held = scene.control_object.held(scene)
+    assert held is not None
+    kind, value = _KINDS[held.quantity], held.value
     unit = kind(value).unit(units)
     scaled = value / unit if unit > 0.0 else math.inf
     if not math.isfinite(scaled) or (scaled == 0.0 and value != 0.0):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
@@ -17,8 +17,6 @@ from contact.formulation.problem import Problem
 
 Array = NDArray[np.float64]
 
-# Zones from which on the potential of far ones is interpolated.
-_MANY = 8
 # Zones at the most that the highest pressure is looked for in, below the sampling.
 _PEAKS = 16
 # How far from the zones a half-line is looked at closely, and at all, in units of what the zones span.
@@ -57,11 +55,22 @@ class Fields(Protocol):
     def widening_rate(self) -> float: ...
 
 
-def moved_ends(state: sie.AnyState) -> Array:
-    """How far each end (2, Z) moves outward by a unit of the first condition's value: 2 K / A, as in a step of Newton's, or as the rates
-    of prescribed intensities have it; 0 for ends that are held."""
+class NoZones(sie.Kept):
+    """What is the same of all fields without zones, and so without anything that acts beside them."""
+
+    starts = loads = np.zeros(0)
+    cohesive = np.zeros((0, 2))
+    widening_rate = 0.0
+
+    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
+        raise IndexError("there are no zones: use pressure(x)")
+
+
+def moved_ends(state: sie.AnyState, condition: int = 0) -> Array:
+    """How far each end (2, Z) moves outward by a unit of a condition's value, the first one's if none is named: 2 K / A, as in a step of
+    Newton's, or as the rates of prescribed intensities have it; 0 for ends that are held."""
     values = np.zeros(len(state.condition_scale))
-    values[state.condition_index[0]] = 1.0
+    values[state.condition_index[condition]] = 1.0
     zones = state.density.zones
     moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
     k, a = np.array(state.response(values).intensities), np.array(state.density.edge_slopes)
@@ -87,9 +96,11 @@ class ZoneFields(sie.Kept):
     problem: Problem
     state: sie.AnyState = field(repr=False)
     amplitude_rate: float = 0.0
+    centring: float = 0.0
+    relief = None
 
     def __getstate__(self) -> dict[str, Any]:
-        kept = {"problem": self.problem, "amplitude_rate": self.amplitude_rate, "density": self.density}
+        kept = {"problem": self.problem, "amplitude_rate": self.amplitude_rate, "centring": self.centring, "density": self.density}
         kept |= {"levels": self.levels, "stiffness": self.stiffness}
         return kept if self.problem.moment is None else kept | {"rotational_stiffness": self.rotational_stiffness}
 
@@ -121,8 +132,8 @@ class ZoneFields(sie.Kept):
     def stiffness(self) -> float | None:
         """d load / d approach [N/m^2]: the ends may be held where their motion does not change the density at first order.
 
-        Under the first-order closure the nominal pressure follows the load at `amplitude_rate`. At the tilt that is given, or at the
-        moment that is. None without an approach.
+        Under the first-order closure the nominal pressure follows the load at `amplitude_rate`; a strip whose centre moves with the load
+        sinks by `centring` more, a unit of load. At the tilt that is given, or at the moment that is. None without an approach.
         """
         if self.approach is None:
             return None
@@ -131,7 +142,7 @@ class ZoneFields(sie.Kept):
         values[index[0]] = 1.0
         if self.amplitude_rate:
             values[index[2]] = self.amplitude_rate
-        rate = -float(self.state.level_rates(values).mean())
+        rate = self.centring - float(self.state.level_rates(values).mean())
         if follows(self.state):
             loaded = np.zeros(len(self.state.condition_scale))
             loaded[index[0]] = 1.0
@@ -240,13 +251,6 @@ class ZoneFields(sie.Kept):
     def formal_pressure(self, x: Array) -> Array:
         """Scaled, whatever its sign."""
         return np.asarray(self.density(x))
-
-    def gap_between(self, lo: float, hi: float) -> Callable[[Array], Array]:
-        """The scaled gap as a function on an interval without contact; cheap at many points where zones are many."""
-        potential = self.density.potential_on(lo, hi) if len(self.density.zones) >= _MANY else None
-        if potential is None:
-            return self.scaled_gap
-        return lambda x: self.standing_shape(x) + self.level + self._raised(x, potential(x))
 
     def standing_shape(self, x: Array) -> Array:
         """F of the profile as it stands: turned on by what the first guess of the tilt missed."""

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import sie
+from contact.formulation.fields import NoZones
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.relief import Relief, period_samples
@@ -75,13 +76,14 @@ def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class FullFields(sie.Kept):
+class FullFields(NoZones):
     """Full contact of a periodic profile: p = pbar - (E*/2) R; no gap. mean_height: mean f - min f [m]."""
 
     problem: Problem
     mean_pressure: float
     relief: Callable[[Array], Array]
     mean_height: float
+    contact_fraction, mean_gap = 1.0, 0.0
 
     @property
     def approach(self) -> float:
@@ -104,26 +106,10 @@ class FullFields(sie.Kept):
         height = np.asarray(self.problem.profile.height(x))
         return np.asarray(self.approach + self.problem.lowest - height)
 
-    def pressure_at(self, zone: int, t: ArrayLike) -> Array:
-        raise IndexError("full contact has no zones: use pressure(x)")
-
-    @property
-    def cohesive(self) -> Array:
-        """None: nothing acts beside the contact."""
-        return np.zeros((0, 2))
-
-    @property
-    def starts(self) -> Array:
-        return np.zeros(0)
-
     @property
     def load(self) -> float:
         assert self.problem.profile.period is not None
         return self.mean_pressure * self.problem.profile.period
-
-    @property
-    def loads(self) -> Array:
-        return np.zeros(0)
 
     @cached_property
     def max_pressure(self) -> float:
@@ -131,18 +117,6 @@ class FullFields(sie.Kept):
         return np.inf if len(profile.kinks) else maximum(self.pressure, period_samples(profile))[1]
 
     @property
-    def contact_fraction(self) -> float:
-        return 1.0
-
-    @property
     def stiffness(self) -> float:
         assert self.problem.profile.period is not None
         return self.problem.profile.period / self._compressed if self._compressed else np.inf
-
-    @property
-    def mean_gap(self) -> float:
-        return 0.0
-
-    @property
-    def widening_rate(self) -> float:
-        return 0.0

@@ -38,7 +38,7 @@ def minus_one(x: Array) -> Array:
 @dataclass(frozen=True, eq=False)
 class Problem(sie.Kept):
     """Profile, interaction, substrate and law in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
-    reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell.
+    reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell, and end at that of the strip.
     moment: scaled, about x = 0; None where the tilt of the profile is not an unknown."""
 
     profile: Profile
@@ -83,7 +83,10 @@ class Problem(sie.Kept):
 
     @cached_property
     def corners(self) -> tuple[float, float]:
-        """Scaled sharp corners beyond which the profile ends; infinite without."""
+        """Scaled sharp corners beyond which the profile ends, or borders at which a strip is cut off; infinite without."""
+        if self.reference:
+            assert self.cell is not None
+            return self.centre - 0.5 * self.cell, self.centre + 0.5 * self.cell
         if self.profile.support is None:
             return -np.inf, np.inf
         lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)

@@ -118,24 +118,6 @@ def carried_by(problem: Problem, control: Control, a: float) -> float:
     return -float(state.levels[0])
 
 
-def single_half_width(problem: Problem, control: Control) -> float | None:
-    """The half width that carries the control on the branch from zero load, to rounding; None if none does."""
-    top, highest = largest_single_load(problem, control)
-    if control.value > highest:
-        return None
-    low = top
-    while carried_by(problem, control, low) > control.value:
-        low *= 0.5
-        if low < 1e-300:
-            return None
-    if low == top:
-        return top
-    root = require("scipy.optimize").brentq(
-        lambda a: carried_by(problem, control, a) - control.value, low, top, xtol=1e-15 * top, rtol=1e-14
-    )
-    return float(root)
-
-
 def largest_single_load(problem: Problem, control: Control) -> tuple[float, float]:
     """(half width, value) of the first maximum of the controlled quantity along the branch from zero load."""
     limit = widest(problem)

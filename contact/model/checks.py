@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import isfinite
 from numbers import Integral, Real
 from typing import Any
@@ -33,6 +33,12 @@ def positive(field: str, value: Any) -> float:
     if number <= 0:
         raise SceneError.of(field, value, allowed)
     return number
+
+
+def keep(part: Any, check: Callable[[str, Any], Any], *names: str) -> None:
+    """Fields of a frozen part, checked and in their plain types."""
+    for name in names:
+        object.__setattr__(part, name, check(name, getattr(part, name)))
 
 
 def non_negative(field: str, value: Any) -> float:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 import scipy.fft
@@ -40,6 +40,8 @@ Rest = Callable[[Array, float], Array]
 
 # Places over a period at which a kernel is compared with Hilbert's, and what rounding makes of no difference.
 _PLACES, _NOTHING = 4096, 1e-13
+# Of cells nearer to a source than some widths the mean is taken: over panels that are halved towards the middle, by some nodes each.
+_WITHIN, _PANELS, _PER_PANEL = 4.5, 32, 6
 # The smallest compliance over the half-plane's.
 _SOFTEST = 1e-9
 
@@ -286,10 +288,30 @@ class _Rest:
     period: float | None = None
 
     def __call__(self, lag: Array, width: float = 0.0) -> Array:
+        """At the lags, or its means over cells of a width about them."""
+        found = self._at(lag)
+        near = np.flatnonzero(np.abs(lag) < _WITHIN * width)
+        if len(near):
+            # Of a source at a depth below a cell's width, the middle of the cell tells nothing.
+            places, weights = _graded()
+            found[near] = self._at((lag[near][:, None] + width * places).ravel()).reshape(len(near), -1) @ weights
+        return found
+
+    def _at(self, lag: Array) -> Array:
         if self.period is None:
             return smooth_potential(self.kernel, lag)
         lag = lag - np.round(lag / self.period) * self.period
         return np.asarray(smooth_potential(self.kernel, lag) - smooth_potential(sie.hilbert(self.period), lag))
+
+
+@cache
+def _graded() -> tuple[Array, Array]:
+    """Places in a cell about 0 of width 1, closer and closer towards its middle, and their weights."""
+    node, weight = np.polynomial.legendre.leggauss(_PER_PANEL)
+    ends = np.append(0.5 ** np.arange(1.0, _PANELS + 1), 0.0)
+    half, middle = 0.5 * (ends[:-1] - ends[1:])[:, None], 0.5 * (ends[:-1] + ends[1:])[:, None]
+    places, weights = (middle + half * node).ravel(), (half * weight).ravel()
+    return np.concatenate((-places, places)), np.concatenate((weights, weights))
 
 
 def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:

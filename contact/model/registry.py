@@ -1,8 +1,8 @@
-"""Names for profiles, interactions, substrates and laws: `@register_profile("cosh")` makes a class known to scene files.
+"""Names for profiles, interactions, substrates, laws and controls: `@register_profile("cosh")` makes a class known to scene files.
 
 Classes of other installed packages come through the entry-point groups `contact.profiles`, `contact.interactions`,
-`contact.substrates` and `contact.laws`, loaded on the first look-up of a name that is not built in, or when all names are
-listed; one that fails is warned about and skipped.
+`contact.substrates`, `contact.laws` and `contact.controls`, loaded on the first look-up of a name that is not built in, or when
+all names are listed; one that fails is warned about and skipped.
 """
 
 from __future__ import annotations
@@ -111,6 +111,7 @@ PROFILES = Registry("profile", "contact.profiles", ("height", "from_table"))
 INTERACTIONS = Registry("interaction", "contact.interactions")
 SUBSTRATES = Registry("substrate", "contact.substrates", ("symbol",))
 LAWS = Registry("law", "contact.laws", ("intensity",))
+CONTROLS = Registry("control", "contact.controls", ("held", "of"))
 
 
 def register_profile(name: str) -> Callable[[C], C]:
@@ -252,6 +253,42 @@ def register_law(name: str) -> Callable[[C], C]:
     >>> contact.model.registry.LAWS.forget("doc-sticky")
     """
     return LAWS.register(name)
+
+
+def register_control(name: str) -> Callable[[C], C]:
+    """Class decorator: make a control known by name.
+
+    Parameters
+    ----------
+    name : str
+        What scene files call it; new.
+
+    Returns
+    -------
+    callable
+        The decorator; it sets the `name` of the class and returns it.
+
+    Raises
+    ------
+    SceneError
+        If the name is taken, or the class is no control.
+
+    Examples
+    --------
+    >>> import contact
+    >>> from dataclasses import dataclass
+    >>> @contact.register_control("doc-peak")
+    ... @dataclass(frozen=True)
+    ... class Peak(contact.Control):
+    ...     unit = "Pa"
+    ...     def of(self, solution):
+    ...         return solution.max_pressure
+    >>> scene = contact.Scene(contact.Parabola(1.0), 1e9, contact.Isolated(), given=Peak(1e6))
+    >>> round(contact.solve(scene).max_pressure)
+    1000000
+    >>> contact.model.registry.CONTROLS.forget("doc-peak")
+    """
+    return CONTROLS.register(name)
 
 
 def from_table(registry: Registry, name: str, params: Mapping[str, Any], key: str | None = None) -> Any:
@@ -437,3 +474,20 @@ def laws() -> dict[str, Any]:
     True
     """
     return LAWS.all()
+
+
+def controls() -> dict[str, Any]:
+    """Every known control: name to class.
+
+    Returns
+    -------
+    dict
+        In alphabetical order; those of installed packages among them.
+
+    Examples
+    --------
+    >>> import contact
+    >>> contact.controls()["mean_pressure"].unit
+    'Pa'
+    """
+    return CONTROLS.all()

@@ -12,7 +12,7 @@ Everything is checked when the scene is made, so that the solver need not check 
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from math import isfinite
 
@@ -20,13 +20,15 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError
-from contact.model.checks import finite, finite_or_none, positive
-from contact.model.interactions.base import CONTROLS, TURNING, Interaction
+from contact.model.checks import finite, finite_or_none, keep, positive
+from contact.model.controls import CONTROLS, TURNING, Control, Quantity, fields_under
+from contact.model.interactions.base import Interaction
 from contact.model.interactions.declared import require_elastic
 from contact.model.laws import Frictionless, Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.declared import require_declared
+from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.substrates import HalfPlane, Substrate
 from contact.model.substrates.declared import require_body
 
@@ -78,7 +80,7 @@ def _plane_compliance(modulus_name: str, modulus: float, ratio_name: str, ratio:
 
 @dataclass(frozen=True)
 class Scene(sie.Kept):
-    """One contact problem in full. Exactly one of the five controls is given, the others stay None.
+    """One contact problem in full. Exactly one control is given, the others stay None.
 
     All is checked when the scene is made. Units are SI, loads per unit thickness.
 
@@ -104,6 +106,8 @@ class Scene(sie.Kept):
         Control: half width of the one zone of a symmetric profile [m].
     contact_fraction : float or None
         Control: width in contact over the period [1], above 0 and at most 1.
+    given : Control or None
+        Another control, such as one of your own (`contact.Control`).
     tilt : float or None
         The gap at zero load is f(x) - tilt x [rad]: where it is positive, the body is turned so that x > 0 comes down.
     moment : float or None
@@ -134,62 +138,72 @@ class Scene(sie.Kept):
     approach: float | None = None
     half_width: float | None = None
     contact_fraction: float | None = None
+    given: Control | None = None
     tilt: float | None = None
     moment: float | None = None
 
     def __post_init__(self) -> None:
         _require_instance("profile", self.profile, Profile, "Sinusoid(amplitude=1e-6, period=1e-4)")
-        if not type(self.profile).__module__.startswith("contact."):
-            require_declared(self.profile)
+        for body in self.profile.bodies.values():
+            if not type(body).__module__.startswith("contact."):
+                require_declared(body)
         _require_instance("interaction", self.interaction, Interaction, "Periodic()")
         _require_instance("substrate", self.substrate, Substrate, "HalfPlane()")
         _require_instance("law", self.law, Law, "Frictionless()")
-        object.__setattr__(self, "E_star", positive("E_star", self.E_star))
+        keep(self, positive, "E_star")
 
         for turning in TURNING:
             object.__setattr__(self, turning, finite_or_none(turning, getattr(self, turning)))
         self._check_period()
         self._check_body()
+        self._check_turning()
         self._check_control()
-        self._check_turning(self.control[0])
 
     def _check_control(self) -> None:
         """The one control: its value, and whether it goes with all else."""
-        name, value = self._the_one_control()
-        # A turned body touches at some other place than its lowest: there the approach counts from there. Adhesion bears tension.
-        signed = (name == "approach" and self.turned) or (self.law.pulls and name in ("load", "mean_pressure", "approach"))
-        value = finite(name, value) if signed else positive(name, value)
-        object.__setattr__(self, name, value)
-        if name == "contact_fraction" and value > 1.0:
-            raise SceneError.of(name, value, "above 0 and at most 1")
+        _require_one(self)
+        control = self.control_object
+        name = control.name
+        value = finite(name, control.value) if control.signed(self) else positive(name, control.value)
+        control = replace(control, value=value)
+        object.__setattr__(self, *(("given", control) if self.given is not None else (name, value)))
+        self.__dict__["control_object"] = control
 
-        self._check_control_suits_interaction(name)
-        self._check_law(name)
-        if name == "half_width":
-            self._check_half_width()
-        if name == "contact_fraction" or self.interaction.follows_isolated:
-            self._check_zone_tells_load(name)
+        self._check_admitted(control)
+        control.check(self)
+        self._check_law()
+        if self.interaction.follows_isolated and self.is_flat:
+            # The isolated load of the same width is that of zones with ends that move.
+            allowed = f"another model or closure: every isolated load has the width of a {self.profile.name} profile"
+            raise SceneError.of("interaction", self.interaction, allowed)
 
     def under(self, name: str, value: float) -> Scene:
         """The same under another value of a control, or another control: of all else nothing is looked at again."""
         other = object.__new__(type(self))
-        other.__dict__.update(self.__dict__)
-        other.__dict__.update(dict.fromkeys(CONTROLS))
-        other.__dict__[name] = value
+        other.__dict__.update({**self.__dict__, **fields_under(name, value)})
+        other.__dict__.pop("control_object", None)
         other._check_control()
         return other
 
     @property
     def control(self) -> tuple[str, float]:
         """Name and value of the quantity that is given."""
-        return self._the_one_control()
+        return self.control_object.name, self.control_object.value
+
+    @cached_property
+    def control_object(self) -> Control:
+        """What is given, as an object."""
+        if self.given is not None:
+            return self.given
+        name = next(name for name in CONTROLS if getattr(self, name) is not None)
+        control: Control = REGISTERED.find(name)(getattr(self, name))
+        return control
 
     @property
     def given_load(self) -> float | None:
         """The load [N/m] that the control gives, as such or by the mean pressure; None if it gives none."""
-        if self.mean_pressure is not None and self.profile.period is not None:
-            return self.mean_pressure * self.profile.period
-        return self.load
+        held = self.control_object.held(self)
+        return held.value if held is not None and held.quantity is Quantity.LOAD else None
 
     @property
     def turned(self) -> bool:
@@ -208,27 +222,20 @@ class Scene(sie.Kept):
         """What the pressure does to the surface."""
         return Operator(self.interaction, self.substrate, self.period)
 
-    def _the_one_control(self) -> tuple[str, float]:
-        given = {name: value for name in CONTROLS if (value := getattr(self, name)) is not None}
-        if len(given) != 1:
-            raise SceneError.of("control", tuple(given) or None, f"exactly one of {', '.join(CONTROLS)}")
-        return next(iter(given.items()))
-
     def _check_period(self) -> None:
         if self.interaction.needs_period and self.profile.period is None:
-            allowed = f"a model without a period, as the {self.profile.name} profile has none"
+            allowed = f"a model without a period, as {self.profile.no_period}"
             raise SceneError.of("interaction", self.interaction.name, allowed)
 
-    def _check_control_suits_interaction(self, name: str) -> None:
-        model = self.interaction
-        if name == "mean_pressure" and self.profile.period is None:
-            raise SceneError.of(name, self.mean_pressure, "left out: without a period there is no mean pressure")
-        if name == "approach" and not self.operator.has_approach:
-            allowed = f"left out, or {model.name} given a datum: without one a {self.substrate.name} has no approach"
-            raise SceneError.of(name, self.approach, allowed)
-        if name not in model.allows:
-            allowed = f"left out: the controls of {model.name} are {', '.join(model.allows)}"
-            raise SceneError.of(name, getattr(self, name), allowed)
+    def _check_admitted(self, control: Control) -> None:
+        """By the interaction and the law. A control of one's own is a load that is looked for."""
+        asked = control.name if control.name in CONTROLS else "load"
+        for part in (self.interaction, self.law):
+            if asked not in part.allows:
+                allowed = f"left out: the controls of {part.name} are {', '.join(part.allows)}"
+                raise SceneError.of(control.name, control.value, allowed)
+        if asked != control.name and not self.law.convex:
+            raise SceneError.of(control.name, control.value, f"left out: under {self.law.name} a load may have several contacts")
 
     def _check_body(self) -> None:
         """The substrate, and the interaction on it: each by itself, and whether they go together."""
@@ -250,11 +257,8 @@ class Scene(sie.Kept):
             # Looked at over the harmonics of the period, too.
             assert operator.excess is not None
 
-    def _check_law(self, name: str) -> None:
+    def _check_law(self) -> None:
         law = self.law
-        if name not in law.allows:
-            allowed = f"left out: the controls of {law.name} are {', '.join(law.allows)}"
-            raise SceneError.of(name, getattr(self, name), allowed)
         if not law.turns and self.turned:
             turning = "tilt" if self.moment is None else "moment"
             raise SceneError.of(turning, getattr(self, turning), f"left out: {law.name} is not solved for bodies that turn")
@@ -264,7 +268,7 @@ class Scene(sie.Kept):
         if why is not None:
             raise SceneError.of("law", law.name, f"another one: {law.name} {why}")
 
-    def _check_turning(self, name: str) -> None:
+    def _check_turning(self) -> None:
         given = {turning: value for turning in TURNING if (value := getattr(self, turning)) is not None}
         if not given:
             return
@@ -274,45 +278,24 @@ class Scene(sie.Kept):
         if not self.interaction.turns:
             allowed = f"left out: a body that repeats, as {self.interaction.name} takes it, does not turn"
             raise SceneError.of(turning, value, allowed)
-        if name == "half_width" and self.turned:
-            raise SceneError.of(turning, value, "0 or left out with half_width, which means one zone about x = 0")
-
-    def _check_half_width(self) -> None:
-        half_width, profile = self.control[1], self.profile
-        if not profile.symmetric:
-            allowed = f"left out: it means one zone about x = 0, and {profile.name} is not known to be symmetric"
-            raise SceneError.of("half_width", half_width, allowed)
-        if profile.period is not None and not half_width < 0.5 * profile.period:
-            allowed = f"less than half the period, {0.5 * profile.period:.17g}"
-            raise SceneError.of("half_width", half_width, allowed)
-        if profile.support is None:
-            return
-        reach = profile.support[1]
-        if half_width > reach:
-            raise SceneError.of("half_width", half_width, f"at most the profile's own, {reach:.17g}")
-        if self._is_flat(-half_width, half_width):
-            allowed = f"left out: {profile.name} has no slope, any load has its half width {reach:.17g}; give a load"
-            raise SceneError.of("half_width", half_width, allowed)
-
-    def _check_zone_tells_load(self, name: str) -> None:
-        """The contact fraction, and the isolated load of the same width, are those of zones with ends that move."""
-        if not self.is_flat:
-            return
-        if name == "contact_fraction":
-            allowed = f"left out: {self.profile.name} has no slope, any load has its width; give a load"
-            raise SceneError.of(name, self.contact_fraction, allowed)
-        allowed = f"another model or closure: every isolated load has the width of a {self.profile.name} profile"
-        raise SceneError.of("interaction", self.interaction, allowed)
 
     @property
     def is_flat(self) -> bool:
         """Whether the profile is a punch without slope between sharp corners."""
-        return self.profile.support is not None and self._is_flat(*self.profile.support)
+        return self.profile.support is not None and self.is_flat_between(*self.profile.support)
 
-    def _is_flat(self, lo: float, hi: float) -> bool:
+    def is_flat_between(self, lo: float, hi: float) -> bool:
         """With f' = 0 up to sharp corners every load gives the same zone, and no load a narrower one."""
         height = self.profile.height(np.linspace(lo, hi, 17))
         return float(np.ptp(height[np.isfinite(height)])) == 0.0
+
+
+def _require_one(scene: Scene) -> None:
+    given = tuple(name for name in (*CONTROLS, "given") if getattr(scene, name) is not None)
+    if len(given) != 1:
+        raise SceneError.of("control", given or None, f"exactly one of {', '.join(CONTROLS)}")
+    if scene.given is not None:
+        _require_instance("given", scene.given, Control, "one of your own")
 
 
 def _require_instance(field: str, value: object, kind: type, example: str) -> None:

@@ -1,5 +1,5 @@
-"""Scenes from TOML files: the tables [profile], [material], [interaction] and [control], and where they are not the usual ones [substrate]
-and [law].
+"""Scenes from TOML files: the tables [profile], [material], [interaction] and [control], and where they are not the usual ones [counter],
+[substrate] and [law].
 
 The keys of a table are the arguments of the Python object it stands for, in the same units, so that a profile,
 an interaction, a substrate or a law is readable from a file as soon as it is registered. File names are relative to the scene file.
@@ -16,8 +16,10 @@ from typing import Any, TypeVar
 
 from contact.errors import SceneError
 from contact.model.checks import text
-from contact.model.interactions.base import CONTROLS, TURNING
+from contact.model.controls import CONTROLS, TURNING, fields_under
 from contact.model.profiles.base import Profile
+from contact.model.profiles.combined import STANDS, Combined
+from contact.model.registry import CONTROLS as REGISTERED
 from contact.model.registry import INTERACTIONS, LAWS, PROFILES, SUBSTRATES, Registry, from_table
 from contact.model.scene import E_star, Scene
 
@@ -27,6 +29,8 @@ T = TypeVar("T")
 TABLES = ("profile", "material", "interaction", "control")
 # Tables that may be left out, and what they name.
 OPTIONAL = {"substrate": SUBSTRATES, "law": LAWS}
+# The table of a counter body that is not flat: as [profile], and how it stands.
+COUNTER = "counter"
 MODULI = ("E_star", "E1", "nu1", "E2", "nu2")
 
 
@@ -71,32 +75,41 @@ def load_scene(path: str | PathLike[str]) -> Scene:
             tables = tomllib.load(stream)
     except (OSError, ValueError) as error:
         if isinstance(error, (tomllib.TOMLDecodeError, UnicodeDecodeError)):
-            raise SceneError(f"{path}: is not a TOML file: {error}") from error
+            raise SceneError(f"{path}: is not a TOML file{_if_a_trace(path)}: {error}") from error
         raise SceneError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
     return _under(f"{path}:", lambda: scene_from_tables(tables, path.parent))
 
 
-def read_scene(text: bytes, name: str, directory: str | PathLike[str] = ".") -> Scene:
+def _if_a_trace(path: Path) -> str:
+    """What to do with a file that is no scene, but what a scene may be of."""
+    if path.suffix.lower() == ".toml":
+        return ""
+    return f" with a scene (of a trace, `contact trace {path.name} --scene NEW.toml` writes one)"
+
+
+def read_scene(text: bytes, name: str) -> Scene:
     """The scene of a TOML text that no file holds; faults are told under that name."""
     try:
         tables = tomllib.loads(text.decode("utf-8"))
     except ValueError as error:
         raise SceneError(f"{name}: is not a TOML file: {error}") from error
-    return _under(f"{name}:", lambda: scene_from_tables(tables, directory))
+    return _under(f"{name}:", lambda: scene_from_tables(tables))
 
 
 def scene_from_tables(tables: Table, directory: str | PathLike[str] = ".") -> Scene:
     """The scene of tables already read; files they name are looked for from `directory`."""
     if not isinstance(tables, Mapping):
         raise SceneError.of("tables", tables, f"a mapping with the keys {', '.join(TABLES)}")
-    _require_known("table", tables, (*TABLES, *OPTIONAL))
+    _require_known("table", tables, (*TABLES, COUNTER, *OPTIONAL))
     missing = [f"[{name}]" for name in TABLES if name not in tables]
     if missing:
         raise SceneError(f"{' and '.join(missing)} missing: a scene has the tables {', '.join(TABLES)}")
-    for name in (*TABLES, *(name for name in OPTIONAL if name in tables)):
+    for name in (*TABLES, *(name for name in (COUNTER, *OPTIONAL) if name in tables)):
         if not isinstance(tables[name], Mapping):
             raise SceneError.of(name, tables[name], f"a table, written [{name}]")
     profile = _under("[profile]", lambda: _read_profile(tables["profile"], Path(directory)))
+    if COUNTER in tables:
+        profile = _under(f"[{COUNTER}]", lambda: _read_counter(profile, tables[COUNTER], Path(directory)))
     modulus = _under("[material]", lambda: _read_material(tables["material"]))
     model = _under("[interaction]", lambda: _read_model(tables["interaction"], INTERACTIONS))
     others: dict[str, Any] = {}
@@ -114,6 +127,11 @@ def _read_profile(table: Table, directory: Path) -> Profile:
     shape, parameters = _named(table, "shape")
     profile: Profile = PROFILES.find(shape, "shape").from_table(parameters, directory)
     return profile
+
+
+def _read_counter(profile: Profile, table: Table, directory: Path) -> Profile:
+    stands = {key: value for key, value in table.items() if key in STANDS}
+    return Combined(profile, _read_profile({key: value for key, value in table.items() if key not in STANDS}, directory), **stands)
 
 
 def _read_material(table: Table) -> float:
@@ -136,12 +154,13 @@ def _read_model(table: Table, registry: Registry) -> Any:
 
 
 def _read_control(table: Table) -> dict[str, Any]:
-    _require_known("key", table, (*CONTROLS, *TURNING))
-    controls = [name for name in table if name in CONTROLS]
+    if any(name not in CONTROLS for name in table):
+        _require_known("key", table, (*REGISTERED.all(), *TURNING))
+    controls = [name for name in table if name not in TURNING]
     if len(controls) != 1:
         given = " and ".join(controls) or "nothing"
         raise SceneError(f"{given} given: give exactly one of {', '.join(CONTROLS)}")
-    return dict(table)
+    return fields_under(controls[0], table[controls[0]]) | {name: table[name] for name in TURNING if name in table}
 
 
 def _named(table: Table, key: str) -> tuple[str, dict[str, Any]]:
@@ -163,7 +182,7 @@ def _placed(error: SceneError, tables: Table) -> SceneError:
     table = next((name for name in tables if error.field == name or error.field in tables[name]), None)
     if table is None or error.allowed is None:
         return error
-    names = {"profile": ("shape", None), **dict.fromkeys(("interaction", *OPTIONAL), ("model", None))}
+    names = {**dict.fromkeys(("profile", COUNTER), ("shape", None)), **dict.fromkeys(("interaction", *OPTIONAL), ("model", None))}
     key, value = names.get(table, (error.field, error.value))
     if value is None:
         value = tables[table].get(key)

@@ -11,23 +11,31 @@ from typing import Any
 import numpy as np
 
 from contact.errors import SceneError
-from contact.model.interactions.base import TURNING
-from contact.model.registry import INTERACTIONS, LAWS, PROFILES, SUBSTRATES, Registry
+from contact.model.controls import TURNING
+from contact.model.registry import CONTROLS, INTERACTIONS, LAWS, PROFILES, SUBSTRATES, Registry
 from contact.model.scene import Scene
 
 
-def to_toml(scene: Scene, profile: Mapping[str, Any] | None = None) -> str:
-    """The text of a scene. profile: its table [profile] as a file gave it, where that names a file of points; else all numbers are written.
+def to_toml(scene: Scene, written: Mapping[str, Mapping[str, Any]] | None = None) -> str:
+    """The text of a scene. written: tables [profile] and [counter] as a file gave them, where they name a file of points; else all numbers
+    are written.
 
     Raises SceneError where a part has no name that a scene file could call it by.
     """
-    tables = [("profile", profile or _named(scene.profile, PROFILES, "shape", scene.profile.parameters()))]
+    tables = []
+    for place, told in scene.profile.tables().items():
+        body = scene.profile.bodies[place]
+        own = _named(body, PROFILES, "shape", body.parameters())
+        stands = {key: value for key, value in told.items() if key not in own}
+        tables.append((place, {**((written or {}).get(place) or own), **stands}))
     tables.append(("material", {"E_star": scene.E_star}))
     parts = (("interaction", INTERACTIONS), ("substrate", SUBSTRATES), ("law", LAWS))
     for place, registry in parts:
         part = getattr(scene, place)
         if place == "interaction" or part != type(scene).__dict__[place]:
             tables.append((place, _named(part, registry, "model", _fields(part))))
+    if scene.given is not None:
+        _named(scene.given, CONTROLS, "", {})
     name, value = scene.control
     turning = {key: getattr(scene, key) for key in TURNING if getattr(scene, key) is not None}
     tables.append(("control", {name: value, **turning}))

@@ -21,11 +21,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange, SceneError
-from contact.model.checks import one_of, positive
+from contact.model.checks import one_of
 from contact.reference.exact import IsolatedBiquadratic, PeriodicBiquadratic
 from contact.reference.exact.base import Array
 from contact.reference.exact.localized import FIRST_ORDER, SELF_CONSISTENT
-from contact.reference.exact.pair import EvenPair, pair_at_load
+from contact.reference.exact.pair import EvenPair, check_row, pair_at_load, tips_slope
 
 CENTRES = ("pair", "valley")
 
@@ -42,10 +42,7 @@ class TwoZones:
     mean_pressure: float
 
     def __post_init__(self) -> None:
-        for name in ("radius", "spacing", "period", "E_star", "mean_pressure"):
-            positive(name, getattr(self, name))
-        if not self.spacing < self.period:
-            raise SceneError.of("spacing", self.spacing, f"below the period {self.period:.17g}")
+        check_row(self)
 
     @property
     def isolated(self) -> IsolatedBiquadratic:
@@ -95,8 +92,7 @@ class TwoZones:
 
     def _shape_slope(self, x: Array) -> Array:
         """f'(x)."""
-        c = 0.5 * self.spacing
-        return np.asarray(x * (x - c) * (x + c) / (2.0 * self.radius * c * c))
+        return tips_slope(x, self.radius, self.spacing)
 
 
 @dataclass(frozen=True)

@@ -38,21 +38,20 @@ _REMEDY = (
 
 def refuse_below_plateau(scene: Scene) -> None:
     """OutOfRange for a contact fraction or a half width that the flat top of the profile does not leave to any load."""
-    kind, value = scene.control
-    profile = scene.profile
-    if kind == "contact_fraction" and profile.period is not None:
+    profile, fraction, half_width = scene.profile, scene.contact_fraction, scene.half_width
+    if fraction is not None and profile.period is not None:
         width = float(np.diff(lowest_stretches(profile)).sum())
-        if width > 0.0 and value * profile.period <= width + _HAIR * profile.period:
+        if width > 0.0 and fraction * profile.period <= width + _HAIR * profile.period:
             raise OutOfRange(
-                f"contact_fraction {value:.15g} is not above {width / profile.period:.15g}: the lowest part of the profile is flat over "
+                f"contact_fraction {fraction:.15g} is not above {width / profile.period:.15g}: the lowest part of the profile is flat over "
                 f"{width:.6g} m of each period, and any load has all of it in contact; ask for more, or give a load"
             )
-    if kind == "half_width":
-        reach = _level_from(profile, value)
+    if half_width is not None:
+        reach = _level_from(profile, half_width)
         if reach > 0.0:
             raise OutOfRange(
-                f"half_width {value:.15g} m is not above {reach:.15g} m: so far the profile is flat about x = 0, and any load has all of "
-                "that in contact; ask for more, or give a load"
+                f"half_width {half_width:.15g} m is not above {reach:.15g} m: so far the profile is flat about x = 0, and any load has all "
+                "of that in contact; ask for more, or give a load"
             )
 
 

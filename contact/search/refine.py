@@ -59,7 +59,7 @@ def _by_zones(task: Task, found: FoundByGaps) -> Found | FoundByGaps:
     if control.approach is not None:
         return found
     table = found.fields.zones
-    other = task.refine_topology(about(problem, table), control, table)
+    other = task.refine_topology(about(problem, table), control, table, off=found.error)
     return other if isinstance(other, Found) and other.error < found.error else found
 
 
@@ -88,13 +88,13 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
     problem, model, profile = found.fields.problem, task.scene.interaction, task.scene.profile
     control, table = task.control(problem), found.free.density.zones.table
     if not model.strip:
-        better = task.refine_topology(problem, control, table)
+        better = task.refine_topology(problem, control, table, off=found.error)
         return better if isinstance(better, Found) else None
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
     if not model.follows_isolated:
         return centred(task, scaled, table)
-    return first_order(task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)))
+    return first_order(task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)), found)
 
 
 def _is_rounding(task: Task, found: Found) -> bool:

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import ContactError, NotConverged, OutOfRange
+from contact.errors import ContactError, NotConverged, OutOfRange, SceneError
+from contact.formulation import height_rounding
 from contact.formulation.controls import Control, Machine, scaled_control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full import FullLimit
@@ -93,10 +94,10 @@ class Task:
 
     def refine_topology(
         self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 0,
-        rounds: int = ROUNDS,
+        rounds: int = ROUNDS, off: float = 1.0,
     ) -> Found | Missed:
         """Zones that pass, from proposed ones."""
-        newton = Newton(self.tolerance, value, steps, near)
+        newton = Newton(self.tolerance, value, steps, near, off)
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
             return refine_topology(ByPressure(problem), control, table, newton, self.progress, timed=self.plan.timed, rounds=rounds)
@@ -112,6 +113,9 @@ class Task:
         free = missed.free
         if free is None:
             return NotConverged(f"not converged: {missed.reason}{self._fault_of_profile()}")
+        rounded = height_rounding.told(problem, free.density.zones.table)
+        if rounded:
+            return SceneError(rounded, "profile", self.scene.profile)
         table = in_cell(self.scene, np.asarray(problem.units.x(free.density.zones.table)))
         certificate = replace(NOT_CHECKED, holds=False, note=missed.reason)
         best = Solution(self.scene, table, ZoneFields(problem, free.state), math.inf, certificate, self.plan, free.trace)

@@ -20,7 +20,7 @@ import numpy as np
 
 from contact.errors import MissingExtra, SceneError
 from contact.extras import require, version
-from contact.model.interactions.base import TURNING
+from contact.model.controls import TURNING
 from contact.model.scene import Scene
 from contact.solution.answer import Answer
 from contact.solution.sampling import positions, window
@@ -49,22 +49,9 @@ _FIELDS = {
 def to_dict(solution: Answer) -> dict[str, Any]:
     """The solution's zones and numbers as JSON has them: floats, strings, lists, dictionaries and None."""
     values = {
-        "zones": solution.zones,
-        "load": solution.load,
-        "mean_pressure": solution.mean_pressure,
-        "max_pressure": solution.max_pressure,
-        "approach": solution.approach,
-        "contact_fraction": solution.contact_fraction,
-        "zone_loads": solution.zone_loads,
-        "zone_widths": solution.zone_widths,
-        "zone_peaks": solution.zone_peaks,
-        "stiffness": solution.stiffness,
-        "mean_gap": solution.mean_gap,
-        "tilt": solution.tilt,
-        "moment": solution.moment,
+        **{name: getattr(solution, name) for name in UNITS if name != "rotational_stiffness"},
         # One more solution: worth it only where turning is what the scene is about.
         "rotational_stiffness": solution.rotational_stiffness if _is_about_turning(solution.scene) else None,
-        "error": solution.error,
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
         "warnings": solution.warnings,
@@ -209,7 +196,7 @@ def describe(scene: Scene) -> dict[str, Any]:
     """The scene in the tables of a scene file; an array too long to read is told by its shape."""
     name, value = scene.control
     return {
-        "profile": {"shape": scene.profile.name, **_parameters(scene.profile)},
+        **{place: _given(table) for place, table in scene.profile.tables().items()},
         "material": {"E_star": scene.E_star},
         "interaction": {"model": scene.interaction.name, **_parameters(scene.interaction)},
         **_unusual(scene),
@@ -225,14 +212,17 @@ def _unusual(scene: Scene) -> dict[str, Any]:
 
 
 def _parameters(part: Any) -> dict[str, Any]:
-    """What a profile or an interaction was made with, less what was left out."""
-    if hasattr(part, "parameters"):
-        values = part.parameters()
-    elif dataclasses.is_dataclass(part):
-        values = {field.name: getattr(part, field.name) for field in dataclasses.fields(part)}
-    else:
-        values = {}
+    """What an interaction, a substrate or a law was made with, less what was left out."""
+    return _given(parameters(part))
+
+
+def _given(values: Mapping[str, Any]) -> dict[str, Any]:
     return {name: _short(value) for name, value in values.items() if value is not None}
+
+
+def parameters(part: Any) -> dict[str, Any]:
+    """What to give the class of an interaction, a substrate or a law, by name, to make it again."""
+    return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
 
 
 def _short(value: Any) -> Any:
@@ -241,18 +231,7 @@ def _short(value: Any) -> Any:
 
 def _attributes(solution: Answer) -> dict[str, Any]:
     """The numbers of the solution, with those the scene does not define left out; netCDF has no None."""
-    values = {
-        "load": solution.load,
-        "mean_pressure": solution.mean_pressure,
-        "max_pressure": solution.max_pressure,
-        "approach": solution.approach,
-        "contact_fraction": solution.contact_fraction,
-        "tilt": solution.tilt,
-        "moment": solution.moment,
-        "stiffness": solution.stiffness,
-        "mean_gap": solution.mean_gap,
-        "error": solution.error,
-    }
+    values = {name: getattr(solution, name) for name in UNITS if not name.startswith("zone") and name != "rotational_stiffness"}
     numbers = {name: float(value) for name, value in values.items() if value is not None}
     certificate = json.dumps(plain(solution.certificate.to_dict()))
     trace = solution.scene.profile.trace_summary()

@@ -126,8 +126,7 @@ def plan(scene: Scene) -> Plan:
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
     profile, model = scene.profile, scene.interaction
-    kind = scene.control[0]
-    given = zone_is_given(scene)
+    given = scene.half_width is not None
     single = starts_from_one_zone(scene)
     derived = profile.slope_is_derived
     kinks = len(profile.kinks)
@@ -162,7 +161,7 @@ def plan(scene: Scene) -> Plan:
         Part(
             "zone ends",
             not given,
-            "half width given" if kind == "half_width" else "sharp corners hold them" if given else "unknown: Newton",
+            "half width given" if given else "unknown: Newton",
         ),
         Part("slits", False, "no zones beside narrow gaps known"),
         Part("fast sums", False, "few zones: sums are direct"),
@@ -204,12 +203,6 @@ def _tilt(scene: Scene) -> Part:
     if not scene.turned:
         return Part("tilt", False, "none given" if scene.moment is None else "no moment turns a symmetric body")
     return Part("tilt", True, "given: a part of the profile" if scene.moment is None else "unknown: found with the moment")
-
-
-def zone_is_given(scene: Scene) -> bool:
-    """Whether the zones need no search at all."""
-    kind, value = scene.control
-    return kind == "half_width"
 
 
 def starts_from_one_zone(scene: Scene) -> bool:

@@ -2,10 +2,8 @@
 
 Above, the profile is drawn where the approach has put it, touching the deformed surface along the zones. Heights are
 measured from the undeformed surface where the displacement is known absolutely. The body is above, its asperities pointing
-down; the counter-face below is given the displacement of both. A scene of many zones, or of zones narrow beside the stretch
-shown, has a second column: the same two panels close to the highest pressure.
-
-The figure is matplotlib's own object, drawn by Agg without pyplot: no window, no backend and no setting is touched.
+down; the counter-face below, flat or with heights of its own, is given the displacement of both. A scene of many zones, or of
+zones narrow beside the stretch shown, has a second column: the same two panels close to the highest pressure.
 """
 
 from __future__ import annotations
@@ -14,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from contact.extras import require
 from contact.model.units import prefix, quantity
 from contact.solution.answer import Answer, Array
-from contact.solution.sampling import peak_position, positions, window, zones_within
+from contact.solution.panels import new_figure
+from contact.solution.sampling import peak_position, positions, surfaces, window, zones_within
 
 _BODY, _SURFACE, _PRESSURE, _ZONE, _CLOSE = "#7a7a7a", "#1f5a92", "#b3261e", "#f2c14e", "#3d7a4a"
 
@@ -36,8 +34,7 @@ def plot(solution: Answer) -> Any:
     close = _close_up(solution, *stretches[0])
     if close is not None:
         stretches.append(close)
-    figure = require("matplotlib.figure").Figure(figsize=(7.2 if close is None else 10.2, 5.4), layout="constrained")
-    require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
+    figure = new_figure(7.2 if close is None else 10.2, 5.4)
     ratios = [1.0] if close is None else [1.55, 1.0]
     axes = figure.subplots(2, len(stretches), sharex="col", squeeze=False, width_ratios=ratios)
     for (top, bottom), (lo, hi) in zip(axes.T, stretches, strict=True):
@@ -53,7 +50,7 @@ def plot(solution: Answer) -> Any:
 def summary(solution: Answer) -> str:
     """The solution in one line: model, load or mean pressure, contact, peak."""
     scene = solution.scene
-    parts = [f"{scene.profile.name}, {scene.interaction.name}", f"$E^*$ = {quantity(scene.E_star, 'Pa')}"]
+    parts = [f"{scene.profile.title}, {scene.interaction.name}", f"$E^*$ = {quantity(scene.E_star, 'Pa')}"]
     if solution.mean_pressure is not None:
         parts.append(rf"$\bar p$ = {quantity(solution.mean_pressure, 'Pa')}")
     else:
@@ -86,17 +83,16 @@ def _draw(top: Any, bottom: Any, solution: Answer, lo: float, hi: float) -> None
 
 
 def _draw_surfaces(axes: Any, solution: Answer, x: Array, zones: Array, along: float) -> None:
-    surface = -solution.displacement(x)
-    body = surface + solution.gap(x)
-    seen = np.isfinite(body)
-    heights = np.concatenate((surface, body[seen]))
+    surface, body = surfaces(solution, x)
+    seen, below = np.isfinite(body), np.isfinite(surface)
+    heights = np.concatenate((surface[below], body[seen]))
     low, high = float(heights.min()), float(heights.max())
     reach = high - low or max(abs(high), 1e-12)
     up, letter = prefix(max(reach, abs(low), abs(high)) if reach > 0.05 * abs(high) else reach)
     # A sharp-cornered body rises without end beside its support; its flanks leave the panel.
-    outline = np.where(seen, body, high + reach)
+    outline, surface = np.where(seen, body, high + reach), np.where(below, surface, low - reach)
     ceiling = high + (0.22 if seen.all() else 0.6) * reach
-    floor = low - 0.24 * reach
+    floor = low - (0.24 if below.all() else 0.6) * reach
     axes.fill_between(x * along, outline * up, ceiling * up, color=_BODY, alpha=0.22, linewidth=0)
     axes.fill_between(x * along, floor * up, surface * up, color=_SURFACE, alpha=0.10, linewidth=0)
     axes.plot(x * along, outline * up, color=_BODY, linewidth=1.2, label="profile")

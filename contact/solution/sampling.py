@@ -63,6 +63,24 @@ def positions(solution: Answer, lo: float, hi: float, most: int = _MOST_POINTS) 
     return np.unique(x[(x >= lo) & (x <= hi)])
 
 
+def surfaces(solution: Answer, x: Array) -> tuple[Array, Array]:
+    """(counter-face, body): heights [m], upwards, of the lower surface, which is given the displacement of both, and of the upper one.
+
+    Beyond the sharp corners of a body there is none: the upper surface is inf and the lower one -inf there.
+    """
+    profile = solution.scene.profile
+    face = profile.counter_height(x)
+    surface = face - np.max(face[np.isfinite(face)], initial=-np.inf) - solution.displacement(x)
+    # The body is not deformed: where it stands at one place says where it stands.
+    own = np.asarray(profile.bodies["profile"].height(x)) - (solution.tilt or 0.0) * x
+    zones = zones_within(solution, float(x[0]), float(x[-1]))
+    there = np.isfinite(surface) & np.isfinite(own)
+    touching = there & np.isin(x, zones)
+    place = int(np.argmax(touching if touching.any() else there))
+    away = 0.0 if touching.any() else float(solution.gap(x[place]))
+    return surface, own + (surface[place] + away - own[place])
+
+
 def _near_kinks(solution: Answer, zones: Array) -> Array:
     """Points closing in on each kink that lies in a zone."""
     profile, period = solution.scene.profile, solution.scene.period

@@ -20,7 +20,7 @@ import contact
 import sie
 from contact.extras import require
 from contact.model.units import prefix, quantity
-from contact.solution.sampling import positions, window
+from contact.solution.sampling import positions, surfaces, window
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
@@ -85,8 +85,7 @@ def of_contact(solutions: list[contact.Solution]) -> Any:
     along, letter = prefix(max(abs(lo), abs(hi)))
     last = shown[-1]
     x = positions(last, *window(last))
-    surface = -last.displacement(x)
-    body = np.where(np.isfinite(gap := last.gap(x)), surface + gap, np.nan)
+    surface, body = (np.where(np.isfinite(side), side, np.nan) for side in surfaces(last, x))
     reach = float(np.nanmax(np.append(body, surface)) - np.nanmin(np.append(body, surface)))
     up, high = prefix(reach)
     top.plot(x * along, body * up, color="#7a7a7a", lw=1.0)

@@ -32,6 +32,7 @@ from contact.search.ways.branches import closed
 from contact.solution import made
 from contact.solution.energy import Energy
 from contact.solution.plan import plan
+from contact.solution.sampling import surfaces
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solved_at, task_of
@@ -197,10 +198,10 @@ class AdhesivePath(Path):
         touching = [s for s in self.solutions if np.isfinite(s.gap(0.0)).all()] or list(self.solutions)
         last = touching[-1]
         x = _places(last.scene, last.zones)
-        surface = -last.displacement(x)
+        surface, body = surfaces(last, x)
         closed = len(last.zones) == 0 and last.load != 0.0
         zones = np.array([[x[0], x[-1]]]) if closed else _images(last.zones, last.scene.period)
-        return f"at load {quantity(last.load, 'N/m')}", x, surface, surface + last.gap(x), zones
+        return f"at load {quantity(last.load, 'N/m')}", x, surface, body, zones
 
     def to_dict(self) -> dict[str, Any]:
         """Of a path, and its control, what was lost and the work of the load."""
@@ -376,14 +377,15 @@ class _Run:
         if energy is not None and energy_after is not None and approach is not None and approach_after is not None:
             done = (load if by_load else 0.5 * (load + load_after)) * (approach_after - approach)
             lost = 0.0 if jump.smooth else energy - energy_after + done
-        surfaces = None
+        drawn = None
         if jump.kind == "pull-off" and jump.before.point is not None:
             fields = self.by.fields(jump.before.point)
             x = _places(self.scene, zones if len(zones) else fields.cohesive)
-            surfaces = np.array([x, -fields.displacement(x), fields.gap(x) - fields.displacement(x)])
+            surface = self.scene.profile.counter_height(x) - fields.displacement(x)
+            drawn = np.array([x, surface, surface + fields.gap(x)])
         value = jump.before.value * self.unit
         place = float(units.x(np.array(jump.place)))
-        return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, surfaces)
+        return AdhesiveEvent(jump.kind, load, place, zones, zones_after, value, load_after, approach, approach_after, lost, drawn)
 
     def _parted(self, last: Standing) -> float | None:
         """The approach [m] at which surfaces let go that a dead load draws apart: the contact follows the approach, as the load is slow to

@@ -13,9 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import SceneError
-from contact.extras import require
 from contact.model.units import prefix
+from contact.solution.panels import finish, panels
 
 Array = NDArray[np.float64]
 
@@ -45,23 +44,11 @@ class Drawn:
 
 def draw(what: Drawn, ax: Any = None) -> Any:
     """A matplotlib Figure of its own, or of the one or two axes given."""
-    figure, panels = _panels(ax)
-    _curve(panels[0], what)
-    if len(panels) > 1:
-        _surfaces(panels[1], what)
+    figure, given = panels(ax, 2)
+    _curve(given[0], what)
+    if len(given) > 1:
+        _surfaces(given[1], what)
     return figure
-
-
-def _panels(ax: Any) -> tuple[Any, Sequence[Any]]:
-    if ax is None:
-        figure = require("matplotlib.figure").Figure(figsize=(9.6, 3.9), layout="constrained")
-        require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
-        return figure, figure.subplots(1, 2, squeeze=False)[0]
-    given = list(np.ravel(np.asarray(ax, dtype=object)))
-    axes = require("matplotlib.axes").Axes
-    if len(given) not in (1, 2) or not all(isinstance(one, axes) for one in given):
-        raise SceneError.of("ax", ax, "None, or one matplotlib Axes, or two")
-    return given[0].figure, given
 
 
 def _curve(axes: Any, what: Drawn) -> None:
@@ -81,11 +68,7 @@ def _curve(axes: Any, what: Drawn) -> None:
             before[0] * x, before[1] * y, color="black", marker=_MARKS.get(kind, "o"), markersize=5, linestyle="none", label=kind,
         )
     axes.axhline(0.0, color=_BODY, linewidth=0.6, zorder=0)
-    axes.set_xlabel(f"{what.label} [{along}{what.unit}]" if what.unit else what.label)
-    axes.set_ylabel(f"load [{letter}N/m]")
-    axes.tick_params(direction="in", top=True, right=True)
-    handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-    axes.legend(handles.values(), handles.keys(), frameon=False, fontsize=8)
+    finish(axes, f"{what.label} [{along}{what.unit}]" if what.unit else what.label, f"load [{letter}N/m]")
 
 
 def _surfaces(axes: Any, what: Drawn) -> None:
@@ -102,7 +85,4 @@ def _surfaces(axes: Any, what: Drawn) -> None:
     if span > 0.0:
         axes.set_ylim((low - 0.2 * span) * up, (low + _SHOWN * span) * up)
     axes.set_title(what.title, fontsize=9)
-    axes.set_xlabel(f"$x$ [{letter}m]")
-    axes.set_ylabel(f"height [{high}m]")
-    axes.tick_params(direction="in", top=True, right=True)
-    axes.legend(frameon=False, fontsize=8)
+    finish(axes, f"$x$ [{letter}m]", f"height [{high}m]")

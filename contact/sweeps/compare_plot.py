@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from contact.extras import require
 from contact.model.units import prefix
 from contact.solution.answer import Answer
+from contact.solution.panels import new_figure
 from contact.solution.sampling import peak_position, positions, window
 from contact.sweeps.compare import Attempt, difference, ends_apart, pressure_apart, refusals
 
@@ -27,8 +27,7 @@ _FLOOR = 1e-10
 
 def plot_comparison(attempts: list[Attempt]) -> Any:
     """A matplotlib Figure: the exact pressure, differences from it, and below them errors and times."""
-    figure = require("matplotlib.figure").Figure(figsize=(8.4, 9.0), layout="constrained")
-    require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
+    figure = new_figure(8.4, 9.0)
     panels = [["p", "p"], ["d", "d"], ["e", "t"]]
     top, apart, errors, times = figure.subplot_mosaic(panels, width_ratios=[1.8, 1.0], height_ratios=[0.7, 1.2, 1.2]).values()
     colours = dict(zip((a.name for a in attempts[:-1]), _COLOURS, strict=False)) | {attempts[-1].name: _COLOURS[-1]}

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import SceneError, unwarned, warn
 from contact.model.checks import finite_array
+from contact.model.registry import CONTROLS
 from contact.model.scene import Scene
 from contact.search.shared import Shared
 from contact.search.topology.loop import Progress
@@ -17,7 +18,6 @@ from contact.solver import solved_along, tolerance
 
 Array = NDArray[np.float64]
 
-CONTROLS = ("load", "mean_pressure", "approach", "half_width", "contact_fraction")
 # Zones are carried on from so many solutions.
 _MOST = 4
 
@@ -69,7 +69,7 @@ def solve_many(
     values : array_like
         Of the control, in its unit, (n,), in any order.
     control : str or None
-        Whose values they are: "load", "mean_pressure", "approach", "half_width" or "contact_fraction"; None: that of the scene.
+        Whose values they are: a name of `contact.controls()`; None: that of the scene.
     tol : float
         Largest stated error of each solution.
     progress : callable or None
@@ -97,8 +97,7 @@ def solve_many(
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
     name = scene.control[0] if control is None else control
-    if name not in CONTROLS:
-        raise SceneError.of("control", control, f"None, or one of {', '.join(CONTROLS)}")
+    CONTROLS.find(name, "control")
     given = finite_array("values", values)
     curve = Curve(scene, name, tolerance(tol), progress)
     found: dict[int, Solution] = {}

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import SceneError
-from contact.extras import require
 from contact.model.units import prefix
 from contact.solution.answer import Answer
+from contact.solution.panels import finish, panels
 from contact.sweeps.path_table import Passed, columns
 
 Array = NDArray[np.float64]
@@ -39,8 +38,8 @@ def plot_path(solutions: Sequence[Answer], passed: Passed, ax: Any = None) -> An
     curves = [_contact(table)]
     if np.isfinite(table["approach"]).all():
         curves.append(("approach", table["approach"], "m"))
-    figure, panels = _panels(ax, len(curves))
-    for panel, (label, values, unit) in zip(panels, curves, strict=False):
+    figure, given = panels(ax, len(curves))
+    for panel, (label, values, unit) in zip(given, curves, strict=False):
         _draw(panel, table["load"], passed, label, values, unit)
     return figure
 
@@ -48,20 +47,6 @@ def plot_path(solutions: Sequence[Answer], passed: Passed, ax: Any = None) -> An
 def _contact(table: dict[str, Array]) -> tuple[str, Array, str]:
     fraction = table["contact_fraction"]
     return (_FRACTION, fraction, "") if np.isfinite(fraction).all() else ("width in contact", table["total_width"], "m")
-
-
-def _panels(ax: Any, count: int) -> tuple[Any, Sequence[Any]]:
-    """The figure and its axes, or those given."""
-    if ax is None:
-        figure = require("matplotlib.figure").Figure(figsize=(4.6 * count + 0.6, 3.9), layout="constrained")
-        require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
-        return figure, figure.subplots(1, count, squeeze=False)[0]
-    given = list(np.ravel(np.asarray(ax, dtype=object)))
-    axes = require("matplotlib.axes").Axes
-    if not 1 <= len(given) <= count or not all(isinstance(one, axes) for one in given):
-        most = "one matplotlib Axes, or two" if count == 2 else "one matplotlib Axes: the scene has no approach"
-        raise SceneError.of("ax", ax, f"None, or {most}")
-    return given[0].figure, given
 
 
 def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, unit: str) -> None:
@@ -87,13 +72,8 @@ def _draw(axes: Any, loads: Array, passed: Passed, label: str, values: Array, un
         style = {"linestyle": "none", "marker": mark, "color": colour, "markerfacecolor": face, "markersize": 6 if face == colour else 10}
         step = (x >= min(loads[k - 1], loads[k])) & (x <= max(loads[k - 1], loads[k]))
         axes.plot(event.load * along, _on_line(axes, event.load, x[step], y[step]) * up, label=event.kind, **style)
-    axes.set_xlabel(f"load [{along_letter}N/m]")
-    axes.set_ylabel(f"{label} [{letter}{unit}]" if unit else label)
-    axes.tick_params(direction="in", top=True, right=True)
     axes.grid(alpha=0.25)
-    handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-    if len(handles) > 1:
-        axes.legend(handles.values(), handles.keys(), frameon=False, fontsize=8)
+    finish(axes, f"load [{along_letter}N/m]", f"{label} [{letter}{unit}]" if unit else label)
 
 
 def _vertices(loads: Array, values: Array, passed: Passed, known: dict[str, float]) -> tuple[Array, Array]:

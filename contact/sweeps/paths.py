@@ -26,11 +26,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import NotConverged, SceneError, unwarned, warn
+from contact.errors import NotConverged, OutOfRange, SceneError, unwarned, warn
 from contact.formulation.maxima import maximum
 from contact.formulation.roots import bracketed
 from contact.model.scene import Scene
-from contact.search.topology.formulations import formulation_of
+from contact.search.topology.by_gaps import ByGaps
+from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Progress
 from contact.search.topology.missed import WrongTopology
 from contact.solution.export import new_file
@@ -181,7 +182,10 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
         for k, load in enumerate(values):
             if progress is not None:
                 progress("load", k, len(values))
-            here = run.curve.at(float(load))
+            try:
+                here = run.curve.at(float(load))
+            except OutOfRange as error:
+                raise OutOfRange(f"at the load {load:.6g} N/m: {error}") from error
             passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
     # Of the highest load, where slopes and pressures are; of the line that called `contact.path`.
@@ -337,7 +341,8 @@ class _Condition:
         raise NotImplementedError
 
     def __init__(self, fields: Any, low: Solution, high: Solution, change: _Change) -> None:
-        self.problem, self.form = fields.problem, formulation_of(fields)
+        self.problem = fields.problem
+        self.form = ByPressure(self.problem) if fields.relief is None else ByGaps(self.problem, fields.relief)
         # Of the loads at which it was evaluated: the zones (or gaps) found there.
         self.tables: dict[float, Array] = {fields.load / fields.problem.units.load: fields.density.zones.table}
         if change.kind == "birth":

@@ -7,7 +7,6 @@ sign of the gap is that of the pressure's slope A there, since gap ~ (4 A / 3) d
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.runs import runs_of
-from contact.verify.minima import DIP_ROUNDING, follow, may_be_negative
+from contact.verify.minima import DIP_ROUNDING, Signs, signs_on
 
 Array = NDArray[np.float64]
 
@@ -27,8 +26,6 @@ _ZOOMS = 7
 NARROWEST = 1e-13
 # Distances from a kink, over the half width, at which the pressure is looked at.
 _AWAY = np.geomspace(NARROWEST, 0.1, 37)
-# From this number of zones on, all gaps are looked at together.
-_MANY = 32
 
 # Normalised positions at which zones are looked at for what the gap comes to on them.
 _ON_ZONES = np.cos(np.pi * np.array([0.125, 0.375, 0.625, 0.875]))
@@ -115,12 +112,12 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None)
     """Check the solution everywhere; `negative` and `overlaps` are the scaled intervals where it fails. held: the control under which
     the contact has to be stable, where there are several equilibria, the load if left out; under a half width it need not be."""
     law = fields.problem.law
-    pressures, least, dip, inside = _pressures(fields)
-    valleys, left_out = _valleys(fields)
+    signs = _pressures(fields)
+    pulls, least, dip, (valleys, left_out) = signs.negative, signs.least, signs.dip, _valleys(fields)
     if law.pulls:
-        pressures, valleys, left_out, dip = np.zeros((0, 2)), [], 0, np.inf
-    new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in pressures)]
-    pressures = np.array(sorted([*map(tuple, pressures), *new])).reshape(-1, 2)
+        pulls, valleys, left_out, dip = [], [], 0, np.inf
+    new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in pulls)]
+    pressures = np.array(sorted([*pulls, *new])).reshape(-1, 2)
     gaps, overlaps, rounding, outside, on_zones = openings(fields)
     units = fields.problem.units
     density = fields.density
@@ -156,7 +153,7 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None)
         gap_rounding=rounding * units.height,
         load_balance=balance,
         level_spread=spread,
-        points=inside + outside,
+        points=signs.points + outside,
         holds=bool(holds),
         undecided=bool(undecided) or left_out > 0,
         note=note,
@@ -190,37 +187,21 @@ def _moment_balance(fields: ZoneFields) -> float | None:
     return float(abs(fields.scaled_moment - given) / (fields.density.total * reach))
 
 
-def _pressures(fields: ZoneFields) -> tuple[Array, float, float, int]:
-    """(intervals of negative pressure, least p / sqrt(1 - t^2) in scaled units, least dip, points)."""
-    density = fields.density
-    zones = density.zones
-    counts = density.sampling
-    bad: list[tuple[float, float]] = []
-    least, dip, points = np.inf, np.inf, 0
-    for n in np.unique(counts):
-        group = np.flatnonzero(counts == n)
-        theta = (np.arange(n) + 0.5) * np.pi / n
-        right, left = 2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2
-        value = density.at(group[:, None], left, right) / np.sqrt(left * right)
-        points += value.size
-        finite = np.where(np.isfinite(value), value, np.inf)
-        scale = np.abs(np.where(np.isfinite(value), value, 0.0)).max(axis=1)
-        # At nearly merged zones the pressure there is small of higher order: rounding is not a failure.
-        rounding = scale * np.clip(2 * fields.state.noise[group], DIP_ROUNDING, 1e-6)
-        fails = finite < -rounding[:, None]
-        worst = np.where(np.abs(finite) <= rounding[:, None], np.abs(finite), finite)
-        least = min(least, float(worst.min()))
-        for row in np.flatnonzero(fails.any(axis=1)):
-            i = group[row]
-            x = np.where(left <= right, zones.a[i] + zones.half[i] * left, zones.b[i] - zones.half[i] * right)
-            for s, e in runs_of(fails[row]):
-                lo = zones.a[i] if e == n - 1 else 0.5 * (x[e] + x[e + 1])
-                hi = zones.b[i] if s == 0 else 0.5 * (x[s] + x[s - 1])
-                bad.append((lo, hi))
-        dips, lowest, lowest_part = _dips(fields, group, theta, finite, scale, rounding)
-        bad += dips
-        least, dip = min(least, lowest), min(dip, lowest_part)
-    return np.array(sorted(bad)).reshape(-1, 2), least, dip, points
+def _pressures(fields: ZoneFields) -> Signs:
+    """p / sqrt(1 - t^2) on the zones, in scaled units."""
+    density, noise = fields.density, fields.state.noise
+
+    def over_root(zone: NDArray[np.intp], angle: Array) -> Array:
+        right, left = 2 * np.sin(angle / 2) ** 2, 2 * np.cos(angle / 2) ** 2
+        return np.asarray(density.at(zone, left, right) / np.sqrt(left * right))
+
+    def sampled(group: NDArray[np.intp], theta: Array) -> tuple[Array, Array, Array]:
+        value = over_root(group[:, None], theta)
+        finite = np.isfinite(value)
+        scale = np.abs(np.where(finite, value, 0.0)).max(axis=1)
+        return np.where(finite, value, np.inf), scale * np.clip(2 * noise[group], DIP_ROUNDING, 1e-6), scale
+
+    return signs_on(density.zones, density.sampling, sampled, over_root)
 
 
 def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
@@ -247,82 +228,28 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
     return found, left_out
 
 
-def _dips(
-    fields: ZoneFields, group: NDArray[np.intp], theta: Array, value: Array, scale: Array, rounding: Array
-) -> tuple[list[tuple[float, float]], float, float]:
-    """Minima of p / sqrt(1 - t^2) that may be negative between the samples: (intervals where they are, least value, least
-    value over the zone's scale)."""
-    density = fields.density
-    zones = density.zones
-    rows, places = np.nonzero(may_be_negative(value[:, :-2], value[:, 1:-1], value[:, 2:]))
-
-    def over_root(zone: NDArray[np.intp], angle: Array) -> Array:
-        right, left = 2 * np.sin(angle / 2) ** 2, 2 * np.cos(angle / 2) ** 2
-        return np.asarray(density.at(zone, left, right) / np.sqrt(left * right))
-
-    found = follow(over_root, group[rows], theta[places], theta[places + 2], scale[rows], rounding[rows])
-    bad = []
-    for i, lo, hi in found.negative:
-        ends = zones.middle[i] + zones.half[i] * np.cos([hi, lo])
-        bad.append((float(ends[0]), float(ends[1])))
-    return bad, min(found.least, found.lowest), found.relative
-
-
 def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int]:
-    """(smallest gap found, intervals of overlap, rounding of the gap, points), scaled."""
-    if len(fields.density.zones) >= _MANY:
-        return _gaps_together(fields, rounding)
-    bad: list[tuple[float, float]] = []
-    smallest: float | None = None
-    points = 0
-    for lo, hi, left_zone, right_zone in fields.open_intervals():
-        x = _between(lo, hi, fields, left_zone, right_zone)
-        scaled_gap = fields.gap_between(lo, hi)
-        gap = scaled_gap(x)
-        points += len(x)
-        finite = _finite(gap)
-        if not np.any(np.isfinite(finite)):
-            continue
-        finite, x = _zoom(scaled_gap, x, finite)
-        here = float(finite.min())
-        smallest = here if smallest is None else min(smallest, here)
-        fails = finite < -rounding
-        bad += _overlaps(x, fails, lo, hi)
-    far = _far_away(fields)
-    return smallest, np.array(bad + far[0]).reshape(-1, 2), rounding, points + far[1]
+    """(smallest gap found, intervals of overlap, rounding of the gap, points), scaled: the points of all gaps at once, and only minima
+    followed that may touch zero.
 
-
-def _far_away(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
-    """(intervals of overlap, points) far from all zones: a turned or a lopsided body may touch there as well."""
-    bad: list[tuple[float, float]] = []
-    points = 0
-    for x in fields.far_stretches():
-        with np.errstate(over="ignore", invalid="ignore"):
-            finite, x = _zoom(fields.formal_gap, x, _finite(fields.formal_gap(x)))
-        points += len(x)
-        bad += _overlaps(x, finite < -fields.gap_rounding, float(x[0]), float(x[-1]))
-    return bad, points
-
-
-def _gaps_together(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int]:
-    """The same for many zones: the points of all gaps at once, and only minima followed that may touch zero.
-
-    Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones.
+    Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones. Far from all zones a turned or a lopsided
+    body may touch as well: samples are not even there, and all minima are followed.
     """
-    intervals = list(fields.open_intervals())
-    parts = [_between(lo, hi, fields, left, right, thinned=True) for lo, hi, left, right in intervals]
-    points = np.concatenate(parts)
-    place = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
-    count = len(points)
-    gap = _finite(fields.formal_gap(points))
-    bend = gap[:-2] - 2 * gap[1:-1] + gap[2:]
-    low = (gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]) & (place[:-2] == place[2:])
-    with np.errstate(invalid="ignore"):
-        inner = np.flatnonzero(low & (gap[1:-1] < bend)) + 1
+    intervals = [(lo, hi, _between(lo, hi, fields, left, right)) for lo, hi, left, right in fields.open_intervals()]
+    near = len(intervals)
+    intervals += [(float(x[0]), float(x[-1]), x) for x in fields.far_stretches()]
+    points = np.concatenate([np.zeros(0), *(x for _, _, x in intervals)])
+    place = np.repeat(np.arange(len(intervals)), [len(x) for _, _, x in intervals])
+    with np.errstate(over="ignore", invalid="ignore"):
+        gap = _finite(fields.formal_gap(points))
+        bend = gap[:-2] - 2 * gap[1:-1] + gap[2:]
+        low = (gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]) & (place[:-2] == place[2:])
+        inner = np.flatnonzero(low & ((gap[1:-1] < bend) | (place[1:-1] >= near))) + 1
     lo, hi, found, values, places = points[inner - 1], points[inner + 1], [points], [gap], [place]
     for _ in range(_ZOOMS if len(inner) else 0):
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
-        value = _finite(fields.formal_gap(fine.ravel())).reshape(fine.shape)
+        with np.errstate(over="ignore", invalid="ignore"):
+            value = _finite(fields.formal_gap(fine.ravel())).reshape(fine.shape)
         best = np.clip(np.argmin(value, axis=1), 1, 7)
         rows = np.arange(len(best))
         lo, hi = fine[rows, best - 1], fine[rows, best + 1]
@@ -337,10 +264,9 @@ def _gaps_together(fields: ZoneFields, rounding: float) -> tuple[float | None, A
     for i in np.unique(place[fails]):
         here = np.flatnonzero(place == i)
         bad += _overlaps(x[here], fails[here], *intervals[i][:2])
-    seen = gap[~_closing(gap, place, rounding)]
+    seen = gap[~_closing(gap, place, rounding) & (place < near)]
     smallest = float(seen.min()) if np.isfinite(seen).any() else None
-    far = _far_away(fields)
-    return smallest, np.array(bad + far[0]).reshape(-1, 2), rounding, count + far[1]
+    return smallest, np.array(bad).reshape(-1, 2), rounding, len(points)
 
 
 def _on_zones(fields: ZoneFields) -> Array:
@@ -372,16 +298,16 @@ def _overlaps(x: Array, fails: NDArray[np.bool_], lo: float, hi: float) -> list[
     ]
 
 
-def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool, thinned: bool = False) -> Array:
+def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zone: bool) -> Array:
     """Points in (lo, hi), evenly at least as close as the fields' spacing asks for, quadratically closer next to zones; tips among
-    them, and the limit of what is looked at: the body may touch right there. thinned: between zones no more than the spacing asks for, if
-    that is less than the least number, but beside their ends."""
+    them, and the limit of what is looked at: the body may touch right there. Between zones no more than the spacing asks for, if that is
+    less than the least number, but beside their ends."""
     known = fields.problem.profile.resolution is not None and (fields.is_bounded or (left_zone and right_zone))
     asked = 4 * (hi - lo) / fields.spacing
     n = int(np.clip(asked, _FEWEST, _MOST_KNOWN if known else _MOST))
     s = (np.arange(n) + 0.5) / n
     if left_zone and right_zone:
-        s = _THINNED if thinned and asked <= _FEWEST // 2 else np.sin(0.5 * np.pi * s) ** 2
+        s = _THINNED if asked <= _FEWEST // 2 else np.sin(0.5 * np.pi * s) ** 2
     elif left_zone:
         s = np.append(s * s, 1.0)
     elif right_zone:
@@ -391,30 +317,3 @@ def _between(lo: float, hi: float, fields: ZoneFields, left_zone: bool, right_zo
     # One at the end of a zone is in contact.
     first, last = np.searchsorted(tips, lo, side="right"), np.searchsorted(tips, hi, side="left")
     return np.unique(np.concatenate((x, tips[first:last]))) if last > first else x
-
-
-def _zoom(scaled_gap: Callable[[Array], Array], x: Array, gap: Array) -> tuple[Array, Array]:
-    """Follow the few lowest minima of the sampled gap below the sampling; returns samples with those points added."""
-    inner = np.flatnonzero((gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:])) + 1
-    if len(inner) == 0:
-        return gap, x
-    inner = inner[np.argsort(gap[inner])[:8]]
-    # Closely only where a parabola through the samples may touch zero.
-    with np.errstate(invalid="ignore"):
-        bend = gap[inner - 1] - 2 * gap[inner] + gap[inner + 1]
-    touching = bool(np.any(gap[inner] < bend))
-    lo, hi = x[inner - 1], x[inner + 1]
-    # The samples of every zoom tell how wide an overlap is.
-    points, values = [x], [gap]
-    for _ in range(_ZOOMS if touching else 3):
-        fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
-        value = scaled_gap(fine.ravel()).reshape(fine.shape)
-        value = np.where(np.isfinite(value), value, np.inf)
-        points.append(fine.ravel())
-        values.append(value.ravel())
-        best = np.clip(np.argmin(value, axis=1), 1, 7)
-        rows = np.arange(len(best))
-        lo, hi = fine[rows, best - 1], fine[rows, best + 1]
-    everything, all_values = np.concatenate(points), np.concatenate(values)
-    order = np.argsort(everything)
-    return all_values[order], everything[order]

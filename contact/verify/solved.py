@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 import sie
 from contact.formulation.controls import Control
 from contact.verify.certificate import Certificate
@@ -13,7 +16,7 @@ from contact.verify.certificate import Certificate
 @dataclass(frozen=True, eq=False)
 class Solved:
     """free: the Newton result. fields: under the load that the intervals have. rounds: corrections it took. tolerance: of the ends.
-    off: how far the control may have been missed, in what the formulation says."""
+    off: how far the control may have been missed, in what the formulation says; of all intervals, or of each end (n, 2)."""
 
     free: sie.Free
     fields: Any
@@ -21,7 +24,7 @@ class Solved:
     rounds: int
     control: Control
     tolerance: float = 0.0
-    off: float = 0.0
+    off: float | NDArray[np.float64] = 0.0
 
     @property
     def error(self) -> float:

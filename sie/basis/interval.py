@@ -304,7 +304,9 @@ def values_on(alpha: Array, beta: Array, u: Array, row: Index, left: Array, righ
         no_edge = (a == 0) & (b == 0)
         if not np.all(root):
             no_edge |= (left == 0) & vanishing[0][row] | (right == 0) & vanishing[1][row]
-        sums = sine_sum(u, row, nearer_angle(left, right), left < right)
+        # The same places in every interval are one row of angles.
+        l, r = (left[:1], right[:1]) if left.ndim == 2 and left.strides[0] == 0 == right.strides[0] else (left, right)
+        sums = sine_sum(u, row, np.broadcast_to(nearer_angle(l, r), left.shape), np.broadcast_to(l < r, left.shape))
         return np.asarray(np.where(no_edge, 0.0, edge) + sums)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,8 @@ _SMALL, _FEW = 200_000, 256
 PAIRS = 1 << 19
 # Sines and cosines held at once.
 _BLOCK = 800_000
+# Zones that are named less often are summed together, by numbers of terms that are rounded up to a multiple.
+_POOLED, _SIZES = 48, 8
 
 
 def of_zones(zone: Index) -> Iterator[tuple[int, Index]]:
@@ -84,7 +86,13 @@ def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
         return _same_places(u, zone[:, 0], angle[0], flip[0])
     out = np.zeros(angle.shape)
     flat_zone, flat_angle, flat_flip, flat_out = zone.ravel(), angle.ravel(), flip.ravel(), out.reshape(-1)
+    for here, sines, rows in _pooled(u, flat_zone, flat_angle, np.sin):
+        k = np.arange(1, rows.shape[1] + 1)
+        turned = np.einsum("pk,pk,k->p", sines, rows, 2.0 * (k % 2) - 1.0)
+        flat_out[here] = np.where(flat_flip[here], turned, np.einsum("pk,pk->p", sines, rows))
     for i, here in of_zones(flat_zone):
+        if len(here) < _POOLED:
+            continue
         row = np.trim_zeros(u[i], "b")
         if len(row) == 0:
             continue
@@ -114,12 +122,36 @@ def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
 def cosine_sum(c: Array, zone: Index, theta: Array) -> Array:
     """sum_k c[zone, k] cos((k+1) theta), pair by pair (n,)."""
     out = np.zeros(theta.shape)
+    for here, cosines, rows in _pooled(c, zone, theta, np.cos):
+        out[here] = np.einsum("pk,pk->p", cosines, rows)
     for i, here in of_zones(zone):
+        if len(here) < _POOLED:
+            continue
         row = np.trim_zeros(c[i], "b")
         k = np.arange(1, len(row) + 1)
         for part in _blocks(here, len(row)):
             out[part] = np.cos(theta[part][:, None] * k) @ row
     return out
+
+
+def _pooled(
+    table: Array, zone: Index, angle: Array, wave: Callable[[Array], Array]
+) -> Iterator[tuple[Index, Array, Array]]:
+    """Points of zones that are named fewer than _POOLED times, those of about as many terms together: (places, waves of k times their
+    angles, their rows of the table)."""
+    some = np.flatnonzero(np.bincount(zone, minlength=1)[zone] < _POOLED) if len(zone) else zone
+    if len(some) == 0 or table.shape[1] == 0:
+        return
+    named = np.unique(zone[some])
+    used = table[named] != 0
+    terms = np.zeros(len(table), dtype=np.intp)
+    terms[named] = np.where(used.any(axis=1), table.shape[1] - np.argmax(used[:, ::-1], axis=1), 0)
+    # Rounded up, so that there are few sizes.
+    size = np.minimum(-(-terms[zone[some]] // _SIZES) * _SIZES, table.shape[1])
+    for count, here in of_zones(size):
+        for part in _blocks(some[here], max(count, 1)):
+            k = np.arange(1, count + 1)
+            yield part, wave(angle[part][:, None] * k), table[zone[part], :count]
 
 
 def _blocks(places: Index, count: int) -> Iterator[Index]:

@@ -71,7 +71,8 @@ class Sizes:
     """Modes to start from; kept from one solve to the next so that growth is paid for once.
 
     primitive_rounding: of the right side's primitive, once it has been looked at.
-    linear: tolerance of solutions by iteration, relative; 0: as tight as rounding allows. iterations: their number so far.
+    linear: tolerance of solutions by iteration, relative; 0: as tight as rounding allows. rough: whether sums to 1e-7 will do for them.
+    iterations: their number so far.
     value: of the open condition, if there is one, with which these are found.
     """
 
@@ -81,6 +82,7 @@ class Sizes:
     kernel_evaluations: int = 0
     solves: int = 0
     linear: float = 0.0
+    rough: bool = False
     value: float = 0.0
     iterations: int = 0
     carried: Carried | None = None
@@ -573,7 +575,7 @@ def _solve_iterated(
     equation: Equation, zones: Zones, m: Index, samples: modes.Samples, jumps: ForcingJumps, sizes: Sizes
 ) -> State:
     """By fast sums and iteration, starting from what the last solve on about these zones left."""
-    system = IterativeSystem(equation, zones, m, samples.coefficients, jumps)
+    system = IterativeSystem(equation, zones, m, samples.coefficients, jumps, sizes.rough)
     carried = sizes.carried if sizes.carried is not None and len(sizes.carried.m) == len(zones) else None
     coarse = carried.coarse if carried is not None else None
     if system.levelled and (coarse is None or not coarse.near(system)):

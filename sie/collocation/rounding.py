@@ -47,6 +47,8 @@ class Solved(Protocol):
     @property
     def direct(self) -> Any: ...
     @property
+    def iteration(self) -> Any: ...
+    @property
     def unknowns(self) -> Array: ...
     @property
     def conditions_from(self) -> int: ...
@@ -70,11 +72,32 @@ def intensity_rounding(state: Solved) -> Array:
     subtracted = np.abs(density.coefficients).sum(axis=1) + np.abs(system.g).sum(axis=1) + state.natural
     own = 4e-16 * edge_scale(zones.half) * subtracted
     if state.direct is None:
-        own = own + _of_levels(state) + np.sqrt(2 * zones.half) * state.linear_error
+        own = own + _of_levels(state) + np.sqrt(2 * zones.half) * state.linear_error + _of_others(state)
     # One zone alone is given by its own rows and its total, unless there are more unknowns to share them with.
     if state.direct is None or (len(zones) == 1 and not system.equation.columns):
         return np.array([own, own])
     return np.asarray(own + SAFETY * _through_rows(state))
+
+
+def _of_others(state: Solved) -> Array | float:
+    """What the rounding of the jumps' parts in all zones does to K of others (Z,), through the fields of one density of that size by
+    chance: narrow zones feel that of a wide one with many knots, whose parts are much larger than their sum."""
+    system, zones = state.system, state.density.zones
+    layout, rounding = system.layout, system.jumps.rounding(len(zones))
+    if len(system.equation.forcing.jumps_at):
+        # What others feel of these is found from the right side itself.
+        rounding[system.by_moments] = 0.0
+    if not rounding.any():
+        return 0.0
+    order = np.arange(layout.coefficients) - np.repeat(layout.offset, layout.m + 1)
+    shaken = np.zeros(layout.size)
+    # Totals are given; of the others the first differ most.
+    shaken[: layout.coefficients] = np.where(order > 0, np.repeat(rounding, layout.m + 1) / (1 + order), 0.0)
+    shaken[: layout.coefficients] *= np.random.default_rng(0).standard_normal(layout.coefficients)
+    out = np.zeros(len(zones))
+    out[zones.solved] = state.iteration.system.felt(shaken)
+    out = np.maximum(out, out[::-1]) if zones.symmetric else out
+    return np.asarray(SAFETY * edge_scale(zones.half) * out)
 
 
 def _of_levels(state: Solved) -> Array | float:

@@ -218,7 +218,12 @@ class System:
         within = np.arange(self.known.shape[1]) <= m[both, None]
         self.taken[both] = np.where(within, self.known[both], 0.0)
         self.known = self.known - self.taken
-        of_g, self.moment_means = coefficients_between(self.equation.forcing, zones, self.jumps, chosen, m)
+        if len(self.equation.forcing.jumps_at):
+            of_g, self.moment_means = coefficients_between(self.equation.forcing, zones, self.jumps, chosen, m)
+        else:
+            # Of jumps of the density g is no smoother between them: from what is left of it, less what the kernel makes of their parts.
+            of_g = np.pad(self.g[chosen], ((0, 0), (0, max(0, self.taken.shape[1] - self.g.shape[1]))))
+            of_g[:, : self.taken.shape[1]] -= self.taken[chosen]
         count = max(self.g.shape[1], of_g.shape[1])
         self.lowest = np.pad(self.g, ((0, 0), (0, count - self.g.shape[1])))
         inner = np.arange(count) <= m[chosen, None]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -13,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from sie.basis import chebyshev
 from sie.basis.interval import (
     OnLine,
-    What,
     edge_slopes,
     integral_on,
     intensities,
@@ -24,7 +22,6 @@ from sie.basis.interval import (
     theta,
     values_on,
 )
-from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
 from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
@@ -35,7 +32,7 @@ from sie.density.field import (
     quadrature,
     transform_at,
 )
-from sie.density.interval_potential import IntervalPotential
+from sie.density.located import Located, real_of
 from sie.density.plane import Plane
 from sie.density.treecode import Treecode
 from sie.fast.far import reaches
@@ -55,7 +52,7 @@ LOOKS = 128
 
 
 @dataclass(frozen=True, eq=False)
-class Density(Kept):
+class Density(Located):
     """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the jumps, on each zone, t from -1 to 1 there.
 
     Called at points of the line it gives phi, zero off the zones; `transform`, `potential` and their slopes also take complex points
@@ -125,14 +122,6 @@ class Density(Kept):
         """(whether x lies in a slit, the integral of the slack from the slit's left end to x); here nowhere, nothing."""
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)
-
-    def with_bounded_ends(self) -> Density:
-        """The same density with the last traces of 1/sqrt(d) taken out at free ends, where the exact one has none.
-
-        An end off by delta leaves K = A delta / 2 there: at equal normalised position the rest is right to delta over
-        the width, while K / sqrt(d) would grow without bound towards the end.
-        """
-        return replace(self, bounded_ends=True)
 
     @cached_property
     def _bounded_ends(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -226,43 +215,25 @@ class Density(Kept):
     def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
         """Density at points given by zone index and the distances from the zone's ends over its half width
         (left + right = 2): no digit is lost near the ends."""
-        zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), *map(_float, (left, right)))
+        zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), *map(real_of, (left, right)))
         # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
         out = values_on(*self.bounded, zone, left, right, self._bounded_ends)
         if len(self.jumps):
             out = out.copy()
-            flat, flat_left, flat_right = out.reshape(-1), left.ravel(), right.ravel()
-            for i, here in of_zones(zone.ravel()):
+            flat, flat_zone, flat_left, flat_right = out.reshape(-1), zone.ravel(), left.ravel(), right.ravel()
+            few = self.jumps.few.holds(flat_zone)
+            some, rest = np.flatnonzero(few), np.flatnonzero(~few)
+            flat[some] += self.jumps.few.density(flat_zone[some], flat_left[some], flat_right[some])
+            for i, there in of_zones(flat_zone[rest]):
                 if i in self.jumps.by_zone:
+                    here = rest[there]
                     flat[here] += self.jumps.density(i, flat_left[here], flat_right[here])
         return np.asarray(out)
-
-    def at_t(self, zone: ArrayLike, t: ArrayLike) -> Array:
-        """Density at normalised positions t in [-1, 1] of zones."""
-        t = _float(t)
-        return self.at(zone, 1 + t, 1 - t)
-
-    def locate(self, x: ArrayLike) -> tuple[Array, Index, NDArray[np.bool_]]:
-        """(x moved by periods to lie right of the first zone's left end, index of the last zone that starts before it,
-        whether it is inside that zone)."""
-        place = _float(x)
-        if self.kernel.period is not None:
-            place = place - np.floor((place - self.zones.a[0]) / self.kernel.period) * self.kernel.period
-        i = np.asarray(np.maximum(np.searchsorted(self.zones.a, place, side="right") - 1, 0))
-        return place, i, np.asarray((place >= self.zones.a[i]) & (place <= self.zones.b[i]))
-
-    def __call__(self, x: ArrayLike) -> Array:
-        """Density at x (any shape), zero off the zones."""
-        x, i, inside = self.locate(x)
-        out = np.where(np.isnan(x), np.nan, 0.0)
-        z, w = i[inside], self.zones.half[i[inside]]
-        out[inside] = self.at(z, (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w)
-        return out
 
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
         """Integral of the density from a zone's left end to the angle theta (t = cos theta), of densities with jumps of their own or
         none."""
-        zone, angle = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), _float(angle))
+        zone, angle = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), real_of(angle))
         w, out = self.zones.half[zone], integral_on(self.coefficients, zone, angle)
         if len(self.jumps):
             flat_out, flat = out.reshape(-1), angle.ravel()
@@ -286,18 +257,8 @@ class Density(Kept):
         continued to, F(x) (see `plane`); there a zero imaginary part is the upper side of the line."""
         if np.iscomplexobj(x):
             return self._in_plane(x, "transform")
-        x = _float(x)
+        x = real_of(x)
         return transform_at(self, self.into_period(x).ravel(), self.sources).reshape(x.shape)
-
-    def transform_slope(self, z: ArrayLike) -> NDArray[np.complex128]:
-        """F'(z), the derivative of `transform` at complex z (any shape)."""
-        return self._in_plane(z, "derivative")
-
-    def _in_plane(self, z: ArrayLike, what: What) -> NDArray[np.complex128]:
-        points = np.asarray(z, dtype=complex)
-        out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
-        out[finite] = self.plane(points[finite], what)
-        return out
 
     @cached_property
     def plane(self) -> Plane:
@@ -312,12 +273,8 @@ class Density(Kept):
             return self._in_plane(x, "potential")
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
             raise ValueError("the regular kernel has no potential")
-        x = _float(x)
+        x = real_of(x)
         return potential_at(self, self.into_period(x).ravel(), self.sources).reshape(x.shape)
-
-    def potential_on(self, lo: float, hi: float) -> Callable[[Array], Array] | None:
-        """The potential on [lo, hi], an interval without zones in it, cheap at many points; None where nothing is gained."""
-        return IntervalPotential.on(self, lo, hi)
 
     def into_period(self, x: Array) -> Array:
         """x moved by periods to within half of one of the zones' middle, where the kernel's poles are the near ones."""
@@ -410,8 +367,3 @@ class Density(Kept):
         """c_0 of the jumps of `ForcingJumps.sharp_potential`, per zone."""
         jumps = self.jumps.t_coefficients(self.zones, 1)[:, 0]
         return np.asarray(jumps - self.summed_totals)
-
-
-def _float(x: ArrayLike) -> Array:
-    return np.asarray(x, dtype=float)
-

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 # Largest number of (point, source) pairs handled at once: bounds the memory of an evaluation.
-CHUNK = 200_000
+CHUNK = 16_000
 # From this number of (point, source) pairs on, far sources are summed fast.
 MANY_PAIRS = 500_000
 # The same once the series of the far ones are at hand.

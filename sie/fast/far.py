@@ -62,24 +62,29 @@ class Nested:
         return self._made(slice(0, len(self.tree)))
 
     def matrices(self, nodes: slice) -> Array:
-        """A of these nodes, (n, TERMS, TERMS)."""
-        return self._all[nodes] if self.kept else self._made(nodes)
+        """A of these nodes, (TERMS, TERMS, n): node after node along the last axis, over which the sums run."""
+        return self._all[:, :, nodes] if self.kept else self._made(nodes)
 
     def _made(self, nodes: slice) -> Array:
         alpha, beta = self._place[0][nodes], self._place[1][nodes]
-        a = np.zeros((len(alpha), TERMS, TERMS))
-        a[:, 0, 0] = 1.0
-        a[:, 1, 0], a[:, 1, 1] = alpha, beta
-        alpha, beta = alpha[:, None], beta[:, None]
-        for j in range(1, TERMS - 1):
-            # T_j has no powers above j.
-            row, new = a[:, j, : j + 2], a[:, j + 1, : j + 2]
-            new[:] = 2 * alpha * row
-            new[:, :-2] -= a[:, j - 1, :j]
-            new[:, 1:] += beta * row[:, :-1]
-            new[:, 1] += beta[:, 0] * row[:, 0]
-            new[:, :-1] += beta * row[:, 1:]
+        a = np.zeros((TERMS, TERMS, len(alpha)))
+        for start in range(0, len(alpha), _BLOCK):
+            here = slice(start, start + _BLOCK)
+            self._fill(a[:, :, here], alpha[here], beta[here])
         return a
+
+    @staticmethod
+    def _fill(a: Array, alpha: Array, beta: Array) -> None:
+        """By the recurrence of T_j(alpha + beta s), which has no powers above j."""
+        a[0, 0], a[1, 0], a[1, 1] = 1.0, alpha, beta
+        for j in range(1, TERMS - 1):
+            row, new = a[j, : j + 1], a[j + 1, : j + 2]
+            np.multiply(row, 2 * alpha, out=new[: j + 1])
+            new[:j] -= a[j - 1, :j]
+            moved = row * beta
+            new[1:] += moved
+            new[1] += moved[0]
+            new[:j] += moved[1:]
 
     @cached_property
     def rises(self) -> Array:
@@ -95,29 +100,29 @@ class Nested:
     def upward(self, leaves: Array) -> Array:
         """Moments of all nodes from those of the intervals, of each as many as are given."""
         tree, terms = self.tree, leaves.shape[1]
-        out = np.zeros((len(tree), terms))
-        out[tree.leaves] = leaves
+        out = np.zeros((terms, len(tree)))
+        out[:, tree.leaves] = leaves.T
         for here in reversed(self._slices()):
-            moved = np.matmul(self.matrices(here)[:, :terms, :terms], out[here, :, None])[..., 0]
-            out[tree.parent[here][::2]] = moved[::2] + moved[1::2]
-        return out
+            moved = np.einsum("jkn,kn->jn", self.matrices(here)[:terms, :terms], out[:, here])
+            out[:, tree.parent[here][::2]] = moved[:, ::2] + moved[:, 1::2]
+        return out.T
 
     def downward(self, series: Array, middle: Array) -> tuple[Array, Array, Array]:
         """Chebyshev series of the transform and potential at the middle (two words), of every interval, from those given at
-        nodes."""
-        tree, terms = self.tree, series.shape[1]
+        nodes: (terms, nodes) to (intervals, terms)."""
+        tree, terms = self.tree, len(series)
         rest = np.zeros_like(middle)
         for here in self._slices():
             up = tree.parent[here]
-            above = series[up]
-            series[here] += np.matmul(above[:, None, :], self.matrices(here)[:, :terms, :terms])[:, 0]
-            added = middle[here] + np.einsum("nj,nj->n", self.rises[here, :terms], above) + rest[up]
+            above = series[:, up]
+            series[:, here] += np.einsum("jn,jkn->kn", above, self.matrices(here)[:terms, :terms])
+            added = middle[here] + np.einsum("nj,jn->n", self.rises[here, :terms], above) + rest[up]
             middle[here] = middle[up] + added
             # What the sum has lost (Knuth's two-sum).
             back = middle[here] - middle[up]
             rest[here] = (middle[up] - (middle[here] - back)) + (added - back)
         leaves = tree.leaves
-        return series[leaves], middle[leaves], rest[leaves]
+        return np.ascontiguousarray(series[:, leaves].T), middle[leaves], rest[leaves]
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,6 +132,12 @@ class _Nodes:
     rho: Array
     front: Array
     to_series: Array
+
+
+def _to_series(terms: int) -> Array:
+    out = chebyshev.t_matrix(terms, terms) * (2 / terms)
+    out[:, 0] *= 0.5
+    return out
 
 
 class FarSum:
@@ -157,9 +168,7 @@ class FarSum:
     def _at(self, terms: int) -> _Nodes:
         nodes = chebyshev.gauss(terms)[:, None]
         seen = Outside(self._sign, (self._gap + self._width * (1 + np.where(self._right, nodes, -nodes))) / self._half)
-        to_series = chebyshev.t_matrix(terms, terms) * (2 / terms)
-        to_series[:, 0] *= 0.5
-        return _Nodes(seen.rho, 1 / (seen.root * self._half), to_series)
+        return _Nodes(seen.rho, 1 / (seen.root * self._half), _to_series(terms))
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
@@ -173,7 +182,7 @@ class FarSum:
         x = 0.5 * (t.lo[0] + t.hi[0]) + t.half[0] * chebyshev.gauss(TERMS)
         xi = 0.5 * (s.lo[0] + s.hi[0]) + s.half[0] * chebyshev.gauss(TERMS)
         from_moments = chebyshev.t_matrix(TERMS, TERMS) * _TWICE / TERMS
-        values = self._nodes.to_series.T @ kernel.regular(x[:, None], xi) @ from_moments
+        values = _to_series(TERMS).T @ kernel.regular(x[:, None], xi) @ from_moments
         middle = kernel.regular_potential(np.array([0.5 * (t.lo[0] + t.hi[0])]), xi) @ from_moments
         return np.asarray(values), np.asarray(middle)
 
@@ -182,10 +191,11 @@ class FarSum:
         terms, at = (ROUGH, self._few_nodes) if rough else (TERMS, self._nodes)
         moments = self.sources.upward(leaves[:, :terms])
         count = len(self.targets.tree)
-        values, middle = np.zeros((count, terms)), np.zeros(count)
+        values, middle = np.zeros((terms, count)), np.zeros(count)
         moments_twice = np.ascontiguousarray((moments * _TWICE[:terms]).T)
-        for s in range(0, len(self.far), _BLOCK):
-            here = slice(s, min(s + _BLOCK, len(self.far)))
+        block = _BLOCK if terms == TERMS else 4 * _BLOCK
+        for s in range(0, len(self.far), block):
+            here = slice(s, min(s + block, len(self.far)))
             target, source = self.far.target[here], self.far.source[here]
             c = moments_twice[:, source]
             rho, centre = at.rho[:, here], self.centre[here]
@@ -200,11 +210,11 @@ class FarSum:
                     potential += c[k] / k
             value *= at.front[:, here]
             first = np.flatnonzero(np.diff(target, prepend=-1))
-            values[target[first]] += np.add.reduceat(value, first, axis=1).T
+            values[:, target[first]] += np.add.reduceat(value, first, axis=1)
             middle[target[first]] += np.add.reduceat(c[0] * self.log[here] - potential, first)
-        series = values @ at.to_series
+        series = at.to_series.T @ values
         if self._regular is not None:
-            series[0] += self._regular[0][:terms, :terms] @ moments[0]
+            series[:, 0] += self._regular[0][:terms, :terms] @ moments[0]
             middle[0] += float(self._regular[1][:terms] @ moments[0])
         series, middle, rest = self.targets.downward(series, middle)
         if rough:

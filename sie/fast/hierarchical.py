@@ -17,7 +17,7 @@ Index = NDArray[np.intp]
 Entries = Callable[[Index, Index], Array]
 """entries(rows, columns): the block, broadcast."""
 
-_LEAF = 96
+_LEAF = 256
 _MOST_RANK = 40
 
 

@@ -44,6 +44,11 @@ _BORDERINGS = 12
 # was: what that leaves of a step is this part of it.
 _SAME_RESPONSE = 0.01
 
+# Of a solution by iteration that is wanted no better than this, sums are rough.
+_ROUGHLY = 1e-7
+# What zones said to be near are expected to move by, over their widths: what a rougher solution would add does not fall as steps do.
+_STEP_NEAR = 1e-4
+
 # The same, found by iteration: motions over what they are of each zone by itself.
 _AMPLIFIED = 1e10
 _FOUND = "the ends are at rest"
@@ -117,12 +122,12 @@ def find_ends(
     tolerance: float = 1e-12,
     max_steps: int = 40,
     value: float = 0.0,
-    collapse: float = 1e-3,
     limits: tuple[float, float] = (-np.inf, np.inf),
     signs: tuple[float, float] = (1.0, 1.0),
     near: bool = False,
     decay: float | None = None,
     bounded_ends: bool = True,
+    off: float = 1.0,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -138,9 +143,6 @@ def find_ends(
         Newton steps after which the search is given up.
     value : float
         First guess for the value of an open condition.
-    collapse : float
-        One of several zones that has shrunk to this part of its first width, or a gap to this part of its first size, stops the search,
-        which then reports it in `lost` or `met`.
     limits : (float, float)
         Free ends do not pass these; one that reaches one stays there as a singular end, until its intensity turns negative.
     signs : (float, float)
@@ -153,6 +155,9 @@ def find_ends(
     bounded_ends : bool
         Whether 1/sqrt(d) is taken out of the last density: the rest is right at equal normalised position to first order in what the ends
         are off, and the whole of it, farther from them, at equal places to second order.
+    off : float
+        What the ends are off by over their zones' widths, as far as that is known: the better they are, the tighter is the first solution
+        by iteration.
 
     Returns
     -------
@@ -173,12 +178,13 @@ def find_ends(
     """
     decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
     opened = equation.open_condition
-    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1])
+    off = min(off, _STEP_NEAR) if near else off
+    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off)
     sizes = first_sizes(equation, zones)
     unit: Unit | None = None
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
-        sizes.linear, sizes.value = progress.linear, value
+        sizes.linear, sizes.rough, sizes.value = progress.linear, progress.linear > max(_ROUGHLY, progress.tightest), value
         state = solve_zones(equation, zones, decay, sizes)
         loose = state.iterated and sizes.linear > progress.tightest
         if opened is not None and value != 0.0 and not state.iterated:
@@ -217,7 +223,7 @@ def find_ends(
         closes = _closes(zones, equation, motion.delta)
         vanishes = motion.delta.sum(axis=0) <= zones.a - zones.b
         zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), equation.forcing.cornered), limits)
-        lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes, collapse)
+        lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes)
         if len(lost) or len(met):
             reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.past_fold]))
             return Free(

@@ -12,8 +12,9 @@ from sie.basis.zones import Zones
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-# A zone alone that has shrunk to this part of its first width has vanished.
-_VANISHED = 1e-12
+# A zone alone that has shrunk to this part of its first width has vanished; one of several is then reported as lost, or a gap as closed, at
+# this part of its first size.
+_VANISHED, _COLLAPSED = 1e-12, 1e-3
 # A gap below this part of the zones beside it, which has asked so many steps on end to be closed altogether, has closed. So many steps on
 # end have asked for nothing to be left of a zone that is lost.
 _CLOSING, _INSISTS = 0.05, 3
@@ -70,11 +71,12 @@ class Rest:
 
 @dataclass(eq=False)
 class Progress:
-    """The steps so far of a search for ends from zones of these widths and gaps."""
+    """The steps so far of a search for ends from zones of these widths and gaps. off: what they are off by at first over these widths."""
 
     tolerance: float
     first_width: Array
     first_gap: Array
+    off: float = 1.0
     trace: list[Step] = field(default_factory=list)
     turns: list[Turn] = field(default_factory=list)
     best: float = np.inf
@@ -85,7 +87,7 @@ class Progress:
     @property
     def last(self) -> float:
         """The largest move of the last step over its zone's width, at most one."""
-        return min(self.trace[-1].move, 1.0) if self.trace else 1.0
+        return min(self.trace[-1].move if self.trace else self.off, 1.0)
 
     @property
     def linear(self) -> float:
@@ -131,15 +133,13 @@ class Progress:
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
         return bool(np.all((before / 3 < now) & (now < 3 * before))) and self.trace[-1].move > 0.7 * self.trace[-5].move
 
-    def vanished(
-        self, zones: Zones, gap: Array, vanishes: NDArray[np.bool_], closes: NDArray[np.bool_], collapse: float
-    ) -> tuple[Index, Index]:
+    def vanished(self, zones: Zones, gap: Array, vanishes: NDArray[np.bool_], closes: NDArray[np.bool_]) -> tuple[Index, Index]:
         """Zones that have shrunk away, and gaps, by the zone left of them, that have closed. vanishes, closes: whether the last step
         asked for nothing to be left of them."""
         self.closing = np.where(closes, (self.closing if len(self.closing) else 0) + 1, 0)
         self.leaving = np.where(vanishes, (self.leaving if len(self.leaving) else 0) + 1, 0)
         # The last zone keeps what total is given, however narrow it becomes; without one it may vanish.
-        least = (collapse if len(zones) > 1 else _VANISHED) * self.first_width
+        least = (_COLLAPSED if len(zones) > 1 else _VANISHED) * self.first_width
         gone = zones.b - zones.a < np.maximum(least, 8 * np.spacing(np.abs(zones.a)))
         # A step leaves of a zone that is too wide at least half: one that asks for nothing, again and again, would be a sum of such steps.
         insists = self.leaving >= _INSISTS
@@ -148,7 +148,7 @@ class Progress:
         lost = np.flatnonzero(gone | insists)
         narrowest = np.minimum(zones.b - zones.a, self.first_width)
         closed = (self.closing >= _INSISTS) & (gap < _CLOSING * narrowest)
-        return lost, np.flatnonzero((gap < collapse * np.minimum(self.first_gap, narrowest)) | closed)
+        return lost, np.flatnonzero((gap < _COLLAPSED * np.minimum(self.first_gap, narrowest)) | closed)
 
     @property
     def past_fold(self) -> str:

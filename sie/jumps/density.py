@@ -37,7 +37,7 @@ from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.forcing import SERIES, ForcingJumps, of_sines, power
 from sie.jumps.local_spline import LocalSpline
-from sie.jumps.pairs import FewJumps
+from sie.jumps.pairs import FewDensityJumps, FewJumps
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -144,10 +144,12 @@ class DensityJumps(ForcingJumps):
         return sorted({*self.zone[self.order == 0].tolist(), *(self.logarithms.near.by_zone if self.logarithms is not None else ())})
 
     # the right side -------------------------------------------------------------------------------------------------
-    @property
+    _pairs = FewDensityJumps
+
+    @cached_property
     def few(self) -> FewJumps:
-        """None: their closed forms are others."""
-        return FewJumps.none()
+        """None beside logarithms of the right side."""
+        return FewJumps.none() if self.logarithms is not None else super().few
 
     def adds_to(self, zone: int) -> bool:
         return self.logarithms is not None or zone in self.by_zone
@@ -367,4 +369,7 @@ class DensityJumps(ForcingJumps):
         return self._exterior(zone)
 
     def _sine_weights(self, k: Index, j: Array) -> Array:
-        return -np.cos(j * self.phi[k][:, None])
+        # By the angle from the nearer end: beside either, its multiples keep their digits.
+        from_left = (self.psi < self.phi)[k][:, None]
+        cosines = np.cos(j * np.minimum(self.phi, self.psi)[k][:, None])
+        return np.asarray(np.where(from_left & (j % 2 == 1), cosines, -cosines))

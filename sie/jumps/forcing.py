@@ -27,7 +27,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -211,11 +211,13 @@ class ForcingJumps(Kept):
             out -= self.splines[zone].own_transform(left)
         return out
 
+    _pairs: ClassVar[type[FewJumps]] = FewJumps
+
     @cached_property
     def few(self) -> FewJumps:
         """The jumps of all zones with few of them, and no spline."""
-        parts = self.left, self.phi, self.psi, self.sine, self.height / np.pi
-        return FewJumps.of(self.zone, np.array(list(self.splines), dtype=np.intp), parts, self.order, self._coefficients)
+        parts = self.left, self.right, self.phi, self.psi, self.sine, self.height / np.pi
+        return self._pairs.of(self.zone, np.array(list(self.splines), dtype=np.intp), parts, self.order, self._coefficients)
 
     def level_part(self, zone: int, left: Array) -> Array:
         """The same of the jumps of g itself alone: they have no slope."""

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.interval import LOG2
+from sie.basis.interval import LOG2, theta
 from sie.basis.kept import Kept
 
 Array = NDArray[np.float64]
@@ -25,16 +26,22 @@ _LEAST = 32
 FAR, TERMS = 0.25, 32
 # Pairs handled at once: they stay in the cache.
 _PAIRS = 1 << 15
+# Part of the distance over which one root outweighs the other: kappa is then taken from their ratio.
+_FAR_APART = 0.5
 
 
 @dataclass(frozen=True, eq=False)
 class FewJumps(Kept):
-    """Jumps zone after zone: count and first place of each zone's (Z,), 0 of zones that are not among them; then of every jump s and
-    its distance from the left end, phi, pi - phi, sin(phi), h / pi, and the order; series: coefficients of each zone's parts (Z, TERMS)."""
+    """Jumps zone after zone: count and first place of each zone's (Z,), 0 of zones that are not among them; then of every jump its
+    distances from both ends, phi, pi - phi, sin(phi), h / pi, and the order; series: coefficients of each zone's parts (Z, TERMS).
+    potentials: whether they have closed forms."""
+
+    potentials: ClassVar[bool] = True
 
     count: Index
     first: Index
     left: Array
+    right: Array
     phi: Array
     psi: Array
     sine: Array
@@ -43,14 +50,14 @@ class FewJumps(Kept):
     series: Array
 
     @classmethod
-    def none(cls) -> FewJumps:
+    def none(cls) -> Self:
         nothing, nowhere = np.zeros(0), np.zeros(0, dtype=np.intp)
-        return cls(nowhere, nowhere, nothing, nothing, nothing, nothing, nothing, nowhere, np.zeros((0, TERMS)))
+        return cls(nowhere, nowhere, nothing, nothing, nothing, nothing, nothing, nothing, nowhere, np.zeros((0, TERMS)))
 
     @classmethod
-    def of(cls, zone: Index, others: Index, parts: tuple[Array, ...], order: Index, coefficients: Callable[..., Array]) -> FewJumps:
-        """Of jumps in these zones, none of them in the zones `others`; parts: left, phi, psi, sine, h / pi; coefficients(jumps, rows,
-        number of rows, terms): of their series, added up in rows."""
+    def of(cls, zone: Index, others: Index, parts: tuple[Array, ...], order: Index, coefficients: Callable[..., Array]) -> Self:
+        """Of jumps in these zones, none of them in the zones `others`; parts: left, right, phi, psi, sine, h / pi; coefficients(jumps,
+        rows, number of rows, terms): of their series, added up in rows."""
         count = np.bincount(zone, minlength=1).astype(np.intp)
         count[(count > MOST) | np.isin(np.arange(len(count)), others)] = 0
         if np.count_nonzero(count) < _LEAST:
@@ -58,8 +65,8 @@ class FewJumps(Kept):
         k = np.flatnonzero(count[zone] > 0)
         k = k[np.argsort(zone[k], kind="stable")]
         series = coefficients(k, zone[k], len(count), TERMS)
-        left, phi, psi, sine, weight = (part[k] for part in parts)
-        return cls(count, np.cumsum(count) - count, left, phi, psi, sine, weight, order[k], series)
+        left, right, phi, psi, sine, weight = (part[k] for part in parts)
+        return cls(count, np.cumsum(count) - count, left, right, phi, psi, sine, weight, order[k], series)
 
     def holds(self, zone: Index) -> NDArray[np.bool_]:
         """Whether the jumps of these zones are here, and there are any."""
@@ -99,10 +106,30 @@ class FewJumps(Kept):
         for here, row, k in self._blocks(zone):
             at = left[here][row]
             away = at - self.left[k]
-            angle = np.where(away > 0, -self.psi[k], self.phi[k])
-            value = (angle * self._power(away, k) + self._polynomial(k, at - 1)) * self.weight[k]
+            value = (self._own(k, away) * self._power(away, k) + self._polynomial(k, at - 1)) * self.weight[k]
             out[here] = np.bincount(row, value, here.stop - here.start)
         return out
+
+    def _own(self, k: Index, away: Array) -> Array:
+        """What stands before (t - s)^q in `smooth_part`."""
+        return np.where(away > 0, -self.psi[k], self.phi[k])
+
+    def density(self, zone: Index, left: Array, right: Array) -> Array:
+        """The parts of zones themselves, at points by their distances from both ends."""
+        out = np.empty(len(left))
+        for here, row, k in self._blocks(zone):
+            away = left[here][row] - self.left[k]
+            value = self._power(away, k) * self._shape(k, away, left[here][row], right[here][row])
+            out[here] = np.bincount(row, np.where((away == 0) & (self.order[k] > 0), 0.0, value) * self.weight[k], here.stop - here.start)
+        return out
+
+    def _shape(self, k: Index, away: Array, left: Array, right: Array) -> Array:
+        """kappa, see `ForcingJumps`."""
+        up, vp = np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k])
+        small, large = np.minimum(up, vp), np.maximum(up, vp)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            far = 2 * np.arctanh(np.minimum(small / large, _FAR_APART))
+            return np.where(small < _FAR_APART * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away))))
 
     def transform(self, zone: Index, z: Array, rho: Array) -> Array:
         """Transform of the parts of zones at points off them."""
@@ -161,3 +188,24 @@ class FewJumps(Kept):
             return np.asarray(second)
         first = 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * LOG2)
         return np.where(q == 2, second, np.where(q == 1, first, grown - LOG2 - 1))
+
+
+class FewDensityJumps(FewJumps):
+    """The same of jumps of the density's derivatives, by the closed forms of `density`; none of the density itself."""
+
+    potentials = False
+
+    def _polynomial(self, k: Index, t: Array) -> Array:
+        q, s = self.order[k], self.left[k] - 1
+        return np.where(q == 2, -(t - 2 * s) * s - np.cos(2 * self.phi[k]) / 4, -s)
+
+    def _own(self, k: Index, away: Array) -> Array:
+        size = 2 * np.abs(away)
+        return -np.log(np.where(size > 0, size, 1.0))
+
+    def _shape(self, k: Index, away: Array, left: Array, right: Array) -> Array:
+        return np.where(away > 0, theta(left, right), -theta(right, left))
+
+    def _angle(self, k: Index, rho: Array) -> Array:
+        end = np.where(rho > 0, self.right[k], self.left[k])
+        return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))

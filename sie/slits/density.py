@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
-from sie.basis.interval import Outside, What, edge_scale, slope_scale
-from sie.basis.kept import Kept
+from sie.basis.interval import Outside, edge_scale, slope_scale
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.zones import Zones
 from sie.density.density import LOOKS, Density
 from sie.density.field import Sources, potential_from, transform_from
+from sie.density.located import Located
 from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
@@ -33,7 +33,7 @@ _TELLS = 0.36
 
 
 @dataclass(frozen=True, eq=False)
-class SlitDensity(Kept):
+class SlitDensity(Located):
     """phi on zones beside narrow gaps: what wide zones that span the gaps, g - s on their right side, have beside the slits.
 
     Members are those of `Density`, told of the zones as they were given. `solve_zones` makes it.
@@ -72,9 +72,6 @@ class SlitDensity(Kept):
     d: tuple[Array, ...]
     bounded_ends: bool = False
     forced: bool = True
-
-    def with_bounded_ends(self) -> SlitDensity:
-        return replace(self, bounded_ends=True)
 
     @property
     def zones(self) -> Zones:
@@ -208,28 +205,6 @@ class SlitDensity(Kept):
             out[zero_left | zero_right] = 0.0
         return np.asarray(out.reshape(shape))
 
-    def at_t(self, zone: ArrayLike, t: ArrayLike) -> Array:
-        """Density at normalised positions t in [-1, 1] of pieces."""
-        t = np.asarray(t, dtype=float)
-        return self.at(zone, 1 + t, 1 - t)
-
-    def locate(self, x: ArrayLike) -> tuple[Array, Index, NDArray[np.bool_]]:
-        """As `Density.locate`, among the pieces."""
-        return self._bare.locate(x)
-
-    @cached_property
-    def _bare(self) -> Density:
-        return Density(self.zones, self.kernel, np.zeros((len(self.zones), 2)), ForcingJumps.none(), np.zeros(0))
-
-    def __call__(self, x: ArrayLike) -> Array:
-        """Density at x (any shape), zero off the pieces."""
-        x, i, inside = self.locate(x)
-        out = np.where(np.isnan(x), np.nan, 0.0)
-        z = i[inside]
-        w = self.zones.half[z]
-        out[inside] = self.at(z, (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w)
-        return out
-
     @cached_property
     def intensities(self) -> tuple[Array, Array]:
         """K at the left and right end of each piece. Across the end of a slit sigma / X goes on as the density, with the
@@ -348,10 +323,6 @@ class SlitDensity(Kept):
         return out
 
     # the line ---------------------------------------------------------------------------------------------------------
-    def potential_on(self, lo: float, hi: float) -> None:
-        """Nothing is gained beside slits: see `Density.potential_on`."""
-        return None
-
     def _into_wide(self, x: Array) -> Array:
         """x moved by periods to lie right of the first wide zone's left end."""
         period = self.kernel.period
@@ -400,16 +371,6 @@ class SlitDensity(Kept):
         self._near_slits(flat, out, transform_from, self._transform)
         out -= self.slack(self._into_wide(flat))
         return np.asarray(out.reshape(x.shape))
-
-    def transform_slope(self, z: ArrayLike) -> NDArray[np.complex128]:
-        """See `Density.transform_slope`."""
-        return self._in_plane(z, "derivative")
-
-    def _in_plane(self, z: ArrayLike, what: What) -> NDArray[np.complex128]:
-        points = np.asarray(z, dtype=complex)
-        out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
-        out[finite] = self.plane(points[finite], what)
-        return out
 
     @cached_property
     def plane(self) -> SlitPlane:

@@ -515,7 +515,7 @@ def solve_zones(
         inner = first_sizes(equation, found.wide)
     # By iteration the wide zones alone are no more than a start.
     inner.linear = sizes.linear if equation.grows else max(sizes.linear, _START)
-    inner.value = sizes.value
+    inner.rough, inner.value = sizes.rough, sizes.value
     profile, kernel, iterations = inner.profile_evaluations, inner.kernel_evaluations, inner.iterations
     while True:
         before = inner.iterations

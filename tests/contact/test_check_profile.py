@@ -101,7 +101,7 @@ FAULTS = {
         "kink declared",
     ),
     "kink outside the cell": (variant(kinks=np.array([[L, 0.1]])), "outside the cell"),
-    "kinks in one row": (variant(kinks=np.array([0.0, 0.1])), "shape"),
+    "kinks in one row": (variant(kinks=np.array([0.0, 0.1])), "rows of 2"),
     "a step of the height": (
         variant(height=lambda s, x: Good.height(s, x) + (np.sin(7 * K * np.asarray(x)) > 0) * 1e-7),
         "the height jumps by",

@@ -7,7 +7,7 @@ import math
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -99,6 +99,53 @@ def test_a_slider_that_moves_shows_the_solution_of_the_text_beside_it() -> None:
     assert page.line.data["up"] == before
     page.sliders.objects[1].value += 0.2
     assert page.line.data["up"] != before
+
+
+@pytest.fixture
+def awaited(monkeypatch: pytest.MonkeyPatch) -> list[Callable[[], None]]:
+    """What a served page has put off, in order; a hand rests as soon as there is nothing else to do."""
+    later: list[Callable[[], None]] = []
+    monkeypatch.setattr(Explorer, "_is_served", True)
+    monkeypatch.setattr(Explorer, "_soon", lambda self, do, after=0: later.append(do))
+    return later
+
+
+def test_while_a_hand_moves_frames_are_light_and_at_rest_all_is_there(awaited: list[Callable[[], None]]) -> None:
+    shown = Explorer(WAVE, 1e-8)
+    text, light = shown.text.value, len(shown.surfaces.data["x"])
+    for _ in range(5):
+        shown.sliders.objects[0].value -= 0.1
+    # Of five moves one frame is due, and one thing to do when the hand rests.
+    assert len(awaited) == 2
+    shown._tell_at = math.inf
+    told = shown.numbers.object
+    awaited.pop()()
+    assert shown.frame.solution.mean_pressure == pytest.approx(1.7e9 / math.sqrt(10), rel=1e-3)
+    assert len(shown.surfaces.data["x"]) <= 1.5 * light and shown.numbers.object == told and shown.text.value == text
+    assert len(awaited) == 1
+    shown._rest_at = 0.0
+    awaited.pop()()
+    assert len(shown.surfaces.data["x"]) > 1.5 * light
+    assert f"{shown.frame.solution.contact_fraction * 100:.6g} %" in shown.numbers.object
+    assert scene_from_tables(tomllib.loads(shown.text.value)).mean_pressure == shown.frame.solution.mean_pressure
+    # The load curve, a point at a time.
+    while awaited:
+        awaited.pop()()
+    assert len(shown.line.data["up"]) > 20
+
+
+def test_ranges_follow_what_is_shown_unless_a_hand_has_turned_them() -> None:
+    shown = Explorer(WAVE, 1e-8)
+    pressure, first = shown.ranges["push"], shown.ranges["push"].end
+    top = shown.pressure.data["p"].max()
+    assert pressure.start < 0.0 < top < first < 1.2 * top
+    shown.sliders.objects[0].value -= 0.1
+    assert pressure.end == first and shown.pressure.data["p"].max() > 0.5 * first
+    shown.sliders.objects[0].value -= 0.6
+    assert pressure.end != first and shown.pressure.data["p"].max() > 0.5 * pressure.end
+    pressure.update(start=0.1, end=0.2)
+    shown.sliders.objects[0].value += 0.8
+    assert (pressure.start, pressure.end) == (0.1, 0.2) and pressure.reset_end > shown.pressure.data["p"].max()
 
 
 def test_a_scene_that_cannot_be_is_told_and_the_last_one_stays() -> None:

@@ -12,7 +12,8 @@ import sie
 from contact.formulation.controls import Width
 from contact.reference import exact
 from contact.reference.inverse import design
-from contact.search.ways import strips
+from contact.search.topology.missed import Missed
+from contact.search.ways import first_order_several, strips
 from contact.studies import random_scenes
 from contact.studies.trace_kinds import drawn
 from tests.contact.judge import relative, solve, true_error
@@ -245,17 +246,54 @@ class TestFirstOrderSearch:
         assert solution.plan["fast sums"].used
 
 
-@pytest.mark.slow
-def test_a_trace_past_the_closures_branch_is_refused_without_searches_at_the_border(monkeypatch):
-    searched, real = [], strips.centred
+def trace(points, positions):
+    """A rough one, and its smallest mean pressure of full contact."""
+    profile = drawn(np.random.default_rng(6), "rough", points, positions)
+    return profile, contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).mean_pressure
 
-    def counted(task, scaled, start):
-        searched.append(start)
-        return real(task, scaled, start)
 
-    monkeypatch.setattr(strips, "centred", counted)
-    profile = drawn(np.random.default_rng(6), "rough", 200)
-    full = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)).mean_pressure
-    with pytest.raises(contact.OutOfRange, match="beyond the largest that the first-order closure carries"):
-        contact.solve(contact.Scene(profile, 1.0, contact.Localized(closure="first-order"), mean_pressure=0.3 * full))
-    assert len(searched) <= 4
+class TestFirstOrderOfSeveralZones:
+    def test_the_nominal_pressure_presses_the_profile_alone_to_the_same_total_width(self):
+        solution = solve(ROUGH, FIRST, tol=1e-10, mean_pressure=0.006)
+        fields = solution.fields
+        assert len(solution.zones) > 1
+        nominal = float(fields.density.amplitudes[0]) * fields.problem.units.pressure
+        about = float(fields.problem.units.x(np.array(fields.problem.centre)))
+        turn = 2 * np.pi * np.arange(1, 5) * about
+        c, s = np.cos(turn), np.sin(turn)
+        cell = contact.Fourier(1.0, ROUGH.cosine * c + ROUGH.sine * s, ROUGH.sine * c - ROUGH.cosine * s)
+        alone = solve(cell, contact.Isolated(), tol=1e-10, load=nominal)
+        assert abs(alone.zone_widths.sum() / solution.zone_widths.sum() - 1) < 1e-8
+        assert abs(alone.zones.mean()) > 1e-3  # and has zones of its own
+
+    @pytest.mark.parametrize("positions", ["even", "uneven"])
+    def test_a_trace_is_solved_whatever_its_positions(self, positions):
+        profile, full = trace(150, positions)
+        solution = contact.solve(contact.Scene(profile, 1.0, FIRST, mean_pressure=0.1 * full))
+        assert solution.certificate.holds and solution.error <= 1e-8 and len(solution.zones) > 3
+
+    def test_an_approach_leads_to_the_same_contact(self):
+        first = solve(ROUGH, FIRST, tol=1e-10, mean_pressure=0.006)
+        again = solve(ROUGH, FIRST, tol=1e-10, approach=first.approach)
+        assert np.max(np.abs(again.zones - first.zones) / np.diff(first.zones, axis=1)) < 1e-8
+
+    def test_the_stiffness_follows_the_nominal_pressure_and_the_centre(self):
+        at = [solve(ROUGH, FIRST, tol=1e-11, mean_pressure=0.006 * (1 + off)) for off in (-1e-4, 0, 1e-4)]
+        by_difference = (at[2].load - at[0].load) / (at[2].approach - at[0].approach)
+        assert abs(at[1].stiffness / by_difference - 1) < 1e-4
+
+    def test_a_load_that_drives_a_zone_to_the_border_is_refused_by_grids_alone(self, monkeypatch):
+        profile, full = trace(200, "even")
+        monkeypatch.setattr(first_order_several, "refine_topology", None)
+        with pytest.raises(contact.OutOfRange, match="beyond the largest that the first-order closure carries.*border of the strip"):
+            contact.solve(contact.Scene(profile, 1.0, FIRST, mean_pressure=1.2 * full))
+
+    def test_a_reference_that_is_not_found_is_not_told_as_a_limit_of_the_closure(self, monkeypatch):
+        found = strips.refine_topology
+
+        def lost(form, *given, **named):
+            return Missed("the zone ends did not settle") if form.problem.reference else found(form, *given, **named)
+
+        monkeypatch.setattr(strips, "refine_topology", lost)
+        with pytest.raises(contact.NotConverged, match="isolated reference"):
+            contact.solve(contact.Scene(LOPSIDED, 1.0, FIRST, mean_pressure=0.003))

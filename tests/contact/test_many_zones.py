@@ -9,8 +9,9 @@ import pytest
 import contact
 import sie
 from contact.reference.exact import Westergaard
+from contact.search.grid import coarse
 from sie.collocation import fixed as engine
-from sie.collocation.iterative import Iterative
+from sie.collocation.iterative import Iterative, IterativeSystem
 from sie.slits import merged as cuts
 
 T = np.array([-0.99, -0.6, 0.0, 0.4, 0.95])
@@ -153,3 +154,47 @@ def test_by_iteration_a_total_width_takes_hardly_more_than_a_total(monkeypatch):
         assert found.converged and found.state.iterated
     assert found.value == pytest.approx(solution.load, rel=1e-8)
     assert counts[1] < 3 * counts[0], counts
+
+
+def test_first_steps_take_rough_sums_and_what_is_found_does_not(monkeypatch):
+    """Each solution of the search, and whether all of its sums were rough."""
+    monkeypatch.setattr(engine, "MANY_UNKNOWNS", 10)
+    seen, summed = [], IterativeSystem.applied
+
+    def told(self, y, rough=False):
+        seen.append((self, self.rough))
+        return summed(self, y, rough)
+
+    monkeypatch.setattr(IterativeSystem, "applied", told)
+    assert contact.solve(rough(400), tol=1e-8).certificate.holds
+    each = list(dict(seen).values())
+    assert each[0] and not each[-1] and each == sorted(each, reverse=True)
+
+
+def test_ends_that_are_known_well_are_solved_for_tightly_at_once(monkeypatch):
+    """With what they are off by told, one solution fewer."""
+    monkeypatch.setattr(engine, "MANY_UNKNOWNS", 10)
+    scene = replace(rough(400), E_star=2.0, mean_pressure=0.01)
+    solution, profile = contact.solve(scene, tol=1e-10), scene.profile
+    forcing = sie.Forcing(profile.slope, profile.height, resolution=1 / 400)
+    equation = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(solution.load), sie.EqualPotential()))
+    start = sie.Zones.of(solution.zones + 1e-6 * np.diff(solution.zones) * np.array([0.4, -0.7]))
+    plain, told = (sie.find_ends(equation, start, 1e-7, off=off) for off in (1.0, 1e-6))
+    assert plain.converged and told.converged and len(told.trace) < len(plain.trace)
+    width = np.diff(plain.density.zones.table, axis=1)
+    assert np.all(np.abs(told.density.zones.table - plain.density.zones.table) <= (told.end_error + plain.end_error) * width)
+
+
+def test_a_shape_of_very_many_features_has_half_as_fine_a_grid(monkeypatch):
+    sizes = []
+
+    def sized(f, influence, **asked):
+        sizes.append(influence.n)
+        return once(np.cos(2 * np.pi * np.arange(64) / 64), influence.periodic(64, 1 / 64, 1.0), load=0.1)
+
+    once = coarse.solve_grid
+    monkeypatch.setattr(coarse, "solve_grid", sized)
+    monkeypatch.setattr(coarse, "_refine", lambda p, periodic: p)
+    for features in (2**14, 2**15, 2**16):
+        coarse.propose(np.cos, (0.0, 1.0), coarse.Response(1.0), load=0.1, resolution=1 / features)
+    assert [n for n, after in zip(sizes, [*sizes[1:], 64], strict=True) if after <= n] == [2**18, 2**19, 2**19]

@@ -9,9 +9,20 @@ import pytest
 
 import contact
 from contact import Sampled, SceneError
-from contact.model.traces.prepare import load_trace, read_columns, subtract_trend, taper_ends, to_uniform
+from contact.model.traces.dropouts import filled, in_order
+from contact.model.traces.file import in_metres, read_table
+from contact.model.traces.prepare import load_trace, subtract_trend, taper_ends, to_uniform
 
 STYLUS = Path(__file__).parents[2] / "examples" / "data" / "stylus-profile.csv"
+
+
+def read_columns(path: Path, columns: tuple[int | str, ...] = (), units: str | None = None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Position and height [m] of a text file, and the line of each."""
+    table = read_table(path, columns)
+    values, _ = in_metres(path, table, units)
+    x, height, lines, _ = in_order(path, values[:, 0], values[:, 1], table.lines)
+    filled(path, x, height, lines, None)
+    return x, height, lines
 
 
 def write(folder: Path, text: str | bytes, name: str = "trace.csv") -> Path:

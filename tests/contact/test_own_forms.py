@@ -77,6 +77,20 @@ def test_a_profile_that_contradicts_itself_is_told_so_where_it_leads_nowhere(sai
         contact.solve(scene(own(**said)))
 
 
+@pytest.mark.parametrize("size", [1e-6, 1e-7, 1e-8])
+def test_heights_that_their_own_rounding_drowns_are_told_as_that_and_solved_in_another_form(size):
+    load = np.pi * 1e9 * size**2 / 4
+
+    def solved(height):
+        profile = own(height=height, slope=lambda x: np.sinh(np.asarray(x)))
+        return contact.solve(contact.Scene(profile, 1e9, contact.Isolated(), load=load))
+
+    with pytest.raises(contact.SceneError, match="heights of the profile vary by .* are rounded to about .* left"):
+        solved(lambda x: np.cosh(np.asarray(x)) - 1)
+    kept = solved(lambda x: 2 * np.sinh(0.5 * np.asarray(x)) ** 2)
+    assert abs(kept.zones[0, 1] / size - 1) < 1e-9 and kept.certificate.holds
+
+
 @pytest.mark.parametrize("field", ["pressure", "gap", "displacement"])
 @pytest.mark.parametrize("x", ["a", None, 1j, [1, [2, 3]], [True, False]], ids=str)
 def test_fields_are_asked_for_at_real_numbers(field, x):

@@ -91,6 +91,15 @@ class TestByItsZones:
         assert fault(solution.scene, solution) == ""
         assert solution.approach is None and solution.stiffness is None
 
+    @pytest.mark.parametrize("load", [1.0, 100.0])
+    def test_a_kernel_that_varies_over_less_than_the_first_cells_looked_with_is_seen_in_their_mean(self, load):
+        # The depth is some tenth of the contact, and a hundred-thousandth of the metre that is looked at first.
+        solution = solve(contact.Parabola(1e-3), Buried(-0.65, 1e-7), E_star=1e10, tol=1e-8, load=load)
+        assert fault(solution.scene, solution) == ""
+        # Deep below: as a half-plane; far above: as one 1 + eps times as soft.
+        radius = np.sqrt(4 * load * 1e-3 / (np.pi * 1e10))
+        assert np.sqrt(0.35) * radius < solution.zones[0, 1] < radius
+
     def test_the_window_of_a_lone_body_is_looked_for_with_its_own_kernel(self):
         # So soft that contact is wider than the window in which a half-plane's is looked for.
         wide = solve(contact.Polynomial((0.0, 0.0, 1.0, 0.3, 0.5)), Buried(300.0, 0.1), tol=1e-8, load=1e-3)

@@ -11,6 +11,7 @@ import pytest
 import contact
 from contact import (
     Biquadratic,
+    Combined,
     Flat,
     Fourier,
     Parabola,
@@ -47,6 +48,13 @@ PROFILES: list[Profile] = [
     Sampled(_uneven, _heights),
     Sampled(_uneven, _heights, 1.02e-4),
     Sampled(1e-3 + 2.5e-6 * np.arange(40), _heights, 1e-4),
+    Combined(Sinusoid(1e-6, L), Fourier(L / 3, [1e-7], [2e-7]), 3e-5),
+    Combined(Wedge(0.1, L), Biquadratic(1e-2, 1e-4, 1.5 * L), 3e-5, mirrored=True),
+    Combined(Sampled(_uneven, _heights, 1.02e-4), Wedge(0.01, 0.51e-4), 1e-5),
+    Combined(Sampled(_uneven, _heights), Sampled(_uneven, _heights[::-1], 1.02e-4), 1e-5, mirrored=True),
+    Combined(Wedge(0.1), Parabola(1e-2)),
+    Combined(Flat(1e-4), Wedge(0.02, L / 7), 1e-5),
+    Combined(Sinusoid(1e-7, L / 2), Flat(1e-4, L), 1e-5),
 ]
 PERIODIC = [p for p in PROFILES if p.period is not None]
 CONJUGATE = [p for p in PERIODIC if p.slope_conjugate(np.array([0.1 * L])) is not None]
@@ -112,7 +120,8 @@ def test_profiles_are_values_equal_hashable_and_picklable(profile: Profile) -> N
 
 @pytest.mark.parametrize("profile", PROFILES, ids=name_of)
 def test_the_name_in_the_registry_makes_the_same_profile(profile: Profile) -> None:
-    assert contact.profile(profile.name, **profile.parameters()) == profile
+    for body in profile.bodies.values():
+        assert contact.profile(body.name, **body.parameters()) == body
 
 
 def test_sinusoid_has_amplitude_above_and_below_its_mean() -> None:

@@ -486,3 +486,95 @@ def test_points_are_cut_evenly_and_none_is_in_two_chunks():
             assert len({setting["profile.amplitude"] for setting in chunk.settings}) == 1
             assert np.all(np.diff([setting["control.load"] for setting in chunk.settings]) > 0)
     assert len(chunks_of(axes, wanted, None)) == 3 and len(chunks_of(axes, wanted, 2)) >= 8
+
+
+def test_a_file_is_written_by_one_sweep_at_a_time_whatever_name_it_goes_by(tmp_path):
+    out, over = tmp_path / "sweep.nc", {"control.load": [1e-3, 2e-3]}
+    (tmp_path / "other.nc").symlink_to(out)
+    refused = []
+
+    def meanwhile(*_):
+        for name in (out, tmp_path / "other.nc"):
+            with pytest.raises(contact.SceneError, match="no other sweep is writing") as caught:
+                contact.sweep(WAVE, over, out=name, workers=1)
+            refused.append(caught.value.field)
+
+    contact.sweep(WAVE, over, out=out, workers=1, progress=meanwhile)
+    assert refused == ["out"] * 4 and sorted(os.listdir(tmp_path)) == ["other.nc", "sweep.nc"]
+    assert not contact.sweep(WAVE, over, out=out, workers=1)["failed"].any()
+
+
+def test_what_a_process_holds_is_let_go_when_it_is_killed(tmp_path):
+    out = tmp_path / "sweep.nc"
+    script = "import pathlib, sys\nfrom contact.sweeps.sweep.lock import alone\nwith alone(pathlib.Path(sys.argv[1])):\n"
+    script += "    print('held', flush=True)\n    sys.stdin.read()\n"
+    other = subprocess.Popen([sys.executable, "-c", script, str(out)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    try:
+        assert other.stdout.readline() == "held\n"
+        with pytest.raises(contact.SceneError, match="no other sweep is writing"):
+            contact.sweep(WAVE, {"control.load": [1e-3]}, out=out, workers=1)
+    finally:
+        other.kill()
+        other.communicate()
+    assert not contact.sweep(WAVE, {"control.load": [1e-3]}, out=out, workers=1)["failed"].any()
+
+
+@pytest.fixture
+def trace(tmp_path):
+    x = np.linspace(0.0, 1e-3, 200)
+    heights = 1e-6 * np.sin(2e4 * x) + 3e-7 * np.random.default_rng(5).standard_normal(200) + 2e-3 * x
+    file = tmp_path / "trace.txt"
+    np.savetxt(file, np.column_stack((x, heights)))
+    keys = {"taper": 0.1, "period": True}
+    return file, keys, contact.Scene(contact.read_trace(file, **keys), 1e11, contact.Periodic(), mean_pressure=1e7)
+
+
+def test_how_a_trace_is_prepared_is_varied_as_if_it_were_read_in_each_way(trace, tmp_path):
+    file, keys, scene = trace
+    over = {"profile.lambda_c": [1e-4, 5e-4], "profile.detrend": ["none", "line"], "profile.lambda_s": [2e-5]}
+    table = contact.sweep(scene, over, workers=1, out=tmp_path / "out.nc")
+    assert table["profile.lambda_c"].attrs["units"] == "m"
+    for i, long in enumerate(over["profile.lambda_c"]):
+        for j, detrend in enumerate(over["profile.detrend"]):
+            alone = contact.read_trace(file, detrend=detrend, lambda_c=long, lambda_s=2e-5, **keys)
+            one = contact.solve(contact.Scene(alone, 1e11, contact.Periodic(), mean_pressure=1e7))
+            assert float(table["contact_fraction"][i, j, 0]) == pytest.approx(one.contact_fraction, rel=1e-6)
+    # Whole numbers are degrees, and the file of points is not asked for again: it may be gone.
+    file.unlink()
+    assert not contact.sweep(scene, {"profile.detrend": [1, 3]}, workers=1)["failed"].any()
+    with pytest.raises(contact.SceneError, match=r"profile\.taper = 3"):
+        contact.sweep(scene, {"profile.taper": [3.0]}, workers=1)
+    with pytest.raises(contact.SceneError, match="not known"):
+        contact.sweep(WAVE, {"profile.lambda_c": [1.0]}, workers=1)
+
+
+def test_a_sweep_over_a_filter_goes_on_with_its_points_whatever_the_scene_itself_filters(trace, tmp_path, counted):
+    file, keys, scene = trace
+    out = tmp_path / "out.nc"
+    contact.sweep(scene, {"profile.lambda_c": [1e-4]}, workers=1, out=out)
+    filtered = contact.Scene(contact.read_trace(file, lambda_c=3e-4, **keys), 1e11, contact.Periodic(), mean_pressure=1e7)
+    contact.sweep(filtered, {"profile.lambda_c": [1e-4, 5e-4]}, workers=1, out=out)
+    assert len(counted) == 2
+    higher = np.loadtxt(file)
+    higher[50, 1] += 1e-7
+    np.savetxt(file, higher)
+    other = contact.Scene(contact.read_trace(file, **keys), 1e11, contact.Periodic(), mean_pressure=1e7)
+    with pytest.raises(contact.SceneError, match=r"profile\.height"):
+        contact.sweep(other, {"profile.lambda_c": [1e-4, 5e-4]}, workers=1, out=out)
+
+
+def test_under_adhesion_either_branch_or_both_are_swept(tmp_path):
+    wave = contact.Scene(contact.Sinusoid(1e-7, 1e-4), 1e9, contact.Periodic(), law=contact.JKR(0.02), mean_pressure=1e4)
+    pressures = [1e4, 1e6]
+    both = contact.sweep(wave, {"control.mean_pressure": pressures, "branch": ["advancing", "receding"]}, workers=1)
+    for branch in ("advancing", "receding"):
+        one = contact.sweep(wave, {"control.mean_pressure": pressures}, workers=1, branch=branch)
+        assert one["contact_fraction"].values == pytest.approx(both["contact_fraction"].sel(branch=branch).values, rel=1e-6)
+    assert (both["contact_fraction"].sel(branch="receding") > both["contact_fraction"].sel(branch="advancing")).all()
+    contact.sweep(wave, {"control.mean_pressure": pressures}, workers=1, out=tmp_path / "out.nc")
+    with pytest.raises(contact.SceneError, match="receding"):
+        contact.sweep(wave, {"control.mean_pressure": pressures}, workers=1, out=tmp_path / "out.nc", branch="receding")
+    with pytest.raises(contact.SceneError, match="advancing and receding"):
+        contact.sweep(wave, {"branch": ["up"]}, workers=1)
+    with pytest.raises(contact.SceneError, match="'branch' is not known"):
+        contact.sweep(WAVE, {"branch": ["advancing"]}, workers=1)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import sie
+from sie.basis import sums
 from tests.sie import reference
 
 ENDS = np.array([[-0.42, -0.15], [-0.05, 0.03], [0.1, 0.38]])
@@ -193,3 +194,16 @@ def test_a_far_wider_cluster_of_places_is_evaluated_in_blocks_as_one_by_one():
     x = np.linspace(-0.5, 0.5, 150_001)
     some = np.arange(0, len(x), 7919)
     assert density.transform(x)[some] == pytest.approx(density.transform(x[some]), rel=1e-14)
+
+
+def test_the_same_places_in_all_zones_are_one_product_of_the_same_values(monkeypatch):
+    density = solved(sie.hilbert(1.0))
+    angle = (np.arange(40) + 0.3) * np.pi / 40
+    left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
+    one_by_one = np.array([density.at(zone, left, right) for zone in range(3)])
+    rows = []
+    products = sums._same_places
+    monkeypatch.setattr(sums, "_same_places", lambda *given: rows.append(1) or products(*given))
+    together = density.at(np.arange(3)[:, None], left, right)
+    assert rows == [1]
+    assert np.abs(together - one_by_one).max() <= 1e-13 * np.abs(one_by_one).max()

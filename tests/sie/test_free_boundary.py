@@ -363,6 +363,6 @@ def test_a_zone_that_step_by_step_asks_for_nothing_to_be_left_of_it_is_lost():
     zones = sie.Zones.of([[0.0, 1.0], [2.0, 3.0], [4.0, 5.0]])
     progress = Progress(1e-12, np.ones(3), np.ones(3))
     asked = [[False, True, False], [False, True, True], [False, True, True]]
-    lost = [progress.vanished(zones, np.ones(3), np.array(one), np.zeros(3, dtype=bool), 1e-3)[0].tolist() for one in asked]
+    lost = [progress.vanished(zones, np.ones(3), np.array(one), np.zeros(3, dtype=bool))[0].tolist() for one in asked]
     # The search begins anew: with it goes the other one that has asked more than once.
     assert lost == [[], [], [1, 2]]

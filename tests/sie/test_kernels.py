@@ -98,16 +98,3 @@ def test_only_regular_kernels_can_be_added():
 def test_a_period_must_be_a_positive_number(period):
     with pytest.raises(ValueError, match="period must be"):
         sie.hilbert(period)
-
-
-def test_beside_zones_the_potential_of_a_kernel_of_unknown_smoothness_is_not_interpolated():
-    # On a stretch many times as long as what the smooth part varies over; seen from far away it is another logarithm.
-    kernel = sie.cauchy() + sie.Smooth(
-        lambda x, xi: (x - xi) / ((x - xi) ** 2 + 0.01), lambda x, xi: 0.5 * np.log((x - xi) ** 2 + 0.01)
-    )
-    zones = sie.Zones.of([[0.0, 1.0], [1.5, 2.0]], sie.SINGULAR, sie.SINGULAR)
-    flat = sie.Forcing(np.zeros_like, np.zeros_like)
-    density = sie.solve_fixed(sie.Equation(kernel, flat, (sie.Total(1.0), sie.EqualPotential())), zones).density
-    x = 2.0 + 100 * np.linspace(0, 1, 200) ** 2
-    away = sie.IntervalPotential.on(density, 2.0, 102.0)(x) - density.potential(x)
-    assert np.max(np.abs(away)) < 1e-13

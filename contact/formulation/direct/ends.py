@@ -142,7 +142,9 @@ def ends_under(sheet: Sheet, loads: Array) -> Ends:
     with np.errstate(all="ignore"):
         if sheet.corner is not None:
             return _cornered(sheet, loads)
-        return _pair(sheet, loads) if sheet.map.pair else _one(sheet, loads)
+        if sheet.map.pair:
+            return _pair_load(sheet, float(loads[0])) if len(loads) == 1 else _pair(sheet, loads)
+        return _one_load(sheet, float(loads[0])) if len(loads) == 1 else _one(sheet, loads)
 
 
 def ends_at(sheet: Sheet, half_widths: Array) -> Ends:
@@ -198,6 +200,64 @@ def _one(sheet: Sheet, loads: Array, given: Array | None = None, widths: Array |
     return book.ends(sheet, -outer, outer, np.zeros(len(loads)), book.came_out & (outer < sheet.limit), True)
 
 
+def _one_load(sheet: Sheet, load: float) -> Ends:
+    """The same of one load, in numbers: there calls take longer than what they do."""
+    way = sheet.map
+    top, factor, kink = float(way.y(np.array(sheet.limit))), way.load_factor * math.pi, abs(sheet.kink)
+    half, size, steps, rests = 0.25 * top if math.isfinite(top) else 1.0, _FIRST, 0, False
+    while size <= _LARGEST:
+        nodal, slowest, coarse = table(size, True), _EPS, False
+        for _ in range(_STEPS):
+            values = _slopes(sheet, half * nodal.t)
+            first, edge, *ending = (values @ nodal.sums[:, :4]).tolist()
+            kinked, kinked_rate = _kink_load(sheet, half)  # type: ignore[arg-type]
+            total = 0.5 * factor * half * first + float(kinked)
+            rate = half * (factor * edge + float(kinked_rate)) / total if total else math.nan
+            if not (load / total > 0.0 and abs(rate) > 0.0 and math.isfinite(rate)):
+                return _not_found(sheet)
+            move, rounding = math.log(load / total) / rate, 4.0 * _EPS * (1.0 + 1.0 / abs(rate))
+            scale, last = float(np.abs(values).max()) + kink, max(map(abs, ending))
+            steps += 1
+            ended = last <= _EPS * _RESOLVED * scale
+            if ended and (rests or abs(move) <= 4.0 * rounding):
+                return _of_series(sheet, half, nodal.coefficients(values[None]), last / scale, abs(move) + rounding, steps, 2 * size)
+            # As in the rows of a book: as many nodes as the series asks for, not past the widest, nor by many decades at once.
+            coarse = not ended and not abs(move) > _ABOUT
+            moved = half * math.exp(min(max(move, -40.0), 40.0))
+            half, rests = 0.5 * (half + top) if moved >= top else moved, abs(move) <= _AT_REST
+            if coarse:
+                slowest = max(last / scale, _EPS)
+                break
+        if not coarse:
+            return _not_found(sheet)
+        size = _wider(size, slowest)
+    return _not_found(sheet)
+
+
+def _wider(size: int, slowest: float) -> int:
+    """How many nodes bring coefficients to rounding, of which the last were so large: they fall as a geometric series."""
+    wanted = math.log(_EPS) / math.log(min(slowest, _SLOW))
+    return size * int(2 ** max(1, math.ceil(math.log2(wanted) - _NEARLY)))
+
+
+def _of_series(sheet: Sheet, half: float, series: Array, tail: float, off: float, steps: int, nodes: int) -> Ends:
+    """One row of one zone."""
+    g, left = _without_last(series)
+    outer, zero = np.array([float(sheet.map.x(np.array(half)))]), np.zeros(1)
+    found = np.array([outer[0] < sheet.limit and off < 1e-6 and half > _SMALLEST])
+    return Ends(
+        sheet, -outer, outer, zero, np.array([half]), g, 2 * np.arange(g.shape[1]) + 1, tail + left, np.array([off]),
+        np.array([steps], dtype=np.intp), np.array([nodes], dtype=np.intp), zero, found,
+    )
+
+
+def _not_found(sheet: Sheet) -> Ends:
+    zero, none = np.zeros(1), np.zeros(1, dtype=np.intp)
+    return Ends(
+        sheet, zero, zero, zero, zero, np.zeros((1, 0)), none[:0], zero, zero, none, none, zero, np.zeros(1, dtype=bool),
+    )
+
+
 class _Book:
     """Rows on their way: Newton on each with few nodes first, and with twice as many where the series has not come to its end."""
 
@@ -240,9 +300,7 @@ class _Book:
                 pending = pending[~done & ~coarse & np.isfinite(move)]
                 if not len(pending):
                     break
-            # Coefficients fall as a geometric series.
-            wanted = math.log(_EPS) / math.log(min(slowest, _SLOW))
-            pending, size = np.concatenate(wider), size * 2 ** max(1, math.ceil(math.log2(wanted) - _NEARLY))
+            pending, size = np.concatenate(wider), _wider(size, slowest)
 
     def ends(self, sheet: Sheet, inner: Array, outer: Array, middle: Array, found: Mask, odd: bool) -> Ends:
         most = max((block.shape[1] for _, block in self.series), default=0)
@@ -295,6 +353,56 @@ def _pair(sheet: Sheet, loads: Array) -> Ends:
     low, middle, half = book.middle - book.half, book.middle, book.half
     inner, outer = np.asarray(sheet.map.x(low)), np.asarray(sheet.map.x(middle + half))
     return book.ends(sheet, inner, outer, middle, book.came_out & (outer < sheet.limit) & (half < _MERGED * middle) & (low > 0.0), False)
+
+
+def _pair_load(sheet: Sheet, load: float) -> Ends:
+    """The same of one load, in numbers."""
+    way = sheet.map
+    tip, top = float(way.y(np.array(sheet.tip))), float(way.y(np.array(sheet.limit)))
+    wanted = load / (way.load_factor * 0.5 * math.pi)
+    middle, half = tip, float(_first_halves(sheet, np.array(wanted), tip, top))
+    size, steps, rests = 2 * _FIRST, 0, False
+    while size <= _LARGEST:
+        nodal, slowest, coarse = table(size, False), _EPS, False
+        for _ in range(_STEPS):
+            values = _slopes(sheet, middle + half * nodal.t)
+            first, upper, *ending, lower, mean = (values @ nodal.sums).tolist()
+            missed, odd, even = half * first - wanted, 0.5 * (upper + lower), 0.5 * (upper - lower)
+            if not (math.isfinite(missed) and upper * lower != 0.0 and 0.0 < half < middle):
+                return _not_found(sheet)
+            by_middle = (0.5 * even * missed - odd * mean * half) / (upper * lower)
+            by_half = (even * mean * half - 0.5 * odd * missed) / (upper * lower)
+            move, rounding = (abs(by_middle) + abs(by_half)) / half, _EPS * (_RESOLVED + 4.0 * middle / half)
+            scale, last = float(np.abs(values).max()), max(map(abs, ending))
+            steps += 1
+            ended = last <= _EPS * (_RESOLVED + 4.0 * tip / half) * scale
+            if ended and (rests or move <= 4.0 * rounding):
+                return _of_pair(sheet, middle, half, nodal.coefficients(values[None]), last / scale, move + rounding, steps, size)
+            coarse = not ended and not move > _ABOUT
+            # Within the half of the period, and not past the middle.
+            ahead = max((by_half - by_middle) / (middle - half), (by_middle + by_half) / (top - middle - half), -by_half / half)
+            cut = min(1.0, 0.5 / max(ahead, 1e-300))
+            middle, half, rests = middle + cut * by_middle, half + cut * by_half, move <= _AT_REST
+            if coarse:
+                slowest = max(last / scale, _EPS)
+                break
+        if not coarse:
+            return _not_found(sheet)
+        size = _wider(size, slowest)
+    return _not_found(sheet)
+
+
+def _of_pair(
+    sheet: Sheet, middle: float, half: float, series: Array, tail: float, off: float, steps: int, nodes: int
+) -> Ends:
+    """One row of a pair."""
+    g, left = _without_last(series)
+    inner, outer = np.asarray(sheet.map.x(np.array([[middle - half], [middle + half]])))
+    found = np.array([outer[0] < sheet.limit and half < _MERGED * middle and off < 1e-6 and half > _SMALLEST])
+    return Ends(
+        sheet, inner, outer, np.array([middle]), np.array([half]), g, np.arange(1, g.shape[1] + 1), tail + left, np.array([off]),
+        np.array([steps], dtype=np.intp), np.array([nodes], dtype=np.intp), np.zeros(1), found,
+    )
 
 
 def _first_halves(sheet: Sheet, wanted: Array, tip: float, top: float) -> Array:

@@ -30,8 +30,8 @@ WIDENED = 1.0 / np.cos(0.5 * np.pi / _DENSER) - 1.0
 class Table:
     """Nodes t and what is made of values there. odd: of an odd G, on the right half alone.
 
-    orders: k >= 1 of the coefficients; first: of g_1; edge, far_edge: of q(1) and q(-1); last: of the last two coefficients. The angles at
-    which q is looked at are given by their sines and cosines.
+    orders: k >= 1 of the coefficients; first: of g_1; edge, far_edge: of q(1) and q(-1); last: of the last two coefficients; sums: of g_1,
+    q(1), those two, q(-1) and the mean at once. The angles at which q is looked at are given by their sines and cosines.
     """
 
     odd: bool
@@ -41,6 +41,7 @@ class Table:
     edge: Array
     far_edge: Array
     last: Array
+    sums: Array
     sines: Array
     cosines: Array
 
@@ -63,14 +64,20 @@ class Table:
     def followed(self, g: Array) -> tuple[Array, Array]:
         """What sqrt(1 - t^2) q changes by at most at places t that stay, when the half length grows by a part of itself, and when the
         middle moves by a part of the half length (rows,): ends that move add q(+-1) / sqrt(1 - t^2), and the place moves with them."""
-        uneven = self.orders[: g.shape[1]] % 2 == 1
         rising = g * self.orders[: g.shape[1]]
-        odd, even = rising[:, uneven].sum(axis=1)[:, None], rising[:, ~uneven].sum(axis=1)[:, None]
+        if self.odd:
+            odd, even = rising.sum(axis=1)[:, None], 0.0
+        else:
+            uneven = self.orders[: g.shape[1]] % 2 == 1
+            odd, even = rising[:, uneven].sum(axis=1)[:, None], rising[:, ~uneven].sum(axis=1)[:, None]
         if len(self.t) <= _MATRICES:
             slopes = rising @ _looks(len(self.t), self.odd)[1][:, : g.shape[1]].T
         else:
             slopes = 0.5 * fft.dct(self._padded(rising, 0), type=3, axis=1)[:, : len(self.sines)]
-        by_half = (odd + even * self.cosines - self.cosines * slopes) / self.sines
+        by_half = (odd + self.cosines * (even - slopes)) / self.sines
+        if self.odd:
+            # The middle stays.
+            return np.abs(by_half).max(axis=1), np.zeros(len(g))
         by_middle = (even + odd * self.cosines - slopes) / self.sines
         return np.abs(by_half).max(axis=1), np.abs(by_middle).max(axis=1)
 
@@ -92,7 +99,9 @@ def table(size: int, odd: bool) -> Table:
     at = (np.arange(looks) + 0.5) * (np.pi / (_DENSER * degree))
     far_edge = matrix @ (orders * (2.0 * (orders % 2) - 1.0))
     last = np.ascontiguousarray(matrix[:, -2:])
-    return Table(odd, np.cos(angle), orders, matrix[:, 0].copy(), matrix @ orders, far_edge, last, np.sin(at), np.cos(at))
+    first, edge = matrix[:, 0].copy(), matrix @ orders
+    sums = np.column_stack((first, edge, last, far_edge, np.full(size, 1.0 / size)))
+    return Table(odd, np.cos(angle), orders, first, edge, far_edge, last, sums, np.sin(at), np.cos(at))
 
 
 @lru_cache(maxsize=8)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,8 +95,7 @@ def _outside(ends: Ends) -> tuple[Mask, Array, int]:
     if not way.pair:
         return opens, gap, z.shape[1]
     # Between the two zones, from the inner end to x = 0.
-    s = ((np.arange(_BESIDE) + 0.5) / _BESIDE) ** 2
-    z = 1.0 + (ends.middle / ends.half - 1.0)[:, None] * s
+    z = 1.0 + (ends.middle / ends.half - 1.0)[:, None] * _squares(_BESIDE)
     x = way.x(ends.middle[:, None] - ends.half[:, None] * z)
     between, gap_between = _opening(ends, z, x, -1.0)
     return opens & between, np.minimum(gap, gap_between), 2 * z.shape[1]
@@ -108,10 +108,20 @@ def _places(ends: Ends, right: Array) -> Array:
     if math.isfinite(limit):
         open_ = float((limit - ends.outer).max())
         count = _BESIDE if feature is None else int(np.clip(_PER_FEATURE * open_ / feature, _BESIDE, _MOST))
-        s = ((np.arange(count) + 0.5) / count) ** 2
-        return np.asarray(1.0 + (right - 1.0)[:, None] * s)
-    beside = 1.0 + 3.0 * ((np.arange(_BESIDE) + 0.5) / _BESIDE) ** 2
-    return np.tile(np.concatenate((beside, np.geomspace(4.5, _FARTHEST, _FAR))), (len(right), 1))
+        return np.asarray(1.0 + (right - 1.0)[:, None] * _squares(count))
+    return np.tile(_to_far_away(), (len(right), 1))
+
+
+@lru_cache(maxsize=8)
+def _squares(count: int) -> Array:
+    """Places in (0, 1), closer next to 0."""
+    return np.asarray(((np.arange(count) + 0.5) / count) ** 2)
+
+
+@lru_cache(maxsize=1)
+def _to_far_away() -> Array:
+    """Places from 1 on, closer there, and evenly in the logarithm far away."""
+    return np.concatenate((1.0 + 3.0 * _squares(_BESIDE), np.geomspace(4.5, _FARTHEST, _FAR)))
 
 
 def _opening(ends: Ends, z: Array, x: Array, side: float) -> tuple[Mask, Array]:

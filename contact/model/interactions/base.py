@@ -14,13 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact.model.laws.base import CONTROLS
+from contact.model.controls.base import CONTROLS
 
 Array = NDArray[np.float64]
 
 Scaled = Callable[[Array], Array]
-
-TURNING = ("tilt", "moment")
 
 
 class Interaction:

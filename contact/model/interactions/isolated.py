@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from contact.model.checks import positive_or_none
+from contact.model.checks import keep, positive_or_none
 from contact.model.interactions.base import Interaction
 from contact.model.registry import register_interaction
 
@@ -39,4 +39,4 @@ class Isolated(Interaction):
     turns = True
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "datum", positive_or_none("datum", self.datum))
+        keep(self, positive_or_none, "datum")

@@ -11,8 +11,7 @@ from math import pi
 from typing import Any, ClassVar
 
 import sie
-
-CONTROLS = ("load", "mean_pressure", "approach", "half_width", "contact_fraction")
+from contact.model.controls.base import CONTROLS
 
 
 class Law(sie.Kept):

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from contact.model.checks import positive
+from contact.model.checks import keep, positive
 from contact.model.laws.base import Law
 from contact.model.laws.frictionless import Frictionless
 from contact.model.registry import register_law
@@ -56,8 +56,7 @@ class Dugdale(Law):
     bare = Frictionless()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "work", positive("work", self.work))
-        object.__setattr__(self, "stress", positive("stress", self.stress))
+        keep(self, positive, "work", "stress")
 
     @property
     def tension(self) -> float:

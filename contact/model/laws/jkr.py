@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Any
 
-from contact.model.checks import positive
+from contact.model.checks import keep, positive
 from contact.model.laws.base import Law
 from contact.model.laws.frictionless import Frictionless
 from contact.model.registry import register_law
@@ -51,7 +51,7 @@ class JKR(Law):
     bare = Frictionless()
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "work", positive("work", self.work))
+        keep(self, positive, "work")
 
     def intensity(self, E_star: float) -> float:
         """-sqrt(E* w/pi) [Pa m^(1/2)]: the energy released per width that opens, (pi/E*) K^2, is w."""

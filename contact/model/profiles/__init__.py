@@ -2,6 +2,7 @@
 
 from contact.model.profiles.base import Profile
 from contact.model.profiles.biquadratic import Biquadratic
+from contact.model.profiles.combined import Combined
 from contact.model.profiles.flat import Flat
 from contact.model.profiles.fourier import Fourier
 from contact.model.profiles.parabola import Parabola
@@ -13,6 +14,7 @@ from contact.model.profiles.wedge import Wedge
 
 __all__ = [
     "Biquadratic",
+    "Combined",
     "Flat",
     "Fourier",
     "Parabola",

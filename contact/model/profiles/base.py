@@ -26,6 +26,10 @@ Array = NDArray[np.float64]
 # Places a period at which slopes are read.
 _PLACES = 1024
 
+# The one tip of many shapes.
+AT_ORIGIN = np.zeros(1)
+AT_ORIGIN.setflags(write=False)
+
 
 class Profile(sie.Kept):
     """Base of all profiles; subclasses are frozen dataclasses that check their fields when made.
@@ -171,6 +175,46 @@ class Profile(sie.Kept):
         if not dataclasses.is_dataclass(self):
             return {}
         return {f.name: getattr(self, f.name) for f in dataclasses.fields(self) if f.init}
+
+    @property
+    def bodies(self) -> dict[str, Profile]:
+        """The profiles of the bodies whose gap this is, by the table of a scene file that tells each: of one body this one."""
+        return {"profile": self}
+
+    def facing(self, x: Array) -> dict[str, Array]:
+        """The places of the bodies at x, each told as its own profile counts them."""
+        return {"profile": x}
+
+    @property
+    def title(self) -> str:
+        """What pictures and tables call it."""
+        return self.name
+
+    def tables(self) -> dict[str, dict[str, Any]]:
+        """What a scene file says of it: by table, the shape and its parameters."""
+        return {"profile": {"shape": self.name, **self.parameters()}}
+
+    @property
+    def preparation(self) -> dict[str, Any]:
+        """Of measured points: the keys by which they were prepared, with their values; none of any other shape."""
+        return {}
+
+    def unprepared(self) -> dict[str, Any]:
+        """What there was before, by name."""
+        return {}
+
+    def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> Profile:
+        """The same with other values of parameters, by table and name."""
+        return type(self)(**{**self.parameters(), **changes.get("profile", {})})
+
+    @property
+    def no_period(self) -> str:
+        """Said where a period is asked for and there is none."""
+        return f"the {self.name} profile has none"
+
+    def counter_height(self, x: ArrayLike) -> Array:
+        """Heights of the counter-face at zero load [m], up to a constant, upwards: 0, unless the counter body is rough too."""
+        return np.zeros(np.shape(x))
 
     def trace_summary(self) -> dict[str, Any] | None:
         """Of a measured trace: what was read and done to it, and its roughness, lengths in m; None for other shapes."""

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
-from contact.model.checks import positive, positive_or_none
+from contact.model.checks import keep, positive, positive_or_none
 from contact.model.profiles.base import Array, Profile
 from contact.model.registry import register_profile
 
@@ -49,11 +49,11 @@ class Biquadratic(Profile):
     spacing: float
     period: float | None = None
     units = {"radius": "m", "spacing": "m", "period": "m"}
+    symmetric = True
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", positive("radius", self.radius))
-        object.__setattr__(self, "spacing", positive("spacing", self.spacing))
-        object.__setattr__(self, "period", positive_or_none("period", self.period))
+        keep(self, positive, "radius", "spacing")
+        keep(self, positive_or_none, "period")
         if self.period is not None and self.period <= self.spacing:
             raise SceneError.of(
                 "period", self.period, f"larger than the spacing {self.spacing!r}: both tips lie in a cell"
@@ -68,10 +68,6 @@ class Biquadratic(Profile):
         c = self.spacing / 2
         w = np.asarray(self.wrap(x), dtype=np.float64)
         return np.asarray(w / c * (w - c) / c * (w + c) / (2 * self.radius))
-
-    @property
-    def symmetric(self) -> bool:
-        return True
 
     @property
     def kinks(self) -> Array:

@@ -23,6 +23,14 @@ _DECADES = np.array([[-0.43, -1.1e-3, -1.3e-9], [1.7e-6, 1.9e-4, 0.29]])
 
 def require_declared(profile: Profile) -> None:
     """SceneError that names the first attribute or method of the profile that has not the form it must have."""
+    require_declarations(profile)
+    x = _places(profile)
+    for name in ("height", "slope"):
+        _require_by_elements(profile, name, x)
+
+
+def require_declarations(profile: Profile) -> None:
+    """The same of its attributes alone."""
     positive_or_none("profile.period", _read(profile, "period"))
     for name in ("support", "extent"):
         ends = _read(profile, name)
@@ -38,9 +46,6 @@ def require_declared(profile: Profile) -> None:
         raise SceneError.of("profile.summits", tips, "None, or a one-dimensional array of positions [m]")
     if not isinstance(symmetric := _read(profile, "symmetric"), (bool, np.bool_)):
         raise SceneError.of("profile.symmetric", symmetric, "True or False (a property, not a method)")
-    x = _places(profile)
-    for name in ("height", "slope"):
-        _require_by_elements(profile, name, x)
 
 
 def _read(profile: Profile, name: str) -> Any:

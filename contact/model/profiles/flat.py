@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
-from contact.model.checks import positive, positive_or_none
-from contact.model.profiles.base import Array, Profile
+from contact.model.checks import keep, positive, positive_or_none
+from contact.model.profiles.base import AT_ORIGIN, Array, Profile
 from contact.model.registry import register_profile
 
 
@@ -43,10 +43,12 @@ class Flat(Profile):
     width: float
     period: float | None = None
     units = {"width": "m", "period": "m"}
+    symmetric = True
+    summits = AT_ORIGIN
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "width", positive("width", self.width))
-        object.__setattr__(self, "period", positive_or_none("period", self.period))
+        keep(self, positive, "width")
+        keep(self, positive_or_none, "period")
         if self.period is not None and self.period <= self.width:
             raise SceneError.of("period", self.period, f"larger than the width {self.width!r}")
 
@@ -61,20 +63,12 @@ class Flat(Profile):
         return np.zeros(np.shape(x))
 
     @property
-    def symmetric(self) -> bool:
-        return True
-
-    @property
     def support(self) -> tuple[float, float]:
         return -self.width / 2, self.width / 2
 
     @property
     def breakpoints(self) -> Array:
         return np.array(self.support)
-
-    @property
-    def summits(self) -> Array:
-        return np.array([0.0])
 
     @property
     def resolution(self) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import SceneError
-from contact.model.checks import finite_array, positive
+from contact.model.checks import finite_array, keep, positive
 from contact.model.profiles.base import Array, Profile
 from contact.model.profiles.trigonometric import Sum, in_turns
 from contact.model.registry import register_profile
@@ -52,7 +52,7 @@ class Fourier(Profile):
     units = {"period": "m"}
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "period", positive("period", self.period))
+        keep(self, positive, "period")
         cosine, sine = (finite_array(field, getattr(self, field), least=0) for field in ("cosine", "sine"))
         used = np.flatnonzero(_used(cosine, sine))
         if used.size == 0:

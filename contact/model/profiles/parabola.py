@@ -8,8 +8,8 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.model.checks import positive, positive_or_none
-from contact.model.profiles.base import Array, Profile
+from contact.model.checks import keep, positive, positive_or_none
+from contact.model.profiles.base import AT_ORIGIN, Array, Profile
 from contact.model.registry import register_profile
 
 
@@ -44,10 +44,12 @@ class Parabola(Profile):
     radius: float
     period: float | None = None
     units = {"radius": "m", "period": "m"}
+    symmetric = True
+    summits = AT_ORIGIN
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", positive("radius", self.radius))
-        object.__setattr__(self, "period", positive_or_none("period", self.period))
+        keep(self, positive, "radius")
+        keep(self, positive_or_none, "period")
 
     def height(self, x: ArrayLike) -> Array:
         return np.asarray(self.wrap(x) ** 2 / (2 * self.radius))
@@ -64,16 +66,8 @@ class Parabola(Profile):
             return np.asarray(-self.period / (pi * self.radius) * np.log(2 * np.abs(np.cos(turn))))
 
     @property
-    def symmetric(self) -> bool:
-        return True
-
-    @property
     def kinks(self) -> Array:
         return np.empty((0, 2)) if self.period is None else np.array([[self.x0, -self.period / self.radius]])
-
-    @property
-    def summits(self) -> Array:
-        return np.array([0.0])
 
     @property
     def resolution(self) -> float | None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
-from contact.model.checks import finite_array, positive_or_none
+from contact.model.checks import finite_array, keep, positive_or_none
 from contact.model.profiles.base import Array, Profile
 from contact.model.registry import register_profile
 
@@ -51,7 +51,7 @@ class Polynomial(Profile):
                 "coefficients", self.coefficients, "lowest power first, with one beyond the constant not zero"
             )
         object.__setattr__(self, "coefficients", c)
-        object.__setattr__(self, "period", positive_or_none("period", self.period))
+        keep(self, positive_or_none, "period")
         if self.period is None:
             return
         half = self.period / 2

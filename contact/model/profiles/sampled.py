@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,10 +23,12 @@ from contact.extras import require
 from contact.model.checks import finite_array, increasing, positive_or_none, text
 from contact.model.profiles.base import Array, Profile
 from contact.model.registry import register_profile
-from contact.model.traces.prepare import load_trace
+from contact.model.traces.prepare import Preparation, Reading, Trace, load_trace, prepared
 from contact.model.traces.roughness import roughness
 
 _FEWEST = 4  # a not-a-knot cubic has four coefficients
+# Of how a trace is prepared: what may be a whole number.
+_WHOLE = ("detrend", "regrid")
 _MOSTLY = 0.25  # this part of the points lie closer than what a first guess must see
 _SAME = 1e-9  # relative: positions and heights of a repeated end point that agree this far are one point
 _ROUNDING = 4 * float(np.finfo(np.float64).eps)  # relative: heights this near one another are one height
@@ -127,13 +129,8 @@ def read_trace(
         path, columns, units, detrend, regrid, taper, period, pitch=pitch, decimal=decimal, delimiter=delimiter, fill=fill, missing=missing,
         sort=sort, lambda_s=lambda_s, lambda_c=lambda_c, channel=channel, line=line, along=along,
     )  # fmt: skip
-    try:
-        made = Sampled(trace.x, trace.height, trace.period)
-    except SceneError as error:
-        raise SceneError(f"file {str(path)!r}: {error}", error.field, error.value, error.allowed) from error
-    object.__setattr__(made, "history", trace.history)
-    object.__setattr__(made, "warnings", trace.warnings)
-    warn(trace.warnings)
+    made = _of_trace(trace)
+    warn(made.warnings)
     return made
 
 
@@ -178,7 +175,9 @@ class Sampled(Profile):
     period: float | None = None
     history: tuple[str, ...] = field(default=(), compare=False, repr=False)
     warnings: tuple[str, ...] = field(default=(), compare=False, repr=False)
-    units = {"period": "m"}
+    units = {"period": "m", "lambda_s": "m", "lambda_c": "m", "taper": "1"}
+    # Of a trace from a file: what was read, and what was done to it.
+    source: ClassVar[tuple[Reading, Preparation] | None] = None
 
     def __init__(self, x: ArrayLike, height: ArrayLike, period: float | None = None) -> None:
         points = increasing("x", x, _FEWEST)
@@ -218,6 +217,25 @@ class Sampled(Profile):
 
     def parameters(self) -> dict[str, Any]:
         return {"x": self.x, "height": self.heights, "period": self.period}
+
+    @property
+    def no_period(self) -> str:
+        return f"the {self.name} profile has none: period = true takes its length for one (taper brings its ends to one height)"
+
+    @property
+    def preparation(self) -> dict[str, Any]:
+        return {} if self.source is None else vars(self.source[1])
+
+    def unprepared(self) -> dict[str, Any]:
+        return {} if self.source is None else {"x": self.source[0].x, "height": self.source[0].height}
+
+    def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> Profile:
+        """With other points of the file where what is done to them is another."""
+        own = changes.get("profile", {})
+        if self.source is None or not set(own) - set(self.parameters()):
+            return super().varied(changes)
+        whole = {key: int(value) for key, value in own.items() if key in _WHOLE and isinstance(value, float) and value == int(value)}
+        return _prepared_again(self.source[0], replace(self.source[1], **{**own, **whole}))
 
     def trace_summary(self) -> dict[str, Any]:
         return {"history": list(self.history), **vars(roughness(self))}
@@ -298,6 +316,23 @@ class Sampled(Profile):
         lo, hi = self.x[0], self.x[-1]
         slack = 8 * np.finfo(np.float64).eps * max(abs(lo), abs(hi), hi - lo)
         return np.where((w < lo) & (w >= lo - slack), lo, np.where((w > hi) & (w <= hi + slack), hi, w))
+
+
+@lru_cache(maxsize=8)
+def _prepared_again(reading: Reading, by: Preparation) -> Sampled:
+    """Points of one file in several ways; of the last ones each is made once, as the points of a sweep ask for it again and again."""
+    return _of_trace(prepared(reading, by))
+
+
+def _of_trace(trace: Trace) -> Sampled:
+    try:
+        made = Sampled(trace.x, trace.height, trace.period)
+    except SceneError as error:
+        of = "" if trace.source is None else f"file {trace.source[0].path!r}: "
+        raise SceneError(f"{of}{error}", error.field, error.value, error.allowed) from error
+    for name in ("history", "warnings", "source"):
+        object.__setattr__(made, name, getattr(trace, name))
+    return made
 
 
 def _one_period(x: Array, heights: Array, period: float) -> tuple[Array, Array]:

@@ -8,8 +8,8 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.model.checks import positive
-from contact.model.profiles.base import Array, Profile
+from contact.model.checks import keep, positive
+from contact.model.profiles.base import AT_ORIGIN, Array, Profile
 from contact.model.registry import register_profile
 
 
@@ -43,10 +43,11 @@ class Sinusoid(Profile):
     amplitude: float
     period: float
     units = {"amplitude": "m", "period": "m"}
+    symmetric = True
+    summits = AT_ORIGIN
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "amplitude", positive("amplitude", self.amplitude))
-        object.__setattr__(self, "period", positive("period", self.period))
+        keep(self, positive, "amplitude", "period")
 
     def _turns(self, x: ArrayLike) -> Array:
         """x in periods, less the nearest whole number: cheaper than `wrap`, and all that sine and cosine need."""
@@ -63,14 +64,6 @@ class Sinusoid(Profile):
     def slope_conjugate(self, x: ArrayLike) -> Array:
         """H sin = -cos."""
         return np.asarray(-2 * pi * self.amplitude / self.period * np.cos(2 * pi * self._turns(x)))
-
-    @property
-    def symmetric(self) -> bool:
-        return True
-
-    @property
-    def summits(self) -> Array:
-        return np.array([0.0])
 
     @property
     def resolution(self) -> float:

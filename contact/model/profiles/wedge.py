@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.model.checks import positive, positive_or_none
-from contact.model.profiles.base import Array, Profile
+from contact.model.profiles.base import AT_ORIGIN, Array, Profile
 from contact.model.registry import register_profile
 
 
@@ -46,6 +46,8 @@ class Wedge(Profile):
     tangent: float
     period: float | None = None
     units = {"slope": "1", "period": "m"}
+    symmetric = True
+    summits = AT_ORIGIN
 
     def __init__(self, slope: float, period: float | None = None) -> None:
         object.__setattr__(self, "tangent", positive("slope", slope))
@@ -74,17 +76,9 @@ class Wedge(Profile):
             )
 
     @property
-    def symmetric(self) -> bool:
-        return True
-
-    @property
     def kinks(self) -> Array:
         tip = [0.0, 2 * self.tangent]
         return np.array([tip] if self.period is None else [[self.x0, -2 * self.tangent], tip])
-
-    @property
-    def summits(self) -> Array:
-        return np.array([0.0])
 
     @property
     def resolution(self) -> float | None:

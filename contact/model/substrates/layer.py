@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import SceneError
-from contact.model.checks import finite, one_of, positive
+from contact.model.checks import finite, keep, one_of, positive
 from contact.model.registry import register_substrate
 from contact.model.substrates.base import Substrate
 
@@ -68,8 +68,8 @@ class Layer(Substrate):
     units = {"thickness": "m", "nu": "1"}
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "thickness", positive("thickness", self.thickness))
-        object.__setattr__(self, "nu", finite("nu", self.nu))
+        keep(self, positive, "thickness")
+        keep(self, finite, "nu")
         if not -1.0 < self.nu <= 0.5:
             raise SceneError.of("nu", self.nu, "a Poisson ratio, more than -1 and at most 0.5")
         one_of("base", self.base, BASES)

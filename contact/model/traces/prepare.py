@@ -43,9 +43,45 @@ _LENGTHS, _PITCHES, _SHALLOWEST = (1e-9, 1.0), (1e-12, 1e-3), 1e-11
 _MOST_BEYOND = 1.5
 
 
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What a file says: positions and heights [m] as they stand there, the line of each, and the units."""
+
+    path: str
+    x: Array
+    height: Array
+    lines: NDArray[np.int64]
+    said: str
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """What is done to points that were read, in this order; the keys of a scene's [profile] of these names."""
+
+    sort: bool = False
+    fill: str | None = None
+    regrid: bool | int | None = None
+    lambda_s: float | None = None
+    detrend: str | int = "none"
+    lambda_c: float | None = None
+    taper: float | None = None
+    period: bool | float | None = None
+
+    def __post_init__(self) -> None:
+        checked_sort(self.sort)
+        _degree(self.detrend)
+        _count(self.regrid)
+        if self.taper is not None:
+            _fraction(self.taper)
+        _period(self.period)
+        cut_offs(self.lambda_s, self.lambda_c)
+        checked_fill(self.fill)
+
+
 @dataclass(frozen=True)
 class Trace:
-    """Positions and heights [m], the period if there is one, what was done to get them, and what is doubtful about them."""
+    """Positions and heights [m], the period if there is one, what was done to get them, what is doubtful about them, and what they were
+    made of."""
 
     x: Array
     height: Array
@@ -53,6 +89,7 @@ class Trace:
     history: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     stages: tuple[tuple[str, Array, Array], ...] = ()
+    source: tuple[Reading, Preparation] | None = None
 
 
 def load_trace(
@@ -77,15 +114,19 @@ def load_trace(
     along: str | None = None,
 ) -> Trace:
     """Read a file and prepare it; `contact.read_trace` says what each argument does."""
-    _degree(detrend)
-    count = _count(regrid)
-    fraction = None if taper is None else _fraction(taper)
-    length = _period(period)
-    short, long = cut_offs(lambda_s, lambda_c)
-    checked_fill(fill)
+    preparation = Preparation(sort, fill, regrid, lambda_s, detrend, lambda_c, taper, period)
     read = _instrument if is_instrument_file(path) else _table
     layout = {"columns": columns, "units": units, "pitch": pitch, "decimal": decimal, "delimiter": delimiter, "missing": missing}
-    x, height, lines, said = read(path, layout, {"channel": channel, "line": line, "along": along})
+    return prepared(Reading(str(path), *read(path, layout, {"channel": channel, "line": line, "along": along})), preparation)
+
+
+def prepared(reading: Reading, by: Preparation) -> Trace:
+    """Points that were read, put in order, filled, filtered and levelled as asked."""
+    path, x, height, lines, said = reading.path, reading.x, reading.height, reading.lines, reading.said
+    count, length = _count(by.regrid), _period(by.period)
+    short, long = cut_offs(by.lambda_s, by.lambda_c)
+    fill, detrend = by.fill, by.detrend
+    fraction = None if by.taper is None else _fraction(by.taper)
     history = [f"{x.size} points of {Path(path).name}, read in {said}"]
     stages: list[tuple[str, Array, Array]] = []
 
@@ -94,7 +135,7 @@ def load_trace(
             history.append(note)
             stages.append((note, x, height))
 
-    x, height, lines, note = in_order(path, x, height, lines, checked_sort(sort))
+    x, height, lines, note = in_order(path, x, height, lines, checked_sort(by.sort))
     stages.append(("as read", x, height))
     done(note)
     many = too_many(height)
@@ -104,6 +145,8 @@ def load_trace(
     if count is None:
         _refuse_repeated(path, x, lines)
     else:
+        if _pitch_behind_rounding(x) is None:
+            _refuse_repeated(path, x, lines)
         x, height, note = to_uniform(x, height, x.size if count is True else _bounded(count, x.size))
         done(note)
     if short is not None:
@@ -126,7 +169,7 @@ def load_trace(
         length = _measured_length(x, height)
         history.append(f"period {length:.9g} m, the measured length")
     doubts = _doubts(Path(path).name, x, height, length, said)
-    return Trace(x, height, length, tuple(history), (*holes, *doubts), tuple(stages))
+    return Trace(x, height, length, tuple(history), (*holes, *doubts), tuple(stages), (reading, by))
 
 
 def _table(path: str | Path, layout: dict[str, Any], place: dict[str, Any]) -> tuple[Array, Array, NDArray[np.int64], str]:
@@ -157,7 +200,16 @@ def _instrument(path: str | Path, layout: dict[str, Any], place: dict[str, Any])
 def _refuse_repeated(path: str | Path, x: Array, lines: NDArray[np.int64]) -> None:
     again = np.flatnonzero(np.diff(x) <= 0)
     if again.size:
-        raise at(path, lines[again[0] + 1], "a position is repeated: give regrid if the file's positions are rounded")
+        raise at(path, lines[again[0] + 1], _of_repeated(x))
+
+
+def _of_repeated(x: Array) -> str:
+    """What is wrong with positions of which some are the same."""
+    again = np.flatnonzero(np.diff(x) <= 0)
+    if _pitch_behind_rounding(x) is not None:
+        return "a position is repeated, as positions are rounded: regrid = true takes them as even"
+    more = f", as {again.size - 1} more are" if again.size > 1 else ""
+    return f"the position {x[again[0]]:.9g} m is repeated{more}, and rounding does not explain it: of such lines all but one have to go"
 
 
 def _measured_length(x: Array, height: Array) -> float:
@@ -166,17 +218,6 @@ def _measured_length(x: Array, height: Array) -> float:
         allowed = f"a number, or true with end heights that agree (they differ by {difference:.3g} m: give taper)"
         raise SceneError.of("period", True, allowed)
     return float(x[-1] - x[0])
-
-
-def read_columns(
-    path: str | Path, columns: Sequence[int | str] = (), units: str | Sequence[str] | None = None
-) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Position and height [m] of a text file, and the line of each."""
-    table = read_table(path, columns)
-    values, _ = in_metres(path, table, units)
-    x, height, lines, _ = in_order(path, values[:, 0], values[:, 1], table.lines)
-    filled(path, x, height, lines, None)
-    return x, height, lines
 
 
 def _doubtful_heights(name: str, height: Array, many: str) -> tuple[str, ...]:
@@ -196,6 +237,9 @@ def _doubts(name: str, x: Array, height: Array, period: float | None, said: str)
     told = f"{name}, read in {said}, is a trace {quantity(length, 'm')} long with a pitch of {quantity(pitch, 'm')}"
     if not (_LENGTHS[0] <= length <= _LENGTHS[1] and _PITCHES[0] <= pitch <= _PITCHES[1]):
         return (f"{told}, which is not that of a surface: units says what the numbers of the file are in",)
+    if depth > length:
+        higher = f"{told} and heights within {quantity(depth, 'm')}, more than it is long"
+        return (f"{higher}: columns may be the other way round, or units two, of positions and of heights",)
     if depth < _SHALLOWEST:
         return (f"{told} and heights within {quantity(depth, 'm')}, less than an atom: units may be two, of positions and of heights",)
     if period is not None and period > _MOST_BEYOND * length:

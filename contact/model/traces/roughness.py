@@ -104,10 +104,10 @@ def power_spectrum(trace: Measured) -> tuple[Array, Array]:
     return np.asarray(step * np.arange(1, waves.size)), np.asarray(waves[1:] / step)
 
 
-def height_distribution(trace: Measured, bins: int | None = None) -> tuple[Array, Array]:
+def height_distribution(trace: Measured) -> tuple[Array, Array]:
     """Edges of equal bins [m], from the mean height, and the density of heights in them [1/m], by the length of the trace."""
     n = trace.x.size
-    count = bins if bins is not None else int(np.clip(np.sqrt(n), 8, _MOST_BINS))
+    count = int(np.clip(np.sqrt(n), 8, _MOST_BINS))
     if trace.period is not None:
         at = trace.x[0] + trace.period * np.arange(4 * n) / (4 * n)
     else:

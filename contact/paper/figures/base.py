@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
-from contact.extras import require
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
 from contact.model.profiles import Profile
 from contact.model.scene import Scene
+from contact.solution.panels import new_figure
 from contact.solution.solution import Solution
 from contact.solver import solve
 
@@ -56,8 +56,7 @@ class Figure:
         """figure-N.png and figure-N.csv in the folder, which is made."""
         folder.mkdir(parents=True, exist_ok=True)
         picture, numbers = folder / f"figure-{self.number}.png", folder / f"figure-{self.number}.csv"
-        figure = require("matplotlib.figure").Figure(figsize=self.size, layout="constrained")
-        require("matplotlib.backends.backend_agg").FigureCanvasAgg(figure)
+        figure = new_figure(*self.size)
         self.draw(figure)
         figure.suptitle(f"Figure {self.number}. {self.title}", fontsize=10)
         figure.savefig(picture, dpi=160)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from contact.model.profiles import Sinusoid
-from contact.paper import FIRST_ORDER, LocalizedWave
+from contact.paper import LocalizedWave
 from contact.paper.figures.base import (
     ALONE,
     EXACT,
@@ -33,8 +33,8 @@ FRACTIONS = (0.4, 0.7)
 _MODELS = (EXACT, FIRST, SELF, ONE)
 
 
-def _closed(half_width: float, closure: str = FIRST_ORDER) -> LocalizedWave:
-    return LocalizedWave(0.01, 1.0, 1.0, half_width, closure)
+def _closed(half_width: float) -> LocalizedWave:
+    return LocalizedWave(0.01, 1.0, 1.0, half_width)
 
 
 def figure_7() -> Figure:

@@ -66,7 +66,40 @@ def zone_potential(z_minus_1: ArrayLike) -> Array:
     return np.asarray(0.5 * sinh_minus(2.0 * arcosh1p(z_minus_1)))
 
 
-class SymmetricZone:
+class Zoned:
+    """What follows from zones and load, whatever they are: of one zone, or of several that carry the same."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def zones(self) -> Array: ...
+        @property
+        def load(self) -> float: ...
+        @property
+        def period(self) -> float | None: ...
+
+    @property
+    def zone_widths(self) -> Array:
+        """Width of every zone [m], (n,)."""
+        return np.diff(self.zones, axis=1)[:, 0]
+
+    @property
+    def zone_loads(self) -> Array:
+        """Load of every zone [N/m], (n,)."""
+        return np.full(len(self.zones), self.load / len(self.zones))
+
+    @property
+    def mean_pressure(self) -> float | None:
+        """Load over period [Pa]; None without one."""
+        return None if self.period is None else self.load / self.period
+
+    @property
+    def contact_fraction(self) -> float | None:
+        """The share of the period in contact; None without a period."""
+        return None if self.period is None else float(np.sum(self.zone_widths)) / self.period
+
+
+class SymmetricZone(Zoned):
     """One zone [-a, a], isolated (period None) or once in every period; the base of the exact solutions of one symmetric zone.
 
     Equations: the head of this module (J. R. Barber, Contact Mechanics, 2018, doi 10.1007/978-3-319-70939-0).
@@ -166,16 +199,6 @@ class SymmetricZone:
         """Ends of the zone [m], (1, 2)."""
         return np.array([[-self.half_width, self.half_width]])
 
-    @property
-    def zone_widths(self) -> Array:
-        """Width of the zone [m], (1,)."""
-        return np.array([2.0 * self.half_width])
-
-    @property
-    def contact_fraction(self) -> float | None:
-        """2a/L; None without a period."""
-        return None if self.period is None else 2.0 * self.half_width / self.period
-
     def _reduced(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=float)
         return x if self.period is None else x - self.period * np.round(x / self.period)
@@ -188,17 +211,6 @@ class SymmetricZone:
         """f'(x)."""
         x = self._reduced(x)
         return np.sign(x) * self._slope(np.abs(x))
-
-    # Loads
-    @property
-    def zone_loads(self) -> Array:
-        """Load of the zone [N/m], (1,)."""
-        return np.array([self.load])
-
-    @property
-    def mean_pressure(self) -> float | None:
-        """Load per period over the period; None without a period."""
-        return None if self.period is None else self.load / self.period
 
     # Fields
     def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
@@ -315,18 +327,11 @@ def half_width_from_sine(s: float, c: float, period: float) -> float:
     return period / pi * (asin(s) if s < c else 0.5 * pi - asin(c))
 
 
-def abel_gap(
-    load_rate: Callable[[Array], Array], a: float, e: Array, E_star: float, period: float | None = None
-) -> Array:
-    """(2/pi E*) int_a^(a+e) P'(s) arcosh(..) ds, by a double-exponential rule (see the head of this file)."""
+def abel_gap(load_rate: Callable[[Array], Array], a: float, e: Array, E_star: float) -> Array:
+    """(2/pi E*) int_a^(a+e) P'(s) arcosh((a+e)/s) ds, by a double-exponential rule (see the head of this file)."""
     e = np.asarray(e, dtype=float)[..., None]
     s, rest = a + e * FROM_LEFT, e * FROM_RIGHT
-    if period is None:
-        y = rest / s
-    else:
-        u, half = pi / period * s, 0.5 * pi / period * rest
-        y = 2.0 * np.cos(u + half) * np.sin(half) / np.sin(u)
-    return 2.0 / (pi * E_star) * np.sum(e * WEIGHT * load_rate(s) * arcosh1p(np.maximum(y, 0.0)), axis=-1)
+    return 2.0 / (pi * E_star) * np.sum(e * WEIGHT * load_rate(s) * arcosh1p(np.maximum(rest / s, 0.0)), axis=-1)
 
 
 def refuse_load(load: float, most: float, why: str) -> None:

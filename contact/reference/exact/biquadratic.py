@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
-from contact.model.checks import positive, positive_or_none
-from contact.reference.exact.base import Array, arcosh1p, sinh_minus, zone_potential
+from contact.model.checks import keep, positive, positive_or_none
+from contact.reference.exact.base import Array, Zoned, arcosh1p, sinh_minus, zone_potential
 
 
 @dataclass(frozen=True)
-class IsolatedBiquadratic:
+class IsolatedBiquadratic(Zoned):
     """Two parabolic tips a distance 2c apart on one punch, f = (x^2 - c^2)^2/8Rc^2: two zones, or one.
 
     Zones a <= |x| <= b, a^2 + b^2 = 2c^2, h = (b^2 - a^2)/2, while the load of both P < pi E* c^2/8R:
@@ -88,12 +88,9 @@ class IsolatedBiquadratic:
     load: float
     datum: float | None = None
     period = None
-    mean_pressure = None
-    contact_fraction = None
 
     def __post_init__(self) -> None:
-        for name in ("radius", "spacing", "E_star", "load"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "radius", "spacing", "E_star", "load")
         positive_or_none("datum", self.datum)
 
     @classmethod
@@ -146,17 +143,6 @@ class IsolatedBiquadratic:
         """Ends of the zones [m], (2, 2), or (1, 2) once they have merged."""
         a, b = self.inner_end, self.outer_end
         return np.array([[-b, b]]) if self.merged else np.array([[-b, -a], [a, b]])
-
-    @property
-    def zone_widths(self) -> Array:
-        """Widths of the zones [m]."""
-        return np.diff(self.zones, axis=1)[:, 0]
-
-    @property
-    def zone_loads(self) -> Array:
-        """Load of every zone [N/m]."""
-        n = len(self.zones)
-        return np.full(n, self.load / n)
 
     @property
     def max_pressure(self) -> float:

@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from contact.errors import OutOfRange, SceneError
-from contact.model.checks import between, positive, positive_or_none
+from contact.model.checks import between, keep, positive, positive_or_none
 from contact.reference.exact.adhesion import AdhesiveZone, Equilibria, frictionless_energy
 from contact.reference.exact.base import (
     FROM_LEFT,
@@ -488,8 +488,7 @@ class DugdaleCylinder(_DugdaleEquilibria):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("radius", "E_star", "work", "stress"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "radius", "E_star", "work", "stress")
         positive_or_none("datum", self.datum)
 
     def _frictionless(self, half_width: float) -> HertzLine:
@@ -582,8 +581,7 @@ class DugdaleWave(_DugdaleEquilibria):
     stress: float
 
     def __post_init__(self) -> None:
-        for name in ("amplitude", "period", "E_star", "work", "stress"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "amplitude", "period", "E_star", "work", "stress")
 
     def _frictionless(self, half_width: float) -> Westergaard:
         return Westergaard(self.amplitude, self.period, self.E_star, half_width)

@@ -15,7 +15,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from contact.model.checks import positive, positive_or_none
+from contact.model.checks import keep, positive, positive_or_none
 from contact.reference.exact.adhesion import AdhesiveZone, Equilibria, frictionless_energy
 from contact.reference.exact.base import Array, IsolatedZone, PeriodicZone
 from contact.reference.exact.flat import IsolatedPunch, PeriodicPunch
@@ -198,8 +198,7 @@ class JKRCylinder(_JKREquilibria):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("radius", "E_star", "work"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "radius", "E_star", "work")
         positive_or_none("datum", self.datum)
 
     def at(self, parameter: float) -> JKRZone:
@@ -287,8 +286,7 @@ class JKRWave(_JKREquilibria):
     stays_closed = True
 
     def __post_init__(self) -> None:
-        for name in ("amplitude", "period", "E_star", "work"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "amplitude", "period", "E_star", "work")
 
     def at(self, parameter: float) -> JKRZone:
         """The equilibrium of this half width."""

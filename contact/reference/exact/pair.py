@@ -18,6 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan, ceil, exp, inf, log, pi, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,7 +26,7 @@ from scipy.fft import dct
 from scipy.optimize import brentq
 
 from contact.errors import OutOfRange, SceneError
-from contact.model.checks import positive
+from contact.model.checks import keep, positive
 from contact.reference.exact.base import Array
 
 # The terms of a series that falls as rho^n: up to rounding, and what that takes where a zone all but ends at a singularity.
@@ -204,16 +205,14 @@ def bounded_middle(ratio: Ratio, half: float, limit: float) -> float | None:
     return float(brentq(miss, half, high, xtol=1e-300, rtol=1e-15))
 
 
-def pair_at_load(
-    ratio: Ratio, load: float, E_star: float, limit: float, period: float | None = None, middle: float | None = None
-) -> EvenPair:
-    """The pair that carries the load, m by `bounded_middle` or, given, held: the root of P(h), which grows with h.
+def pair_at_load(ratio: Ratio, load: float, E_star: float, limit: float, period: float | None = None) -> EvenPair:
+    """The pair that carries the load, m by `bounded_middle`: the root of P(h), which grows with h.
 
     limit: what y stays below. OutOfRange past the load at which the zones meet.
     """
 
     def at(half: float) -> EvenPair | None:
-        m = bounded_middle(ratio, half, limit) if middle is None else (middle if half < middle else None)
+        m = bounded_middle(ratio, half, limit)
         return None if m is None else EvenPair.on(m, half, ratio, E_star, limit, period)
 
     def miss(log_half: float) -> float:
@@ -235,6 +234,19 @@ def pair_at_load(
     pair = at(exp(float(brentq(miss, low, low + step, xtol=1e-15, rtol=1e-15))))
     assert pair is not None
     return pair
+
+
+def tips_slope(x: Array, radius: float, spacing: float) -> Array:
+    """f' of f = (x^2 - c^2)^2/8Rc^2, spacing = 2c."""
+    c = 0.5 * spacing
+    return np.asarray(x * (x - c) * (x + c) / (2.0 * radius * c * c))
+
+
+def check_row(row: Any) -> None:
+    """The numbers of two tips in a row: positive, and the tips within a period."""
+    keep(row, positive, "radius", "spacing", "period", "E_star", "mean_pressure")
+    if not row.spacing < row.period:
+        raise SceneError.of("spacing", row.spacing, f"below the period {row.period:.17g}")
 
 
 @dataclass(frozen=True)
@@ -298,22 +310,16 @@ class PeriodicBiquadratic:
     mean_pressure: float
 
     def __post_init__(self) -> None:
-        for name in ("radius", "spacing", "period", "E_star", "mean_pressure"):
-            positive(name, getattr(self, name))
-        if not self.spacing < self.period:
-            raise SceneError.of("spacing", self.spacing, f"below the period {self.period:.17g}")
+        check_row(self)
 
     @cached_property
     def pair(self) -> EvenPair:
         """The solution in v = tan(pi x/L)."""
-        c, length = 0.5 * self.spacing, self.period
-
         def ratio(y: Array, middle: float, half: float) -> Array:
             v = np.sqrt(y)
-            x = length / pi * np.arctan(v)
-            return x * (x - c) * (x + c) / (2.0 * self.radius * c * c * v)
+            return tips_slope(self.period / pi * np.arctan(v), self.radius, self.spacing) / v
 
-        return pair_at_load(ratio, self.load, self.E_star, inf, length)
+        return pair_at_load(ratio, self.load, self.E_star, inf, self.period)
 
     load = property(lambda self: self.mean_pressure * self.period)
     zones = property(lambda self: self.pair.zones)
@@ -335,9 +341,7 @@ class PeriodicBiquadratic:
     def slope(self, x: ArrayLike) -> Array:
         """f'(x)."""
         x = np.asarray(x, dtype=float)
-        x = x - self.period * np.round(x / self.period)
-        c = 0.5 * self.spacing
-        return np.asarray(x * (x - c) * (x + c) / (2.0 * self.radius * c * c))
+        return tips_slope(x - self.period * np.round(x / self.period), self.radius, self.spacing)
 
     def pressure(self, x: ArrayLike) -> Array:
         """p(x) [Pa], 0 outside the zones."""

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from scipy.special import itj0y0, j0, j1, jn_zeros, jv
 
 from contact.errors import OutOfRange
-from contact.model.checks import positive
+from contact.model.checks import keep, positive
 from contact.reference.exact.base import (
     Array,
     IsolatedZone,
@@ -188,8 +188,7 @@ class FullContactSinusoid:
     mean_pressure: float
 
     def __post_init__(self) -> None:
-        for name in ("amplitude", "period", "E_star", "mean_pressure"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "amplitude", "period", "E_star", "mean_pressure")
         if self.mean_pressure < self.full_contact_pressure:
             raise OutOfRange(
                 f"mean_pressure = {self.mean_pressure:.6g} Pa is out of range: full contact begins at "

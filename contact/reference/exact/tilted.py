@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange, SceneError
-from contact.model.checks import finite, positive, positive_or_none
-from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, arcosh1p, zone_potential
+from contact.model.checks import finite, keep, positive, positive_or_none
+from contact.reference.exact.base import FROM_LEFT, WEIGHT, Array, Zoned, arcosh1p, zone_potential
 
 
-class TiltedZone:
+class TiltedZone(Zoned):
     """One zone under a turned punch, the gap at no load being f(x) - tilt x; the base of its solutions.
 
     M = int p x dx is the moment about the middle of the body, e = M/P the centre of the load. Derived here, see the head of this module.
@@ -118,16 +118,6 @@ class TiltedZone:
         return np.array([[self.middle - self.half_width, self.middle + self.half_width]])
 
     @property
-    def zone_widths(self) -> Array:
-        """Width of the zone [m], (1,)."""
-        return np.array([2.0 * self.half_width])
-
-    @property
-    def zone_loads(self) -> Array:
-        """Load of the zone [N/m], (1,)."""
-        return np.array([self.load])
-
-    @property
     def approach(self) -> float | None:
         """By how much the body has come down at x = 0, from f(0) = 0 on; None without a datum."""
         return None if self.datum is None else self._approach(self.datum)
@@ -201,8 +191,7 @@ class TiltedParabola(TiltedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("radius", "E_star", "half_width"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "radius", "E_star", "half_width")
         finite("tilt", self.tilt)
         positive_or_none("datum", self.datum)
 
@@ -293,8 +282,7 @@ class TiltedWedge(TiltedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("wedge_slope", "E_star", "half_width"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "wedge_slope", "E_star", "half_width")
         finite("tilt", self.tilt)
         positive_or_none("datum", self.datum)
         if abs(self.tilt) >= self.wedge_slope:
@@ -426,8 +414,7 @@ class TiltedPunch(TiltedZone):
     datum: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("corner", "E_star", "load"):
-            positive(name, getattr(self, name))
+        keep(self, positive, "corner", "E_star", "load")
         finite("moment", self.moment)
         positive_or_none("datum", self.datum)
         if not abs(self.moment) < self.load * self.corner:

@@ -22,10 +22,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.errors import SceneError
-from contact.model.checks import finite, finite_array, positive, positive_or_none
+from contact.model.checks import finite, keep, positive
 from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
-from contact.reference.inverse.designed import least_value
+from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
 
@@ -33,7 +32,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class AdhesiveDesign:
+class AdhesiveDesign(GivenZones):
     """An exact JKR contact of given zones, load and work of adhesion, with p ~ -sqrt(E* w/pi)/sqrt(d) at every end.
 
     Whether the surfaces keep apart between the zones is `is_admissible`: weak loads with strong adhesion may not be. Derived from the
@@ -101,25 +100,9 @@ class AdhesiveDesign:
     period: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("E_star", "work"):
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
-        object.__setattr__(self, "load", finite("load", self.load))
-        object.__setattr__(self, "period", positive_or_none("period", self.period))
-        zones = finite_array("zones", self.zones, ndim=2)
-        object.__setattr__(self, "zones", zones)
-        if zones.shape[1] != 2 or np.any(np.diff(zones.ravel()) <= 0.0):
-            raise SceneError.of("zones", self.zones, "an (n, 2) array of ends, strictly increasing")
-        if self.period is not None and not zones[-1, 1] - zones[0, 0] < self.period:
-            raise SceneError.of("zones", self.zones, f"within one period {self.period:.17g}")
-
-    @cached_property
-    def _long(self) -> CutProduct:
-        """In the longest precision there is: the linear equations and the profile."""
-        return CutProduct(self.zones.astype(np.longdouble), self.period)
-
-    @cached_property
-    def _product(self) -> CutProduct:
-        return CutProduct(self.zones.astype(float), self.period)
+        keep(self, positive, "E_star", "work")
+        keep(self, finite, "load")
+        self._check()
 
     @property
     def intensity(self) -> float:
@@ -244,41 +227,11 @@ class AdhesiveDesign:
         cosines, sines = -2.0 * harmonic.imag / wave, 2.0 * harmonic.real / wave
         return DesignedProfile(self.period, np.empty(0), hull, cosines.astype(float), sines.astype(float))
 
-    def height(self, x: ArrayLike) -> Array:
-        """f(x) [m], up to a constant."""
-        return self.profile.height(x)
-
-    def slope(self, x: ArrayLike) -> Array:
-        """f'(x)."""
-        return self.profile.slope(x)
-
-    # The solution
-    @property
-    def mean_pressure(self) -> float | None:
-        """Load over period; None without one."""
-        return None if self.period is None else self.load / self.period
-
-    @property
-    def zone_widths(self) -> Array:
-        """Width of every zone [m], (n,)."""
-        return np.diff(self.zones, axis=1)[:, 0]
-
-    @property
-    def contact_fraction(self) -> float | None:
-        """The share of the period in contact; None without a period."""
-        return None if self.period is None else float(np.sum(self.zone_widths)) / self.period
-
     @cached_property
     def zone_loads(self) -> Array:
         """Load of every zone [N/m]."""
         modes, poles = self._zone_integrals
         return np.asarray(modes @ self._smooth + poles, dtype=float)
-
-    @property
-    def nearness(self) -> float:
-        """Narrowest gap over widest zone."""
-        gaps = self._product.steps[1::2]
-        return float(np.min(gaps) / np.max(self.zone_widths)) if gaps.size else np.inf
 
     def _zone_pressure(self, zone: int, dl: Array, dr: Array) -> Array:
         i = 2 * zone
@@ -286,37 +239,9 @@ class AdhesiveDesign:
             p = 0.5 * self.E_star * self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr)
         return np.asarray(np.where(np.isnan(p), -np.inf, p), dtype=float)
 
-    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone; -inf at its ends."""
-        if zone not in range(len(self.zones)):
-            raise SceneError.of("zone", zone, f"0 to {len(self.zones) - 1}")
-        t = np.asarray(t, dtype=float)
-        half = 0.5 * self._product.steps[2 * zone]
-        return self._zone_pressure(zone, half * (1.0 + t), half * (1.0 - t))
-
-    def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa], 0 outside the zones."""
-        x = np.asarray(x, dtype=float)
-        interval, dl, dr = self._product.locate(x)
-        p = np.zeros_like(x)
-        for zone in range(len(self.zones)):
-            here = interval == 2 * zone
-            p[here] = self._zone_pressure(zone, dl[here], dr[here])
-        return p
-
     def _opening(self, i: int, dl: Array, dr: Array) -> Array:
         """Slope of the gap in the gap i (-1: left of all zones)."""
         return np.asarray(self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr))
-
-    def gap_slope(self, x: ArrayLike) -> Array:
-        """(u + f)' between the zones, 0 in them."""
-        x = np.asarray(x, dtype=float)
-        interval, dl, dr = self._product.locate(x)
-        slope = np.zeros_like(x)
-        for i in np.unique(interval[interval % 2 == 1]):
-            here = interval == i
-            slope[here] = self._opening(int(i), dl[here], dr[here])
-        return slope
 
     def gap(self, x: ArrayLike) -> Array:
         """u + f - approach [m]: the slope integrated from the nearer end of the gap."""
@@ -338,40 +263,10 @@ class AdhesiveDesign:
             gap[here] = sign * np.sum(2.0 * way * FROM_LEFT * WEIGHT * values, axis=-1)
         return gap
 
-    def displacement(self, x: ArrayLike) -> Array:
-        """u(x) [m] into the body, of zero mean; periodic only."""
-        if self.approach is None:
-            raise SceneError.of("period", None, "a length > 0: an isolated displacement needs a datum")
-        return self.approach - (self.height(x) - self._least_height) + self.gap(x)
-
     @cached_property
     def max_pressure(self) -> float:
         """Greatest pressure [Pa]."""
-
-        def greatest(zone: int) -> float:
-            return -least_value(lambda phi: -self.pressure_at(np.cos(phi), zone), 1e-6, pi - 1e-6, 257)
-
-        return max(greatest(zone) for zone in range(len(self.zones)))
-
-    @cached_property
-    def _least_height(self) -> float:
-        return least_value(self.height, 0.0, self.period or 0.0, 64 * len(self.zones) + 64)
-
-    @cached_property
-    def mean_gap(self) -> float | None:
-        """Mean of the gap over the period, -(1/L) sum int_gap x g' dx; None without a period."""
-        if self.period is None:
-            return None
-        total = 0.0
-        for g in self._long.gaps:
-            dl, dr, weight = (np.asarray(v, dtype=float) for v in self._nodes(g))
-            total -= float(np.sum(weight * dl * self._opening(g, dl, dr)))
-        return total / self.period
-
-    @property
-    def approach(self) -> float | None:
-        """min f = 0 and mean u = 0; None without a period."""
-        return None if self.mean_gap is None else -self._least_height - self.mean_gap
+        return self._greatest(1e-6, 257)
 
     @cached_property
     def is_admissible(self) -> bool:

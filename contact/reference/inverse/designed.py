@@ -17,18 +17,16 @@ end.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from contact.errors import SceneError
-from contact.model.checks import finite_array, positive, positive_or_none
+from contact.model.checks import keep, positive
 from contact.reference.exact.base import FROM_LEFT, WEIGHT
+from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
 
@@ -36,7 +34,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class DesignedContact:
+class DesignedContact(GivenZones):
     """An exact contact of given zones and load: the profile is chosen such that they are right; see the head of this module.
 
     p = (E*/2)|X M| on the zones, gap slope = X M between them; pressures, gaps and loads are exact to rounding. Derived from the
@@ -96,20 +94,8 @@ class DesignedContact:
     period: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("E_star", "load"):
-            object.__setattr__(self, name, positive(name, getattr(self, name)))
-        object.__setattr__(self, "period", positive_or_none("period", self.period))
-        zones = finite_array("zones", self.zones, ndim=2)
-        object.__setattr__(self, "zones", zones)
-        if zones.shape[1] != 2 or np.any(np.diff(zones.ravel()) <= 0.0):
-            raise SceneError.of("zones", self.zones, "an (n, 2) array of ends, strictly increasing")
-        if self.period is not None and not zones[-1, 1] - zones[0, 0] < self.period:
-            raise SceneError.of("zones", self.zones, f"within one period {self.period:.17g}")
-
-    @cached_property
-    def _long(self) -> CutProduct:
-        """The product in the longest precision there is: what the profile and the scale are made of."""
-        return CutProduct(self.zones.astype(np.longdouble), self.period)
+        keep(self, positive, "E_star", "load")
+        self._check()
 
     @cached_property
     def _product(self) -> CutProduct:
@@ -160,72 +146,19 @@ class DesignedContact:
         cosine, sine = -2.0 * harmonic.imag / wave, 2.0 * harmonic.real / wave
         return DesignedProfile(self.period, np.empty(0), hull, cosine.astype(float), sine.astype(float))
 
-    def height(self, x: ArrayLike) -> Array:
-        """f(x) [m], up to a constant."""
-        return self.profile.height(x)
-
-    def slope(self, x: ArrayLike) -> Array:
-        """f'(x)."""
-        return self.profile.slope(x)
-
-    # The solution
-    @property
-    def mean_pressure(self) -> float | None:
-        """Load over period; None without one."""
-        return None if self.period is None else self.load / self.period
-
-    @property
-    def zone_widths(self) -> Array:
-        """Width of every zone [m], (n,)."""
-        return np.diff(self.zones, axis=1)[:, 0]
-
-    @property
-    def contact_fraction(self) -> float | None:
-        """The share of the period in contact; None without a period."""
-        return None if self.period is None else float(np.sum(self.zone_widths)) / self.period
-
     @property
     def zone_loads(self) -> Array:
         """Load of every zone [N/m]; they add up to the load."""
         return np.asarray(self.load * self._raw_loads / np.sum(self._raw_loads), dtype=float)
 
-    @property
-    def nearness(self) -> float:
-        """Narrowest gap over widest zone: what makes a problem hard."""
-        gaps = self._product.steps[1::2]
-        return float(np.min(gaps) / np.max(self.zone_widths)) if gaps.size else np.inf
-
     def _zone_pressure(self, zone: int, dl: Array, dr: Array) -> Array:
         return np.asarray(0.5 * self.E_star * self._scale * self._product.magnitude(2 * zone, dl, dr), dtype=float)
 
-    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its ends."""
-        if zone not in range(len(self.zones)):
-            raise SceneError.of("zone", zone, f"0 to {len(self.zones) - 1}")
-        t = np.asarray(t, dtype=float)
-        half = 0.5 * self._product.steps[2 * zone]
-        return self._zone_pressure(zone, half * (1.0 + t), half * (1.0 - t))
+    def _opening(self, i: int, dl: Array, dr: Array) -> Array:
+        return self._scale * self._product.side(i, dl, dr) * self._product.magnitude(i, dl, dr)
 
-    def pressure(self, x: ArrayLike) -> Array:
-        """p(x) [Pa], 0 outside the zones."""
-        x = np.asarray(x, dtype=float)
-        interval, dl, dr = self._product.locate(x)
-        p = np.zeros_like(x)
-        for zone in range(len(self.zones)):
-            here = interval == 2 * zone
-            p[here] = self._zone_pressure(zone, dl[here], dr[here])
-        return p
-
-    def gap_slope(self, x: ArrayLike) -> Array:
-        """(u + f)' = X M between the zones, 0 in them."""
-        x = np.asarray(x, dtype=float)
-        interval, dl, dr = self._product.locate(x)
-        slope = np.zeros_like(x)
-        for i in np.unique(interval[interval % 2 == 1]):
-            here = interval == i
-            at = int(i), dl[here], dr[here]
-            slope[here] = self._scale * self._product.side(*at) * self._product.magnitude(*at)
-        return slope
+    def _nodes(self, i: int) -> Any:
+        return self._product.nodes(i)
 
     def gap(self, x: ArrayLike) -> Array:
         """u + f - approach [m]: |X M| integrated from the end on the same side of the gap's widest point."""
@@ -244,55 +177,10 @@ class DesignedContact:
             gap[here] = self._scale * np.sum(way * WEIGHT * values, axis=-1)
         return gap
 
-    def displacement(self, x: ArrayLike) -> Array:
-        """u(x) [m] into the body, of zero mean; periodic only."""
-        if self.approach is None:
-            raise SceneError.of("period", None, "a length > 0: an isolated displacement needs a datum")
-        return self.approach - (self.height(x) - self._least_height) + self.gap(x)
-
     @cached_property
     def max_pressure(self) -> float:
         """Peak pressure [Pa], from ever closer samples around the largest one of every zone."""
-
-        def largest(zone: int) -> float:
-            return -least_value(lambda phi: -self.pressure_at(np.cos(phi), zone), 0.0, pi, 129)
-
-        return max(largest(zone) for zone in range(len(self.zones)))
-
-    @cached_property
-    def _least_height(self) -> float:
-        period = self.period or 0.0
-        return least_value(self.height, 0.0, period, 64 * len(self.zones) + 64)
-
-    @cached_property
-    def mean_gap(self) -> float | None:
-        """Mean of the gap over the period, -(1/L) sum int_gap x g' dx; None without a period."""
-        if self.period is None:
-            return None
-        total = 0.0
-        for g in self._product.gaps:
-            dl, dr, weight = self._product.nodes(g)
-            total -= float(
-                np.sum(weight * dl * self._product.side(g, dl, dr) * self._product.magnitude(g, dl, dr))
-            )
-        return float(self._scale * total / self.period)
-
-    @property
-    def approach(self) -> float | None:
-        """min f = 0 and mean u = 0, so that approach = mean f - min f - mean gap; None without a period."""
-        return None if self.mean_gap is None else -self._least_height - self.mean_gap
-
-
-def least_value(function: Callable[[Array], Array], low: float, high: float, samples: int) -> float:
-    """Smallest value of a smooth function, by samples and closer samples around the smallest."""
-    x = np.linspace(low, high, samples)
-    y = function(x)
-    best, half = float(x[np.argmin(y)]), float(x[1] - x[0])
-    for _ in range(8):  # the bracket shrinks to 1e-9 of a sample, far below the square root of rounding
-        x = np.clip(best + half * np.linspace(-1.0, 1.0, 33), low, high)
-        y = function(x)
-        best, half = float(x[np.argmin(y)]), half / 8.0
-    return float(np.min(y))
+        return self._greatest(0.0, 129)
 
 
 def design(zones: ArrayLike, E_star: float, load: float, period: float | None = None) -> DesignedContact:

@@ -43,6 +43,8 @@ Mask = NDArray[np.bool_]
 Rest = Callable[[Array, float], Array]
 Symbol = Callable[[Array], Array]
 
+# Iterations at the most.
+_MOST = 10_000
 _AS_GOOD_AS_FULL = (
     "the approach is the mean of the profile, as nearly as a grid can tell: contact is full or as good as full; give a load, a mean "
     "pressure or a contact fraction"
@@ -79,12 +81,11 @@ class Influence:
 
     @classmethod
     def isolated(
-        cls, n: int, h: float, E: float, images: int = 0, period: float | None = None, datum: float = 1.0, rest: Rest | None = None,
+        cls, n: int, h: float, E: float, images: int = 0, datum: float = 1.0, rest: Rest | None = None,
     ) -> Influence:
-        """Half-plane without periodicity; `images` shifted copies each side, `period` (default n h) apart."""
+        """Half-plane without periodicity; `images` shifted copies each side, n h apart."""
         lag = np.arange(n + 1.0)
-        step = n if period is None else period / h
-        kernel = sum((_log_cell(lag + j * step) for j in range(-images, images + 1)), np.zeros(n + 1))
+        kernel = sum((_log_cell(lag + j * n) for j in range(-images, images + 1)), np.zeros(n + 1))
         if rest is not None:
             kernel = kernel + rest(np.asarray(h * lag), h)
         circulant = np.concatenate((kernel, kernel[n - 1 : 0 : -1]))
@@ -207,7 +208,6 @@ def solve_grid(
     level: float | None = None,
     start: ArrayLike | None = None,
     tol: float = 1e-6,
-    max_iterations: int = 10_000,
 ) -> GridState:
     """Solve the grid contact for a given load or level; `start` is a pressure to begin from (its scale does
     not matter, except that under level control its sum is the first guess of the load). f = inf marks points
@@ -224,9 +224,7 @@ def solve_grid(
     if start is not None:
         positive = np.maximum(np.asarray(start, dtype=np.float64), 0.0)
         guess = np.where(allowed, positive, 0.0) if np.any(positive[allowed] > 0.0) else None
-    if max_iterations < 1:
-        raise ValueError("max_iterations must be positive")
-    run = _Run(shape, influence, tol, max_iterations)
+    run = _Run(shape, influence, tol, _MOST)
     if load is not None:
         if not load > 0.0:
             raise ValueError(f"load must be positive, not {load}")

@@ -69,22 +69,26 @@ def proposed(
     stays where it is; near: under another load, to begin with."""
     if problem.moment is not None:
         return _by_moment(scaled, problem, control, points)
-    units, profile, interaction = problem.units, problem.profile, problem.interaction
-    operator, by_load = problem.operator, control.load is not None
-    # Of a strip the grid of the whole period tells where to cut.
-    whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
-    response = Response(
-        units.E_star, interaction.needs_period, datum=operator.datum or 1.0, rest=None if interaction.needs_period else operator.rest,
-        symbol=None if operator.is_plain else whole.multiplier, compression=operator.compression or 0.0,
-    )
+    units, profile, interaction, by_load = problem.units, problem.profile, problem.interaction, control.load is not None
     found = propose(
-        partial(grid_height, profile) if by_load else profile.height, scaled.cell, response,
+        partial(grid_height, profile) if by_load else profile.height, scaled.cell, whole_response(problem),
         resolution=profile.feature, points=points, load=control.value * units.load if by_load else None,
         level=None if by_load else problem.lowest + control.value * units.height, tol=tol, near=None if near is None else near.state,
     )
     if interaction.strip and found.state.load > 0.0:
         return _in_strip(problem, control, points, found, held)
     return Proposed(found.zones, found.points, found.full, found.touches_border, load=found.state.load, state=found.state)
+
+
+def whole_response(problem: Problem) -> Response:
+    """What pressure does on the whole line, or in all periods: of a strip the grid of the whole period tells where to cut."""
+    operator, interaction = problem.operator, problem.interaction
+    whole = operator if not interaction.strip else replace(operator, interaction=Periodic())
+    return Response(
+        problem.units.E_star, interaction.needs_period, datum=operator.datum or 1.0,
+        rest=None if interaction.needs_period else operator.rest, symbol=None if operator.is_plain else whole.multiplier,
+        compression=operator.compression or 0.0,
+    )
 
 
 def _in_strip(problem: Problem, control: Control, points: int | None, whole: Proposal, held: bool) -> Proposed:
@@ -94,7 +98,7 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     assert profile.period is not None and problem.period is not None
     load = whole.state.load if control.load is None else control.load * units.load
     nominal = load / units.load / problem.period if problem.amplitude is None else problem.amplitude
-    middle = _cut(whole, profile.x0, profile.period) + 0.5 * profile.period
+    middle = cut_of(whole, profile.x0, profile.period) + 0.5 * profile.period
     if held:
         middle = float(units.x(np.array(problem.centre)))
     response = Response(units.E_star, False, interaction.neighbours, rest=problem.operator.strip_rest)
@@ -102,7 +106,7 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
         column = problem.about(float(units.scaled(np.array(middle)))).columns[0].primitive
         assert column is not None
         found = propose(
-            partial(_pressed, problem, nominal, column), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), response,
+            partial(pressed, problem, nominal, column), (middle - 0.5 * profile.period, middle + 0.5 * profile.period), response,
             resolution=profile.feature, points=points, load=load, tol=_CLOSELY,
         )
         before, middle = middle, 0.5 * float(found.zones[0, 0] + found.zones[-1, 1])
@@ -111,13 +115,13 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     return Proposed(found.zones, found.points, False, found.touches_border)
 
 
-def _pressed(problem: Problem, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:
+def pressed(problem: Problem, nominal: float, column: Callable[[Array], Array], x: Array) -> Array:
     """The shape [m] with what the nominal pressure beyond the strip adds to it."""
     units = problem.units
     return grid_height(problem.profile, x) + nominal * units.height * np.asarray(column(units.scaled(x)))
 
 
-def _cut(whole: Proposal, x0: float, period: float) -> float:
+def cut_of(whole: Proposal, x0: float, period: float) -> float:
     """The middle of the widest gap of a period; in full contact the place of least pressure."""
     if whole.full or len(whole.zones) == 0:
         return x0 + period * (int(np.argmin(whole.state.pressure)) + 0.5) / whole.points
@@ -231,9 +235,11 @@ def placed(problem: Problem, zones: Array) -> Array:
     period = problem.period
     if period is None:
         return scaled
-    if problem.profile.symmetric:
-        # About the origin, so that mirror images stand together.
-        scaled = scaled - np.round(scaled.mean(axis=1) / period)[:, None] * period
+    bounded = np.isfinite(problem.corners).all()
+    if problem.profile.symmetric or bounded:
+        # About the origin, so that mirror images stand together; of a body between sharp corners there where these are.
+        middle = 0.5 * sum(problem.corners) if bounded else 0.0
+        scaled = scaled - np.round((scaled.mean(axis=1) - middle) / period)[:, None] * period
         scaled = scaled[np.argsort(scaled[:, 0])]
     if problem.interaction.strip and len(scaled):
         gaps = np.append(scaled[1:, 0] - scaled[:-1, 1], scaled[0, 0] + period - scaled[-1, 1])

@@ -129,9 +129,9 @@ def _datum(scene: Scene) -> float | None:
 def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
     """Origin, length and search window of a profile without a period."""
     profile = scene.profile
-    kind, value = scene.control
-    if kind == "half_width":
-        return 0.0, value, (-value, value)
+    half_width, load = scene.half_width, scene.given_load
+    if half_width is not None:
+        return 0.0, half_width, (-half_width, half_width)
     if profile.support is not None:
         lo, hi = profile.support
         return 0.5 * (lo + hi), 0.5 * (hi - lo), (lo, hi)
@@ -142,18 +142,18 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
         return 0.0, a, (-2 * a, 2 * a)
     datum = _datum(scene)
     find = partial(find_window, response=response_of(scene, datum or 1.0), start_scale=profile.resolution, limits=profile.extent)
-    if kind == "load":
-        window = find(partial(grid_height, profile), load=value, start=_dip(profile))
+    if load is not None:
+        window = find(partial(grid_height, profile), load=load, start=_dip(profile))
         for _ in range(_DESCENTS):
             deeper = _deeper(profile, window)
             if deeper is None:
                 break
             # Any contact holds the lowest point: the points of wide windows missed it, or there was a tip before it.
             half = 0.5 * (window[1] - window[0])
-            window = find(profile.height, load=value, start=(deeper - half, deeper + half))
+            window = find(profile.height, load=load, start=(deeper - half, deeper + half))
     else:
         # The lowest point is in contact at any load: a window of any contact holds it.
-        dip = _dip(profile)
+        dip, value = _dip(profile), scene.control[1]
         light = 1e-3 * scene.E_star * (datum or 1.0) if dip is None else value * scene.E_star * _LIGHT
         first = find(profile.height, load=light, start=dip)
         window = find(profile.height, level=lowest(profile, first) + value, start=dip and first, light=light)
@@ -210,5 +210,4 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
     if slope > 0.0 and not scene.is_flat:
         return slope
     # A flat punch, turned or not, bears its load by its corners.
-    kind, value = scene.control
-    return max(slope, value / (scene.E_star * length) if kind == "load" else 1.0)
+    return max(slope, 1.0 if scene.load is None else scene.load / (scene.E_star * length))

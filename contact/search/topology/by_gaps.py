@@ -60,14 +60,14 @@ class ByGaps:
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
         steps = how.steps or self.most_steps
         return sie.find_ends(
-            self.equation(control), zones, how.tolerance, steps, value=how.value, signs=(1.0, -1.0), near=how.near
+            self.equation(control), zones, how.tolerance, steps, value=how.value, signs=(1.0, -1.0), near=how.near, off=how.off
         )
 
-    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None, bounded_ends: bool = False) -> GapFields:
-        """Fields with this number of gaps at a load, whatever the signs. decay, bounded_ends: see `sie.find_ends`."""
+    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> GapFields:
+        """Fields with this number of gaps at a load, whatever the signs. decay: see `sie.find_ends`."""
         equation = self.equation(Load(load))
         free = sie.find_ends(
-            equation, sie.Zones.of(table), tolerance, self.most_steps, signs=(1.0, -1.0), decay=decay, bounded_ends=bounded_ends
+            equation, sie.Zones.of(table), tolerance, self.most_steps, signs=(1.0, -1.0), decay=decay, bounded_ends=False
         )
         if not free.converged:
             raise WrongTopology("the ends of the gaps did not settle", free)

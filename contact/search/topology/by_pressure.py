@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
+from contact.errors import SceneError
+from contact.formulation import height_rounding
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
@@ -45,14 +47,16 @@ class ByPressure:
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
         equation, problem = self.problem.equation(control), self.problem
         steps = how.steps or self.most_steps
-        return sie.find_ends(equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near)
+        return sie.find_ends(
+            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, off=how.off
+        )
 
-    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None, bounded_ends: bool = False) -> ZoneFields:
-        """Fields with this number of zones at a load, whatever the signs. decay, bounded_ends: see `sie.find_ends`."""
+    def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> ZoneFields:
+        """Fields with this number of zones at a load, whatever the signs. decay: see `sie.find_ends`."""
         control = Load(load)
         zones, equation = kinds(self.problem, control, table), self.problem.equation(control)
         try:
-            free = sie.find_ends(equation, zones, tolerance, limits=self.problem.corners, decay=decay, bounded_ends=bounded_ends)
+            free = sie.find_ends(equation, zones, tolerance, limits=self.problem.corners, decay=decay, bounded_ends=False)
         except sie.SingularSystem as failure:
             raise WrongTopology(f"the equation has no solution on such zones ({failure})", None) from failure
         if not free.converged:
@@ -85,6 +89,8 @@ class ByPressure:
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
         """Those with pulling parts cut out, and a new one in every overlap."""
         if len(certificate.negative) == 0 and len(certificate.overlaps) == 0:
+            if rounded := height_rounding.told(self.problem, zones.table):
+                raise SceneError(rounded, "profile", self.problem.profile)
             raise WrongTopology(certificate.note or "the balance of load fails", None)
         middle = certificate.overlaps.mean(axis=1)
         half = 0.5 * _NEW * (certificate.overlaps[:, 1] - certificate.overlaps[:, 0])
@@ -100,7 +106,9 @@ class ByPressure:
         return Found(free, fields, certificate, rounds, control, tolerance)
 
     def is_slight(self, found: Solved) -> bool:
-        """A dip of the pressure, or a gap between zones."""
+        """A dip of the pressure, or a gap between zones; nobody asks how many zones a reference has."""
+        if self.problem.reference:
+            return False
         zones, reach = found.free.density.zones, off(found.free, found.fields.state)
         narrow = zones.a[1:] - zones.b[:-1] <= reach[1:, 0] + reach[:-1, 1]
         return found.certificate.dip <= 10 * found.tolerance or bool(np.any(narrow))

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 import sie
 from contact.errors import ContactError, SceneError
+from contact.formulation import height_rounding
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.search.topology.intervals import merged
@@ -80,12 +81,14 @@ class Formulation(Protocol[Kind]):
 @dataclass(frozen=True)
 class Newton:
     """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
-    most. near: given up as soon as the intervals turn out to be far from the solution, or not as many."""
+    most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at
+    first, over the widths, as far as that is known."""
 
     tolerance: float
     value: float = 0.0
     steps: int = 0
     near: bool = False
+    off: float = 1.0
 
 
 def refine_topology(
@@ -124,7 +127,7 @@ def _rounds(
         if progress is not None:
             progress(f"{form.what}s", done, None)
         free = _ended(form, control, table, newton, free)
-        newton = newton if free.value is None else replace(newton, value=free.value)
+        newton = replace(newton, value=newton.value if free.value is None else free.value, off=1.0)
         ended = free.density.zones.table
         if len(free.lost) or len(free.met):
             table = np.delete(ended, free.lost, axis=0) if len(free.lost) else merged(ended, free.met, form.problem.period)
@@ -156,7 +159,8 @@ def _ended(form: Formulation[Kind], control: Control, table: Array, newton: Newt
     except ValueError as fault:
         if isinstance(fault, ContactError):
             raise
-        raise SceneError(f"what the scene gives the equation does not go together: {fault}") from fault
+        reason = height_rounding.told(form.problem, table) or f"what the scene gives the equation does not go together: {fault}"
+        raise SceneError(reason) from fault
     form.refuse(table, free)
     if newton.near and not free.converged:
         raise WrongTopology(f"the {form.what}s are not near those of the solution", free)

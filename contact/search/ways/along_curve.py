@@ -19,7 +19,7 @@ from contact.formulation.full import FullLimit
 from contact.formulation.loose import LooseFields
 from contact.formulation.pulled_contact import Lost
 from contact.formulation.pulled_fields import fields_of
-from contact.model.laws.base import CONTROLS
+from contact.model.controls import fields_under
 from contact.model.scene import Scene
 from contact.search.equilibria.arc import pull_off
 from contact.search.equilibria.following import Following, Jump, Standing
@@ -189,5 +189,4 @@ class _Tension:
 
 def under(scene: Scene, control: str, value: float) -> Scene:
     """The scene under a value of one control."""
-    controls: dict[str, float | None] = {**dict.fromkeys(CONTROLS), control: value}
-    return replace(scene, **controls)  # type: ignore[arg-type]
+    return replace(scene, **fields_under(control, value))

@@ -21,6 +21,7 @@ from contact.formulation.direct.ends import Ends, Sheet, ends_at, ends_under
 from contact.formulation.direct.fields import DirectFields
 from contact.formulation.direct.maps import Map
 from contact.formulation.direct.signs import Signs, signs
+from contact.model.controls import Quantity
 from contact.model.interactions import Interaction
 from contact.model.laws import Law
 from contact.model.scene import Scene
@@ -101,18 +102,18 @@ class Direct:
 def directly(scene: Scene, tol: float) -> Solution | None:
     """The solution of a scene that needs no coupled system; None where it does, or where anything is in doubt."""
     start = time.perf_counter()
-    kind, value = scene.control
-    load = scene.given_load
-    if load is None and kind not in ("half_width", "contact_fraction") or kind == "contact_fraction" and value > _WIDEST:
+    held = scene.control_object.held(scene)
+    if held is None or held.quantity is Quantity.APPROACH or scene.contact_fraction is not None and scene.contact_fraction > _WIDEST:
         return None
+    load = scene.given_load
     for sheet in sheets(scene):
         if load is not None:
             found = _judged(scene, ends_under(sheet, np.array([load / (0.5 * scene.E_star)])), tol)
         elif sheet.map.pair or len(sheet.profile.summits) > 1:  # type: ignore[arg-type]
             return None
         else:
-            width = value if kind == "half_width" else 0.5 * value * (scene.period or 0.0)
-            found = _judged(scene, ends_at(sheet, np.array([width])), tol)
+            half = held.value if held.quantity is Quantity.HALF_WIDTH else 0.5 * held.value
+            found = _judged(scene, ends_at(sheet, np.array([half])), tol)
         if found.holds[0]:
             return _solution(scene, found, 0, time.perf_counter() - start)
     return None

@@ -127,7 +127,7 @@ class FirstOrder:
             got = found.fields.density.total if control.load is not None else -found.fields.level
             return got - control.value
 
-        limit = 0.9998 * self._period
+        limit, lost = 0.9998 * self._period, None
         high = min(guess, 0.5 * limit)
         at_high = miss(high)
         while at_high > 0:
@@ -138,15 +138,16 @@ class FirstOrder:
         while at_high <= 0:
             low, at_low = high, at_high
             if limit - high < 1e-9:
-                raise self._refused(control, low, at_low)
+                raise lost if isinstance(lost, NotConverged) else self._refused(control, low, at_low)
             high = min(high + step, limit)
             try:
                 at_high = miss(high)
-            except OutOfRange:
-                limit, step = high, 0.25 * (high - low)
+            except (OutOfRange, NotConverged) as refusal:
+                limit, step, lost = high, 0.25 * (high - low), refusal
                 high, at_high = low, at_low
                 if step < 1e-7 * limit:
-                    raise self._refused(control, low, at_low) from None
+                    # That a search has failed does not show that there is no more to be carried.
+                    raise lost if isinstance(lost, NotConverged) else self._refused(control, low, at_low) from None
                 continue
             if at_high < at_low:
                 # Past a maximum: come closer from below until it is clear that the root is not before it.
@@ -164,7 +165,7 @@ class FirstOrder:
         at = guess
         here = step = self._miss(control, at)
         close = self.close = max(1e-15, 0.01 * self.tolerance) * max(abs(guess), abs(here))
-        halved = 0
+        halved, lost = 0, None
         passed = [(at, here)]
         for _ in range(_STEPS):
             if abs(here) <= close:
@@ -174,8 +175,8 @@ class FirstOrder:
                 step = self._inside(control, at, step)
             try:
                 there = self._miss(control, at + step)
-            except (OutOfRange, NotConverged):
-                self.together, step, halved = best, 0.5 * step, halved + 1
+            except (OutOfRange, NotConverged) as refusal:
+                self.together, step, halved, lost = best, 0.5 * step, halved + 1, refusal
                 if halved > _HALVED:
                     break
                 continue
@@ -186,7 +187,7 @@ class FirstOrder:
             if abs(here) >= abs(missed):
                 return self._beyond_turn(control, passed[-3:], close)
             step = here * (at - before) / (missed - here)
-        raise self._refused(control)
+        raise lost if isinstance(lost, NotConverged) else self._refused(control)
 
     def _inside(self, control: Control, at: float, step: float) -> float:
         """A step, or as much of it as leaves the zones clear of the border: a smaller nominal pressure leaves wider ones. Where next to

@@ -72,10 +72,12 @@ def _found(task: Task, form: ByGaps, control: Control, width: float, zones: Arra
         return wrong.missed
 
 
-def gaps_beside(problem: Problem, near: GapFields, control: Control, tolerance: float, closely: bool) -> FoundByGaps | Missed:
-    """From the gaps of fields near by. closely: given up as soon as these turn out to be far off."""
+def gaps_beside(
+    problem: Problem, near: GapFields, control: Control, tolerance: float, closely: bool, off: float = 1.0
+) -> FoundByGaps | Missed:
+    """From the gaps of fields near by. closely: given up as soon as these turn out to be far off. off: see `Newton`."""
     form = ByGaps(problem, near.relief)
-    return refine_topology(form, control, near.density.zones.table, Newton(tolerance, near.mean, near=closely))
+    return refine_topology(form, control, near.density.zones.table, Newton(tolerance, near.mean, near=closely, off=off))
 
 
 def tightened_gaps(task: Task, found: FoundByGaps, stuck: bool = False) -> FoundByGaps:
@@ -83,7 +85,7 @@ def tightened_gaps(task: Task, found: FoundByGaps, stuck: bool = False) -> Found
     the tolerance before."""
 
     def again(here: FoundByGaps, tolerance: float) -> FoundByGaps | Missed:
-        return gaps_beside(here.fields.problem, here.fields, here.control, tolerance, closely=True)
+        return gaps_beside(here.fields.problem, here.fields, here.control, tolerance, closely=True, off=here.error)
 
     def at_rest(here: FoundByGaps, tolerance: float) -> bool:
         return here.free.trace[-1].move > tolerance and not stuck

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from contact.errors import ContactError, OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
-from contact.formulation.single import guess_half_width, largest_single_load, single_half_width
+from contact.formulation.single import guess_half_width, largest_single_load
 from contact.search.grid.coarse import MOST_POINTS
 from contact.search.grid.proposals import Proposed, about, placed, proposed
 from contact.search.grid.scaling import ScaledScene
@@ -116,22 +116,18 @@ def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome |
         return found
     if found.beyond:
         raise task.error(found, problem)
+    if task.scene.interaction.exact and (task.operator.is_periodic or not task.operator.is_plain):
+        return found
     # Along the branch from zero load the controlled quantity grows with the width up to its maximum.
     with task.plan.timed("zone ends"):
-        exact = single_half_width(problem, control)
-        if exact is None:
-            if task.scene.interaction.exact and (task.operator.is_periodic or not task.operator.is_plain):
-                return found
-            half_width, highest = largest_single_load(problem, control)
-            units = problem.units
-            raise OutOfRange(
-                f"{control.told(units)} is beyond the largest that {task.scene.interaction.name} carries on the branch from zero load, "
-                f"{highest * control.unit(units):.6g} at half width {half_width * units.length:.6g} m"
-            )
-    found = task.refine_topology(problem, control, np.array([[-exact, exact]]))
-    if isinstance(found, Missed) and found.beyond:
-        raise task.error(found, problem)
-    return found
+        half_width, highest = largest_single_load(problem, control)
+    if control.value <= highest:
+        return found
+    units = problem.units
+    raise OutOfRange(
+        f"{control.told(units)} is beyond the largest that {task.scene.interaction.name} carries on the branch from zero load, "
+        f"{highest * control.unit(units):.6g} at half width {half_width * units.length:.6g} m"
+    )
 
 
 def from_grid(task: Task, scaled: ScaledScene, held: bool = False) -> Outcome:

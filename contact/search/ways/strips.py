@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
 from contact.model.interactions.periodic import Periodic
+from contact.search.grid.closure import AtPressure, ClosureGrid
 from contact.search.grid.proposals import about, proposed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Task
@@ -21,6 +21,7 @@ from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, attempted
 from contact.search.ways.first_order import FirstOrder
+from contact.search.ways.first_order_several import Closed, FirstOrderOfSeveral
 from contact.search.ways.guesses import EXACT, from_grid, search
 from contact.verify.accuracy import Found
 
@@ -99,8 +100,10 @@ def _in_strip(task: Task, scaled: ScaledScene, start: Array | None) -> Found:
     return found
 
 
-def first_order(task: Task, scaled: ScaledScene) -> Found:
-    """Closure by the isolated load of the same total width."""
+def first_order(task: Task, scaled: ScaledScene, found: Found | None = None) -> Found:
+    """Closure by the isolated load of the same total width. found: the same, to be found more tightly."""
+    if isinstance(found, Closed):
+        return FirstOrderOfSeveral(task, scaled).closer(found)
 
     def strip(problem: Problem, control: Control, start: Array | None) -> Found:
         return centred(task, replace(scaled, problem=problem, control=control), start)
@@ -114,10 +117,25 @@ def first_order(task: Task, scaled: ScaledScene) -> Found:
         points = 2 ** int(np.clip(np.ceil(np.log2(wanted)), 8, 13))
         return proposed(there, problem, control, points, _ROUGHLY).touches_border
 
+    if not task.single and scaled.control.half_width is None:
+        with task.plan.timed("coarse search"):
+            grid = ClosureGrid(scaled, scaled.problem, _first_guess(task, scaled) * (scaled.problem.period or 1.0))
+            rough = grid.first()
+        if not _is_asperity(grid, rough):
+            return FirstOrderOfSeveral(task, scaled).found(grid, rough)
     closure = FirstOrder(scaled.problem, strip, alone, touches, task.tolerance, task.single)
     with task.plan.timed("isolated reference"):
         found, _ = closure.found(scaled.control, _first_guess(task, scaled))
     return found
+
+
+def _is_asperity(grid: ClosureGrid, rough: AtPressure) -> bool:
+    """Whether the strip's contact is one zone with one lowest place of the profile in it, which it grew from."""
+    if len(rough.strip.zones) != 1:
+        return False
+    inside = np.linspace(float(rough.strip.zones[0, 0]), float(rough.strip.zones[0, 1]), grid.points)
+    height = np.asarray(grid.problem.profile.height(inside))
+    return int(np.sum((height[1:-1] < height[:-2]) & (height[1:-1] <= height[2:]))) <= 1
 
 
 def _first_guess(task: Task, scaled: ScaledScene) -> float:
@@ -144,5 +162,7 @@ def _reference(task: Task, problem: Problem, control: Control, start: Array | No
         problem = problem.about(middle)
     found = refine_topology(ByPressure(problem), control, start, Newton(task.tolerance), formal=True)
     if isinstance(found, Missed):
-        raise OutOfRange(f"the isolated reference of the first-order closure has no solution: {found.reason}; {EXACT}")
+        raise task.error(
+            Missed(f"the isolated reference of the first-order closure was not found: {found.reason}; {EXACT}", found.free), problem
+        )
     return found

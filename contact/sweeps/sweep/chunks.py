@@ -19,7 +19,7 @@ from contact.solution.solution import Solution
 from contact.solver import solve
 from contact.sweeps.curve import Curve
 from contact.sweeps.points import NUMBERS, numbers
-from contact.sweeps.sweep.keys import Axis, Value, varied
+from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis, Value, varied
 
 # Numbers by name, `failed`, `reason` and `warning`.
 Row = dict[str, Any]
@@ -54,8 +54,8 @@ class Chunk:
         return [replace(self, places=self.places[done:], settings=self.settings[done:])] if done < len(self.places) else []
 
 
-def chunks_of(axes: Sequence[Axis], wanted: NDArray[np.bool_], solvers: int | None) -> list[Chunk]:
-    """What is wanted of the grid (flat), cut for so many solvers; None: each curve is one chunk."""
+def chunks_of(axes: Sequence[Axis], wanted: NDArray[np.bool_], solvers: int | None, branch: str = BRANCHES[0]) -> list[Chunk]:
+    """What is wanted of the grid (flat), cut for so many solvers; None: each curve is one chunk. branch: where it is not varied."""
     at = next((place for place, axis in enumerate(axes) if axis.control), None)
     control = "" if at is None else axes[at].control
     shape = [len(axis.values) for axis in axes]
@@ -66,7 +66,8 @@ def chunks_of(axes: Sequence[Axis], wanted: NDArray[np.bool_], solvers: int | No
         upwards = np.argsort(np.array(axes[at].values, dtype=float), kind="stable")
         lines = np.moveaxis(indices, at, -1)[..., upwards].reshape(-1, shape[at])
     most = wanted.size if solvers is None else max(_SHORTEST, ceil(int(wanted.sum()) / (_EACH * solvers)))
-    settings = [dict(zip((axis.key for axis in axes), point, strict=True)) for point in itertools.product(*(axis.values for axis in axes))]
+    points = itertools.product(*(axis.values for axis in axes))
+    settings: list[dict[str, Value]] = [{BRANCH: branch, **dict(zip((axis.key for axis in axes), point, strict=True))} for point in points]
     found = []
     for line in lines:
         places = [int(place) for place in line if wanted[place]]
@@ -93,7 +94,7 @@ def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
         try:
             with unwarned():
                 here = varied(scene, setting)
-                row = _row(solve(here, tol) if curve is None else curve.at(here.control[1]))
+                row = _row(solve(here, tol, branch=str(setting[BRANCH])) if curve is None else curve.at(here.control[1]))
         except Exception as error:
             # Errors of the package, and those of a user's own profile: the other points are none the worse for it.
             row = failure(f"{type(error).__name__}: {' '.join(str(error).split())}")
@@ -101,8 +102,9 @@ def solved(scene: Scene, chunk: Chunk, tol: float) -> Iterator[tuple[int, Row]]:
 
 
 def _curve(scene: Scene, chunk: Chunk, tol: float) -> Curve | None:
-    """The curve that the points are on, with what can be solved of them at once; None without a control, or without any scene."""
-    if not chunk.control:
+    """The curve that the points are on, with what can be solved of them at once; None without a control, off the branch that curves are
+    of, or without any scene."""
+    if not chunk.control or any(setting[BRANCH] != BRANCHES[0] for setting in chunk.settings):
         return None
     known: list[Scene] = []
     for setting in chunk.settings:

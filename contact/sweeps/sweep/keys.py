@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,16 +9,18 @@ from typing import Any
 import numpy as np
 
 from contact.errors import SceneError
-from contact.model.interactions.base import CONTROLS, TURNING
+from contact.model.controls import TURNING, fields_under
+from contact.model.registry import CONTROLS
 from contact.model.scene import Scene
+from contact.solution.export import parameters
 
 Value = float | int | str
 
-PARTS = ("profile", "interaction", "substrate", "law")
+# Besides the profile, which may have two tables.
+PARTS = ("interaction", "substrate", "law")
 MODULUS = "material.E_star"
-OF_CONTROLS = {
-    "load": "N/m", "mean_pressure": "Pa", "approach": "m", "half_width": "m", "contact_fraction": "1", "tilt": "rad", "moment": "N",
-}
+# No key of a scene file: which of several equilibria a scene has is said of its solution.
+BRANCH, BRANCHES = "branch", ("advancing", "receding")
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Axis:
     def control(self) -> str:
         """The control that it is, or nothing."""
         table, _, name = self.key.partition(".")
-        return name if table == "control" and name in CONTROLS else ""
+        return name if table == "control" and name not in TURNING else ""
 
 
 def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
@@ -46,6 +47,9 @@ def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
         if key not in known:
             raise SceneError.unknown("key", key, known)
     axes = tuple(Axis(key, _values(key, given, known[key]), _unit(scene, key)) for key, given in over.items())
+    for axis in axes:
+        if axis.key == BRANCH and set(axis.values) - set(BRANCHES):
+            raise SceneError.of(BRANCH, over[BRANCH], f"words, of {' and '.join(BRANCHES)}")
     controls = [axis.key for axis in axes if axis.control]
     if len(controls) > 1:
         raise SceneError.of("over", " and ".join(controls), "one control: the others follow from it")
@@ -58,32 +62,47 @@ def axes_of(scene: Scene, over: Mapping[str, Any]) -> tuple[Axis, ...]:
 def keys_of(scene: Scene) -> dict[str, Any]:
     """Keys that can be varied, with their present values: all of the scene that is not an array."""
     known: dict[str, Any] = {MODULUS: scene.E_star}
-    for table in PARTS:
-        for name, value in parameters(getattr(scene, table)).items():
+    for table, values in tables(scene).items():
+        for name, value in values.items():
             if value is None or np.ndim(value) == 0:
                 known[f"{table}.{name}"] = value
-    return known | {f"control.{name}": getattr(scene, name) for name in (*CONTROLS, *TURNING)}
+    given, value = scene.control
+    controls = {name: value if name == given else None for name in CONTROLS.all()}
+    if not scene.law.convex:
+        known[BRANCH] = BRANCHES[0]
+    return known | {f"control.{name}": at for name, at in (controls | {name: getattr(scene, name) for name in TURNING}).items()}
 
 
-def parameters(part: Any) -> dict[str, Any]:
-    """What to give the class of a part of a scene, by name, to make it again."""
-    if hasattr(part, "parameters"):
-        return dict(part.parameters())
-    return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
+def tables(scene: Scene) -> dict[str, dict[str, Any]]:
+    """What the parts of a scene are made of, by table and name."""
+    shapes = {table: {name: value for name, value in told.items() if name != "shape"} for table, told in scene.profile.tables().items()}
+    # Of traces also by what their points were prepared: a period is among the others' keys already.
+    for table, body in scene.profile.bodies.items():
+        shapes[table] = {**body.preparation, **shapes[table]}
+    return shapes | {table: parameters(getattr(scene, table)) for table in PARTS}
 
 
 def varied(scene: Scene, settings: Mapping[str, Value]) -> Scene:
     """The scene with other values; a control replaces the one that it has."""
     changed: dict[str, Any] = {}
+    others: dict[str, dict[str, Value]] = {}
     for key, value in settings.items():
         table, _, name = key.partition(".")
+        if key == BRANCH:
+            continue
         if key == MODULUS:
             changed["E_star"] = value
         elif table == "control":
-            changed |= {other: None for other in (CONTROLS if name in CONTROLS else TURNING)} | {name: value}
+            changed |= {**dict.fromkeys(TURNING), name: value} if name in TURNING else fields_under(name, float(value))
         else:
+            others.setdefault(table, {})[name] = value
+    # All values of a part at once: one by one they might not go together.
+    for table in PARTS:
+        if table in others:
             part = getattr(scene, table)
-            changed[table] = type(part)(**{**parameters(changed.get(table, part)), name: value})
+            changed[table] = type(part)(**{**parameters(part), **others[table]})
+    if any(table in scene.profile.bodies for table in others):
+        changed["profile"] = scene.profile.varied(others)
     return replace(scene, **changed)
 
 
@@ -113,7 +132,15 @@ def _value(value: Any, whole: bool) -> Value | None:
 def _unit(scene: Scene, key: str) -> str:
     """As the class declares it; empty where it does not."""
     table, _, name = key.partition(".")
+    if key == BRANCH:
+        return ""
     if key == MODULUS:
         return "Pa"
-    units = OF_CONTROLS if table == "control" else getattr(type(getattr(scene, table)), "units", {})
-    return str(units.get(name, "")) if isinstance(units, Mapping) else ""
+    if table == "control":
+        return TURNING.get(name) or str(CONTROLS.find(name).unit)
+    body = scene.profile.bodies.get(table)
+    for part in (getattr(scene, table),) if body is None else (body, scene.profile):
+        units = getattr(type(part), "units", {})
+        if isinstance(units, Mapping) and name in units:
+            return str(units[name])
+    return ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Generator, Mapping, Sequence
-from contextlib import closing
+from contextlib import closing, nullcontext
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError, warn
 from contact.extras import require
-from contact.model.checks import integer
+from contact.model.checks import integer, one_of
 from contact.model.scene import Scene
 from contact.search.topology.loop import Progress
 from contact.solver import tolerance
 from contact.sweeps.sweep.chunks import Rows, chunks_of
 from contact.sweeps.sweep.cluster import Cluster
-from contact.sweeps.sweep.keys import Axis, axes_of, varied
+from contact.sweeps.sweep.keys import BRANCHES, Axis, axes_of, varied
+from contact.sweeps.sweep.lock import alone
 from contact.sweeps.sweep.processes import processors, solved_here, solved_in_processes
 from contact.sweeps.sweep.table import Table
 
@@ -39,6 +40,7 @@ def sweep(
     out: str | PathLike[str] | None = None,
     overwrite: bool = False,
     retry: bool = False,
+    branch: str = BRANCHES[0],
     progress: Progress | None = None,
 ) -> Any:
     """Solve a scene over a grid of values of its parameters, in processes of this machine or on a cluster.
@@ -60,11 +62,13 @@ def sweep(
     workers : int or None
         Processes of this machine: as many as there are processors if None; 1: none but this one.
     out : str, path or None
-        A netCDF file (.nc) that is written, or gone on with if it is there.
+        A netCDF file (.nc) that is written, or gone on with if it is there, by one sweep at a time.
     overwrite : bool
         Whether a file that is there is written over, and all is solved anew.
     retry : bool
         Whether points that failed, as the file says, are tried again.
+    branch : str
+        Which of several equilibria is meant, as of `contact.solve`, where `over` does not vary it.
     progress : callable or None
         Called with ("points", done, total).
 
@@ -78,8 +82,8 @@ def sweep(
     Raises
     ------
     SceneError
-        If a key or a value is none of the scene's, nothing answers at the scheduler's address, or the file is of another scene or has
-        points that are not asked for.
+        If a key or a value is none of the scene's, nothing answers at the scheduler's address, or the file is of another scene, has
+        points that are not asked for, or is being written by another sweep.
     MissingExtra
         Without xarray, or with a scheduler without Dask.
 
@@ -104,17 +108,18 @@ def sweep(
     require("xarray")
     axes = axes_of(scene, over)
     _check_values(scene, axes)
-    table = Table(scene, axes, tolerance(tol))
+    table = Table(scene, axes, tolerance(tol), one_of("branch", branch, BRANCHES))
     path = None if out is None else _checked(out)
-    if path is not None and path.exists() and not overwrite:
-        table.take_over(path)
-    cluster = None if scheduler is None else Cluster(scheduler, progress)
-    solvers = cluster.solvers if cluster else processors() if workers is None else integer("workers", workers, 1)
-    try:
-        _fill(table, path, _solving(scene, table, cluster, solvers, retry), progress, table.size - int(_wanted(table, retry).sum()))
-    finally:
-        if cluster:
-            cluster.close()
+    with nullcontext() if path is None else alone(path):
+        if path is not None and path.exists() and not overwrite:
+            table.take_over(path)
+        cluster = None if scheduler is None else Cluster(scheduler, progress)
+        solvers = cluster.solvers if cluster else processors() if workers is None else integer("workers", workers, 1)
+        try:
+            _fill(table, path, _solving(scene, table, cluster, solvers, retry), progress, table.size - int(_wanted(table, retry).sum()))
+        finally:
+            if cluster:
+                cluster.close()
     _tell(table)
     return table.to_dataset()
 
@@ -123,7 +128,7 @@ def _solving(scene: Scene, table: Table, cluster: Cluster | None, solvers: int, 
     """Rows of what is not solved yet."""
     wanted = _wanted(table, retry)
     # In this process alone rows come one by one, and nothing is gained by cutting curves.
-    chunks = chunks_of(table.axes, wanted, solvers if cluster or solvers > 1 else None)
+    chunks = chunks_of(table.axes, wanted, solvers if cluster or solvers > 1 else None, table.branch)
     if cluster:
         return cluster.solved(scene, chunks, table.tol)
     if min(solvers, len(chunks)) <= 1:
@@ -178,7 +183,7 @@ def _checked(out: str | PathLike[str]) -> Path:
     path = Path(out)
     if path.is_dir() or not path.parent.is_dir():
         raise SceneError.of("out", str(path), "a file in a folder that exists")
-    for needed in ("h5netcdf", "h5py"):
+    for needed in ("h5netcdf", "h5py", "filelock"):
         require(needed)
     return path
 

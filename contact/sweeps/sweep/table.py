@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError, shown
 from contact.extras import require, version
+from contact.model.controls import TURNING
 from contact.model.scene import Scene
 from contact.solution.export import plain
 from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.chunks import Rows
-from contact.sweeps.sweep.keys import MODULUS, OF_CONTROLS, PARTS, Axis, parameters
+from contact.sweeps.sweep.keys import BRANCH, BRANCHES, MODULUS, Axis
+from contact.sweeps.sweep.keys import tables as tables_of
 
 _WORDS = {"reason": "why a point failed", "warning": "what the model hardly covers"}
 # Of an array: what is told of it as it is; a longer one by its shape and its sum.
@@ -28,9 +30,11 @@ _LONGEST = 64
 class Table:
     """Numbers of all points, flat; what is not solved yet is nan."""
 
-    def __init__(self, scene: Scene, axes: Sequence[Axis], tol: float) -> None:
-        self.axes, self.tol = tuple(axes), tol
+    def __init__(self, scene: Scene, axes: Sequence[Axis], tol: float, branch: str = BRANCHES[0]) -> None:
+        self.axes, self.tol, self.branch = tuple(axes), tol, branch
         self.scene = told(scene, {axis.key for axis in axes})
+        if branch != BRANCHES[0] and not any(axis.key == BRANCH for axis in axes):
+            self.scene["control"][BRANCH] = branch
         self.shape = tuple(len(axis.values) for axis in axes)
         size = int(np.prod(self.shape))
         self.numbers = {name: np.full(size, np.nan) for name in NUMBERS}
@@ -133,13 +137,19 @@ def _read(path: Path) -> Any:
 def told(scene: Scene, but: set[str]) -> dict[str, dict[str, Any]]:
     """The tables of a scene, without the keys that are varied; long arrays by their shape and their sum."""
     tables: dict[str, dict[str, Any]] = {"material": {"E_star": scene.E_star}}
-    for table in PARTS:
-        part = getattr(scene, table)
-        name = {"shape" if table == "profile" else "model": part.name or type(part).__qualname__}
-        tables[table] = {**name, **{key: _short(value) for key, value in parameters(part).items()}}
-    controls = {name: value for name in OF_CONTROLS if (value := getattr(scene, name)) is not None}
-    replaced = scene.control[0] if any(f"control.{name}" in but for name in OF_CONTROLS if name not in ("tilt", "moment")) else ""
-    tables["control"] = {name: value for name, value in controls.items() if name != replaced}
+    for table, values in tables_of(scene).items():
+        body = scene.profile.bodies.get(table)
+        part = getattr(scene, table) if body is None else body
+        name = {"model" if body is None else "shape": part.name or type(part).__qualname__}
+        if body is not None:
+            prepared = {f"{table}.{key}" for key in body.preparation}
+            # Where it is varied how a trace is prepared, it is known by what was read, and else by what has become of that.
+            hidden = set() if prepared & but - {f"{table}.period"} else set(body.preparation) - set(body.parameters())
+            values = {**{key: value for key, value in values.items() if key not in hidden}, **({} if hidden else body.unprepared())}
+        tables[table] = {**name, **{key: _short(value) for key, value in values.items()}}
+    replaced = any(key.startswith("control.") and key.removeprefix("control.") not in TURNING for key in but)
+    turning = {name: value for name in TURNING if (value := getattr(scene, name)) is not None}
+    tables["control"] = turning if replaced else dict([scene.control], **turning)
     if MODULUS in but:
         del tables["material"]["E_star"]
     return {table: {key: value for key, value in values.items() if f"{table}.{key}" not in but} for table, values in tables.items()}

@@ -1,0 +1,94 @@
+"""What a control is: the one quantity of a scene that is given. A control is a frozen dataclass in a file of its own.
+
+Most come to one of the four quantities that the solver can hold (`Quantity`). What comes to none of them grows or falls with the load, and
+the load that has its value is looked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, ClassVar, NamedTuple
+
+from contact.model.registry import CONTROLS as REGISTERED
+
+# Those that are fields of a scene.
+CONTROLS = ("load", "mean_pressure", "approach", "half_width", "contact_fraction")
+# What turns a body, with its unit.
+TURNING = {"tilt": "rad", "moment": "N"}
+
+
+class Quantity(Enum):
+    """What the solver can hold: a load [N/m], per period where there is one, an approach, the half width of one zone about the origin, the
+    width of all zones together [m]."""
+
+    LOAD, APPROACH, HALF_WIDTH, WIDTH = range(4)
+
+
+class Held(NamedTuple):
+    """A quantity and its value in SI units."""
+
+    quantity: Quantity
+    value: float
+
+
+@dataclass(frozen=True)
+class Control:
+    """Base of the controls.
+
+    Parameters
+    ----------
+    value : float
+        What is given, in its unit.
+
+    Attributes
+    ----------
+    unit : str
+        Of the value, as "N/m"; "1" where it has none.
+    falls : bool
+        Of a control that is looked for by loads: its quantity falls as the load grows.
+
+    Examples
+    --------
+    The mean of the gap over a period.
+
+    >>> import contact
+    >>> from dataclasses import dataclass
+    >>> @contact.register_control("doc-mean-gap")
+    ... @dataclass(frozen=True)
+    ... class MeanGap(contact.Control):
+    ...     unit = "m"
+    ...     falls = True
+    ...     def of(self, solution):
+    ...         return solution.mean_gap
+    >>> scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), given=MeanGap(2e-7))
+    >>> round(contact.solve(scene).mean_gap * 1e7, 7), scene.control
+    (2.0, ('doc-mean-gap', 2e-07))
+    >>> contact.model.registry.CONTROLS.forget("doc-mean-gap")
+    """
+
+    value: float
+    name: ClassVar[str]
+    unit: ClassVar[str] = "1"
+    falls: ClassVar[bool] = False
+
+    def signed(self, scene: Any) -> bool:
+        """Whether the value may be zero or negative in a scene (`contact.Scene`)."""
+        return False
+
+    def check(self, scene: Any) -> None:
+        """Raises SceneError where the control and the rest of the scene do not go together."""
+
+    def held(self, scene: Any) -> Held | None:
+        """What the solver is to hold; None: the load at which `of` gives the value is looked for."""
+        return None
+
+    def of(self, solution: Any) -> float:
+        """The value that a solution (`contact.Solution`) has, right to about its stated error."""
+        raise NotImplementedError
+
+
+def fields_under(name: str, value: float) -> dict[str, Any]:
+    """The fields of a scene that say what is given, for the control of a name alone."""
+    own = {} if name in CONTROLS else {"given": REGISTERED.find(name)(value)}
+    return {**dict.fromkeys(CONTROLS), "given": None, **(own or {name: value})}

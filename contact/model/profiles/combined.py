@@ -1,0 +1,400 @@
+"""Two rough bodies face to face: the gap at zero load is the sum of their own, f(x) = f1(x) + f2(x - shift).
+
+The contact of two elastic bodies depends on their gap and on E* alone (K. L. Johnson, Contact Mechanics, 1985, doi
+10.1017/CBO9781139171731, section 4.1): two rough faces are one, of the sum of their heights, on a flat one. Each f grows away from contact,
+that is, heights of both bodies are counted towards the other body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from math import isfinite
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from contact.errors import SceneError
+from contact.model.checks import finite, keep
+from contact.model.profiles.base import Array, Profile
+
+Window = tuple[float, float]
+
+_EPS = float(np.finfo(np.float64).eps)
+# Keys of a counter body's table that tell how it stands, and not what it is.
+STANDS = ("shift", "mirrored")
+# Cells of either body in the period that both have in common.
+_MOST_CELLS = 10_000
+# Of a body that repeats under one that does not and goes on for ever: cells on either side whose corners are told, within so many places.
+_CELLS, _PLACES = (8, 200), 20_000
+
+
+@dataclass(frozen=True)
+class Combined(Profile):
+    """The profiles of two bodies that face each other, as one: f(x) = profile.f(x) + counter.f(x - shift).
+
+    The period is that after which both repeat; with only one that has a period, there is none.
+
+    Parameters
+    ----------
+    profile : Profile
+        The one body, alone: the gap [m] over a flat counter-face.
+    counter : Profile
+        The other body in the same way, as if it were pressed on a flat; its x runs in the direction of the first's.
+    shift : float
+        How far the counter body stands to the right [m]: its x = 0 is at this x.
+    mirrored : bool
+        Whether its x runs against that of the first: of a trace read left to right as one looks at that body's face, which is then
+        turned over like a page.
+
+    Raises
+    ------
+    SceneError
+        If one of them is no profile of one body, the periods have none in common, or the bodies do not face each other on one stretch.
+
+    Examples
+    --------
+    Two waves of one period are one wave: aligned, their amplitudes add; crest on valley, they subtract.
+
+    >>> import contact
+    >>> body, counter = contact.Sinusoid(2e-6, 1e-4), contact.Sinusoid(1e-6, 1e-4)
+    >>> for shift in (0.0, 5e-5):
+    ...     pair = contact.Combined(body, counter, shift=shift)
+    ...     one = contact.solve(contact.Scene(pair, 1e11, contact.Periodic(), contact_fraction=0.5))
+    ...     print(f"{one.mean_pressure:.6g}")
+    4.71239e+09
+    1.5708e+09
+    """
+
+    profile: Profile
+    counter: Profile
+    shift: float = 0.0
+    mirrored: bool = False
+    name: ClassVar[str] = "combined"
+    units = {"shift": "m"}
+
+    def __post_init__(self) -> None:
+        for field in ("profile", "counter"):
+            body = getattr(self, field)
+            if not isinstance(body, Profile) or len(body.bodies) != 1:
+                raise SceneError.of(field, body, "the contact.Profile of one body, such as Sinusoid(amplitude=1e-6, period=1e-4)")
+        keep(self, finite, "shift")
+        if not isinstance(self.mirrored, (bool, np.bool_)):
+            raise SceneError.of("mirrored", self.mirrored, "True or False")
+        object.__setattr__(self, "period", _common_period(self.profile.period, self.counter.period))
+        # What does not go together is told now.
+        assert self._faces is not None
+
+    # what each body is ------------------------------------------------------------------------------------------------
+    @property
+    def bodies(self) -> dict[str, Profile]:
+        return {"profile": self.profile, "counter": self.counter}
+
+    def facing(self, x: Array) -> dict[str, Array]:
+        w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
+        return {"profile": self._on_profile(w), "counter": self._beneath(w)}
+
+    @property
+    def title(self) -> str:
+        return " on ".join(body.name for body in self.bodies.values())
+
+    def tables(self) -> dict[str, dict[str, Any]]:
+        told = {place: body.tables()["profile"] for place, body in self.bodies.items()}
+        told["counter"] |= {"shift": self.shift} | ({"mirrored": True} if self.mirrored else {})
+        return told
+
+    def varied(self, changes: Mapping[str, Mapping[str, Any]]) -> Profile:
+        changed = {key: value for key, value in changes.get("counter", {}).items() if key in STANDS}
+        for place, body in self.bodies.items():
+            others = {key: value for key, value in changes.get(place, {}).items() if place == "profile" or key not in STANDS}
+            if others:
+                changed[place] = body.varied({"profile": others})
+        return replace(self, **changed)
+
+    def trace_summary(self) -> dict[str, Any] | None:
+        told = {place: summary for place, body in self.bodies.items() if (summary := body.trace_summary()) is not None}
+        return told or None
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What is doubtful about the points of either."""
+        return tuple(line for body in self.bodies.values() for line in getattr(body, "warnings", ()))
+
+    @property
+    def no_period(self) -> str:
+        without = " and ".join(place for place, body in self.bodies.items() if body.period is None)
+        return f"of profile and counter, {without} {'has' if without.count(' ') == 0 else 'have'} none"
+
+    def counter_height(self, x: ArrayLike) -> Array:
+        return np.asarray(-np.asarray(self.counter.height(self._beneath(x))))
+
+    # their sum --------------------------------------------------------------------------------------------------------
+    def height(self, x: ArrayLike) -> Array:
+        at = self.facing(np.asarray(x, dtype=np.float64))
+        return np.asarray(np.asarray(self.profile.height(at["profile"])) + np.asarray(self.counter.height(at["counter"])))
+
+    def slope(self, x: ArrayLike) -> Array:
+        at = self.facing(np.asarray(x, dtype=np.float64))
+        counter = np.asarray(self.counter.slope(at["counter"]))
+        return np.asarray(np.asarray(self.profile.slope(at["profile"])) + (-counter if self.mirrored else counter))
+
+    def slope_conjugate(self, x: ArrayLike) -> Array | None:
+        """The sum of both: a longer period of which its own is a part changes no conjugate."""
+        if self.period is None:
+            return None
+        at = self.facing(np.asarray(x, dtype=np.float64))
+        one, other = (body.slope_conjugate(at[place]) for place, body in self.bodies.items())
+        # Turned round, the slope and the kernel both change their sign.
+        return None if one is None or other is None else np.asarray(one + other)
+
+    @property
+    def slope_is_derived(self) -> bool:
+        return self.profile.slope_is_derived or self.counter.slope_is_derived
+
+    @property
+    def symmetric(self) -> bool:
+        if not (self.profile.symmetric and self.counter.symmetric):
+            return False
+        half = None if self.counter.period is None else 0.5 * self.counter.period
+        off = self.shift if half is None else self.shift - half * np.round(self.shift / half)
+        ends = self.support or self.extent
+        centred = ends is None or abs(ends[0] + ends[1]) <= 8 * _EPS * (ends[1] - ends[0])
+        return bool(abs(off) <= 8 * _EPS * (half or 0.0)) and centred
+
+    @property
+    def kinks(self) -> Array:
+        return self._merged[0]
+
+    @property
+    def jumps(self) -> Array:
+        return self._merged[1]
+
+    @property
+    def breakpoints(self) -> Array:
+        return self._merged[2]
+
+    @property
+    def support(self) -> Window | None:
+        return self._faces[0]
+
+    @property
+    def extent(self) -> Window | None:
+        return self._faces[1]
+
+    @property
+    def x0(self) -> float:
+        if self.period is None:
+            return -np.inf
+        if self.support is not None:
+            return 0.5 * (self.support[0] + self.support[1]) - 0.5 * self.period
+        first, length = self.profile.x0, self.profile.period or 0.0
+        return -0.5 * self.period if first == -0.5 * length else first
+
+    @property
+    def summits(self) -> Array | None:
+        """Where both have their one tip at one place: from there both only rise."""
+        one, other = self.profile.summits, self.counter.summits
+        if one is None or other is None or self.support is not None or self.profile.period != self.counter.period:
+            return None
+        if len(one) != 1 or len(other) != 1 or self.period is None and self.extent is not None:
+            return None
+        away = float(self._above(np.asarray(other))[0]) - float(one[0])
+        if self.period is not None:
+            away -= self.period * np.round(away / self.period)
+        return np.array(one) if abs(away) <= 8 * _EPS * (abs(self.shift) + (self.period or 0.0)) else None
+
+    @property
+    def resolution(self) -> float | None:
+        return _least(self.profile.resolution, self.counter.resolution)
+
+    @property
+    def feature(self) -> float | None:
+        return _least(self.profile.feature, self.counter.feature)
+
+    # places -----------------------------------------------------------------------------------------------------------
+    def _above(self, places: Array) -> Array:
+        """Where places of the counter body stand."""
+        return np.asarray(self.shift - places if self.mirrored else self.shift + places)
+
+    def _beneath(self, x: ArrayLike) -> Array:
+        """The place of the counter body that x faces."""
+        x = np.asarray(x, dtype=np.float64)
+        off = _EPS * 8 * (np.abs(x) + abs(self.shift))
+        return _onto(self.counter, self.shift - x if self.mirrored else x - self.shift, off)
+
+    def _on_profile(self, x: Array) -> Array:
+        return _onto(self.profile, x, _EPS * 8 * (np.abs(x) + abs(self.shift)))
+
+    def _window_of(self, ends: Window) -> Window:
+        """A stretch of the counter body as it stands."""
+        at = np.sort(self._above(np.array(ends)))
+        return float(at[0]), float(at[1])
+
+    @cached_property
+    def _faces(self) -> tuple[Window | None, Window | None]:
+        """(support, extent): where sharp corners bound what faces each other, or else what is known of both."""
+        extents = [self.profile.extent, None if self.counter.extent is None else self._window_of(self.counter.extent)]
+        known = _shared([extent for extent in extents if extent is not None])
+        if known is not None and not known[0] < known[1]:
+            told = ", ".join(f"{lo:.6g} to {hi:.6g}" for lo, hi in extents)  # type: ignore[misc]
+            raise SceneError.of("shift", self.shift, f"such that both bodies face each other (they are known from, to: {told})")
+        known = known or self._told_of()
+        supports = self._supports(known)
+        if supports is None:
+            return None, known
+        if len(supports) != 1:
+            what = "touch nowhere" if not supports else f"face each other on {len(supports)} stretches"
+            raise SceneError.of("counter", self.counter, f"such that corners bound one stretch (and one a period): the two bodies {what}")
+        (lo, hi) = supports[0]
+        if known is None or known[0] <= lo and hi <= known[1]:
+            return (lo, hi), None
+        if lo <= known[0] and known[1] <= hi:
+            return None, known
+        raise SceneError.of(
+            "shift", self.shift, f"such that the corners at {lo:.6g} and {hi:.6g} both face what is known of the other body, "
+            f"{known[0]:.6g} to {known[1]:.6g}, or neither does"
+        )  # fmt: skip
+
+    def _told_of(self) -> Window | None:
+        """Of a body with corners that repeats under one that just goes on: as many cells as have their corners told."""
+        lone, row = (self.profile, self.counter) if self.profile.period is None else (self.counter, self.profile)
+        if self.period is not None or row.period is None or lone.support is not None:
+            return None
+        places = len(row.kinks) + len(row.jumps) + len(row.breakpoints)
+        if not places:
+            return None
+        tips = lone.kinks[lone.kinks[:, 1] > 0, 0] if lone.summits is None else np.asarray(lone.summits)
+        at = float(np.mean(tips)) if len(tips) else 0.0
+        reach = row.period * int(np.clip(_PLACES // (2 * places), *_CELLS))
+        return (at - reach, at + reach) if lone is self.profile else self._window_of((at - reach, at + reach))
+
+    def _supports(self, known: Window | None) -> list[Window] | None:
+        """Stretches between sharp corners, of both at once: in a period, else all; None without any corners."""
+        stretches = []
+        for place, body in self.bodies.items():
+            if body.support is None:
+                continue
+            counter = place == "counter"
+            first = self._window_of(body.support) if counter else body.support
+            stretches.append(self._copies(first, body.period, known, around=counter and self.profile.support is not None))
+        if not stretches:
+            return None
+        if len(stretches) == 1:
+            return stretches[0]
+        shared = [(max(a[0], b[0]), min(a[1], b[1])) for a in stretches[0] for b in stretches[1]]
+        least = 8 * _EPS * (abs(self.shift) + max((abs(end) for stretch in shared for end in stretch), default=0.0))
+        return [(lo, hi) for lo, hi in shared if hi - lo > least]
+
+    def _copies(self, first: Window, period: float | None, known: Window | None, around: bool) -> list[Window]:
+        """A stretch that repeats, as often as it does in what is looked at; around: also those of the cells beside, which may reach in."""
+        if period is None:
+            return [first]
+        if self.period is not None:
+            count = round(self.period / period)
+            turns = range(-count, 2 * count) if around else range(count)
+        else:
+            other = known or self._lone_support
+            if other is None:
+                allowed = "without a period of its own, or facing a body that ends: corners without end bound no one stretch"
+                raise SceneError.of("counter", self.counter, allowed)
+            turns = range(int(np.floor((other[0] - first[1]) / period)), int(np.ceil((other[1] - first[0]) / period)) + 1)
+        copies = [(first[0] + turn * period, first[1] + turn * period) for turn in turns]
+        bounds = known or self._lone_support if self.period is None else None
+        return copies if bounds is None else [c for c in copies if c[1] > bounds[0] and c[0] < bounds[1]]
+
+    @property
+    def _lone_support(self) -> Window | None:
+        """Corners of that body that does not repeat."""
+        if self.profile.period is None and self.profile.support is not None:
+            return self.profile.support
+        if self.counter.period is None and self.counter.support is not None:
+            return self._window_of(self.counter.support)
+        return None
+
+    @cached_property
+    def _merged(self) -> tuple[Array, Array, Array]:
+        """Kinks, jumps and breakpoints of both, where they stand, those at one place as one."""
+        both = {place: (body.kinks, np.asarray(body.jumps), np.asarray(body.breakpoints)) for place, body in self.bodies.items()}
+        kinks = [self._placed(place, np.column_stack((of[0][:, 0], np.ones(len(of[0])), of[0][:, 1]))) for place, of in both.items()]
+        jumps = [self._placed(place, of[1]) for place, of in both.items()]
+        breaks = [self._placed(place, np.column_stack((of[2], np.zeros((len(of[2]), 2)))))[:, 0] for place, of in both.items()]
+        sharp, bent = self._summed(np.concatenate(kinks))[:, [0, 2]], self._summed(np.concatenate(jumps))
+        at = np.concatenate((sharp[:, 0], bent[:, 0], *breaks, np.array(self.support or ())))
+        return sharp, bent, self._summed(np.column_stack((at, np.zeros(len(at)), np.ones(len(at)))))[:, 0]
+
+    def _placed(self, place: str, rows: Array) -> Array:
+        """Rows of place, order and jump of a body where they stand, once for each of its cells."""
+        body, rows = self.bodies[place], np.array(rows, dtype=np.float64).reshape(-1, 3)
+        if place == "counter":
+            rows[:, 0] = self._above(rows[:, 0])
+            if self.mirrored:
+                # Looked at from the other side the odd derivatives change sign, and right and left change places.
+                rows[:, 2] *= np.where(rows[:, 1] == 2, -1.0, 1.0)
+        ends = self.support or self.extent
+        if body.period is not None and len(rows):
+            if self.period is not None:
+                turns = np.arange(round(self.period / body.period))
+            else:
+                assert ends is not None
+                first, last = (ends[0] - rows[:, 0].max()) / body.period, (ends[1] - rows[:, 0].min()) / body.period
+                turns = np.arange(np.floor(first), np.ceil(last) + 1)
+            rows = np.concatenate([rows + [turn * body.period, 0.0, 0.0] for turn in turns])
+        if self.period is not None and len(rows):
+            rows[:, 0] = self.wrap(rows[:, 0])
+            rows[rows[:, 0] >= self.x0 + self.period - self._alike(rows[:, 0]), 0] = self.x0
+        if ends is not None:
+            slack = self._alike(np.array(ends))
+            rows = rows[(rows[:, 0] > ends[0] + slack) & (rows[:, 0] < ends[1] - slack)]
+        return rows
+
+    def _summed(self, rows: Array) -> Array:
+        """Rows of place, order and jump, in order, with those of one place and order added; none of what cancels."""
+        rows = rows[np.lexsort((rows[:, 0], rows[:, 1]))]
+        if not len(rows):
+            return rows
+        apart = (np.diff(rows[:, 0]) > self._alike(rows[:, 0])) | (np.diff(rows[:, 1]) != 0)
+        first = np.concatenate(([0], np.flatnonzero(apart) + 1))
+        jump, size = np.add.reduceat(rows[:, 2], first), np.add.reduceat(np.abs(rows[:, 2]), first)
+        summed = np.column_stack((rows[first, :2], jump))[np.abs(jump) > 8 * _EPS * size]
+        return np.asarray(summed[np.argsort(summed[:, 0], kind="stable")])
+
+    def _alike(self, places: Array) -> float:
+        """Places that differ by no more are one: rounding of a sum."""
+        return 16 * _EPS * (float(np.max(np.abs(places), initial=0.0)) + abs(self.shift) + (self.period or 0.0))
+
+
+def _onto(body: Profile, at: Array, off: Array) -> Array:
+    """Places of a body with those that rounding has put just beyond its end moved back onto it."""
+    ends = body.support or (body.extent if body.period is None else None)
+    if ends is None:
+        return at
+    if body.period is not None:
+        at = np.asarray(body.wrap(at))
+    lo, hi = ends
+    return np.where((at < lo) & (at >= lo - off), lo, np.where((at > hi) & (at <= hi + off), hi, at))
+
+
+def _shared(windows: list[Window]) -> Window | None:
+    return (max(w[0] for w in windows), min(w[1] for w in windows)) if windows else None
+
+
+def _least(*lengths: float | None) -> float | None:
+    return min((length for length in lengths if length is not None and isfinite(length)), default=None)
+
+
+def _common_period(one: float | None, other: float | None) -> float | None:
+    """The shortest length that is a whole number of both periods; None without one of them."""
+    if one is None or other is None:
+        return None
+    cells = np.arange(1, _MOST_CELLS + 1, dtype=np.float64)
+    others = np.round(cells * (one / other))
+    fits = (others >= 1) & (others <= _MOST_CELLS) & (np.abs(cells * one - others * other) <= 8 * _EPS * cells * one)
+    if fits.any():
+        return float(cells[np.argmax(fits)] * one)
+    near = Fraction(one / other).limit_denominator(10) if one > other else 1 / Fraction(other / one).limit_denominator(10)
+    told = f"{one * near.denominator / near.numerator!r} ({near.denominator} of the profile's on {near.numerator} of its own)"
+    allowed = f"in a ratio of whole numbers, at most {_MOST_CELLS}, to the profile's {one!r}, so that both repeat together: such as {told}"
+    raise SceneError.of("counter.period", other, allowed)

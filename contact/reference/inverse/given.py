@@ -1,0 +1,152 @@
+"""What every contact designed to given zones shares: they, and numbers and fields built on the pressure and the slope of the gap."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from contact.errors import SceneError
+from contact.model.checks import finite_array, keep, positive_or_none
+from contact.reference.exact.base import Zoned
+from contact.reference.inverse.product import CutProduct
+from contact.reference.inverse.profile import DesignedProfile
+
+Array = NDArray[np.float64]
+
+
+class GivenZones(Zoned):
+    """A subclass has the profile, the loads of the zones, and the formulas in its distances dl, dr from the ends of an interval."""
+
+    # Annotations only: a subclass has them as its fields.
+    zones: Array
+    E_star: float
+    load: float
+    period: float | None
+
+    def _check(self) -> None:
+        keep(self, positive_or_none, "period")
+        zones = finite_array("zones", self.zones, ndim=2)
+        object.__setattr__(self, "zones", zones)
+        if zones.shape[1] != 2 or np.any(np.diff(zones.ravel()) <= 0.0):
+            raise SceneError.of("zones", self.zones, "an (n, 2) array of ends, strictly increasing")
+        if self.period is not None and not zones[-1, 1] - zones[0, 0] < self.period:
+            raise SceneError.of("zones", self.zones, f"within one period {self.period:.17g}")
+
+    @cached_property
+    def _long(self) -> CutProduct:
+        """In the longest precision there is: what the profile and the loads are made of."""
+        return CutProduct(self.zones.astype(np.longdouble), self.period)
+
+    @cached_property
+    def _product(self) -> CutProduct:
+        return CutProduct(self.zones.astype(float), self.period)
+
+    @property
+    def profile(self) -> DesignedProfile:
+        """The shape with this contact."""
+        raise NotImplementedError
+
+    def _zone_pressure(self, zone: int, dl: Array, dr: Array) -> Array:
+        raise NotImplementedError
+
+    def _opening(self, i: int, dl: Array, dr: Array) -> Array:
+        """Slope of the gap in the gap i (-1: left of all zones)."""
+        raise NotImplementedError
+
+    def gap(self, x: ArrayLike) -> Array:
+        """u + f - approach [m], 0 in the zones."""
+        raise NotImplementedError
+
+    def _nodes(self, i: int) -> Any:
+        """dl, dr and weights of integrals over an interval."""
+        raise NotImplementedError
+
+    def height(self, x: ArrayLike) -> Array:
+        """f(x) [m], up to a constant."""
+        return self.profile.height(x)
+
+    def slope(self, x: ArrayLike) -> Array:
+        """f'(x)."""
+        return self.profile.slope(x)
+
+    @property
+    def nearness(self) -> float:
+        """Narrowest gap over widest zone: what makes a problem hard."""
+        gaps = self._product.steps[1::2]
+        return float(np.min(gaps) / np.max(self.zone_widths)) if gaps.size else np.inf
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        """Pressure [Pa] at the normalised position t in [-1, 1] of a zone, to rounding up to its ends."""
+        if zone not in range(len(self.zones)):
+            raise SceneError.of("zone", zone, f"0 to {len(self.zones) - 1}")
+        t = np.asarray(t, dtype=float)
+        half = 0.5 * self._product.steps[2 * zone]
+        return self._zone_pressure(zone, half * (1.0 + t), half * (1.0 - t))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """p(x) [Pa], 0 outside the zones."""
+        x = np.asarray(x, dtype=float)
+        interval, dl, dr = self._product.locate(x)
+        p = np.zeros_like(x)
+        for zone in range(len(self.zones)):
+            here = interval == 2 * zone
+            p[here] = self._zone_pressure(zone, dl[here], dr[here])
+        return p
+
+    def gap_slope(self, x: ArrayLike) -> Array:
+        """(u + f)' between the zones, 0 in them."""
+        x = np.asarray(x, dtype=float)
+        interval, dl, dr = self._product.locate(x)
+        slope = np.zeros_like(x)
+        for i in np.unique(interval[interval % 2 == 1]):
+            here = interval == i
+            slope[here] = self._opening(int(i), dl[here], dr[here])
+        return slope
+
+    def displacement(self, x: ArrayLike) -> Array:
+        """u(x) [m] into the body, of zero mean; periodic only."""
+        if self.approach is None:
+            raise SceneError.of("period", None, "a length > 0: an isolated displacement needs a datum")
+        return self.approach - (self.height(x) - self._least_height) + self.gap(x)
+
+    def _greatest(self, beside: float, samples: int) -> float:
+        """Greatest pressure, no nearer to the ends than an angle `beside`."""
+        ends = beside, np.pi - beside
+        zones = range(len(self.zones))
+        return max(-least_value(lambda phi, zone=zone: -self.pressure_at(np.cos(phi), zone), *ends, samples) for zone in zones)  # type: ignore[misc]
+
+    @cached_property
+    def _least_height(self) -> float:
+        return least_value(self.height, 0.0, self.period or 0.0, 64 * len(self.zones) + 64)
+
+    @cached_property
+    def mean_gap(self) -> float | None:
+        """Mean of the gap over the period, -(1/L) sum int_gap x g' dx; None without a period."""
+        if self.period is None:
+            return None
+        total = 0.0
+        for g in self._product.gaps:
+            dl, dr, weight = (np.asarray(v, dtype=float) for v in self._nodes(g))
+            total -= float(np.sum(weight * dl * self._opening(g, dl, dr)))
+        return total / self.period
+
+    @property
+    def approach(self) -> float | None:
+        """min f = 0 and mean u = 0, so that approach = mean f - min f - mean gap; None without a period."""
+        return None if self.mean_gap is None else -self._least_height - self.mean_gap
+
+
+def least_value(function: Callable[[Array], Array], low: float, high: float, samples: int) -> float:
+    """Smallest value of a smooth function, by samples and closer samples around the smallest."""
+    x = np.linspace(low, high, samples)
+    y = function(x)
+    best, half = float(x[np.argmin(y)]), float(x[1] - x[0])
+    for _ in range(8):  # the bracket shrinks to 1e-9 of a sample, far below the square root of rounding
+        x = np.clip(best + half * np.linspace(-1.0, 1.0, 33), low, high)
+        y = function(x)
+        best, half = float(x[np.argmin(y)]), half / 8.0
+    return float(np.min(y))

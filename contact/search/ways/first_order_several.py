@@ -1,0 +1,444 @@
+"""The first-order closure of several zones: the nominal pressure is the mean load of the profile alone at the same total width.
+
+    W(pbar, c, P) = W0(pbar L, c),    c = the middle of the outermost ends
+
+W: total width of the zones of the strip about c under the load P; W0: of those of its profile alone, cut off at the borders of the strip,
+under the load pbar L. Both are contacts under a load, so that W0 grows with it and every search is for a convex problem's only solution.
+Grids tell where the root is, and that there is none (contact.search.grid.closure); from there Newton's steps, by how the ends of either
+contact follow the loads, the nominal pressure and the centre (2 K / A), corrected by secants on the way (C. G. Broyden, Math. Comp. 19,
+1965, 577-593, doi 10.1090/S0025-5718-1965-0198670-6). An approach is that of a load, found in turn.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.errors import ContactError, NotConverged, OutOfRange
+from contact.formulation.controls import Load
+from contact.formulation.fields import ZoneFields, moved_ends
+from contact.formulation.problem import Problem
+from contact.model.interactions.isolated import Isolated
+from contact.search.grid.closure import AtPressure, ClosureGrid
+from contact.search.grid.scaling import ScaledScene
+from contact.search.task import Task
+from contact.search.topology.by_pressure import ByPressure
+from contact.search.topology.loop import Newton, refine_topology
+from contact.search.topology.missed import Missed, WrongTopology
+from contact.search.ways.guesses import EXACT
+from contact.verify.accuracy import Found
+
+Array = NDArray[np.float64]
+
+# Steps towards a root, how often one is halved, and how often the signs are looked at there. After how large a step zones that are lost
+# are looked for; of a step what the next one leaves where rounding does.
+_STEPS, _HALVED, _LOOKS, _FAR, _SLOW = 40, 4, 4, 1e-4, 0.5
+# Miss of the centre over that of the width that does not matter.
+_OFF_CENTRE = 1e-3
+# Steps that tell how the misses follow the unknowns: those of smaller ones are rounding.
+_LEAST = 1e-9
+# How often zones of the profile alone are put right, and what part of their width does not matter on the way.
+_CORRECTIONS, _MINOR = 3, 1e-4
+# Largest change of the nominal pressure and of the load in a step; a load that is off by more is looked for by grids.
+_LARGEST = 0.1
+# Loads tried for an approach; how near one is, over it, for Newton's steps on the load, and by what part it changes at the most before.
+_LOADS, _NEAR, _LEAST_PART = 12, 2e-2, 0.3
+# Cells of the grids that zones are taken from, to a shortest length of the profile, and their tolerance.
+_CELLS, _FEWEST, _MOST, _CLOSELY = 4, 2**9, 2**14, 1e-5
+# Tolerance of the ends at first, and of later ones over the step of the unknowns, as long as that is not one of the last; part of a width
+# or a gap that is foreseen to go.
+_ROUGHLY, _FINER, _LAST, _PART = 1e-7, 1e-2, 1e-5, 0.1
+# By what part of the gap beside the border the centre is moved to see what that does.
+_SHIFT = 1e-3
+# What is left after the last step, over what it is estimated as.
+_MARGIN = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class _At:
+    """Contacts of the strip and of its profile alone. unknowns: centre, nominal pressure and load, scaled."""
+
+    unknowns: Array
+    strip: Found
+    alone: Found
+
+    @cached_property
+    def table(self) -> Array:
+        return self.strip.free.density.zones.table
+
+    def same_zones(self, other: _At) -> bool:
+        """Whether both have as many zones as before."""
+        return len(self.table) == len(other.table) and len(_table(self.alone)) == len(_table(other.alone))
+
+    @property
+    def cut_off(self) -> NDArray[np.bool_]:
+        """Whether the profile alone is in contact at the left and at the right border of the strip."""
+        zones = self.alone.free.density.zones
+        return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.corners)
+
+    @property
+    def misses(self) -> Array:
+        """Of the width and the centre."""
+        middle = 0.5 * float(self.table[0, 0] + self.table[-1, 1])
+        return np.array([_width(self.strip) - _width(self.alone), middle - self.unknowns[0]])
+
+
+@dataclass(frozen=True, eq=False)
+class Closed(Found):
+    """The zones of the strip, and at: the contacts that they and the nominal pressure are of."""
+
+    at: _At | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class _Rates:
+    """How ends of the strip (2, Z) move outward, and the approach grows, by the centre, the nominal pressure and the load; alone: ends of
+    its profile alone by its load; cut: the width of that by the centre."""
+
+    ends: Array
+    approach: Array
+    alone: Array
+    cut: float
+
+    @classmethod
+    def of(cls, at: _At) -> _Rates:
+        state, zones = at.strip.fields.state, at.strip.free.density.zones
+        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+        shifted = _shifted(at)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            by_centre = np.where(moves, 2 * np.array(shifted.density.intensities) / np.array(state.density.edge_slopes), 0.0)
+        approach = [-float(shifted.levels.mean())]
+        for condition in (2, 0):
+            values = np.zeros(len(state.condition_scale))
+            values[state.condition_index[condition]] = 1.0
+            approach.append(-float(state.level_rates(values).mean()))
+        low, high = at.cut_off
+        ends = np.array([by_centre, moved_ends(state, 2), moved_ends(state)])
+        return cls(ends, np.array(approach), moved_ends(at.alone.fields.state), float(high) - float(low))
+
+    def matrix(self, period: float) -> Array:
+        """Of the misses by the unknowns (2, 3)."""
+        width, middle = self.ends.sum(axis=(1, 2)), 0.5 * (self.ends[:, 1, -1] - self.ends[:, 0, 0])
+        width[:2] -= self.cut, period * float(self.alone.sum())
+        middle[0] -= 1.0
+        return np.array([width, middle])
+
+    def following(self, period: float) -> Array:
+        """How the unknowns grow with the load (3,)."""
+        matrix = self.matrix(period)
+        return np.append(-np.linalg.solve(matrix[:, :2], matrix[:, 2]), 1.0)
+
+    def of_strip(self, step: Array) -> Array:
+        """Motions of the ends of the strip by a step of the unknowns."""
+        return np.asarray(np.tensordot(step, self.ends, 1))
+
+    def of_ends(self, off: Array, table: Array) -> Array:
+        """What unknowns that are off make of the ends (Z, 2) over the widths of their zones, at the most."""
+        return np.asarray(np.tensordot(np.abs(off), np.abs(self.ends), 1).T / np.diff(table, axis=1))
+
+
+def _shifted(at: _At) -> sie.AnyState:
+    """What a unit of motion of the strip's centre adds to its density on the same zones, by a difference."""
+    problem, pressure = at.strip.fields.problem, float(at.unknowns[1])
+    assert problem.period is not None
+    ends = at.table[[0, -1], [0, 1]] - problem.centre
+    away = _SHIFT * (0.5 * problem.period - float(np.abs(ends).max()))
+    ahead, behind = (problem.about(problem.centre + shift).columns[0] for shift in (away, -away))
+    assert ahead.primitive is not None and behind.primitive is not None
+    forcing = sie.Forcing(
+        _Difference(ahead.value, behind.value, 0.5 * pressure / away),
+        _Difference(ahead.primitive, behind.primitive, 0.5 * pressure / away), between=True,
+    )
+    equation = sie.Equation(problem.kernel, forcing, (sie.Total(0.0), sie.EqualPotential()))
+    return sie.solve_zones(equation, at.strip.free.density.zones, _ROUGHLY)
+
+
+@dataclass(frozen=True)
+class _Difference:
+    """(ahead - behind) factor, as a function."""
+
+    ahead: Callable[[Array], Array]
+    behind: Callable[[Array], Array]
+    factor: float
+
+    def __call__(self, x: Array) -> Array:
+        return (self.ahead(x) - self.behind(x)) * self.factor
+
+
+@dataclass
+class _Bracket:
+    """Nominal pressures and misses of the width there, too narrow alone [positive] and too wide."""
+
+    low: tuple[float, float] = (-math.inf, math.nan)
+    high: tuple[float, float] = (math.inf, math.nan)
+    width: float = math.inf
+
+    def within(self, at: float, miss: float, step: float, falls: bool) -> float:
+        """A step from there, if it stays within the bracket, and that or the step falls; else one of false position, or to the middle."""
+        if miss > 0.0:
+            self.low = (at, miss)
+        elif miss < 0.0:
+            self.high = (at, miss)
+        (low, at_low), (high, at_high) = self.low, self.high
+        before, self.width = self.width, high - low
+        inside = low < at + step < high and (falls or math.isinf(before) or self.width < _SLOW * before)
+        if inside or not math.isfinite(self.width) or self.width <= _LEAST * at:
+            return step
+        share = at_low / (at_low - at_high) if self.width < _SLOW * before else 0.5
+        return low + min(max(share, 0.1), 0.9) * self.width - at
+
+
+class FirstOrderOfSeveral:
+    """The search under the scene's own control."""
+
+    def __init__(self, task: Task, scaled: ScaledScene) -> None:
+        self.task, self.scaled, self.problem = task, scaled, scaled.problem
+        assert self.problem.period is not None
+        self.period = self.problem.period
+
+    def found(self, grid: ClosureGrid, first: AtPressure) -> Found:
+        """The zones that carry the control, from grids under about its load."""
+        control = self.scaled.control
+        if control.load is not None:
+            rough = self._rough(grid, first)
+            if rough is None:
+                raise self._refused()
+            return self._exact(self._started(grid, rough))
+        assert control.approach is not None
+        low, high, refused = 0.0, math.inf, False
+        for _ in range(_LOADS):
+            rough = self._rough(grid, first)
+            step = math.nan
+            if rough is None:
+                high, refused = grid.load, True
+            else:
+                at = self._started(grid, rough)
+                rates = _Rates.of(at)
+                step = (control.approach + at.strip.fields.level) / float(rates.approach @ rates.following(self.period))
+                if abs(step) < _NEAR * grid.load:
+                    return self._exact(at)
+                if control.approach > -at.strip.fields.level:
+                    low = grid.load
+                else:
+                    high, refused = grid.load, False
+            if high - low < _NEAR * high:
+                break
+            load = grid.load + step
+            inside = max(low, _LEAST_PART * grid.load) < load < min(high, grid.load / _LEAST_PART)
+            between = 0.5 * (low + high) if low > 0.0 and high < math.inf else 0.5 * grid.load if low == 0.0 else 2 * grid.load
+            grid = ClosureGrid(self.scaled, self.problem, load if inside else between)
+            first = grid.first()
+        if refused:
+            raise self._refused()
+        raise NotConverged(f"not converged: no load was found that has the {control.told(self.problem.units)}; {EXACT}")
+
+    def closer(self, found: Closed) -> Found:
+        """The same more tightly."""
+        assert found.at is not None
+        at = found.at
+        again = self._at(at.unknowns, at.table, _table(at.alone), self.task.tolerance, 0.0)
+        return self._exact(again)
+
+    def _rough(self, grid: ClosureGrid, first: AtPressure) -> AtPressure | None:
+        with self.task.plan.timed("coarse search"):
+            return grid.root(first)
+
+    def _refused(self) -> OutOfRange:
+        return OutOfRange(
+            f"{self.scaled.control.told(self.problem.units)} is beyond the largest that the first-order closure carries on the branch "
+            f"from zero load: a contact zone reaches the border of the strip; {EXACT}"
+        )
+
+    def _started(self, grid: ClosureGrid, rough: AtPressure) -> _At:
+        """The contacts under the nominal pressure of the grids."""
+        part, profile = self.task.plan["coarse search"], self.problem.profile
+        part.used = True
+        features = 0.0 if profile.feature is None else _CELLS * grid.length / profile.feature
+        points = max(grid.points, 2 ** int(np.clip(np.ceil(np.log2(max(features, 1.0))), math.log2(_FEWEST), math.log2(_MOST))))
+        with self.task.plan.timed("coarse search"):
+            fine = grid.closer(rough, points, _CLOSELY)
+        assert fine.alone is not None
+        strip, alone = (self.problem.units.scaled(each.zones) for each in (fine.strip, fine.alone))
+        part.detail = f"{points} points, {len(strip)} zones proposed"
+        centre = fine.centre
+        if self.problem.profile.symmetric and abs(centre) < 0.25 * float(np.diff(strip).min()):
+            centre = 0.0
+        return self._at(np.array([centre, fine.amplitude, grid.load]), strip, alone, 1.0, _ROUGHLY)
+
+    def _at(self, unknowns: Array, strip: Array, alone: Array, off: float, tolerance: float) -> _At:
+        """The contacts of the strip and of its profile alone from about their zones, whatever the signs. off: what ends are off by
+        over the widths of their zones; tolerance: of the ends."""
+        about, pressure, load = (float(unknown) for unknown in unknowns)
+        newton = Newton(max(self.task.tolerance, tolerance), off=off)
+        with self.task.plan.timed("zone ends"):
+            of_strip = self._contact(self.problem.with_amplitude(pressure).about(about), load, strip, newton, True)
+        with self.task.plan.timed("isolated reference"):
+            problem = replace(self.problem, interaction=Isolated(), amplitude=None, reference=True, centre=about)
+            return _At(unknowns, of_strip, self._contact(problem, pressure * self.period, alone, newton, True))
+
+    def _contact(self, problem: Problem, load: float, table: Array, newton: Newton, formal: bool) -> Found:
+        task = self.task
+        found = refine_topology(ByPressure(problem), Load(load), table, newton, task.progress, formal, task.plan.timed)
+        if isinstance(found, Missed):
+            what = "its profile alone" if problem.reference else "the strip"
+            raise task.error(replace(found, beyond=False, reason=f"the contact of {what} was not found: {found.reason}; {EXACT}"), problem)
+        return found
+
+    def _looked_at(self, found: Found, closely: bool = False) -> Found:
+        """With other zones where signs fail; closely: where so little tells their number that a tighter solution is asked for, too."""
+        form = ByPressure(found.fields.problem)
+        with self.task.plan.timed("certificate"):
+            looked = replace(found, certificate=form.certificate(found.fields, found.control))
+        if looked.certificate.holds and not (closely and form.is_slight(looked)):
+            return looked
+        if form.problem.reference:
+            return self._put_right(looked, self.task.tolerance if closely else _MINOR)
+        return self._contact(form.problem, found.control.value, _table(found), Newton(found.tolerance), False)
+
+    def _put_right(self, alone: Found, minor: float) -> Found:
+        """The profile alone with zones where they are missing and without those that pull, but for a minor part of their total width: a
+        zone about to be born may be lost again."""
+        problem, newton = alone.fields.problem, Newton(alone.tolerance)
+        for _ in range(_CORRECTIONS):
+            if _failing(alone) <= minor * _width(alone):
+                break
+            form = ByPressure(problem)
+            try:
+                table = form.corrected(alone.free.density.zones, alone.certificate)
+                found = self._contact(problem, alone.control.value, table, newton, True)
+            except (WrongTopology, ContactError):
+                break
+            found = replace(found, certificate=form.certificate(found.fields, found.control))
+            if _failing(found) > 0.5 * _failing(alone):
+                break
+            alone = found
+        return alone
+
+    def _exact(self, at: _At) -> Found:
+        """From contacts near the root to those at it, with the zones that there are, under the load that has the approach."""
+        approach, size, before = self.scaled.control.approach, float(at.unknowns[2]), math.inf
+        at = replace(at, strip=self._looked_at(at.strip), alone=self._looked_at(at.alone))
+        for _ in range(_LOADS):
+            at, rates, off = self._signed(at)
+            follows = rates.following(self.period)
+            if approach is None:
+                missed = np.append(off, 0.0)
+                break
+            rate = float(rates.approach @ follows)
+            load = (approach + at.strip.fields.level) / rate
+            # The load that has the approach is off by what centre and nominal pressure are, and these by what it is.
+            missed = np.append(off, 0.0) + np.abs(follows) * (_MARGIN * abs(load) + float(np.abs(rates.approach[:2]) @ off) / abs(rate))
+            settled = rates.of_ends(load * follows, at.table).max() <= self.task.tolerance
+            if settled or (abs(load) > _SLOW * before and before < self.task.tol * size):
+                break
+            before, asked = abs(load), abs(load) / size
+            at, _ = self._moved(at, rates, min(1.0, _LARGEST / asked) * load * follows, asked, False)
+        else:
+            raise self._unsettled("the load", at)
+        fields: ZoneFields = replace(
+            at.strip.fields, amplitude_rate=float(follows[1]), centring=float(rates.approach[0] * follows[0])
+        )
+        return Closed(**vars(replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed, at.table))), at=at)
+
+    def _signed(self, at: _At) -> tuple[_At, _Rates, Array]:
+        """`_stepped`, with the signs of what it has come to."""
+        for look in range(_LOOKS):
+            at, rates, off = self._stepped(at, watched=look > 0)
+            looked = replace(at, strip=self._looked_at(at.strip, closely=True), alone=self._looked_at(at.alone, closely=True))
+            if looked.same_zones(at):
+                return looked, rates, off
+            at = looked
+        raise self._unsettled("the zones", at)
+
+    def _unsettled(self, what: str, at: _At) -> ContactError:
+        missed = Missed(f"{what} of the first-order closure did not settle; {EXACT}", at.strip.free)
+        return self.task.error(missed, at.strip.fields.problem)
+
+    def _stepped(self, at: _At, watched: bool) -> tuple[_At, _Rates, Array]:
+        """(contacts at the root under their load, rates near it, what centre and nominal pressure are off): Newton's steps within a bracket
+        of the nominal pressure, since widths bend sharply where zones are born or meet. watched: signs are looked at after every step, as
+        once zones have come or gone."""
+        rates = _Rates.of(at)
+        matrix, misses = rates.matrix(self.period)[:, :2], at.misses
+        size, bracket, before = np.array([self.period, at.unknowns[1]]), _Bracket(), math.inf
+        for _ in range(_STEPS):
+            step = np.zeros(3)
+            step[:2] = -np.linalg.solve(matrix, misses)
+            asked = float(np.abs(step[:2] / size).max())
+            off = rates.of_ends(step, at.table)
+            settled = off.max() <= self.task.tolerance or (asked > _SLOW * before and before < self.task.tol)
+            if settled and at.strip.tolerance <= self.task.tolerance:
+                return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
+            step *= min(1.0, _LARGEST / max(asked, 1e-300))
+            if watched and abs(misses[1]) > _OFF_CENTRE * abs(misses[0]):
+                # How wide the zones are under a nominal pressure is told where the strip is centred on them.
+                step[:] = -misses[1] / matrix[1, 0], 0.0, 0.0
+            else:
+                step[1] = bracket.within(float(at.unknowns[1]), float(misses[0]), float(step[1]), asked <= _SLOW * before)
+                step[0] = -(misses[1] + matrix[1, 1] * step[1]) / matrix[1, 0]
+            there, step = self._moved(at, rates, step, asked, watched)
+            last, misses = misses, there.misses
+            if asked > _LEAST:
+                by = step[:2]
+                matrix = matrix + np.outer(misses - last - matrix @ by, by / size**2) / float(((by / size) ** 2).sum())
+            same = there.same_zones(at)
+            watched = watched or not same
+            if not same or (asked > _FAR and not there.strip.fields.state.iterated):
+                rates = _Rates.of(there)
+                matrix = rates.matrix(self.period)[:, :2]
+            at, before = there, asked if same else math.inf
+        raise self._unsettled("the nominal pressure", at)
+
+    def _moved(self, at: _At, rates: _Rates, step: Array, asked: float, watched: bool) -> tuple[_At, Array]:
+        """The contacts after a step, or after as much of it as they follow."""
+        for halved in range(_HALVED + 1):
+            strip, alone = _spread(at.table, rates.of_strip(step)), _spread(_table(at.alone), rates.alone * self.period * step[1])
+            # What is cut off at the borders of the strip moves with these.
+            alone.flat[[0, -1]] = np.where(at.cut_off, np.array(at.alone.fields.problem.corners) + step[0], alone.flat[[0, -1]])
+            try:
+                # The ends need be no better known than what the next step will move them by.
+                tolerance = 0.0 if asked < _LAST else min(_FINER * asked, _ROUGHLY)
+                there = self._at(at.unknowns + step, strip, alone, asked, tolerance)
+                if asked < _FAR and not watched:
+                    return there, step
+                return replace(there, strip=self._looked_at(there.strip), alone=self._looked_at(there.alone)), step
+            except NotConverged:
+                if halved == _HALVED:
+                    raise
+                step = 0.5 * step
+        raise AssertionError
+
+    def _rounding(self, at: _At) -> float:
+        """What the difference of the widths may be off."""
+        missed = _failing(at.alone)
+        for found in (at.strip, at.alone):
+            missed += float(((found.free.end_error + found.fields.state.end_truncation) * np.diff(_table(found), axis=1)).sum())
+        return missed
+
+
+def _spread(table: Array, moved: Array) -> Array:
+    """Ends after outward moves (2, Z), cut to what widths and gaps allow."""
+    width, gaps = table[:, 1] - table[:, 0], np.concatenate(([np.inf], table[1:, 0] - table[:-1, 1], [np.inf]))
+    room = _PART * np.minimum(width, np.array([gaps[:-1], gaps[1:]]))
+    outward = np.clip(moved, -_PART * width, room)
+    return np.column_stack((table[:, 0] - outward[0], table[:, 1] + outward[1]))
+
+
+def _failing(found: Found) -> float:
+    """Width of all places where signs fail: zones put right there would be wider or narrower by about that."""
+    return float(sum((places[:, 1] - places[:, 0]).sum() for places in (found.certificate.negative, found.certificate.overlaps)))
+
+
+def _width(found: Found) -> float:
+    zones = found.free.density.zones
+    return float((zones.b - zones.a).sum())
+
+
+def _table(found: Found) -> Array:
+    return found.free.density.zones.table

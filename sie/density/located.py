@@ -1,0 +1,81 @@
+"""A density by places on the line and in the plane: what those on plain intervals and those beside slits have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sie.basis.interval import What
+from sie.basis.kept import Kept
+from sie.basis.kernels import Kernel
+from sie.basis.zones import Zones
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+
+class Located(Kept):
+    """A subclass, a dataclass with a field `bounded_ends`, knows the density by zone and distances from its ends."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def zones(self) -> Zones: ...
+        @property
+        def kernel(self) -> Kernel: ...
+        @property
+        def plane(self) -> Callable[[NDArray[np.complex128], What], NDArray[np.complex128]]:
+            """The density at complex points."""
+
+    def with_bounded_ends(self) -> Self:
+        """The same density with the last traces of 1/sqrt(d) taken out at free ends, where the exact one has none.
+
+        An end off by delta leaves K = A delta / 2 there: at equal normalised position the rest is right to delta over
+        the width, while K / sqrt(d) would grow without bound towards the end.
+        """
+        return replace(self, bounded_ends=True)  # type: ignore[type-var]
+
+    def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
+        """Density at points given by zone index and the distances from the zone's ends over its half width
+        (left + right = 2): no digit is lost near the ends."""
+        raise NotImplementedError
+
+    def at_t(self, zone: ArrayLike, t: ArrayLike) -> Array:
+        """Density at normalised positions t in [-1, 1] of zones."""
+        t = real_of(t)
+        return self.at(zone, 1 + t, 1 - t)
+
+    def locate(self, x: ArrayLike) -> tuple[Array, Index, NDArray[np.bool_]]:
+        """(x moved by periods to lie right of the first zone's left end, index of the last zone that starts before it,
+        whether it is inside that zone)."""
+        place, zones, period = real_of(x), self.zones, self.kernel.period
+        if period is not None:
+            place = place - np.floor((place - zones.a[0]) / period) * period
+        i = np.asarray(np.maximum(np.searchsorted(zones.a, place, side="right") - 1, 0))
+        return place, i, np.asarray((place >= zones.a[i]) & (place <= zones.b[i]))
+
+    def __call__(self, x: ArrayLike) -> Array:
+        """Density at x (any shape), zero off the zones."""
+        x, i, inside = self.locate(x)
+        out = np.where(np.isnan(x), np.nan, 0.0)
+        z, w = i[inside], self.zones.half[i[inside]]
+        out[inside] = self.at(z, (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w)
+        return out
+
+    def transform_slope(self, z: ArrayLike) -> NDArray[np.complex128]:
+        """F'(z), the derivative of `transform` at complex z (any shape)."""
+        return self._in_plane(z, "derivative")
+
+    def _in_plane(self, z: ArrayLike, what: What) -> NDArray[Any]:
+        points = np.asarray(z, dtype=complex)
+        out, finite = np.full(points.shape, complex(np.nan, np.nan)), np.isfinite(points)
+        out[finite] = self.plane(points[finite], what)
+        return out
+
+
+def real_of(x: ArrayLike) -> Array:
+    return np.asarray(x, dtype=float)

@@ -1,0 +1,92 @@
+"""Controls from outside the package: one class each, in a scene, a scene file, a curve, certified, and right by closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import contact
+from contact.model import registry
+from contact.model.scene_file import read_scene
+from contact.model.scene_text import to_toml
+
+WAVE = contact.Sinusoid(1e-6, 1e-4)
+BALL = contact.Parabola(1.0)
+
+
+@dataclass(frozen=True)
+class MeanGap(contact.Control):
+    unit = "m"
+    falls = True
+
+    def of(self, solution: contact.Solution) -> float:
+        assert solution.mean_gap is not None
+        return solution.mean_gap
+
+
+@dataclass(frozen=True)
+class Peak(contact.Control):
+    unit = "Pa"
+
+    def of(self, solution: contact.Solution) -> float:
+        return solution.max_pressure
+
+
+@pytest.fixture(autouse=True)
+def known() -> Iterator[None]:
+    contact.register_control("mean_gap")(MeanGap)
+    contact.register_control("peak")(Peak)
+    yield
+    registry.CONTROLS.forget("mean_gap")
+    registry.CONTROLS.forget("peak")
+
+
+def test_a_mean_gap_is_that_of_the_load_which_has_it() -> None:
+    # The mean gap of a wave falls from the mean of its heights to 0: 1.7e-7 m at about half of full contact's load.
+    given = contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), mean_pressure=1.5e7))
+    assert given.mean_gap is not None
+    found = contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), given=MeanGap(given.mean_gap)))
+    assert found.certificate.holds and found.error <= 1e-8
+    assert abs(found.zones - given.zones).max() <= (found.error + given.error) * given.zone_widths[0]
+    assert found.scene.control == ("mean_gap", given.mean_gap)
+
+
+@pytest.mark.parametrize("value", [1e3, 2e6, 5e7])
+def test_a_peak_gives_the_width_of_hertz(value: float) -> None:
+    found = contact.solve(contact.Scene(BALL, 1e9, contact.Isolated(), given=Peak(value)))
+    half_width = 2 * value / 1e9
+    assert found.certificate.holds
+    assert abs(found.zones[0, 1] / half_width - 1) <= 2 * found.error <= 2e-8
+    assert abs(found.zones[0, 1] / (half_width * (1 + 1e-7)) - 1) > 2 * found.error
+
+
+def test_several_zones_are_found_by_their_highest_pressure() -> None:
+    rng = np.random.default_rng(5)
+    rough = contact.Fourier(1e-4, rng.normal(size=6) * 1e-7, rng.normal(size=6) * 1e-7)
+    found = contact.solve(contact.Scene(rough, 1e9, contact.Periodic(), given=Peak(4e7)))
+    assert len(found.zones) > 1 and found.certificate.holds
+    assert abs(found.max_pressure / 4e7 - 1) <= 2 * found.error <= 2e-8
+
+
+def test_it_is_known_by_its_name_wherever_controls_are() -> None:
+    scene = contact.Scene(WAVE, 1e9, contact.Periodic(), given=MeanGap(2e-7))
+    assert read_scene(to_toml(scene).encode(), "wave") == scene
+    by_load = contact.Scene(WAVE, 1e9, contact.Periodic(), load=1.0)
+    assert by_load.under("mean_gap", 2e-7) == scene
+    gaps = [solution.mean_gap for solution in contact.solve_many(by_load, [4e-7, 2e-7], "mean_gap")]
+    assert gaps == pytest.approx([4e-7, 2e-7], rel=1e-6)
+    assert contact.controls()["peak"].unit == "Pa"
+
+
+def test_what_no_load_has_is_refused_and_so_are_laws_with_several_contacts() -> None:
+    with pytest.raises(contact.OutOfRange, match="mean_gap"):
+        contact.solve(contact.Scene(WAVE, 1e9, contact.Periodic(), given=MeanGap(2e-6)))
+    with pytest.raises(contact.SceneError, match="several contacts"):
+        contact.Scene(BALL, 1e9, contact.Isolated(), law=contact.JKR(0.05), given=Peak(1e5))
+    with pytest.raises(contact.SceneError, match="exactly one"):
+        contact.Scene(WAVE, 1e9, contact.Periodic(), load=1.0, given=MeanGap(1e-7))
+    with pytest.raises(contact.SceneError, match="given"):
+        contact.Scene(WAVE, 1e9, contact.Periodic(), given=1e-7)  # type: ignore[arg-type]
