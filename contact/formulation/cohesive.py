@@ -5,7 +5,7 @@ profile (contact.formulation.tension): convex, its zones unique. By an outward m
 
     r = 1 - gap(c)/h,   J = dr/ds = -(1/h) d gap(c)/ds,
 
-play the part that the intensities have in `equilibria`: under a held load tension anywhere brings the surfaces nearer everywhere, hence J is
+play the part that the intensities have in `equilibria`: under a held load tension anywhere brings the surfaces nearer everywhere, so J is
 positive off its diagonal, the map I -> {gap < h} keeps order, and from intervals all of whose ends are driven outward they advance to the
 least equilibrium that holds them. Under a held approach of a period that is not so: the level stays, and far from a tension the surfaces
 move apart. In J the zones follow: what an end of I adds is a unit source at c, to first order answered by the density of zones that
