@@ -117,7 +117,7 @@ def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: f
     pressure = solution.pressure(x)
     top = _pressure_shown(solution, pressure)
     scale, letter = prefix(top)
-    shown = np.where(np.isfinite(pressure), pressure, 2.0 * top) * scale
+    shown = np.clip(pressure, -2.0 * top, 2.0 * top) * scale
     axes.fill_between(x * along, 0.0, shown, where=_within(x, zones), color=_PRESSURE, alpha=0.22, linewidth=0)
     axes.plot(x * along, shown, color=_PRESSURE, linewidth=1.2)
     if solution.mean_pressure is not None and solution.mean_pressure > _PRESSURE_READABLE * top:
@@ -128,7 +128,9 @@ def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: f
         )
     if np.isinf(solution.max_pressure):
         axes.annotate(r"$p \to \infty$", (0.99, 0.92), xycoords="axes fraction", ha="right", va="top", fontsize=9)
-    axes.set_ylim(0.0, 1.08 * top * scale)
+    # Tension without bound beside zones that adhere is cut off as far below as the peak is above.
+    lowest = max(float(np.min(pressure, initial=0.0)), -top)
+    axes.set_ylim(1.08 * lowest * scale, 1.08 * top * scale)
     axes.set_ylabel(f"pressure [{letter}Pa]")
 
 

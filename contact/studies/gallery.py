@@ -111,8 +111,20 @@ def _label(one: contact.Solution, shown: list[contact.Solution]) -> str:
         return f"moment {quantity(one.scene.moment, 'N')}"
     if len({other.scene.profile.name for other in shown}) > 2:
         return one.scene.profile.name
+    varied = _varied(shown)
+    if len(varied) == 1:
+        table, name = varied[0]
+        profile = one.scene.profile
+        return f"{name} {quantity(profile.tables()[table][name], profile.units.get(name, ''))}"
     pressed = quantity(one.load, "N/m") if one.mean_pressure is None else quantity(one.mean_pressure, "Pa")
     return f"{pressed}, {len(one.zones)} zones" if len(one.zones) > 1 else pressed
+
+
+def _varied(shown: list[contact.Solution]) -> list[tuple[str, str]]:
+    """(table, name) of every number of the shapes that is not the same in all."""
+    tables = [one.scene.profile.tables() for one in shown]
+    keys = [(table, name) for table, values in tables[0].items() for name, value in values.items() if np.isscalar(value)]
+    return [(table, name) for table, name in keys if len({repr(told.get(table, {}).get(name)) for told in tables}) > 1]
 
 
 def of_engine(found: list[sie.Solution]) -> Any:

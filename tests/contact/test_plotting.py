@@ -117,6 +117,15 @@ class TestScenes:
         assert bottom.get_ylim()[1] == pytest.approx(1.08 * 4 * 1e3 / 2e-5 * 1e-6, rel=1e-9)
 
 
+def test_tension_beside_the_ends_of_zones_that_adhere_is_drawn_below_zero_and_cut_off():
+    scene = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Periodic(), law=contact.JKR(0.01), mean_pressure=1e5)
+    solution = contact.solve(scene)
+    bottom = plotting.plot(solution).axes[1]
+    drawn = bottom.lines[0].get_ydata()
+    low, high = bottom.get_ylim()
+    assert low < 0 < high and np.min(drawn) < low and np.max(drawn) < high
+
+
 def test_neither_pyplot_nor_a_setting_is_touched():
     code = (
         "import contact, matplotlib, sys\n"
