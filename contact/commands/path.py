@@ -88,7 +88,9 @@ def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[
     """The control, and its values."""
     names = [name for name, text in given.items() if text is not None]
     if len(names) != 1:
-        raise SceneError.of(" and ".join(f"--{name}" for name in names or given), "given" if names else None, "one of them")
+        if names:
+            raise SceneError.of(" and ".join(f"--{name}" for name in names), "given", "one of them")
+        raise SceneError(f"--loads is missing, or one of {', '.join(f'--{name}' for name in given if name != 'loads')}", "loads")
     text = given[names[0]] or ""
     values = values_of(f"--{names[0]}", text)
     if not scene.law.pulls:

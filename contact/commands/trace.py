@@ -13,7 +13,7 @@ import numpy as np
 
 from contact.commands.outputs import OVERWRITE, checked, checked_figure
 from contact.commands.trace_plot import plot_trace
-from contact.errors import warn
+from contact.errors import SceneError, warn
 from contact.extras import require
 from contact.model.profiles.base import Profile
 from contact.model.profiles.sampled import Sampled
@@ -90,6 +90,8 @@ def _with_keys(command: Callable[..., None]) -> Callable[..., None]:
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def trace_command(file: Path, figure: Path | None, scene: Path | None, overwrite: bool, as_json: bool, **options: str | None) -> None:
     """Read a trace from a FILE and print its length, pitch, heights and roughness, and what was done to it."""
+    if file.suffix.lower() == ".toml":
+        raise SceneError.of("FILE", str(file), "a file of points, as a scene file names one; `contact solve` reads the scene itself")
     keys = {name: KEYS[name][0](text) for name, text in options.items() if text is not None}
     if figure is not None:
         checked_figure(figure)

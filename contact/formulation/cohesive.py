@@ -5,9 +5,10 @@ profile (contact.formulation.tension): convex, its zones unique. By an outward m
 
     r = 1 - gap(c)/h,   J = dr/ds = -(1/h) d gap(c)/ds,
 
-play the part that the intensities have in `equilibria`: tension anywhere brings the surfaces nearer everywhere, hence J is positive off its
-diagonal, the map I -> {gap < h} keeps order, and from intervals all of whose ends are driven outward they advance to the least equilibrium
-that holds them. In J the zones follow: what an end of I adds is a unit source at c, to first order answered by the density of zones that
+play the part that the intensities have in `equilibria`: under a held load tension anywhere brings the surfaces nearer everywhere, so J is
+positive off its diagonal, the map I -> {gap < h} keeps order, and from intervals all of whose ends are driven outward they advance to the
+least equilibrium that holds them. Under a held approach of a period that is not so: the level stays, and far from a tension the surfaces
+move apart. In J the zones follow: what an end of I adds is a unit source at c, to first order answered by the density of zones that
 are held with singular ends, whose intensities move these by 2 K/A.
 """
 
@@ -33,6 +34,8 @@ Array = NDArray[np.float64]
 
 # Surfaces that overlap by this part of the reach only touch.
 _TOUCHING = 1e-12
+# To which the densities are solved that rates are told of where zones are many.
+_OF_RATES = 1e-10
 # States that are remembered.
 _KNOWN = 256
 
@@ -207,6 +210,9 @@ class Cohesive(Equilibria):
     def _point(self, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array]) -> CohesivePoint:
         pulled, state = fields.problem, fields.state.whole
         assert isinstance(pulled, Pulled)
+        if state.iteration is not None:
+            # There are as many right sides as ends: a matrix once, not an iteration for each.
+            state = sie.solve_fixed(pulled.equation(self.control(pulled, value)), state.density.zones, _OF_RATES, direct=True)
         tension, density, count = pulled.pulling, state.density, len(table)
         at = np.concatenate((table[:, 0], table[:, 1]))
         strengths = np.hstack((self.stress * np.eye(2 * count), np.zeros((2 * count, 1))))

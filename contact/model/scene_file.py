@@ -75,9 +75,16 @@ def load_scene(path: str | PathLike[str]) -> Scene:
             tables = tomllib.load(stream)
     except (OSError, ValueError) as error:
         if isinstance(error, (tomllib.TOMLDecodeError, UnicodeDecodeError)):
-            raise SceneError(f"{path}: is not a TOML file: {error}") from error
+            raise SceneError(f"{path}: is not a TOML file{_if_a_trace(path)}: {error}") from error
         raise SceneError(f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from error
     return _under(f"{path}:", lambda: scene_from_tables(tables, path.parent))
+
+
+def _if_a_trace(path: Path) -> str:
+    """What to do with a file that is no scene, but what a scene may be of."""
+    if path.suffix.lower() == ".toml":
+        return ""
+    return f" with a scene (of a trace, `contact trace {path.name} --scene NEW.toml` writes one)"
 
 
 def read_scene(text: bytes, name: str) -> Scene:

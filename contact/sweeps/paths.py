@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import NotConverged, SceneError, unwarned, warn
+from contact.errors import NotConverged, OutOfRange, SceneError, unwarned, warn
 from contact.formulation.maxima import maximum
 from contact.formulation.roots import bracketed
 from contact.model.scene import Scene
@@ -182,7 +182,10 @@ def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | N
         for k, load in enumerate(values):
             if progress is not None:
                 progress("load", k, len(values))
-            here = run.curve.at(float(load))
+            try:
+                here = run.curve.at(float(load))
+            except OutOfRange as error:
+                raise OutOfRange(f"at the load {load:.6g} N/m: {error}") from error
             passed.append(tuple(run.between(solutions[-1], here)) if solutions else ())
             solutions.append(here)
     # Of the highest load, where slopes and pressures are; of the line that called `contact.path`.

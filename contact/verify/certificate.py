@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.runs import runs_of
-from contact.verify.minima import DIP_ROUNDING, follow, may_be_negative
+from contact.verify.minima import DIP_ROUNDING, Signs, signs_on
 
 Array = NDArray[np.float64]
 
@@ -112,12 +112,12 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None)
     """Check the solution everywhere; `negative` and `overlaps` are the scaled intervals where it fails. held: the control under which
     the contact has to be stable, where there are several equilibria, the load if left out; under a half width it need not be."""
     law = fields.problem.law
-    pressures, least, dip, inside = _pressures(fields)
-    valleys, left_out = _valleys(fields)
+    signs = _pressures(fields)
+    pulls, least, dip, (valleys, left_out) = signs.negative, signs.least, signs.dip, _valleys(fields)
     if law.pulls:
-        pressures, valleys, left_out, dip = np.zeros((0, 2)), [], 0, np.inf
-    new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in pressures)]
-    pressures = np.array(sorted([*map(tuple, pressures), *new])).reshape(-1, 2)
+        pulls, valleys, left_out, dip = [], [], 0, np.inf
+    new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in pulls)]
+    pressures = np.array(sorted([*pulls, *new])).reshape(-1, 2)
     gaps, overlaps, rounding, outside, on_zones = openings(fields)
     units = fields.problem.units
     density = fields.density
@@ -153,7 +153,7 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None)
         gap_rounding=rounding * units.height,
         load_balance=balance,
         level_spread=spread,
-        points=inside + outside,
+        points=signs.points + outside,
         holds=bool(holds),
         undecided=bool(undecided) or left_out > 0,
         note=note,
@@ -187,37 +187,21 @@ def _moment_balance(fields: ZoneFields) -> float | None:
     return float(abs(fields.scaled_moment - given) / (fields.density.total * reach))
 
 
-def _pressures(fields: ZoneFields) -> tuple[Array, float, float, int]:
-    """(intervals of negative pressure, least p / sqrt(1 - t^2) in scaled units, least dip, points)."""
-    density = fields.density
-    zones = density.zones
-    counts = density.sampling
-    bad: list[tuple[float, float]] = []
-    least, dip, points = np.inf, np.inf, 0
-    for n in np.unique(counts):
-        group = np.flatnonzero(counts == n)
-        theta = (np.arange(n) + 0.5) * np.pi / n
-        right, left = 2 * np.sin(theta / 2) ** 2, 2 * np.cos(theta / 2) ** 2
-        value = density.at(group[:, None], left, right) / np.sqrt(left * right)
-        points += value.size
-        finite = np.where(np.isfinite(value), value, np.inf)
-        scale = np.abs(np.where(np.isfinite(value), value, 0.0)).max(axis=1)
-        # At nearly merged zones the pressure there is small of higher order: rounding is not a failure.
-        rounding = scale * np.clip(2 * fields.state.noise[group], DIP_ROUNDING, 1e-6)
-        fails = finite < -rounding[:, None]
-        worst = np.where(np.abs(finite) <= rounding[:, None], np.abs(finite), finite)
-        least = min(least, float(worst.min()))
-        for row in np.flatnonzero(fails.any(axis=1)):
-            i = group[row]
-            x = np.where(left <= right, zones.a[i] + zones.half[i] * left, zones.b[i] - zones.half[i] * right)
-            for s, e in runs_of(fails[row]):
-                lo = zones.a[i] if e == n - 1 else 0.5 * (x[e] + x[e + 1])
-                hi = zones.b[i] if s == 0 else 0.5 * (x[s] + x[s - 1])
-                bad.append((lo, hi))
-        dips, lowest, lowest_part = _dips(fields, group, theta, finite, scale, rounding)
-        bad += dips
-        least, dip = min(least, lowest), min(dip, lowest_part)
-    return np.array(sorted(bad)).reshape(-1, 2), least, dip, points
+def _pressures(fields: ZoneFields) -> Signs:
+    """p / sqrt(1 - t^2) on the zones, in scaled units."""
+    density, noise = fields.density, fields.state.noise
+
+    def over_root(zone: NDArray[np.intp], angle: Array) -> Array:
+        right, left = 2 * np.sin(angle / 2) ** 2, 2 * np.cos(angle / 2) ** 2
+        return np.asarray(density.at(zone, left, right) / np.sqrt(left * right))
+
+    def sampled(group: NDArray[np.intp], theta: Array) -> tuple[Array, Array, Array]:
+        value = over_root(group[:, None], theta)
+        finite = np.isfinite(value)
+        scale = np.abs(np.where(finite, value, 0.0)).max(axis=1)
+        return np.where(finite, value, np.inf), scale * np.clip(2 * noise[group], DIP_ROUNDING, 1e-6), scale
+
+    return signs_on(density.zones, density.sampling, sampled, over_root)
 
 
 def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
@@ -242,27 +226,6 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
             reach = float(np.abs(pulls).max()) * half
             found.append((x - reach, x + reach))
     return found, left_out
-
-
-def _dips(
-    fields: ZoneFields, group: NDArray[np.intp], theta: Array, value: Array, scale: Array, rounding: Array
-) -> tuple[list[tuple[float, float]], float, float]:
-    """Minima of p / sqrt(1 - t^2) that may be negative between the samples: (intervals where they are, least value, least
-    value over the zone's scale)."""
-    density = fields.density
-    zones = density.zones
-    rows, places = np.nonzero(may_be_negative(value[:, :-2], value[:, 1:-1], value[:, 2:]))
-
-    def over_root(zone: NDArray[np.intp], angle: Array) -> Array:
-        right, left = 2 * np.sin(angle / 2) ** 2, 2 * np.cos(angle / 2) ** 2
-        return np.asarray(density.at(zone, left, right) / np.sqrt(left * right))
-
-    found = follow(over_root, group[rows], theta[places], theta[places + 2], scale[rows], rounding[rows])
-    bad = []
-    for i, lo, hi in found.negative:
-        ends = zones.middle[i] + zones.half[i] * np.cos([hi, lo])
-        bad.append((float(ends[0]), float(ends[1])))
-    return bad, min(found.least, found.lowest), found.relative
 
 
 def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int]:

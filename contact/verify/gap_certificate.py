@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from contact.formulation.gaps import GapFields
 from contact.formulation.runs import runs_of
 from contact.verify.certificate import Certificate
-from contact.verify.minima import DIP_ROUNDING, follow, may_be_negative
+from contact.verify.minima import DIP_ROUNDING, Signs, follow, may_be_negative, signs_on
 
 Array = NDArray[np.float64]
 
@@ -19,7 +19,7 @@ _EPS = 2.2e-16
 
 def certify_gaps(fields: GapFields) -> Certificate:
     """Signs of gap and pressure on the whole period."""
-    smallest_gap, overlaps, looked = _openings(fields)
+    openings = _openings(fields)
     least, negative, dip, points = _pressures(fields)
     valleys, left_out = _valleys(fields)
     negative += [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in negative)]
@@ -28,42 +28,23 @@ def certify_gaps(fields: GapFields) -> Certificate:
     if left_out:
         note += f"; {left_out} gaps over kinks are left out: narrower than {2 * NARROWEST:.0e} of the period"
     return Certificate(
-        smallest_pressure=least * units.pressure, smallest_gap=smallest_gap * units.height, gap_rounding=0.0,
-        load_balance=0.0, level_spread=0.0, points=looked + points, holds=not (negative or overlaps),
+        smallest_pressure=least * units.pressure, smallest_gap=openings.least * units.height, gap_rounding=0.0,
+        load_balance=0.0, level_spread=0.0, points=openings.points + points, holds=not (negative or openings.negative),
         undecided=left_out > 0 or (dip <= DIP_ROUNDING and not negative), note=note, dip=dip,
-        negative=np.array(sorted(negative)).reshape(-1, 2), overlaps=np.array(sorted(overlaps)).reshape(-1, 2),
+        negative=np.array(sorted(negative)).reshape(-1, 2), overlaps=np.array(openings.negative).reshape(-1, 2),
     )
 
 
-def _openings(fields: GapFields) -> tuple[float, list[tuple[float, float]], int]:
-    """(smallest gap between its ends, intervals where it is negative, points)."""
-    density = fields.density
-    gaps, counts = density.zones, density.sampling
-    smallest, points = np.inf, 0
-    overlaps: list[tuple[float, float]] = []
+def _openings(fields: GapFields) -> Signs:
+    """The gap between its ends."""
+    density, gaps = fields.density, fields.density.zones
     size = np.abs(density.coefficients).sum(axis=1) + np.bincount(density.jumps.zone, np.abs(density.jumps.height), len(gaps))
-    for n in np.unique(counts):
-        group = np.flatnonzero(counts == n)
-        theta = (np.arange(n) + 0.5) * np.pi / n
+
+    def sampled(group: NDArray[np.intp], theta: Array) -> tuple[Array, Array, Array]:
         opening = density.integral_at(group[:, None], theta)
-        # Next to its ends a gap is of third order in the angle, and only rounding is left of it.
-        rough = 64 * _EPS * (gaps.half * size)[group, None]
-        opening = np.where(np.abs(opening) <= rough, np.abs(opening), opening)
-        smallest, points = min(smallest, float(opening.min())), points + opening.size
-        for row in np.flatnonzero(opening.min(axis=1) < 0):
-            i = group[row]
-            x = gaps.middle[i] + gaps.half[i] * np.cos(theta)
-            for s, e in runs_of(opening[row] < 0):
-                overlaps.append((float(gaps.a[i] if e == n - 1 else x[e + 1]), float(gaps.b[i] if s == 0 else x[s - 1])))
-        # The body may touch between two samples.
-        rows, places = np.nonzero(may_be_negative(opening[:, :-2], opening[:, 1:-1], opening[:, 2:]))
-        scale = opening.max(axis=1)[rows]
-        dips = follow(density.integral_at, group[rows], theta[places], theta[places + 2], scale, rough[rows, 0])
-        smallest = min(smallest, dips.least, dips.lowest)
-        for i, lo, hi in dips.negative:
-            ends = gaps.middle[i] + gaps.half[i] * np.cos([hi, lo])
-            overlaps.append((float(ends[0]), float(ends[1])))
-    return smallest, overlaps, points
+        return opening, 64 * _EPS * (gaps.half * size)[group], opening.max(axis=1)
+
+    return signs_on(gaps, density.sampling, sampled, density.integral_at)
 
 
 def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:

@@ -1,4 +1,5 @@
-"""Dips of the pressure inside zones, followed below the sampling: whether a zone has a gap in it that no sample has met."""
+"""Signs of a function on intervals, by samples and by dips followed below the sampling: whether a zone has a gap in it, or a gap a touch,
+that no sample has met."""
 
 from __future__ import annotations
 
@@ -7,6 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+import sie
+from contact.formulation.runs import runs_of
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
@@ -70,3 +74,45 @@ def follow(
             break
         zone, lo, hi, scale, rounding = zone[keep], lo[keep], hi[keep], scale[keep], rounding[keep]
     return Dips(negative, least, relative, lowest)
+
+
+@dataclass(frozen=True)
+class Signs:
+    """negative: where it is, ascending (n, 2). least: the smallest value, of those within their rounding the modulus. dip: least minimum
+    between samples over the interval's scale, inf without any. points: how many samples."""
+
+    negative: list[tuple[float, float]]
+    least: float
+    dip: float
+    points: int
+
+
+def signs_on(
+    intervals: sie.Zones, counts: Index, sampled: Callable[[Index, Array], tuple[Array, Array, Array]],
+    over: Callable[[Index, Array], Array],
+) -> Signs:
+    """counts: samples of each interval, at even angles. sampled: of intervals (k,) and angles (n,) the values (k, n), their rounding and
+    their scale (k,). over: see `follow`."""
+    negative: list[tuple[float, float]] = []
+    least, dip, points = np.inf, np.inf, 0
+
+    def within(i: int, first: float, last: float) -> tuple[float, float]:
+        """Between two angles, 0 and pi the ends."""
+        hi, lo = intervals.middle[i] + intervals.half[i] * np.cos([first, last])
+        return float(intervals.a[i] if last == np.pi else lo), float(intervals.b[i] if first == 0.0 else hi)
+
+    for n in np.unique(counts):
+        group = np.flatnonzero(counts == n)
+        theta = (np.arange(n) + 0.5) * np.pi / n
+        value, rounding, scale = sampled(group, theta)
+        points += value.size
+        # Beside nearly merged intervals, and next to ends, a value is small of higher order: rounding is not a failure.
+        least = min(least, float(np.where(np.abs(value) <= rounding[:, None], np.abs(value), value).min()))
+        fails = value < -rounding[:, None]
+        for row in np.flatnonzero(fails.any(axis=1)):
+            negative += [within(group[row], s * np.pi / n, (e + 1) * np.pi / n) for s, e in runs_of(fails[row])]
+        rows, places = np.nonzero(may_be_negative(value[:, :-2], value[:, 1:-1], value[:, 2:]))
+        dips = follow(over, group[rows], theta[places], theta[places + 2], scale[rows], rounding[rows])
+        negative += [within(*found) for found in dips.negative]
+        least, dip = min(least, dips.least, dips.lowest), min(dip, dips.relative)
+    return Signs(sorted(negative), least, dip, points)

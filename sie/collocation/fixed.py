@@ -468,7 +468,7 @@ def first_sizes(equation: Equation, zones: Zones) -> Sizes:
 
 
 def solve_fixed(
-    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None, largest: int = 8192
+    equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None, largest: int = 8192, direct: bool = False
 ) -> State:
     """Solve on given zones, with singular ends allowed at moving ends (their intensity is what a Newton step needs).
 
@@ -483,6 +483,8 @@ def solve_fixed(
         Modes to start from, kept from one solve to the next.
     largest : int
         Modes of a zone at the most.
+    direct : bool
+        By a matrix, however many the unknowns are, up to what one may hold: where many right sides are to come.
 
     Returns
     -------
@@ -516,7 +518,7 @@ def solve_fixed(
     while True:
         m = modes.coupled(zones, kernel, tolerance, sizes.least)
         unknowns = int(np.sum(m + 1))
-        lacking = unfit(equation, zones) if unknowns > MANY_UNKNOWNS else "too few of them"
+        lacking = "a matrix is asked for" if direct else unfit(equation, zones) if unknowns > MANY_UNKNOWNS else "too few of them"
         if lacking and unknowns > MOST_UNKNOWNS:
             raise TooLarge(f"{len(zones)} zones with {unknowns} unknowns are too many for a matrix, and for fast sums {lacking}")
         state = (_solve_once if lacking else _solve_iterated)(equation, zones, m, samples, jumps, sizes)

@@ -9,6 +9,7 @@ import pytest
 import contact
 import sie
 from contact.reference.exact import Westergaard
+from contact.search.grid import coarse
 from sie.collocation import fixed as engine
 from sie.collocation.iterative import Iterative, IterativeSystem
 from sie.slits import merged as cuts
@@ -182,3 +183,18 @@ def test_ends_that_are_known_well_are_solved_for_tightly_at_once(monkeypatch):
     assert plain.converged and told.converged and len(told.trace) < len(plain.trace)
     width = np.diff(plain.density.zones.table, axis=1)
     assert np.all(np.abs(told.density.zones.table - plain.density.zones.table) <= (told.end_error + plain.end_error) * width)
+
+
+def test_a_shape_of_very_many_features_has_half_as_fine_a_grid(monkeypatch):
+    sizes = []
+
+    def sized(f, influence, **asked):
+        sizes.append(influence.n)
+        return once(np.cos(2 * np.pi * np.arange(64) / 64), influence.periodic(64, 1 / 64, 1.0), load=0.1)
+
+    once = coarse.solve_grid
+    monkeypatch.setattr(coarse, "solve_grid", sized)
+    monkeypatch.setattr(coarse, "_refine", lambda p, periodic: p)
+    for features in (2**14, 2**15, 2**16):
+        coarse.propose(np.cos, (0.0, 1.0), coarse.Response(1.0), load=0.1, resolution=1 / features)
+    assert [n for n, after in zip(sizes, [*sizes[1:], 64], strict=True) if after <= n] == [2**18, 2**19, 2**19]

@@ -367,3 +367,42 @@ def test_the_command_refuses_in_one_line_and_by_name(tmp_path: Path, option: str
     result = CliRunner().invoke(cli.main, ["trace", str(write(tmp_path, rows())), option, value])
     assert result.exit_code == 2 and result.stdout == "" and result.stderr.count("\n") == 1
     assert option.strip("-").replace("-", "_") in result.stderr
+
+
+# Traces with faults: what is said leads on ------------------------------------------------------------------------------------
+def test_of_a_position_twice_it_is_said_whether_even_ones_are_behind_it(tmp_path: Path) -> None:
+    doubled = X.copy()
+    doubled[30] = doubled[29]
+    path = write(tmp_path, [f"{x!r};{z!r}" for x, z in zip(doubled.tolist(), Z.tolist(), strict=True)])
+    for keys in ({}, {"regrid": True}):
+        refused(path, "line 32", "1.45e-05 m is repeated", "all but one have to go", **keys)
+    coarse = write(tmp_path, [f"{round(0.7 * k)}e-6;{z!r}" for k, z in enumerate(Z[:36].tolist())])
+    refused(coarse, "line 4", "regrid = true")
+    assert contact.read_trace(coarse, regrid=True).x.size == 36
+
+
+@pytest.mark.parametrize("down", [False, True])
+def test_columns_the_wrong_way_round_are_told_by_what_to_write(tmp_path: Path, down: bool) -> None:
+    swapped = [f"{z!r};{x!r}" for x, z in zip(X.tolist(), Z.tolist(), strict=True)]
+    path = write(tmp_path, swapped[::-1] if down else swapped)
+    refused(path, "columns = [1, 0]")
+    assert contact.read_trace(path, columns=[1, 0]).heights == pytest.approx(Z)
+    # Heights that only rise are positions as good as any: only their size tells.
+    rising = write(tmp_path, [f"{z!r};{x!r}" for x, z in zip(X.tolist(), np.sort(Z).tolist(), strict=True)])
+    with pytest.warns(contact.ModelWarning, match="columns may be the other way round"):
+        contact.read_trace(rising)
+
+
+def test_a_scene_for_a_trace_and_a_trace_for_a_scene_are_told_apart(tmp_path: Path) -> None:
+    path = write(tmp_path, rows())
+    assert "contact trace trace.txt --scene NEW.toml" in run("solve", path, status=2)
+    run("trace", path, "--scene", tmp_path / "start.toml")
+    assert "a file of points" in run("trace", tmp_path / "start.toml", status=2)
+
+
+def test_a_path_says_at_which_load_there_is_no_contact_and_what_is_missing(tmp_path: Path) -> None:
+    run("trace", write(tmp_path, rows()), "--scene", tmp_path / "start.toml")
+    assert "at the load 1e+09 N/m: " in run("path", tmp_path / "start.toml", "--loads", "1,1e9", status=2)
+    assert "--loads is missing" in run("path", tmp_path / "start.toml", status=2)
+    compared = run("compare", tmp_path / "start.toml")
+    assert "period = true" in compared

@@ -219,6 +219,10 @@ class Sampled(Profile):
         return {"x": self.x, "height": self.heights, "period": self.period}
 
     @property
+    def no_period(self) -> str:
+        return f"the {self.name} profile has none: period = true takes its length for one (taper brings its ends to one height)"
+
+    @property
     def preparation(self) -> dict[str, Any]:
         return {} if self.source is None else vars(self.source[1])
 

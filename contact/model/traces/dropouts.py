@@ -47,7 +47,7 @@ def filled(
     count = int(lost.sum())
     if fill is None:
         first = int(np.flatnonzero(lost)[0])
-        more = f" and at {count - 1} more of {x.size}" if count > 1 else ""
+        more = f" here and at {count - 1} more of {x.size} points" if count > 1 else ""
         choices = 'fill = "linear" puts straight lines there, fill = "drop" leaves the points out'
         raise at(path, lines[first], f"no finite height{more}: {choices}")
     kept = np.flatnonzero(~lost)
@@ -104,7 +104,8 @@ def in_order(
         return x[order], height[order], lines[order], f"sorted by position, {back.size} steps having gone back"
     i = back[0]
     rising = height[np.isfinite(height)]
-    other = "; the heights increase throughout: are the columns the other way round?" if np.all(np.diff(rising) > 0) else ""
+    swapped = np.all(np.diff(rising) > 0) or np.all(np.diff(rising) < 0)
+    other = "; the heights do throughout: if the columns are the other way round, columns says so, as columns = [1, 0]" if swapped else ""
     what = f"positions must increase or decrease throughout, {x[i + 1]:g} m follows {x[i]:g} m{other}"
     raise at(path, lines[i + 1], what if other else f"{what}; sort = true sorts them")
 

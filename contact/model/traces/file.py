@@ -190,7 +190,7 @@ def _why_none(rows: list[Row], wanted: tuple[int | str, ...], layouts: list[Layo
     if any(layout.delimiter == layout.decimal for layout in layouts) and all(layout.decimal == "," for layout in layouts):
         return ": commas between columns and in numbers are told apart only where every number has decimals; write ; between columns"
     if len(wanted) == 2 and any(_first_of_two(rows, 0, layout, (0,)) is not None for layout in layouts):
-        return ": a column of heights alone needs pitch, their distance [m]; of more columns, columns says which"
+        return ": a column of heights alone needs pitch, their distance [m]; of more columns, columns says which (the first is 0)"
     return ": columns says in which they are"
 
 

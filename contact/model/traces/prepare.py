@@ -145,6 +145,8 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
     if count is None:
         _refuse_repeated(path, x, lines)
     else:
+        if _pitch_behind_rounding(x) is None:
+            _refuse_repeated(path, x, lines)
         x, height, note = to_uniform(x, height, x.size if count is True else _bounded(count, x.size))
         done(note)
     if short is not None:
@@ -198,7 +200,16 @@ def _instrument(path: str | Path, layout: dict[str, Any], place: dict[str, Any])
 def _refuse_repeated(path: str | Path, x: Array, lines: NDArray[np.int64]) -> None:
     again = np.flatnonzero(np.diff(x) <= 0)
     if again.size:
-        raise at(path, lines[again[0] + 1], "a position is repeated: give regrid if the file's positions are rounded")
+        raise at(path, lines[again[0] + 1], _of_repeated(x))
+
+
+def _of_repeated(x: Array) -> str:
+    """What is wrong with positions of which some are the same."""
+    again = np.flatnonzero(np.diff(x) <= 0)
+    if _pitch_behind_rounding(x) is not None:
+        return "a position is repeated, as positions are rounded: regrid = true takes them as even"
+    more = f", as {again.size - 1} more are" if again.size > 1 else ""
+    return f"the position {x[again[0]]:.9g} m is repeated{more}, and rounding does not explain it: of such lines all but one have to go"
 
 
 def _measured_length(x: Array, height: Array) -> float:
@@ -226,6 +237,9 @@ def _doubts(name: str, x: Array, height: Array, period: float | None, said: str)
     told = f"{name}, read in {said}, is a trace {quantity(length, 'm')} long with a pitch of {quantity(pitch, 'm')}"
     if not (_LENGTHS[0] <= length <= _LENGTHS[1] and _PITCHES[0] <= pitch <= _PITCHES[1]):
         return (f"{told}, which is not that of a surface: units says what the numbers of the file are in",)
+    if depth > length:
+        higher = f"{told} and heights within {quantity(depth, 'm')}, more than it is long"
+        return (f"{higher}: columns may be the other way round, or units two, of positions and of heights",)
     if depth < _SHALLOWEST:
         return (f"{told} and heights within {quantity(depth, 'm')}, less than an atom: units may be two, of positions and of heights",)
     if period is not None and period > _MOST_BEYOND * length:

@@ -1,10 +1,11 @@
 r"""Ends of zones that are driven outward advance, and those driven inward recede, to the nearest equilibrium under a held control.
 
-With r_i = K_i - K* at every end (contact.formulation.equilibria), under a held load or approach the other ends only gain by one that
+With r_i = K_i - K* at every end (contact.formulation.equilibria), on a half-plane under a held load the other ends only gain by one that
 advances, d r_j/ds_i >= 0, since what an end pulls down comes nearer for the others. So the ends that are driven outward everywhere
 advance, together and without turning back, to the least equilibrium that holds them, and those that are driven inward everywhere recede
 to the greatest one within them: what a slowly changed control leads to, too (cooperative systems: M. W. Hirsch, SIAM J. Math. Anal. 13,
-1982, 167). Steps that keep to that are those of
+1982, 167). Under a held approach, and on a layer, an end that advances may hold back others: there the same steps are taken, and the same
+certificate is asked for, but the branch is not proved to be the least. Steps that keep to that are those of
 
     -J ds = r,   J = dr/ds,
 

@@ -26,7 +26,9 @@ _TOWERING = 1e6  # heights above the lowest, over the window
 COARSEST = 64  # points of the first of the nested grids
 MOST_POINTS = 2**22  # of the last grid, however fine the shape is
 _PASSING = 1e-3  # tolerance of the grids before the last
-_PER_FEATURE = 16  # cells to the smallest length of a shape
+# Cells to the smallest length of a shape; where it has very many of these the grid is what takes the time, and half as many leave out one
+# zone in a hundred or two, which the first look at the signs puts in.
+_PER_FEATURE, _FEATURES, _PER_ONE_OF_MANY = 16, 2**15, 8
 NARROW = 3  # cells: below this a zone or a gap is not resolved
 
 
@@ -180,7 +182,7 @@ def propose(
         target = limit = int(points)
     else:
         features = 16.0 if resolution is None else width / resolution
-        wanted = max(4 * COARSEST, _PER_FEATURE * features)
+        wanted = max(4 * COARSEST, (_PER_FEATURE if features <= _FEATURES else _PER_ONE_OF_MANY) * features)
         target = 2 ** int(np.ceil(np.log2(wanted)))
         # A shape of known resolution is worth as many points as it asks for.
         limit = max_points if resolution is None else max(max_points, min(target, MOST_POINTS))

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sie
-from contact.errors import OutOfRange
+from contact.errors import NotConverged, OutOfRange
 from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.controls import Load
 from contact.formulation.equilibria import Closed, Point
@@ -29,7 +29,7 @@ from contact.formulation.pulled_fields import PulledFields, PulledGapFields
 from contact.formulation.tension import Pulled
 from contact.formulation.tension_intervals import below, fitted, united_about
 from contact.model.scene import Scene
-from contact.search.equilibria.tension import advanced, pull_off, pull_off_from_all, receded, uncovered
+from contact.search.equilibria.tension import TOO_NARROW, advanced, pull_off, pull_off_from_all, receded, uncovered
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.shared import Shared
@@ -54,6 +54,8 @@ _TIGHT, _LOOSE = (1e-13, 1e-11), 1e-9
 _TOUCH = 1e-2
 # Adhesion on a strip below this part of a zone is nearly without range; of the intensity it would have, and how far ends go for it.
 _THIN, _PART, _FIRST = 0.02, 0.3, 0.3
+# Of a zone, the strips that are solved at the least; terms of a zone's pressure, times the root of its strips over it.
+_NARROWEST, _MODES = 5e-7, 16.0
 # Of the mean height of a profile: approaches above first touch.
 _PARTS = (0.5, 0.2, 0.05, 0.01, 1e-3, 1e-4)
 # Points at which the profile is looked at, and widenings of the window until the gap is above the reach at its border.
@@ -133,10 +135,14 @@ def advancing(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
     problem = scaled.problem
     if value == 0.0:
         table, zones = _touched(scaled, curve)
+        if problem.period is None:
+            # A lone body is scaled by about what its contact is under no load.
+            _refuse_narrow(task, problem.units.length)
     else:
         found = bare(task)
         if len(found.zones) == 0:
             raise Closed
+        _refuse_narrow(task, float(found.zone_widths.max()))
         zones = placed(problem, found.zones)
         fields, look = curve.contact_under(Pulled.of(problem, 0.0, np.zeros((0, 2))), value, zones)
         zones = fields.density.zones.table
@@ -145,6 +151,17 @@ def advancing(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
     here = advanced(curve, uncovered(curve, table, value, zones), value)
     assert isinstance(here, CohesivePoint)
     return here
+
+
+def _refuse_narrow(task: Task, width: float) -> None:
+    """Where the tension would act on strips too narrow beside zones as wide as this [m]."""
+    scene = task.scene
+    strip = 0.25 * math.pi * scene.E_star * scene.law.reach / scene.law.tension
+    if strip < _NARROWEST * width:
+        raise NotConverged(
+            f"{TOO_NARROW}. They are {strip:.2g} m beside {width:.2g} m, and the pressure, which bends within them, would take "
+            f"{_MODES / math.sqrt(strip / width):.1g} terms a zone: without range its ends differ by {strip / width:.0e} of the zone"
+        )
 
 
 def _begun(curve: Cohesive, fields: ZoneFields) -> Array:
