@@ -251,8 +251,8 @@ class FirstOrderOfSeveral:
 
     def _refused(self) -> OutOfRange:
         return OutOfRange(
-            f"{self.scaled.control.told(self.problem.units)} is beyond the largest that the first-order closure carries on the branch "
-            f"from zero load: a contact zone reaches the border of the strip; {EXACT}"
+            f"{self.scaled.control.told(self.problem.units)}: under the first-order closure a contact zone reaches the border of the "
+            f"strip, which is cut at the widest gap of the period; {EXACT}"
         )
 
     def _started(self, grid: ClosureGrid, rough: AtPressure) -> _At:
