@@ -285,3 +285,11 @@ def test_an_interval_that_has_lost_its_zones_begins_with_its_lowest_place():
     law = contact.Dugdale(1.33e-4, 1.12e5)
     scene = contact.Scene(rough(19, 644939), 1e9, contact.Periodic(), law=law, mean_pressure=0.0)
     assert contact.solve(scene, branch="receding").zones == pytest.approx(contact.solve(scene).zones, rel=1e-9)
+
+
+def test_strips_that_are_too_narrow_and_zones_that_are_too_many_are_refused_at_once_with_their_figures(monkeypatch):
+    with pytest.raises(contact.NotConverged, match=r"narrower than a millionth.*They are 2\.7e-10 m beside .* terms a zone"):
+        cylinder(1e4, load=1e-5)
+    monkeypatch.setattr("contact.search.ways.cohesive._MOST_ZONES", 5)
+    with pytest.raises(contact.OutOfRange, match="zones: under a tension beside the contact .* 5 zones at the most"):
+        contact.solve(contact.Scene(rough(), 1e9, contact.Periodic(), law=contact.Dugdale(1e-3, 1e6), mean_pressure=2e6))

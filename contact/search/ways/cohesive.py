@@ -54,6 +54,8 @@ _TIGHT, _LOOSE = (1e-13, 1e-11), 1e-9
 _TOUCH = 1e-2
 # Adhesion on a strip below this part of a zone is nearly without range; of the intensity it would have, and how far ends go for it.
 _THIN, _PART, _FIRST = 0.02, 0.3, 0.3
+# Zones under the bare law that a branch is followed from at the most.
+_MOST_ZONES = 200
 # Of a zone, the strips that are solved at the least; terms of a zone's pressure, times the root of its strips over it.
 _NARROWEST, _MODES = 5e-7, 16.0
 # Of the mean height of a profile: approaches above first touch.
@@ -142,6 +144,7 @@ def advancing(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
         found = bare(task)
         if len(found.zones) == 0:
             raise Closed
+        _refuse_many(len(found.zones))
         _refuse_narrow(task, float(found.zone_widths.max()))
         zones = placed(problem, found.zones)
         fields, look = curve.contact_under(Pulled.of(problem, 0.0, np.zeros((0, 2))), value, zones)
@@ -151,6 +154,14 @@ def advancing(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
     here = advanced(curve, uncovered(curve, table, value, zones), value)
     assert isinstance(here, CohesivePoint)
     return here
+
+
+def _refuse_many(zones: int) -> None:
+    if zones > _MOST_ZONES:
+        raise OutOfRange(
+            f"{zones} zones: under a tension beside the contact they are followed by steps that each take a matrix of all that is unknown "
+            f"on them, which is done for {_MOST_ZONES} zones at the most: take a coarser trace, a part of it, or adhesion without range"
+        )
 
 
 def _refuse_narrow(task: Task, width: float) -> None:
