@@ -23,8 +23,8 @@ _WANDERING = 20
 # Of zones said to be near: the first move over the width, and what is left of a move in the next one. Moves below the last are about
 # rounding, which need not fall.
 _NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
-# Tolerances of solutions by iteration: at first, over what is expected of the next move, and at last over that of the ends.
-_LOOSE, _OF_NEXT, _TIGHT = 1e-6, 1e-4, 1e-3
+# Tolerances of solutions by iteration: at first, and at last over that of the ends.
+_LOOSE, _TIGHT = 1e-6, 1e-3
 # The remaining motion of an end is the next step but for its square.
 MARGIN = 1.5
 
@@ -91,9 +91,8 @@ class Progress:
 
     @property
     def linear(self) -> float:
-        """Tolerance of a solution by iteration: the next move is about the square of the last one, and an end beside a narrow gap is off by
-        some hundred times what an iteration leaves."""
-        return min(_LOOSE, max(_OF_NEXT * self.last**2, self.tightest))
+        """Tolerance of a solution by iteration: the next move is about the square of the last one, and it need not be much better."""
+        return min(_LOOSE, max(1e-3 * self.last**2, self.tightest))
 
     @property
     def tightest(self) -> float:
