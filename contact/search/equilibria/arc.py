@@ -26,6 +26,8 @@ _FIRST, _LONGEST, _CORRECTIONS, _TIGHT, _MOST_STEPS, _NO_STEP = 0.02, 0.3, 8, 1e
 _LONGER, _SHORTER = 1.6, 0.3
 # Cosine of the angle by which a step may turn the tangent.
 _STRAIGHT = 0.85
+# Of equations that are met, what may be left of them, over what the control does to an end at the most.
+_NOT_MET = 1e-8
 # Past a turning point ends are pushed on by this part of their zones, or of the gaps beside them.
 _PUSH = 0.03
 # Of the control, before the last turning point is looked for; and of steps of the control.
@@ -167,8 +169,11 @@ def _keeps(before: Place, ahead: Place) -> bool:
 def _unit(at: Point) -> float:
     """What the control is counted in: by it some end moves by its zone's width; not less than what drives one by the intensity asked."""
     least = 1.0 / float(np.abs(at.by_value).max())
-    moves = np.abs(np.linalg.lstsq(at.rates, at.by_value, rcond=None)[0] / at.widths).max()
-    return max(least, 1.0 / float(moves))
+    moves, _, rank, _ = np.linalg.lstsq(at.rates, at.by_value, rcond=None)
+    if rank < len(moves) and np.abs(at.rates @ moves - at.by_value).max() * least > _NOT_MET:
+        # At a turning point the ends move while the control stands still.
+        return least
+    return max(least, 1.0 / float(np.abs(moves / at.widths).max()))
 
 
 def _tangent(at: Point, widths: Array, unit: float) -> Array:
