@@ -104,8 +104,8 @@ MUTATIONS = (
     ),
     Mutation(
         "certificate that takes a pressure that pulls for one that pushes", "contact/verify/certificate.py",
-        "pressures, least, dip, inside = _pressures(fields)",
-        "pressures, least, dip, inside = _pressures(fields)\n    least = abs(least)",
+        "pulls, least, dip, (valleys, left_out) = signs.negative, signs.least, signs.dip, _valleys(fields)",
+        "pulls, least, dip, (valleys, left_out) = signs.negative, abs(signs.least), signs.dip, _valleys(fields)",
         ("tests/contact/test_certificate.py",),
     ),
     Mutation(

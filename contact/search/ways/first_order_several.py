@@ -39,6 +39,8 @@ Array = NDArray[np.float64]
 # Steps towards a root, how often one is halved, and how often the signs are looked at there. After how large a step zones that are lost
 # are looked for; of a step what the next one leaves where rounding does.
 _STEPS, _HALVED, _LOOKS, _FAR, _SLOW = 40, 4, 4, 1e-4, 0.5
+# Steps in a row of which none halves the misses: zones come and go with every one of them.
+_STALLED = 8
 # Miss of the centre over that of the width that does not matter.
 _OFF_CENTRE = 1e-3
 # Steps that tell how the misses follow the unknowns: those of smaller ones are rounding.
@@ -367,7 +369,11 @@ class FirstOrderOfSeveral:
         rates = _Rates.of(at)
         matrix, misses = rates.matrix(self.period)[:, :2], at.misses
         size, bracket, before = np.array([self.period, at.unknowns[1]]), _Bracket(), math.inf
+        least, stalled = math.inf, 0
         for _ in range(_STEPS):
+            least, stalled = (missed, 0) if (missed := float(np.abs(misses).max())) < _SLOW * least else (least, stalled + 1)
+            if stalled > _STALLED:
+                break
             step = np.zeros(3)
             step[:2] = -np.linalg.solve(matrix, misses)
             asked = float(np.abs(step[:2] / size).max())
