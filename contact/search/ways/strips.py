@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from contact.errors import OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
@@ -20,7 +21,7 @@ from contact.search.task import Task
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, attempted
-from contact.search.ways.first_order import FirstOrder
+from contact.search.ways.first_order import FirstOrder, Search
 from contact.search.ways.first_order_several import Closed, FirstOrderOfSeveral
 from contact.search.ways.guesses import EXACT, from_grid, search
 from contact.verify.accuracy import Found
@@ -109,21 +110,33 @@ def first_order(task: Task, scaled: ScaledScene, found: Found | None = None) -> 
     def alone(problem: Problem, control: Control, start: Array | None) -> Found:
         return _reference(task, problem, control, start)
 
-    first: Array | None = None
     if scaled.control.half_width is not None:
         guess = 2 * scaled.control.half_width
     elif task.single:
         guess = 2 * guess_half_width(scaled.problem, scaled.control)
     else:
-        with task.plan.timed("coarse search"):
-            grid = ClosureGrid(scaled, scaled.problem, _about_load(scaled))
-            rough = grid.first()
-        if not _is_asperity(grid, rough):
-            return FirstOrderOfSeveral(task, scaled).found(grid, rough)
-        first = scaled.problem.units.scaled(rough.strip.zones)
-        guess = float(first[0, 1] - first[0, 0])
+        return _from_grids(task, scaled, strip, alone)
     with task.plan.timed("isolated reference"):
-        return FirstOrder(scaled.problem, strip, alone, first).found(scaled.control, guess)
+        return FirstOrder(scaled.problem, strip, alone, None).found(scaled.control, guess)
+
+
+def _from_grids(task: Task, scaled: ScaledScene, strip: Search, alone: Search) -> Found:
+    """Zones of unknown places: one by its width, where grids see one that grew from one asperity; else two contacts under their loads."""
+    with task.plan.timed("coarse search"):
+        grid = ClosureGrid(scaled, scaled.problem, _about_load(scaled))
+        rough = grid.first()
+    if _is_asperity(grid, rough):
+        first = scaled.problem.units.scaled(rough.strip.zones)
+        one = FirstOrder(scaled.problem, strip, alone, first)
+        with task.plan.timed("isolated reference"):
+            outcome: Found | Missed = attempted(lambda: one.found(scaled.control, float(first[0, 1] - first[0, 0])))
+        if not isinstance(outcome, Missed):
+            return outcome
+        if isinstance(outcome.refusal, OutOfRange):
+            raise outcome.refusal
+        # Beside it others may come into contact: a width is then that of several zones.
+        task.left("one zone by its width", outcome)
+    return FirstOrderOfSeveral(task, scaled).found(grid, rough)
 
 
 def _is_asperity(grid: ClosureGrid, rough: AtPressure) -> bool:
