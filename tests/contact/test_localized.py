@@ -287,12 +287,14 @@ class TestFirstOrderOfSeveralZones:
         with pytest.raises(contact.OutOfRange, match="under the first-order closure a contact zone reaches the border of the strip"):
             contact.solve(contact.Scene(profile, 1.0, FIRST, mean_pressure=1.2 * full))
 
-    def test_a_reference_that_is_not_found_is_not_told_as_a_limit_of_the_closure(self, monkeypatch):
-        found = strips.refine_topology
+    def test_where_a_reference_of_one_width_is_not_found_the_two_contacts_are_taken_under_their_loads(self, monkeypatch):
+        scene = contact.Scene(LOPSIDED, 1.0, FIRST, mean_pressure=0.003)
+        expected, found = contact.solve(scene, tol=1e-9), strips.refine_topology
 
         def lost(form, *given, **named):
             return Missed("the zone ends did not settle") if form.problem.reference else found(form, *given, **named)
 
         monkeypatch.setattr(strips, "refine_topology", lost)
-        with pytest.raises(contact.NotConverged, match="isolated reference"):
-            contact.solve(contact.Scene(LOPSIDED, 1.0, FIRST, mean_pressure=0.003))
+        solution = contact.solve(scene, tol=1e-9)
+        assert "isolated reference" in solution.plan.tried[0]
+        assert np.abs(solution.zones - expected.zones).max() <= (solution.error + expected.error) * expected.zone_widths.max()
