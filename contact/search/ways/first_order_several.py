@@ -40,7 +40,7 @@ Array = NDArray[np.float64]
 # are looked for; of a step what the next one leaves where rounding does.
 _STEPS, _HALVED, _LOOKS, _FAR, _SLOW = 40, 4, 4, 1e-4, 0.5
 # Steps in a row of which none halves the misses: zones come and go with every one of them.
-_STALLED = 16
+_STALLED = 11
 # Miss of the centre over that of the width that does not matter.
 _OFF_CENTRE = 1e-3
 # Steps that tell how the misses follow the unknowns: those of smaller ones are rounding.
