@@ -173,3 +173,8 @@ def test_a_figure_that_its_page_does_not_have_is_noticed() -> None:
         ("docs/benchmarks.md", figure) for figure in ("123456.7 s", "9e-99", "987,654,321")
     ]
     assert unfounded(row.format("2187 zones")) == [] and unfounded("| no page | 123456.7 s |\n") == []
+
+
+def test_every_row_of_measured_figures_names_its_page() -> None:
+    (table,) = re.findall(r"^\| problem \|.*\n\|[-| ]*\n((?:\|.*\n)+)", README, re.MULTILINE)
+    assert len(MEASURED.findall(table)) == len(table.splitlines()) >= 8
