@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 import sie
 from contact.errors import NotConverged
 from contact.formulation.apart import ApartFields
-from contact.formulation.cohesive import CohesivePoint
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
-from contact.formulation.loose import LooseFields
 from contact.formulation.problem import Problem
-from contact.formulation.pulled_fields import scaled_second_variation
+from contact.formulation.tension.cohesive import CohesivePoint
+from contact.formulation.tension.fields import scaled_second_variation
+from contact.formulation.tension.loose import LooseFields
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.model.units import quantity

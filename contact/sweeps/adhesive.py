@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange, unwarned, warn
-from contact.formulation.cohesive import CohesivePoint
 from contact.formulation.energy import elastic_energy
 from contact.formulation.equilibria import Point
 from contact.formulation.full import FullFields
-from contact.formulation.loose import LooseFields
+from contact.formulation.tension.cohesive import CohesivePoint
+from contact.formulation.tension.loose import LooseFields
 from contact.model.checks import finite_array, positive
 from contact.model.scene import Scene
 from contact.model.units import quantity

@@ -11,9 +11,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.formulation.cohesive import Cohesive, CohesivePoint
-from contact.formulation.pulled_contact import look_at
-from contact.formulation.pulled_fields import PulledFields, scaled_second_variation
+from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
+from contact.formulation.tension.contact import look_at
+from contact.formulation.tension.fields import PulledFields, scaled_second_variation
 from contact.verify.accuracy import Found
 from contact.verify.certificate import Certificate
 

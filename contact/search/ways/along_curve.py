@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import NotConverged, OutOfRange
-from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.controls import Approach
 from contact.formulation.equilibria import Closed, Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full import FullLimit
-from contact.formulation.loose import LooseFields
-from contact.formulation.pulled_contact import Lost
-from contact.formulation.pulled_fields import fields_of
+from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
+from contact.formulation.tension.contact import Lost
+from contact.formulation.tension.fields import fields_of
+from contact.formulation.tension.loose import LooseFields
 from contact.model.controls import fields_under
 from contact.model.scene import Scene
 from contact.search.equilibria.arc import pull_off
