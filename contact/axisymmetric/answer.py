@@ -15,7 +15,7 @@ from math import inf, isinf, log, pi, sqrt
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.axisymmetric.derived import interpolated
@@ -24,8 +24,7 @@ from contact.axisymmetric.quadrature import panels
 from contact.axisymmetric.system import Surface
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite_array
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _ROWS = 64  # radii taken together: bounds the memory of a field
 _SAMPLES = 48

@@ -13,11 +13,9 @@ from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
 from contact.model.profiles.derive import by_ladder
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _DEGREES = (24, 96, 384)
 _RESOLVED = 1e-12  # of the largest coefficient, where the series may end

@@ -18,7 +18,7 @@ from math import gamma, inf, pi, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import elliprf
 
 import sie
@@ -26,8 +26,7 @@ from contact.axisymmetric.derived import LogDerivative, Octaves
 from contact.axisymmetric.quadrature import panels, quarter
 from contact.errors import SceneError
 from contact.model.checks import finite, keep, positive
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 class AxisymmetricProfile(sie.Kept):

@@ -18,15 +18,14 @@ from functools import cached_property, partial
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import fft
 from scipy.special import zeta
 
 import sie
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _LARGEST = 2**18
 _LEAST = 256

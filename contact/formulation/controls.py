@@ -19,15 +19,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import OutOfRange
 from contact.formulation.units import Units
 from contact.model.controls import Quantity
 from contact.model.scene import Scene
+from sie import Array
 
-Array = NDArray[np.float64]
 Conditions = tuple[tuple[sie.Condition, ...], tuple[sie.TotalWidth, ...]]
 
 

@@ -8,14 +8,13 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
-
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
 _PEAKS = 16
@@ -233,7 +232,7 @@ class ZoneFields(sie.Kept):
         return np.unique(np.concatenate((np.linspace(lo, hi, count + 1), inner)))
 
     # scaled -----------------------------------------------------------------------------------------------------------
-    def inside(self, x: Array) -> NDArray[np.bool_]:
+    def inside(self, x: Array) -> Mask:
         """Whether scaled points lie in a zone."""
         return self.density.locate(x)[2]
 
@@ -470,7 +469,7 @@ class ZoneFields(sie.Kept):
     def pressure(self, x: ArrayLike) -> Array:
         return self.density(self._scaled(x)) * self.problem.units.pressure
 
-    def _beyond(self, x: Array) -> NDArray[np.bool_]:
+    def _beyond(self, x: Array) -> Mask:
         lo, hi = self.problem.borders
         return (x < lo) | (x > hi)
 

@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.formulation.controls import Control
@@ -26,8 +25,7 @@ from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.substrates.base import Substrate
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 def minus_one(x: Array) -> Array:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation.conjugate import Conjugate, conjugate_of, log_sine, logarithms
@@ -20,9 +20,7 @@ from contact.formulation.units import Units
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from sie import Array, Complex, Index
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +125,7 @@ class ScaledRelief:
     def rounding(self) -> float:
         return self.relief.rounding / self.units.slope
 
-    def without_own(self, kinks: NDArray[np.intp]) -> Array:
+    def without_own(self, kinks: Index) -> Array:
         """R at some of the kinks themselves, less the logarithm of each."""
         at, turns = self.at[kinks], (self.at[kinks, None] - self.at) / self.period
         logs = log_sine(turns - np.round(turns))

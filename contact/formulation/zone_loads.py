@@ -19,12 +19,10 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.conjugate import clausen2
 from contact.formulation.relief import ScaledRelief
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _NODES = 16
 # Of the largest R on a panel's length: what the last coefficients may be. Gauss's rule is good to about the square.

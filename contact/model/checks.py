@@ -8,9 +8,9 @@ from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import SceneError
+from sie import Array
 
 
 def finite(field: str, value: Any, allowed: str = "a finite real number") -> float:
@@ -91,7 +91,7 @@ def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
     return value
 
 
-def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -> NDArray[np.float64]:
+def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -> Array:
     """A read-only float copy of at least `least` finite real numbers with `ndim` axes (None: any)."""
     shape = {None: "an array", 0: "a number", 1: "a one-dimensional array"}.get(
         ndim, f"an array with {ndim} axes"
@@ -121,7 +121,7 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
     return array
 
 
-def real(field: str, value: Any) -> NDArray[np.float64]:
+def real(field: str, value: Any) -> Array:
     """Real numbers of any shape as an array of floats; NaN stays NaN, and infinite ones become NaN: nothing is known there."""
     try:
         raw = np.asarray(value)
@@ -133,7 +133,7 @@ def real(field: str, value: Any) -> NDArray[np.float64]:
     return array if np.isfinite(array).all() else np.where(np.isinf(array), np.nan, array)
 
 
-def increasing(field: str, value: Any, least: int = 1) -> NDArray[np.float64]:
+def increasing(field: str, value: Any, least: int = 1) -> Array:
     """A finite one-dimensional array, strictly increasing; the first place where it is not is named."""
     array = finite_array(field, value, 1, least)
     wrong = np.flatnonzero(np.diff(array) <= 0)

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.model.scene import Scene
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 class Report(Protocol):

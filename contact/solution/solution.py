@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.errors import SceneError
@@ -26,8 +26,7 @@ from contact.solution.plan import Plan
 from contact.solution.pull_off import PullOff
 from contact.solution.validity import everything
 from contact.verify.certificate import Certificate
-
-Array = NDArray[np.float64]
+from sie import Array, Index
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +129,7 @@ class Solution(sie.Kept):
 
     # numbers ----------------------------------------------------------------------------------------------------------
     @cached_property
-    def _order(self) -> NDArray[np.intp]:
+    def _order(self) -> Index:
         """Place among the fields' own zones of each zone of `zones`."""
         starts, period = self.fields.starts, self.scene.period
         if period is not None:

@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.fields import moved_ends
 from contact.formulation.gaps import GapFields
 from contact.verify.certificate import ROUNDING
 from contact.verify.solved import Solved
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Pressures closer to a gap than this part of the period are as uncertain as the rounding of their own position makes them:
 # what is stated is not about them.

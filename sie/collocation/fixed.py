@@ -9,9 +9,9 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lapack, lu_factor, lu_solve
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
@@ -26,10 +26,6 @@ from sie.equation.conditions import asked
 from sie.equation.equation import Equation
 from sie.fast.panels import panels_over
 from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-
 
 # With the last coupled coefficients above this part of the largest, zones lie too close to what is singular beside them.
 UNRESOLVED = 1e-6
@@ -441,7 +437,7 @@ class State(Kept):
         return np.cumsum([0, *counts], dtype=np.intp)[:-1]
 
 
-def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, separated: NDArray[np.bool_] | bool = True) -> float:
+def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, separated: Mask | bool = True) -> float:
     """Error of the density over its size for residuals of the equation at _THETA on zones (n, LOOKS), which rounding of the jumps'
     parts has its share in; separated: where these tell the first modes from the rest, of which only the largest value is known, and that
     the density is off by up to as many times as there are modes."""

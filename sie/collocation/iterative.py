@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
@@ -30,9 +30,6 @@ from sie.fast.far import reaches
 from sie.fast.hierarchical import Inverse
 from sie.fast.krylov import gmres
 from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # To what the coarse problem is inverted: below the bending that it leaves out.
 _COARSE = 1e-4

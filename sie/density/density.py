@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import (
     OnLine,
     edge_slopes,
@@ -38,9 +39,6 @@ from sie.density.treecode import Treecode
 from sie.fast.far import reaches
 from sie.fast.panels import Panels, panels_over
 from sie.jumps.forcing import SERIES_REACH, ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 _MANY_ZONES = 8
 # Distance from a singular end, over the half width, within which errors of the density are not asked for.
@@ -118,19 +116,19 @@ class Density(Located):
         """How many narrow gaps between the zones are taken as slits of wider ones; here none."""
         return 0
 
-    def opening(self, x: ArrayLike) -> tuple[NDArray[np.bool_], Array]:
+    def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
         """(whether x lies in a slit, the integral of the slack from the slit's left end to x); here nowhere, nothing."""
         shape = np.shape(x)
         return np.zeros(shape, dtype=bool), np.zeros(shape)
 
     @cached_property
-    def _bounded_ends(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    def _bounded_ends(self) -> tuple[Mask, Mask]:
         """Whether the density vanishes at the left and at the right end of each zone, by the kind of the end."""
         zones = self.zones
         return np.array([e.intensity == 0.0 for e in zones.left]), np.array([e.intensity == 0.0 for e in zones.right])
 
     @cached_property
-    def sampling(self) -> NDArray[np.intp]:
+    def sampling(self) -> Index:
         """Even angles per zone (Z,) that show all of the density: twice its modes and a few for every jump."""
         modes = np.count_nonzero(self.coefficients, axis=1)
         jumps = np.zeros(len(self.zones), dtype=np.intp)
@@ -339,7 +337,7 @@ class Density(Located):
                 value[here] += w[here] * (jumps + self.summed_totals[place] * np.log(w[here] / datum))
         return value
 
-    def is_near(self, zone: Index, rho: Array, on: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def is_near(self, zone: Index, rho: Array, on: Mask) -> Mask:
         """Where `near_potential` is to be asked: on the zones, and where series of jumps end too soon."""
         if not self.jumps.summed:
             return on

@@ -10,18 +10,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import OnLine, potential_of, transform_of
 from sie.basis.kernels import Kernel, Regular, regular_size
 from sie.basis.zones import Zones
 from sie.density.series import Evaluated, Series
 from sie.fast.panels import Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Largest number of (point, source) pairs handled at once: bounds the memory of an evaluation.
 CHUNK = 16_000
@@ -38,7 +35,7 @@ class Sources:
     zone: Index
     a: Array
     b: Array
-    own: NDArray[np.bool_]
+    own: Mask
     rest: Array
 
     @classmethod
@@ -49,7 +46,7 @@ class Sources:
         own = np.repeat(shift[:, 0] == 0.0, len(zones))
         return cls(zone, (zones.a + shift).ravel(), (zones.b + shift).ravel(), own, zones.rest[:, zone])
 
-    def chosen(self, which: NDArray[np.bool_]) -> Sources:
+    def chosen(self, which: Mask) -> Sources:
         return Sources(self.zone[which], self.a[which], self.b[which], self.own[which], self.rest[:, which])
 
     def __len__(self) -> int:

@@ -18,9 +18,9 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Complex, InPlane, Outside, What, complex_of, of_t, transform_of, transform_slope_of
 from sie.basis.kernels import Regular
 from sie.basis.sums import of_zones, pair_blocks
@@ -29,9 +29,6 @@ from sie.fast.far import Nested
 from sie.fast.tree import SEPARATION, TERMS, Tree
 from sie.jumps.exterior import ExteriorLogarithms
 from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # InPlane with a rho below this, a node is its first TERMS moments; jumps are their first coefficients below the other one.
 _FAR = float(Outside(1.0, np.array(SEPARATION)).rho)

@@ -4,18 +4,12 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import OnLine
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.fast.panels import Panels
 from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-Mask = NDArray[np.bool_]
 
 
 class Evaluator(Protocol):

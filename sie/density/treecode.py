@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import OnLine, Outside, of_t, potential_of, transform_of
 from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
@@ -19,9 +19,6 @@ from sie.density.series import Series
 from sie.fast.far import FarSum, Nested
 from sie.fast.piecewise import clenshaw
 from sie.fast.tree import SEPARATION, TERMS, Tree
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Largest number of (point, near zone) pairs handled at once.
 _BLOCK = 400_000

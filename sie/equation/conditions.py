@@ -12,13 +12,12 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 
-Array = NDArray[np.float64]
 Linear = tuple[Array, Array]
 """(matrix, constants): the quantities are matrix @ unknowns + constants."""
 

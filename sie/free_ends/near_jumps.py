@@ -18,12 +18,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
-
-Array = NDArray[np.float64]
 
 # A jump farther than this many plain steps away does not bend K noticeably: the plain step is quadratic there.
 _FAR = 20.0

@@ -14,14 +14,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Complex, InPlane, Outside, theta
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Logarithms nearer than this part of a zone's half width are carried; farther ones are smooth enough.
 _NEAR = 0.5

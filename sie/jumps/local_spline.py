@@ -13,16 +13,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Complex, InPlane, Outside, What, of_t, root_on
 from sie.basis.kept import Kept
 from sie.basis.kernels import cauchy
 from sie.basis.sums import pair_blocks
 from sie.fast.piecewise import PiecewiseTransform
 from sie.fast.tree import TERMS
-
-Array = NDArray[np.float64]
 
 # From this number of jumps on: below, their powers lose few digits, and the closed forms of all of them are as fast.
 MANY = 400
@@ -80,7 +78,7 @@ class LocalSpline(Kept):
         left[within[3:-3]] = 0.0
         return spline, left, np.zeros((2, 0))
 
-    def _locate(self, x: Array) -> tuple[NDArray[np.intp], Array, NDArray[np.bool_]]:
+    def _locate(self, x: Array) -> tuple[Index, Array, Mask]:
         i = np.searchsorted(self.knots, x, side="right") - 1
         inside = (i >= 0) & (i < len(self.pieces))
         i = np.clip(i, 0, len(self.pieces) - 1)

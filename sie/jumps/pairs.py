@@ -10,13 +10,10 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import LOG2, theta
 from sie.basis.kept import Kept
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Jumps of a zone at the most: of more the series of all of them is shorter beside the zone.
 MOST = 9
@@ -68,7 +65,7 @@ class FewJumps(Kept):
         left, right, phi, psi, sine, weight = (part[k] for part in parts)
         return cls(count, np.cumsum(count) - count, left, right, phi, psi, sine, weight, order[k], series)
 
-    def holds(self, zone: Index) -> NDArray[np.bool_]:
+    def holds(self, zone: Index) -> Mask:
         """Whether the jumps of these zones are here, and there are any."""
         if len(self.count) == 0:
             return np.zeros(len(zone), dtype=bool)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Outside, edge_scale, slope_scale
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.zones import Zones
@@ -22,9 +23,6 @@ from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 from sie.slits.plane import SlitPlane
 from sie.slits.slits import Slit, Slits, off_slit
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Points looked at together.
 _BLOCK = 4096
@@ -155,7 +153,7 @@ class SlitDensity(Located):
         return replace(self.smooth, parts=(alpha, beta, u), bounded_ends=self.bounded_ends)
 
     @cached_property
-    def _beside_slits(self) -> NDArray[np.bool_]:
+    def _beside_slits(self) -> Mask:
         """Pieces of wide zones with slits."""
         zone = self.merged.piece_zone
         return np.asarray(np.bincount(zone)[zone] > 1)
@@ -336,7 +334,7 @@ class SlitDensity(Located):
         """How many narrow gaps between the zones are taken as slits of wider ones."""
         return len(self.merged.slits)
 
-    def opening(self, x: ArrayLike) -> tuple[NDArray[np.bool_], Array]:
+    def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
         """(whether x lies in a slit, integral of s from the slit's left end to x)."""
         place = self._into_wide(np.asarray(x, dtype=float))
         slack = self._slack
@@ -353,7 +351,7 @@ class SlitDensity(Located):
             out[some] += kink.slope(left, right)
         return out
 
-    def _in_kinks(self, place: Array) -> Iterator[tuple[SlitKink, float, NDArray[np.bool_], Array, Array]]:
+    def _in_kinks(self, place: Array) -> Iterator[tuple[SlitKink, float, Mask, Array, Array]]:
         """For each jump in a slit: itself, the slit's half width, which places lie in it, and how far from its ends over that."""
         for here in self.slits:
             for k, kink in self.kinks_of(here):

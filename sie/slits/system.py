@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
@@ -39,9 +39,6 @@ from sie.jumps.forcing import ForcingJumps
 from sie.slits.density import SlitDensity
 from sie.slits.merged import Merged, merge
 from sie.slits.slits import TOLD, Slits
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 _ALTERNATIONS = 60
 # Alternations that shrink by less than this are given up.

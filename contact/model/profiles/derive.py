@@ -13,9 +13,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 _TINY = 1e-100  # its square vanishes beside any length met, so the step has no truncation error
 _APART = (1e2, 1e4, 1e6)  # how many times farther apart to look again
@@ -99,7 +98,7 @@ def by_ladder(height: Callable[[Any], Any], x: Array, length: float | None) -> t
     return best, doubt
 
 
-def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -> tuple[Array, Array, Mask]:
     """(the quotient, the size of f, whether its sixth difference is small beside its changes); here: f(x)."""
     total, size, sixth = np.zeros(x.shape), np.abs(here), -20.0 * here
     low = high = here

@@ -26,8 +26,7 @@ from contact.model.traces.filters import cut_offs, low_pass
 from contact.model.traces.instruments import is_instrument_file, read_instrument
 from contact.model.traces.text import at
 from contact.model.units import quantity
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _TRENDS = {"none": -1, "line": 1, "quadratic": 2}
 _HIGHEST_TREND = 12  # degree of a form; more is a filter

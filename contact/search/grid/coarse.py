@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from contact.errors import OutOfRange
 from contact.model.profiles.base import Profile
 from contact.search.grid.conjugate_gradient import GridState, Mask, Response, solve_grid
+from sie import Array
 
-Array = NDArray[np.float64]
 Height = Callable[[Array], ArrayLike]
 
 _POINTS = 128  # of a window

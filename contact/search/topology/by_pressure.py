@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import SceneError
@@ -19,8 +18,7 @@ from contact.search.topology.missed import WrongTopology
 from contact.verify.accuracy import HOPELESS, Found, too_thin
 from contact.verify.certificate import Certificate, certify
 from contact.verify.solved import Solved
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Gaps over kinks below this part of the zones beside them are not taken to close.
 _NARROW = 1e-3
