@@ -14,7 +14,7 @@ import sie
 from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
-from sie import Array, Mask
+from sie import Array, Mask, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
 _PEAKS = 16
@@ -289,8 +289,8 @@ class ZoneFields(sie.Kept):
         kinks, heights = self.problem.forcing.kinks
         at = kinks[heights > 0]
         period = self.problem.period
-        if period is not None and len(at):
-            at = at - np.floor((at - self.density.zones.a[0]) / period) * period
+        if period is not None:
+            at = wrapped(at, self.density.zones.a[0], period)
             at = np.concatenate((at - period, at, at + period))
         return np.sort(at)
 
@@ -358,14 +358,8 @@ class ZoneFields(sie.Kept):
 
     # SI ---------------------------------------------------------------------------------------------------------------
     def _scaled(self, x: ArrayLike) -> Array:
-        problem = self.problem
-        scaled = problem.units.scaled(np.asarray(x, dtype=float))
-        if problem.period is not None:
-            # Into the period about the zones, so that the density, the strip and the kinks are met where they were solved.
-            zones = self.density.zones
-            middle = 0.5 * float(zones.a[0] + zones.b[-1])
-            scaled = scaled - np.floor((scaled - middle) / problem.period + 0.5) * problem.period
-        return np.asarray(scaled)
+        # Into the period about the zones, so that the density, the strip and the kinks are met where they were solved.
+        return self.density.into_period(self.problem.units.scaled(np.asarray(x, dtype=float)))
 
     @property
     def cohesive(self) -> Array:

@@ -22,7 +22,7 @@ import numpy as np
 
 from contact.formulation.conjugate import clausen2
 from contact.formulation.relief import ScaledRelief
-from sie import Array
+from sie import Array, wrapped
 
 _NODES = 16
 # Of the largest R on a panel's length: what the last coefficients may be. Gauss's rule is good to about the square.
@@ -42,7 +42,7 @@ def integrals(relief: ScaledRelief, zones: Array) -> Array:
     """int R over each zone."""
     start, period = float(zones[0, 0]), relief.period
     breaks = np.concatenate((relief.breakpoints, start + period * np.arange(_LEAST) / _LEAST))
-    cuts = np.unique(np.concatenate((breaks - np.floor((breaks - start) / period) * period, zones.ravel())))
+    cuts = np.unique(np.concatenate((wrapped(breaks, start, period), zones.ravel())))
     lo, hi = cuts[:-1], cuts[1:]
     zone = np.searchsorted(zones[:, 0], lo, side="right") - 1
     inside = lo < zones[zone, 1]

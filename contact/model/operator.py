@@ -299,7 +299,7 @@ class _Rest:
     def _at(self, lag: Array) -> Array:
         if self.period is None:
             return smooth_potential(self.kernel, lag)
-        lag = lag - np.round(lag / self.period) * self.period
+        lag = sie.nearest_image(lag, 0.0, self.period)
         return np.asarray(smooth_potential(self.kernel, lag) - smooth_potential(sie.hilbert(self.period), lag))
 
 

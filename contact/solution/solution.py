@@ -26,7 +26,7 @@ from contact.solution.plan import Plan
 from contact.solution.pull_off import PullOff
 from contact.solution.validity import everything
 from contact.verify.certificate import Certificate
-from sie import Array, Index
+from sie import Array, Index, wrapped
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,10 +131,7 @@ class Solution(sie.Kept):
     @cached_property
     def _order(self) -> Index:
         """Place among the fields' own zones of each zone of `zones`."""
-        starts, period = self.fields.starts, self.scene.period
-        if period is not None:
-            starts = starts - np.floor((starts - self.scene.profile.x0) / period) * period
-        return np.argsort(starts)
+        return np.argsort(wrapped(self.fields.starts, self.scene.profile.x0, self.scene.period))
 
     @property
     def load(self) -> float:

@@ -18,6 +18,7 @@ import numpy as np
 from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, edge_scale, mean_potential
+from sie.basis.places import numbered
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import felt
@@ -209,7 +210,7 @@ class IterativeSystem(System):
         start, length = self._gaps
         panels = np.ceil(length / forcing.resolution).astype(np.intp)
         gap = np.repeat(np.arange(len(length)), panels)
-        number = np.arange(len(gap)) - np.repeat(np.cumsum(panels) - panels, panels)
+        number = numbered(panels)
         size = (length / panels)[gap]
         t, weights, slope_of = _gauss_legendre()
         from_start = (number * size)[:, None] + size[:, None] * (0.5 * (1 + t))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sie.basis.arrays import Array, Index
+from sie.basis.places import numbered
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
 
@@ -33,7 +34,7 @@ class MirrorSymmetry:
             middle = zones.solved[0]
             keep.append(layout.offset[middle] + np.arange(0, layout.m[middle] + 1, 2))
         size = layout.m[pairs] + 1
-        k = np.arange(int(size.sum())) - np.repeat(np.cumsum(size) - size, size)
+        k = numbered(size)
         source = np.repeat(layout.offset[pairs], size) + k
         follow = np.repeat(layout.offset[count - 1 - pairs], size) + k
         keep += [source, layout.coefficients + np.arange(layout.columns)]

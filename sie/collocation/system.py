@@ -21,6 +21,7 @@ from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
+from sie.basis.places import numbered
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
@@ -300,7 +301,7 @@ class System:
         """Unknown c_k of each row of the equation."""
         solved = self.zones.solved
         count = self.layout.m[solved]
-        k = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + 1
+        k = numbered(count) + 1
         unknown = np.repeat(self.layout.offset[solved], count) + k
         if not self.zones.central:
             return unknown

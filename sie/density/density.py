@@ -274,13 +274,6 @@ class Density(Located):
         x = real_of(x)
         return potential_at(self, self.into_period(x).ravel(), self.sources).reshape(x.shape)
 
-    def into_period(self, x: Array) -> Array:
-        """x moved by periods to within half of one of the zones' middle, where the kernel's poles are the near ones."""
-        if self.kernel.period is None:
-            return x
-        middle = 0.5 * (self.zones.a[0] + self.zones.b[-1])
-        return np.asarray(x - np.round((x - middle) / self.kernel.period) * self.kernel.period)
-
     @cached_property
     def sources(self) -> Sources:
         """Every zone at every pole of the kernel."""

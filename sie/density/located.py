@@ -13,6 +13,7 @@ from sie.basis.arrays import Array, Complex, Index, Mask
 from sie.basis.interval import What
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
+from sie.basis.places import nearest_image, wrapped
 from sie.basis.zones import Zones
 
 
@@ -50,11 +51,14 @@ class Located(Kept):
     def locate(self, x: ArrayLike) -> tuple[Array, Index, Mask]:
         """(x moved by periods to lie right of the first zone's left end, index of the last zone that starts before it,
         whether it is inside that zone)."""
-        place, zones, period = real_of(x), self.zones, self.kernel.period
-        if period is not None:
-            place = place - np.floor((place - zones.a[0]) / period) * period
+        zones = self.zones
+        place = wrapped(real_of(x), zones.a[0], self.kernel.period)
         i = np.asarray(np.maximum(np.searchsorted(zones.a, place, side="right") - 1, 0))
         return place, i, np.asarray((place >= zones.a[i]) & (place <= zones.b[i]))
+
+    def into_period(self, x: Array) -> Array:
+        """x moved by periods to within half of one of the zones' middle, where the kernel's poles are the near ones."""
+        return nearest_image(x, 0.5 * (self.zones.a[0] + self.zones.b[-1]), self.kernel.period)
 
     def __call__(self, x: ArrayLike) -> Array:
         """Density at x (any shape), zero off the zones."""

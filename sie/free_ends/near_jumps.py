@@ -20,6 +20,7 @@ from collections.abc import Callable
 import numpy as np
 
 from sie.basis.arrays import Array
+from sie.basis.places import wrapped
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 
@@ -99,9 +100,7 @@ def _beside_logarithms(
 def tips_between(forcing: Forcing, zones: Zones, period: float | None) -> Array:
     """Heights J > 0 of the logarithms of the right side that lie between zones, added up, on both sides (2, Z) of each."""
     at, heights = forcing.logarithms
-    at, heights = at[heights > 0], heights[heights > 0]
-    if period is not None:
-        at = at - np.floor((at - zones.a[0]) / period) * period
+    at, heights = wrapped(at[heights > 0], zones.a[0], period), heights[heights > 0]
     i = np.searchsorted(zones.a, at, side="right") - 1
     between = (i >= 0) & (at > zones.b[i])
     after = np.bincount(i[between], heights[between], minlength=len(zones))

@@ -14,6 +14,7 @@ import numpy as np
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import LOG2, theta
 from sie.basis.kept import Kept
+from sie.basis.places import numbered
 
 # Jumps of a zone at the most: of more the series of all of them is shorter beside the zone.
 MOST = 9
@@ -80,7 +81,7 @@ class FewJumps(Kept):
             end = max(begin + 1, int(np.searchsorted(total, done + _PAIRS)))
             here = count[begin:end]
             row = np.repeat(np.arange(end - begin), here)
-            jump = np.arange(len(row)) - np.repeat(np.cumsum(here) - here, here) + np.repeat(self.first[zone[begin:end]], here)
+            jump = numbered(here) + np.repeat(self.first[zone[begin:end]], here)
             out.append((slice(begin, end), row, jump))
             begin = end
         return out

@@ -14,6 +14,7 @@ from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Outside, edge_scale, slope_scale
 from sie.basis.kernels import Kernel, cauchy
+from sie.basis.places import wrapped
 from sie.basis.zones import Zones
 from sie.density.density import LOOKS, Density
 from sie.density.field import Sources, potential_from, transform_from
@@ -323,11 +324,7 @@ class SlitDensity(Located):
     # the line ---------------------------------------------------------------------------------------------------------
     def _into_wide(self, x: Array) -> Array:
         """x moved by periods to lie right of the first wide zone's left end."""
-        period = self.kernel.period
-        if period is None:
-            return x
-        first = self.merged.wide.a[0]
-        return np.asarray(x - np.floor((x - first) / period) * period)
+        return wrapped(x, self.merged.wide.a[0], self.kernel.period)
 
     @property
     def slit_count(self) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.kept import Kept
+from sie.basis.places import wrapped
 from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
 from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals, for_every_zone
@@ -126,10 +127,9 @@ def _free(pieces: Zones) -> Mask:
 
 def _bent(equation: Equation, pieces: Zones, after: Array) -> Mask:
     """Gaps with a jump of a higher derivative of the right side in them than the first."""
-    forcing, period = equation.forcing, equation.kernel.period
+    forcing = equation.forcing
     at = forcing.jumps_at[forcing.orders > 1] if forcing.orders is not None else np.zeros(0)
-    if period is not None:
-        at = at - np.floor((at - pieces.a[0]) / period) * period
+    at = wrapped(at, pieces.a[0], equation.kernel.period)
     i = np.searchsorted(pieces.a, at, side="right") - 1
     within = (i >= 0) & (at >= pieces.b[i]) & (at <= pieces.b[i] + after[i])
     found = np.zeros(len(pieces), dtype=bool)
