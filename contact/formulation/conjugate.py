@@ -67,7 +67,7 @@ class Conjugate(sie.Kept):
         profile, length = self.profile, self.period
         if len(profile.bodies) > 1:
             # Of a sum the sum, each by the way that is its own: logarithms that repeat within the period are one of the shorter period.
-            parts = {place: conjugate_of(body).smooth for place, body in profile.bodies.items()}
+            parts = {place: Conjugate(body).smooth for place, body in profile.bodies.items()}
             return lambda x: np.asarray(sum(parts[place](at) for place, at in profile.facing(x).items()))
         given = profile.slope_conjugate(np.array([profile.x0 + 0.4142 * length])) is not None
         if given and len(self.kinks) == 0:
@@ -83,11 +83,6 @@ class Conjugate(sie.Kept):
 def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
     """sum of (J / pi) ln|2 sin(pi (x - s) / L)|."""
     return _over_jumps(x, at, heights / pi, period, log_sine)
-
-
-def conjugate_of(profile: Profile) -> Conjugate:
-    """H f' of a periodic profile."""
-    return Conjugate(profile)
 
 
 def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], bool]:

@@ -14,6 +14,7 @@ import sie
 from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
+from contact.formulation.quadrature import over_period
 from sie import Array, Mask, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
@@ -483,16 +484,5 @@ class ZoneFields(sie.Kept):
 
 def mean_shape(problem: Problem) -> float:
     """Mean of F over the profile's period: Gauss-Legendre between its breakpoints, panels as short as its resolution."""
-    profile, units = problem.profile, problem.units
-    length = profile.period
-    assert length is not None
-    panels = int(np.clip(np.ceil(2 * length / (profile.resolution or length / 8)), 8, 2**16))
-    inner = np.asarray(profile.breakpoints)
-    cuts = np.unique(np.concatenate((
-        profile.x0 + length * np.arange(panels + 1) / panels, inner[(inner > profile.x0) & (inner < profile.x0 + length)]
-    )))
-    t, weights = np.polynomial.legendre.leggauss(12)
-    half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
-    x = middle[:, None] + half[:, None] * t
-    values = problem.shape(np.asarray(units.scaled(x.ravel()))).reshape(x.shape)
-    return float(half @ (values @ weights)) / length
+    x, _, weights = over_period(problem.profile)
+    return float(problem.shape(problem.units.scaled(x)) @ weights)
