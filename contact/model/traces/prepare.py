@@ -90,13 +90,14 @@ class Trace:
     source: tuple[Reading, Preparation] | None = None
 
 
-# Keys that say how a table of text is laid out, and where in a map of an instrument's file a trace is.
-_LAYOUT, _PLACE = ("columns", "units", "pitch", "decimal", "delimiter", "missing"), ("channel", "line", "along")
+# Keys that say how a table of text is laid out, and where in a map of an instrument's file a trace is, with what they are if left out.
+_LAYOUT = {"columns": (), **dict.fromkeys(("units", "pitch", "decimal", "delimiter", "missing"))}
+_PLACE = dict.fromkeys(("channel", "line", "along"))
 
 
 def load_trace(path: str | Path, **keys: Any) -> Trace:
     """Read a file and prepare it. keys: the arguments of `contact.read_trace`, which says what each does."""
-    layout, place = ({name: keys.pop(name, None) for name in names} for names in (_LAYOUT, _PLACE))
+    layout, place = ({name: keys.pop(name, usual) for name, usual in known.items()} for known in (_LAYOUT, _PLACE))
     preparation = Preparation(**keys)
     read = _instrument if is_instrument_file(path) else _table
     return prepared(Reading(str(path), *read(path, layout, place)), preparation)
@@ -160,8 +161,7 @@ def _table(path: str | Path, layout: dict[str, Any], place: dict[str, Any]) -> t
     missing = layout["missing"]
     if missing is not None and not (isinstance(missing, str) and missing):
         missing = finite("missing", missing, "a word or a number of the file")
-    columns = () if layout["columns"] is None else layout["columns"]
-    table = read_table(path, columns, layout["decimal"], layout["delimiter"], 2 if step is None else 1, missing)
+    table = read_table(path, layout["columns"], layout["decimal"], layout["delimiter"], 2 if step is None else 1, missing)
     values, said = in_metres(path, table, layout["units"])
     height = values[:, -1]
     x: Array = values[:, 0] if step is None else step * np.arange(height.size, dtype=float)
