@@ -7,14 +7,13 @@ function takes complex numbers; one more derivative is the series' own.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from contact.model.profiles.derive import by_ladder
+from contact.model.profiles.derive import by_ladder, imaginary
 from sie import Array
 
 _DEGREES = (24, 96, 384)
@@ -57,16 +56,8 @@ class LogDerivative:
         return by_step
 
     def _complex_step(self, r: Array) -> Array | None:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("error")  # a cast that discards the imaginary part is a warning of numpy
-            try:
-                value = np.asarray(self._function(r * complex(1.0, _STEP)))
-            except Exception:  # an author's function may refuse complex numbers in any way it likes
-                return None
-        if value.dtype.kind != "c" or value.shape != r.shape:
-            return None
-        slope = np.asarray(value.imag / _STEP, dtype=np.float64)
-        return slope if np.isfinite(slope).all() else None
+        value = imaginary(self._function, r * complex(1.0, _STEP))
+        return None if value is None else value / _STEP
 
 
 class Octaves:

@@ -25,7 +25,7 @@ import sie
 from contact.axisymmetric.derived import LogDerivative, Octaves
 from contact.axisymmetric.quadrature import panels, quarter
 from contact.errors import SceneError
-from contact.model.checks import finite, keep, positive
+from contact.model.checks import keep, positive, such
 from sie import Array
 
 
@@ -312,9 +312,7 @@ class PowerLaw(AxisymmetricProfile):
     scale: float
 
     def __post_init__(self) -> None:
-        exponent = finite("exponent", self.exponent, "a finite number >= 1")
-        if not 1.0 <= exponent <= 300.0:
-            raise SceneError.of("exponent", self.exponent, "a finite number from 1 to 300")
+        exponent = such("exponent", self.exponent, "a finite number from 1 to 300", lambda exponent: 1.0 <= exponent <= 300.0)
         object.__setattr__(self, "exponent", exponent)
         keep(self, positive, "scale")
 

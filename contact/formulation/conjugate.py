@@ -18,6 +18,7 @@ from functools import cached_property, partial
 from math import pi
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike
 from scipy import fft
 from scipy.special import zeta
@@ -185,7 +186,7 @@ def clausen2(u: Array) -> Array:
     square = angle * angle
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(angle == 0, 0.0, angle * (1 - np.log(np.abs(angle))))
-    return np.asarray(own + angle * square * _horner(_SECOND, square))
+    return np.asarray(own + angle * square * polyval(square, _SECOND))
 
 
 def clausen3(u: Array) -> Array:
@@ -194,11 +195,4 @@ def clausen3(u: Array) -> Array:
     square = angle * angle
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(angle == 0, 0.0, 0.5 * square * (np.log(np.abs(angle)) - 1.5))
-    return np.asarray(_ZETA3 + own - square * square * _horner(_THIRD, square))
-
-
-def _horner(coefficients: Array, x: Array) -> Array:
-    out = np.zeros_like(x)
-    for c in coefficients[::-1]:
-        out = out * x + c
-    return out
+    return np.asarray(_ZETA3 + own - square * square * polyval(square, _THIRD))

@@ -26,13 +26,17 @@ def finite(field: str, value: Any, allowed: str = "a finite real number") -> flo
     return number
 
 
-def positive(field: str, value: Any) -> float:
-    """A finite number > 0."""
-    allowed = "a finite number > 0"
+def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -> float:
+    """A finite number of which something holds, told by what is allowed."""
     number = finite(field, value, allowed)
-    if number <= 0:
+    if not holds(number):
         raise SceneError.of(field, value, allowed)
     return number
+
+
+def positive(field: str, value: Any) -> float:
+    """A finite number > 0."""
+    return such(field, value, "a finite number > 0", lambda number: number > 0)
 
 
 def keep(part: Any, check: Callable[[str, Any], Any], *names: str) -> None:
@@ -43,20 +47,12 @@ def keep(part: Any, check: Callable[[str, Any], Any], *names: str) -> None:
 
 def non_negative(field: str, value: Any) -> float:
     """A finite number >= 0."""
-    allowed = "a finite number >= 0"
-    number = finite(field, value, allowed)
-    if number < 0:
-        raise SceneError.of(field, value, allowed)
-    return number
+    return such(field, value, "a finite number >= 0", lambda number: number >= 0)
 
 
 def between(field: str, value: Any, low: float, high: float) -> float:
     """A finite number strictly between low and high."""
-    allowed = f"a finite number above {low:.17g} and below {high:.17g}"
-    number = finite(field, value, allowed)
-    if not low < number < high:
-        raise SceneError.of(field, value, allowed)
-    return number
+    return such(field, value, f"a finite number above {low:.17g} and below {high:.17g}", lambda number: low < number < high)
 
 
 def positive_or_none(field: str, value: Any) -> float | None:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import SceneError
-from contact.model.checks import finite, integer, one_of, positive
+from contact.model.checks import finite, integer, one_of, positive, such
 from contact.model.traces.dropouts import checked_fill, checked_sort, filled, in_order, marks, too_many
 from contact.model.traces.file import FEWEST, in_metres, read_table
 from contact.model.traces.filters import cut_offs, low_pass
@@ -314,11 +314,7 @@ def _bounded(count: int, points: int) -> int:
 
 
 def _fraction(taper: Any) -> float:
-    allowed = "a fraction of the length > 0 and <= 0.5"
-    fraction = finite("taper", taper, allowed)
-    if not 0 < fraction <= 0.5:
-        raise SceneError.of("taper", taper, allowed)
-    return fraction
+    return such("taper", taper, "a fraction of the length > 0 and <= 0.5", lambda fraction: 0 < fraction <= 0.5)
 
 
 def _period(period: Any) -> float | bool | None:
