@@ -18,7 +18,6 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 import sie
-from contact.axisymmetric.derived import interpolated
 from contact.axisymmetric.profiles import AxisymmetricProfile
 from contact.axisymmetric.quadrature import panels
 from contact.axisymmetric.system import Surface
@@ -157,7 +156,7 @@ class Spot(sie.Kept):
             x = self.radius * np.sqrt(0.5 * (1.0 + z))
             return self.surface.kept_slope(x) / x
 
-        return interpolated(bend, degree)
+        return np.asarray(chebyshev.chebinterpolate(bend, degree))
 
     @cached_property
     def _gauss(self) -> tuple[Array, Array]:

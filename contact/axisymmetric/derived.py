@@ -22,14 +22,6 @@ _LOWEST = -1000
 _STEP = 1e-30  # relative; its square is far below rounding, and no product underflows
 
 
-def interpolated(function: Callable[[Array], Array], degree: int) -> Array:
-    """Chebyshev coefficients on [-1, 1] of that degree."""
-    nodes = chebyshev.chebpts1(degree + 1)
-    fit = np.array(chebyshev.chebvander(nodes, degree).T @ function(nodes), dtype=np.float64) * (2.0 / (degree + 1))
-    fit[0] *= 0.5
-    return fit
-
-
 class LogDerivative:
     """r F'(r) = dF/d ln r: by a complex step, if differences bear it out at the first radii where they are good.
 
@@ -93,7 +85,7 @@ class Octaves:
                 return self._r_slope(0.25 * half * (t + 3.0))
 
             for degree in _DEGREES:
-                series = interpolated(at, degree)
+                series = chebyshev.chebinterpolate(at, degree)
                 size = np.max(np.abs(series))
                 if not np.max(np.abs(series[-4:])) > _RESOLVED * size:
                     break
