@@ -156,7 +156,7 @@ class Spot(sie.Kept):
             x = self.radius * np.sqrt(0.5 * (1.0 + z))
             return self.surface.kept_slope(x) / x
 
-        return np.asarray(chebyshev.chebinterpolate(bend, degree))
+        return np.asarray(chebyshev.chebinterpolate(bend, degree))  # type: ignore[type-var]
 
     @cached_property
     def _gauss(self) -> tuple[Array, Array]:

@@ -85,7 +85,7 @@ class Octaves:
                 return self._r_slope(0.25 * half * (t + 3.0))
 
             for degree in _DEGREES:
-                series = chebyshev.chebinterpolate(at, degree)
+                series: Array = np.asarray(chebyshev.chebinterpolate(at, degree))  # type: ignore[type-var]
                 size = np.max(np.abs(series))
                 if not np.max(np.abs(series[-4:])) > _RESOLVED * size:
                     break
