@@ -69,21 +69,12 @@ class NoZones(sie.Kept):
 def moved_ends(state: sie.AnyState, condition: int = 0) -> Array:
     """How far each end (2, Z) moves outward by a unit of a condition's value, the first one's if none is named: 2 K / A, as in a step of
     Newton's, or as the rates of prescribed intensities have it; 0 for ends that are held."""
-    values = np.zeros(len(state.condition_scale))
-    values[state.condition_index[condition]] = 1.0
     zones = state.density.zones
-    moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
-    k, a = np.array(state.response(values).intensities), np.array(state.density.edge_slopes)
-    if follows(state):
+    k, a = np.array(state.response(state.values(condition)).intensities), np.array(state.density.edge_slopes)
+    if zones.follow_ends:
         return sie.end_motions(state.whole, -k)[0]
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(moves, 2 * k / a, 0.0)
-
-
-def follows(state: sie.AnyState) -> bool:
-    """Whether moved ends change the density at first order: intensities are prescribed there."""
-    zones = state.density.zones
-    return any(end.moves and end.intensity != 0.0 for end in (*zones.left, *zones.right))
+        return np.where(zones.moves, 2 * k / a, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,17 +128,13 @@ class ZoneFields(sie.Kept):
         """
         if self.approach is None:
             return None
-        values = np.zeros(len(self.state.condition_scale))
-        index = self.state.condition_index
-        values[index[0]] = 1.0
+        state, values = self.state, self.state.values()
         if self.amplitude_rate:
-            values[index[2]] = self.amplitude_rate
-        rate = self.centring - float(self.state.level_rates(values).mean())
-        if follows(self.state):
-            loaded = np.zeros(len(self.state.condition_scale))
-            loaded[index[0]] = 1.0
-            k = np.array(self.state.response(loaded).intensities)
-            rate -= float(sie.end_motions(self.state.whole, -k)[1].mean())
+            values += state.values(2, self.amplitude_rate)
+        rate = self.centring - float(state.level_rates(values).mean())
+        if self.density.zones.follow_ends:
+            k = np.array(state.response(state.values()).intensities)
+            rate -= float(sie.end_motions(state.whole, -k)[1].mean())
         units = self.problem.units
         return units.load / (units.height * rate)
 
@@ -175,10 +162,8 @@ class ZoneFields(sie.Kept):
         rates = sie.end_rates(state)
         matrix = rates.intensities
         if yields is not None:
-            values = np.zeros(len(state.condition_scale))
-            values[state.condition_index[0]] = 1.0
-            by_load = np.concatenate(state.response(values).intensities)
-            matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / (float(state.level_rates(values).mean()) - yields)
+            by_load = np.concatenate(state.response(state.values()).intensities)
+            matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / (float(state.level_rates(state.values()).mean()) - yields)
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
         return np.asarray(root[:, None] * matrix * root / wanted)
 

@@ -203,8 +203,6 @@ class GapFields(sie.Kept):
     @cached_property
     def stiffness(self) -> float:
         """d load / d approach [N/m^2]: the gap's response to the mean pressure, ends held, and the compression's."""
-        values = np.zeros(len(self.state.condition_scale))
-        values[self.state.condition_index[0]] = 1.0
-        response = self.state.response(values)
+        response = self.state.response(self.state.values())
         rate = (response.moment() / self.period + self.problem.compression) * self.problem.units.height
         return self.period * self.problem.units.load / rate

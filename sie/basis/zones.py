@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from sie.basis.arrays import Array, Index
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.ends import FREE, End
 from sie.basis.kept import Kept
 
@@ -142,6 +142,16 @@ class Zones(Kept):
         )
         # Of a zone about the centre the left end is the mirror image of the right one.
         return [p for p in left if not (self.central and p == 0)], right
+
+    @cached_property
+    def moves(self) -> Mask:
+        """Which left and which right ends move (2, n)."""
+        return np.array([[end.moves for end in ends] for ends in (self.left, self.right)])
+
+    @property
+    def follow_ends(self) -> bool:
+        """Whether moved ends change the density at first order: intensities are prescribed there."""
+        return any(end.moves and end.intensity != 0.0 for end in (*self.left, *self.right))
 
     @property
     def central(self) -> bool:

@@ -350,7 +350,7 @@ def _newton(
     state: AnyState, zones: Zones, signs: tuple[float, float], unit: Unit | None
 ) -> Motion:
     """The next step of ends of these kinds."""
-    moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+    moves = zones.moves
     target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
     equation = state.equation
     density = state.density
@@ -411,9 +411,7 @@ class Unit:
         """An error of them is one of a step: as good as the square of the next is enough."""
         index = state.equation.open_condition
         assert index is not None
-        values = np.zeros(len(state.condition_scale))
-        values[state.condition_index[index]] = 1.0
-        response = state.response(values, np.sqrt(sizes.linear))
+        response = state.response(state.values(index), np.sqrt(sizes.linear))
         zones = state.density.zones
         return cls(np.array(response.intensities), np.array(response.edge_slopes), zones.table, response.whole)
 
