@@ -25,7 +25,7 @@ from sie.basis.places import numbered
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
-from sie.density.field import moments_of
+from sie.density.moments import moments_of
 from sie.equation.conditions import Linear, multiplicity
 from sie.equation.equation import Equation
 from sie.fast.panels import TERMS, Panels, Spread, panels_over

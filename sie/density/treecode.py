@@ -41,12 +41,7 @@ class Treecode:
         near = far.near
         self.source, self.shift = near.source, near.shift
         self.start = np.searchsorted(near.target, np.arange(len(self.middle) + 1))
-        c = np.zeros((len(zones), TERMS))
-        count = min(TERMS, density.coefficients.shape[1])
-        c[:, :count] = density.coefficients[:, :count]
-        if len(density.jumps):
-            c += density.jumps.t_coefficients(zones, TERMS)
-        self.moments = c * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
+        self.moments = density.first(TERMS) * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
         self.series, value, rest = far(self.moments)
         self.value = value + rest
         twice = np.where(np.arange(TERMS), 2.0, 1.0)

@@ -16,9 +16,10 @@ from sie.basis.interval import Outside, edge_scale, slope_scale
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.places import wrapped
 from sie.basis.zones import Zones
-from sie.density.density import LOOKS, Density
+from sie.density.density import Density
 from sie.density.field import Sources, potential_from, transform_from
 from sie.density.located import Located
+from sie.density.series import LOOKS
 from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
