@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged
@@ -27,8 +26,7 @@ from contact.solution.solution import Solution, limit_of_approach
 from contact.verify.accuracy import Found, limit, of_positions, too_thin
 from contact.verify.certificate import Certificate
 from contact.verify.gap_accuracy import FoundByGaps
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # A miss of the reach, over it.
 _MISSED = 1e-7

@@ -7,13 +7,11 @@ in any system of units; lengths only of files, whose numbers have a unit, and th
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.model.scene import Scene
 from contact.model.units import quantity
 from contact.solution.answer import Answer
-
-Array = NDArray[np.float64]
+from sie import Array
 
 STEEPEST = 0.3
 HIGHEST = 0.1  # of E*

@@ -11,15 +11,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.verify.certificate import ROUNDING
 from contact.verify.solved import Solved
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Beside a singular end the pressure is several times the mean, to which its error is referred.
 _SINGULAR = 8

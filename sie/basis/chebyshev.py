@@ -10,10 +10,9 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
-Array = NDArray[np.float64]
+from sie.basis.arrays import Array
 
 # Below this size a product with a stored matrix is faster than the call of a fast transform.
 LARGEST_MATRIX = 96

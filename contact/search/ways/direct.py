@@ -14,7 +14,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.direct.accuracy import stated
 from contact.formulation.direct.ends import Ends, Sheet, ends_at, ends_under
@@ -28,8 +27,7 @@ from contact.model.scene import Scene
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.verify.certificate import Certificate
-
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 # Of the period in contact, beyond which the gaps are the better unknowns.
 _WIDEST = 0.95
@@ -96,7 +94,7 @@ class Direct:
     ends: Ends
     signs: Signs | None
     error: Array
-    holds: NDArray[np.bool_]
+    holds: Mask
 
 
 def directly(scene: Scene, tol: float) -> Solution | None:
