@@ -25,6 +25,7 @@ from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields, moved_ends
 from contact.formulation.problem import Problem
 from contact.model.interactions.isolated import Isolated
+from contact.search.grid.centring import Unrest
 from contact.search.grid.closure import AtPressure, ClosureGrid
 from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Task
@@ -209,16 +210,17 @@ class FirstOrderOfSeveral:
         control = self.scaled.control
         if control.load is not None:
             rough = self._rough(grid, first)
-            if rough is None:
-                raise self._refused()
+            if rough.unrest is not None:
+                raise self._refused(rough.unrest)
             return self._exact(self._started(grid, rough))
         assert control.approach is not None
-        low, high, refused = 0.0, math.inf, False
+        low, high = 0.0, math.inf
+        refused: Unrest | None = None
         for _ in range(_LOADS):
             rough = self._rough(grid, first)
             step = math.nan
-            if rough is None:
-                high, refused = grid.load, True
+            if rough.unrest is not None:
+                high, refused = grid.load, rough.unrest
             else:
                 at = self._started(grid, rough)
                 rates = _Rates.of(at)
@@ -228,7 +230,7 @@ class FirstOrderOfSeveral:
                 if control.approach > -at.strip.fields.level:
                     low = grid.load
                 else:
-                    high, refused = grid.load, False
+                    high, refused = grid.load, None
             if high - low < _NEAR * high:
                 break
             load = grid.load + step
@@ -236,8 +238,8 @@ class FirstOrderOfSeveral:
             between = 0.5 * (low + high) if low > 0.0 and high < math.inf else 0.5 * grid.load if low == 0.0 else 2 * grid.load
             grid = ClosureGrid(self.scaled, self.problem, load if inside else between)
             first = grid.first()
-        if refused:
-            raise self._refused()
+        if refused is not None:
+            raise self._refused(refused)
         raise NotConverged(f"not converged: no load was found that has the {control.told(self.problem.units)}; {EXACT}")
 
     def closer(self, found: Closed) -> Found:
@@ -247,15 +249,12 @@ class FirstOrderOfSeveral:
         again = self._at(at.unknowns, at.table, _table(at.alone), self.task.tolerance, 0.0)
         return self._exact(again)
 
-    def _rough(self, grid: ClosureGrid, first: AtPressure) -> AtPressure | None:
+    def _rough(self, grid: ClosureGrid, first: AtPressure) -> AtPressure:
         with self.task.plan.timed("coarse search"):
             return grid.root(first)
 
-    def _refused(self) -> OutOfRange:
-        return OutOfRange(
-            f"{self.scaled.control.told(self.problem.units)}: under the first-order closure a contact zone reaches the border of the "
-            f"strip, which is cut at the widest gap of the period; {EXACT}"
-        )
+    def _refused(self, why: Unrest) -> OutOfRange:
+        return OutOfRange(f"{self.scaled.control.told(self.problem.units)}: under the first-order closure {why.value}; {EXACT}")
 
     def _started(self, grid: ClosureGrid, rough: AtPressure) -> _At:
         """The contacts under the nominal pressure of the grids."""
