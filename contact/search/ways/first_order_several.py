@@ -28,7 +28,7 @@ from contact.model.interactions.isolated import Isolated
 from contact.search.grid.centring import Unrest
 from contact.search.grid.closure import AtPressure, ClosureGrid
 from contact.search.grid.scaling import ScaledScene
-from contact.search.task import Task
+from contact.search.task import LEAST, Task
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
@@ -38,10 +38,10 @@ from contact.verify.accuracy import Found
 Array = NDArray[np.float64]
 
 # Steps towards a root, how often one is halved, and how often the signs are looked at there. After how large a step zones that are lost
-# are looked for; of a step what the next one leaves where rounding does.
-_STEPS, _HALVED, _LOOKS, _FAR, _SLOW = 40, 4, 4, 1e-4, 0.5
+# are looked for, and their rates are found anew; of a step what the next one leaves where rounding does.
+_STEPS, _HALVED, _LOOKS, _FAR, _BENT, _SLOW = 40, 4, 4, 1e-2, 1e-4, 0.5
 # Steps in a row of which none halves the misses: zones come and go with every one of them.
-_STALLED = 11
+_STALLED = 4
 # Miss of the centre over that of the width that does not matter.
 _OFF_CENTRE = 1e-3
 # Steps that tell how the misses follow the unknowns: those of smaller ones are rounding.
@@ -56,7 +56,9 @@ _LOADS, _NEAR, _LEAST_PART = 12, 2e-2, 0.3
 _CELLS, _FEWEST, _MOST, _CLOSELY = 4, 2**9, 2**14, 1e-5
 # Tolerance of the ends at first, and of later ones over the step of the unknowns, as long as that is not one of the last; part of a width
 # or a gap that is foreseen to go.
-_ROUGHLY, _FINER, _LAST, _PART = 1e-7, 1e-2, 1e-5, 0.1
+_ROUGHLY, _FINER, _LAST, _PART = 1e-6, 1e-2, 1e-5, 0.1
+# How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
+_SHARPENED, _SHARPER = 2, 1e-3
 # By what part of the gap beside the border the centre is moved to see what that does.
 _SHIFT = 1e-3
 # What is left after the last step, over what it is estimated as.
@@ -204,6 +206,9 @@ class FirstOrderOfSeveral:
         self.task, self.scaled, self.problem = task, scaled, scaled.problem
         assert self.problem.period is not None
         self.period = self.problem.period
+        self.sharpness, self.wanted = 1.0, task.tolerance
+        # The last contacts, of the strip and of its profile alone.
+        self.likes: dict[bool, sie.AnyState] = {}
 
     def found(self, grid: ClosureGrid, first: AtPressure) -> Found:
         """The zones that carry the control, from grids under about its load."""
@@ -246,8 +251,8 @@ class FirstOrderOfSeveral:
         """The same more tightly."""
         assert found.at is not None
         at = found.at
-        again = self._at(at.unknowns, at.table, _table(at.alone), self.task.tolerance, 0.0)
-        return self._exact(again)
+        self.wanted = self._wanted(at)
+        return self._exact(self._at(at.unknowns, at.table, _table(at.alone), self.task.tolerance, 0.0))
 
     def _rough(self, grid: ClosureGrid, first: AtPressure) -> AtPressure:
         with self.task.plan.timed("coarse search"):
@@ -270,13 +275,22 @@ class FirstOrderOfSeveral:
         centre = fine.centre
         if self.problem.profile.symmetric and abs(centre) < 0.25 * float(np.diff(strip).min()):
             centre = 0.0
-        return self._at(np.array([centre, fine.amplitude, grid.load]), strip, alone, 1.0, _ROUGHLY)
+        at = self._at(np.array([centre, fine.amplitude, grid.load]), strip, alone, 1.0, _ROUGHLY)
+        self.wanted = self._wanted(at)
+        if fine.strip.resolved and fine.alone.resolved:
+            return at
+        return replace(at, strip=self._looked_at(at.strip), alone=self._looked_at(at.alone))
+
+    def _wanted(self, at: _At) -> float:
+        """Tolerance of the ends with which the pressure has that of the task: beside the border it is steep."""
+        peak, by_left, by_right = at.strip.free.density.sensitivity
+        return max(LEAST, self.task.tolerance / max(1.0, float(max(by_left.max(), by_right.max()) / peak.max())))
 
     def _at(self, unknowns: Array, strip: Array, alone: Array, off: float, tolerance: float) -> _At:
         """The contacts of the strip and of its profile alone from about their zones, whatever the signs. off: what ends are off by
         over the widths of their zones; tolerance: of the ends."""
         about, pressure, load = (float(unknown) for unknown in unknowns)
-        newton = Newton(max(self.task.tolerance, tolerance), off=off)
+        newton = Newton(max(self.wanted, tolerance), off=off)
         with self.task.plan.timed("zone ends"):
             of_strip = self._contact(self.problem.with_amplitude(pressure).about(about), load, strip, newton, True)
         with self.task.plan.timed("isolated reference"):
@@ -285,11 +299,21 @@ class FirstOrderOfSeveral:
 
     def _contact(self, problem: Problem, load: float, table: Array, newton: Newton, formal: bool) -> Found:
         task = self.task
-        found = refine_topology(ByPressure(problem), Load(load), table, newton, task.progress, formal, task.plan.timed)
-        if isinstance(found, Missed):
-            what = "its profile alone" if problem.reference else "the strip"
-            raise task.error(replace(found, beyond=False, reason=f"the contact of {what} was not found: {found.reason}; {EXACT}"), problem)
-        return found
+        for sharpened in range(_SHARPENED + 1):
+            # The nominal pressure goes to infinity so near to ends beside the border that coefficients fall slowly.
+            like = self.likes.get(problem.reference)
+            how = replace(newton, tolerance=max(LEAST, self.sharpness * newton.tolerance), like=like)
+            found = refine_topology(ByPressure(problem), Load(load), table, how, task.progress, formal, task.plan.timed)
+            if isinstance(found, Missed):
+                what = "its profile alone" if problem.reference else "the strip"
+                raise task.error(replace(found, beyond=False, reason=f"the contact of {what} was not found: {found.reason}; {EXACT}"), problem)
+            self.likes[problem.reference] = found.fields.state
+            cut_short = float(found.fields.state.end_truncation.max())
+            if cut_short <= newton.tolerance or how.tolerance == LEAST or sharpened == _SHARPENED:
+                break
+            self.sharpness *= _SHARPER
+            newton, table = replace(newton, off=cut_short), _table(found)
+        return replace(found, tolerance=newton.tolerance)
 
     def _looked_at(self, found: Found, closely: bool = False) -> Found:
         """With other zones where signs fail; closely: where so little tells their number that a tighter solution is asked for, too."""
@@ -324,7 +348,6 @@ class FirstOrderOfSeveral:
     def _exact(self, at: _At) -> Found:
         """From contacts near the root to those at it, with the zones that there are, under the load that has the approach."""
         approach, size, before = self.scaled.control.approach, float(at.unknowns[2]), math.inf
-        at = replace(at, strip=self._looked_at(at.strip), alone=self._looked_at(at.alone))
         for _ in range(_LOADS):
             at, rates, off = self._signed(at)
             follows = rates.following(self.period)
@@ -377,8 +400,8 @@ class FirstOrderOfSeveral:
             step[:2] = -np.linalg.solve(matrix, misses)
             asked = float(np.abs(step[:2] / size).max())
             off = rates.of_ends(step, at.table)
-            settled = off.max() <= self.task.tolerance or (asked > _SLOW * before and before < self.task.tol)
-            if settled and at.strip.tolerance <= self.task.tolerance:
+            settled = off.max() <= self.wanted or (asked > _SLOW * before and before < self.task.tol)
+            if settled and at.strip.tolerance <= self.wanted:
                 return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
             step *= min(1.0, _LARGEST / max(asked, 1e-300))
             if watched and abs(misses[1]) > _OFF_CENTRE * abs(misses[0]):
@@ -394,7 +417,7 @@ class FirstOrderOfSeveral:
                 matrix = matrix + np.outer(misses - last - matrix @ by, by / size**2) / float(((by / size) ** 2).sum())
             same = there.same_zones(at)
             watched = watched or not same
-            if not same or (asked > _FAR and not there.strip.fields.state.iterated):
+            if not same or (asked > _BENT and not there.strip.fields.state.iterated):
                 rates = _Rates.of(there)
                 matrix = rates.matrix(self.period)[:, :2]
             at, before = there, asked if same else math.inf
