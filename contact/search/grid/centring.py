@@ -48,6 +48,12 @@ class Strip:
         return self.contact.touches_border
 
     @property
+    def side(self) -> float:
+        """Negative where a zone reaches the left border alone, positive where one reaches the right one."""
+        pressure = self.contact.state.pressure
+        return float(pressure[-1] > 0.0) - float(pressure[0] > 0.0)
+
+    @property
     def rests(self) -> bool:
         return not self.touches and abs(self.miss) <= max(_CENTRED * self.room, _CELL * self.cell)
 

@@ -28,18 +28,20 @@ from contact.search.grid.scaling import ScaledScene
 
 Array = NDArray[np.float64]
 
-# Cells to a shortest length of the profile, bounds of how many that makes of a period, and the tolerance of their contact.
-_CELLS, _FEWEST, _MOST, _ROUGHLY = 1, 2**9, 2**12, 1e-3
-# Cells that tell what is in contact, and what is not, at least; of the finest grid.
-_TELLING, _FINEST = 8, 2**14
+# Cells to a shortest length of the profile, at first and in the end, bounds of how many that makes of a period at first, and the tolerance
+# of their contact.
+_CELLS, _CELLS_FINELY, _FEWEST, _MOST, _ROUGHLY = 1, 4, 2**9, 2**12, 1e-3
+# Cells that tell the room beside the border, and that are none; of the finest grid. What the grid may have the miss off by: of a miss
+# that is sure, and that is little.
+_TELLING, _TOUCHING, _FINEST, _SURE, _SHARP = 8, 4, 2**14, 3.0, 0.05
 # Miss that is near enough, and, by the rounding of ends to parts of a cell, of each end; width of a bracket of the logarithm of the nominal
 # pressure.
 _CLOSE, _END, _CLOSED = 1e-3, 0.1, 1e-3
 # Nominal pressures tried; of one under which the profile alone leaves no gap, the part under which that is asked once more.
 _STEPS, _LIGHTER = 40, 0.95
 # Centres tried between the borders, steps of them over the room there and of the logarithm of the nominal pressure, to begin with, the
-# farthest over a period, and the cells that a bracket is narrowed to.
-_PLACES, _ASIDE, _ASIDE_PRESSURE, _FARTHEST, _NARROW = 30, 0.1, 4e-3, 0.1, 0.5
+# longest over the room, the cells that a bracket is narrowed to, and one of the nominal pressure that tells the nearer border.
+_PLACES, _ASIDE, _ASIDE_PRESSURE, _FARTHEST, _NARROW, _NEARLY = 24, 0.1, 1e-2, 4.0, 0.5, 5e-3
 # How the miss falls with the logarithm of the nominal pressure, as a first guess and at the least; least and largest steps of that, and
 # one away from where zones reach the border.
 _POWER, _FLATTEST, _LEAST, _LARGEST, _CLEARED = 0.8, -0.1, 2e-4, 1.0, 0.25
@@ -97,8 +99,13 @@ class ClosureGrid:
         assert problem.period is not None and profile.period is not None
         self.period, self.length = problem.period, profile.period
         self.response = Response(units.E_star, False, rest=problem.operator.strip_rest)
-        features = 0.0 if profile.feature is None else _CELLS * profile.period / profile.feature
-        self.points = 2 ** int(np.clip(np.ceil(np.log2(max(features, 1.0))), math.log2(_FEWEST), math.log2(_MOST)))
+        features = 0.0 if profile.feature is None else profile.period / profile.feature
+        self.points, self.finest = (
+            2 ** int(np.clip(np.ceil(np.log2(max(cells * features, 1.0))), math.log2(_FEWEST), math.log2(most)))
+            for cells, most in ((_CELLS, _MOST), (_CELLS_FINELY, _FINEST))
+        )
+        # How the miss goes with the logarithm of the nominal pressure.
+        self.rate = -_POWER
 
     def first(self) -> AtPressure:
         """The contacts under a nominal pressure that is the mean of the load."""
@@ -108,7 +115,14 @@ class ClosureGrid:
         """The contacts at the root, roughly, from some; with the strip's unrest, where it has none: then the profile alone is in wider
         contact wherever the strip is clear of its border."""
         found, clear = self._followed(here)
-        if found.unrest is None or clear is None or self._covers(found):
+        while self.points < self.finest:
+            # What a coarse grid tells is the beginning of what a finer one does.
+            if found.unrest is not None and (clear is None or self._covers(found)):
+                return found
+            self.points = min(4 * self.points, self.finest)
+            beside = found if found.unrest is None or clear is None else clear
+            found, clear = self._followed(self._at(beside.amplitude, beside.centre, beside))
+        if found.unrest is None or clear is None or clear.placed.room < _TOUCHING * clear.placed.cell or self._covers(found):
             return found
         return self._balanced(clear)
 
@@ -128,11 +142,10 @@ class ClosureGrid:
             else:
                 # A smaller nominal pressure lets the zones at the border grow.
                 low, lost = here.amplitude, here
-            if lost is not None and low > 0.0 and math.log(high / low) < _CLOSED:
+            shut = low > 0.0 and math.log(high / low) < _CLOSED
+            if lost is not None and (shut or (lost.reaches and wide is not None and self._covers(lost))):
                 return lost, wide
-            if lost is not None and lost.reaches and wide is not None and self._covers(lost):
-                return lost, wide
-            step = _step(here, last, low, high)
+            step = self._step(here, last, low, high)
             last = None if here.unrest is not None else here
             here = self._at(here.amplitude * math.exp(step), (wide or here).centre, wide or here)
         return replace(here, placed=replace(here.placed, unrest=here.unrest or Unrest.JUMP)), wide
@@ -151,52 +164,71 @@ class ClosureGrid:
         beside it comes on. So the middle of the zones lies to the left of the centre at the one end, to the right at the other, and is the
         centre between.
         """
-        here = self._closed(clear.centre, clear)
+        here, side = self._closed(clear.centre, clear)
         left: AtPressure | None = None
         right: AtPressure | None = None
         step = _ASIDE * max(here.placed.room, 4 * here.placed.cell)
         for looks in range(_PLACES):
             if here.unrest is None and here.placed.rests:
                 return here
-            left, right = (here, right) if here.placed.miss < 0.0 else (left, here)
+            left, right = (here, right) if side < 0.0 else (left, here)
             if left is None or right is None:
-                centre = here.centre - math.copysign(step, here.placed.miss)
-                step *= 2
-                if step > _FARTHEST * self.period:
+                if step > _FARTHEST * here.placed.room:
                     break
+                centre = here.centre - math.copysign(step, side)
+                step *= 2
             elif abs(right.centre - left.centre) < _NARROW * here.placed.cell:
                 break
             else:
-                share = left.placed.miss / (left.placed.miss - right.placed.miss) if looks % 2 else 0.5
+                known = left.unrest is None and right.unrest is None and looks % 2
+                share = left.placed.miss / (left.placed.miss - right.placed.miss) if known else 0.5
                 centre = left.centre + min(max(share, 0.1), 0.9) * (right.centre - left.centre)
-            here = self._closed(centre, here)
+            here, side = self._closed(centre, here)
         both = [each for each in (left, right) if each is not None]
-        why = Unrest.BORDER if all(each.unrest is not None for each in both) else Unrest.JUMP
+        why = Unrest.BORDER if any(each.unrest is not None for each in both) else Unrest.JUMP
         return replace(here, placed=replace(here.placed, unrest=why))
 
-    def _closed(self, centre: float, near: AtPressure) -> AtPressure:
-        """The contacts about a centre under the nominal pressure of the root there; where there is none, the least under which the strip is
-        clear of its border, with that for its unrest."""
+    def _closed(self, centre: float, near: AtPressure) -> tuple[AtPressure, float]:
+        """(the contacts about a centre under the nominal pressure of the root there, negative where the left border is the nearer one);
+        where there is no root, about the least nominal pressure under which the strip is clear of its border, with that for its unrest."""
         low, high, amplitude, width = 0.0, math.inf, near.amplitude, _ASIDE_PRESSURE
         clear: AtPressure | None = None
-        touched = False
+        touched: Strip | None = None
         for _ in range(_STEPS):
             here = self._held(amplitude, centre, clear or near)
             if not here.placed.touches and abs(here.miss) <= max(_CLOSE, here.blur):
-                return here
+                return here, here.placed.miss
             if here.placed.touches or here.miss > 0.0:
-                low, touched = amplitude, here.placed.touches
+                low, touched = amplitude, here.placed if here.placed.touches else None
             else:
                 high, clear = amplitude, here
-            if low == 0.0 or math.isinf(high):
-                amplitude *= math.exp(width if low > 0.0 else -width)
+            if low == 0.0 or clear is None:
+                amplitude *= math.exp(width if clear is None else -width)
                 width *= 2
-            elif math.log(high / low) < _CLOSED:
+            elif math.log(high / low) < (_CLOSED if touched is None else _NEARLY):
                 break
             else:
                 amplitude = math.sqrt(low * high)
         assert clear is not None
-        return replace(clear, placed=replace(clear.placed, unrest=Unrest.BORDER if touched else None))
+        if touched is None:
+            return clear, clear.placed.miss
+        return replace(clear, placed=replace(clear.placed, unrest=Unrest.BORDER)), touched.side or clear.placed.miss
+
+    def _step(self, here: AtPressure, last: AtPressure | None, low: float, high: float) -> float:
+        """Of the logarithm of the nominal pressure: a secant's within the bracket, or to its middle; out of the reach of the border as long
+        as nothing bounds it."""
+        bounded = low > 0.0 and high < math.inf
+        middle = 0.5 * (math.log(low / here.amplitude) + math.log(high / here.amplitude)) if bounded else math.nan
+        if here.unrest is not None:
+            return _CLEARED if math.isnan(middle) else middle
+        if math.isinf(here.miss):
+            return -_CLEARED if math.isnan(middle) else middle
+        if last is not None and last.amplitude != here.amplitude and math.isfinite(last.miss):
+            self.rate = min((here.miss - last.miss) / math.log(here.amplitude / last.amplitude), _FLATTEST)
+        step = -here.miss / self.rate
+        step = math.copysign(min(max(abs(step), _LEAST), _LARGEST), step)
+        inside = low < here.amplitude * math.exp(step) < high
+        return step if inside or math.isnan(middle) else middle
 
     def _first_centre(self) -> float:
         """Half a period from the middle of the widest gap of the period."""
@@ -229,8 +261,8 @@ class ClosureGrid:
         while True:
             alone = self.alone(amplitude, placed.centre, self.points, _ROUGHLY, None if near is None else near.alone)
             here = self._of(amplitude, placed, alone)
-            gaps = [placed.room, *(min(width, self.period - width) for width in here.widths if width < self.period)]
-            if self.points >= _FINEST or min(gaps) >= _TELLING * placed.cell:
+            told = placed.room >= _TELLING * placed.cell and (abs(here.miss) > _SURE * here.blur or here.blur <= _SHARP)
+            if self.points >= max(self.finest, _FEWEST) or here.unrest is not None or told:
                 return here
             self.points *= 2
             placed = settled(look, look(placed.centre, placed))
@@ -265,23 +297,6 @@ class ClosureGrid:
             height, (middle - 0.5 * self.length, middle + 0.5 * self.length), self.response, resolution=profile.feature,  # type: ignore[arg-type]
             points=points, load=load * units.load, tol=tol, near=None if near is None else near.state,
         )
-
-
-def _step(here: AtPressure, last: AtPressure | None, low: float, high: float) -> float:
-    """Of the logarithm of the nominal pressure: a secant's within the bracket, or to its middle; out of the reach of the border as long as
-    nothing bounds it."""
-    middle = 0.5 * (math.log(low / here.amplitude) + math.log(high / here.amplitude)) if low > 0.0 and high < math.inf else math.nan
-    if here.unrest is not None:
-        return _CLEARED if math.isnan(middle) else middle
-    if math.isinf(here.miss):
-        return -_CLEARED if math.isnan(middle) else middle
-    rate = -_POWER
-    if last is not None and last.amplitude != here.amplitude and math.isfinite(last.miss):
-        rate = min((here.miss - last.miss) / math.log(here.amplitude / last.amplitude), _FLATTEST)
-    step = -here.miss / rate
-    step = math.copysign(min(max(abs(step), _LEAST), _LARGEST), step)
-    inside = low < here.amplitude * math.exp(step) < high
-    return step if inside or math.isnan(middle) else middle
 
 
 def _width(proposal: Proposal) -> float:

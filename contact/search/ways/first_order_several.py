@@ -52,8 +52,8 @@ _CORRECTIONS, _MINOR = 3, 1e-4
 _LARGEST = 0.1
 # Loads tried for an approach; how near one is, over it, for Newton's steps on the load, and by what part it changes at the most before.
 _LOADS, _NEAR, _LEAST_PART = 12, 2e-2, 0.3
-# Cells of the grids that zones are taken from, to a shortest length of the profile, and their tolerance.
-_CELLS, _FEWEST, _MOST, _CLOSELY = 4, 2**9, 2**14, 1e-5
+# Tolerance of the grids that zones are taken from.
+_CLOSELY = 1e-5
 # Tolerance of the ends at first, and of later ones over the step of the unknowns, as long as that is not one of the last; part of a width
 # or a gap that is foreseen to go.
 _ROUGHLY, _FINER, _LAST, _PART = 1e-6, 1e-2, 1e-5, 0.1
@@ -263,10 +263,8 @@ class FirstOrderOfSeveral:
 
     def _started(self, grid: ClosureGrid, rough: AtPressure) -> _At:
         """The contacts under the nominal pressure of the grids."""
-        part, profile = self.task.plan["coarse search"], self.problem.profile
+        part, points = self.task.plan["coarse search"], grid.points
         part.used = True
-        features = 0.0 if profile.feature is None else _CELLS * grid.length / profile.feature
-        points = max(grid.points, 2 ** int(np.clip(np.ceil(np.log2(max(features, 1.0))), math.log2(_FEWEST), math.log2(_MOST))))
         with self.task.plan.timed("coarse search"):
             fine = grid.closer(rough, points, _CLOSELY)
         assert fine.alone is not None
