@@ -42,8 +42,8 @@ Array = NDArray[np.float64]
 _STEPS, _HALVED, _LOOKS, _FAR, _BENT, _SLOW = 40, 4, 4, 1e-2, 1e-4, 0.5
 # Steps in a row of which none halves the misses: zones come and go with every one of them.
 _STALLED = 4
-# Miss of the centre over that of the width that does not matter.
-_OFF_CENTRE = 1e-3
+# Miss of the centre over that of the width that does not matter; what is left of what it makes of that, over this, at the most.
+_OFF_CENTRE, _UNSURE = 1e-3, 4.0
 # Steps that tell how the misses follow the unknowns: those of smaller ones are rounding.
 _LEAST = 1e-9
 # How often zones of the profile alone are put right, and what part of their width does not matter on the way.
@@ -184,11 +184,12 @@ class _Bracket:
     high: tuple[float, float] = (math.inf, math.nan)
     width: float = math.inf
 
-    def within(self, at: float, miss: float, step: float, falls: bool) -> float:
-        """A step from there, if it stays within the bracket, and that or the step falls; else one of false position, or to the middle."""
-        if miss > 0.0:
+    def within(self, at: float, miss: float, known: float, step: float, falls: bool) -> float:
+        """A step from there, if it stays within the bracket, and that or the step falls; else one of false position, or to the middle.
+        miss: of the width about a strip centred on its zones; known: to what."""
+        if miss > known:
             self.low = (at, miss)
-        elif miss < 0.0:
+        elif miss < -known:
             self.high = (at, miss)
         (low, at_low), (high, at_high) = self.low, self.high
         before, self.width = self.width, high - low
@@ -406,7 +407,9 @@ class FirstOrderOfSeveral:
                 # How wide the zones are under a nominal pressure is told where the strip is centred on them.
                 step[:] = -misses[1] / matrix[1, 0], 0.0, 0.0
             else:
-                step[1] = bracket.within(float(at.unknowns[1]), float(misses[0]), float(step[1]), asked <= _SLOW * before)
+                off_centre = float(matrix[0, 0] / matrix[1, 0] * misses[1])
+                centred, known = float(misses[0]) - off_centre, _UNSURE * abs(off_centre)
+                step[1] = bracket.within(float(at.unknowns[1]), centred, known, float(step[1]), asked <= _SLOW * before)
                 step[0] = -(misses[1] + matrix[1, 1] * step[1]) / matrix[1, 0]
             there, step = self._moved(at, rates, step, asked, watched)
             last, misses = misses, there.misses
