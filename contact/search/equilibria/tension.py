@@ -38,6 +38,8 @@ _STEPS = 80
 _HALVINGS = 60
 # Over the width of an interval, how far an end goes that contact covers as others advance.
 _FARTHER = 0.01
+# Newton's step of ends that are about to rest, over their intervals and the gaps beside them.
+_ABOUT_TO_REST = 1e-3
 # Zones over their intervals: of contact that is all but lost.
 SHRUNK = 0.1
 
@@ -84,15 +86,48 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
         if new is not None:
             if len(new) == 0:
                 return None
-            zones = fitted(here.zones, new, curve.problem.period)
-            here = curve.from_zones(uncovered(curve, new, value, zones) if sign > 0 else new, value, zones, flow.ROUGH)
+            here = _with_other_intervals(curve, here, new, sign)
             continue
+        if _about_to_rest(curve, here):
+            return here
         ahead, move = _step(curve, here, sign)
         assert isinstance(ahead, CohesivePoint)
         here = ahead
         if move <= flow.REST and np.abs(here.residual).max() <= flow.DRIVEN:
             return here
     raise NotConverged("the ends of the tension did not come to rest under a held control")
+
+
+def _with_other_intervals(curve: Cohesive, here: CohesivePoint, table: Array, sign: float) -> CohesivePoint:
+    zones = fitted(here.zones, table, curve.problem.period)
+    return curve.from_zones(uncovered(curve, table, here.value, zones) if sign > 0 else table, here.value, zones, flow.ROUGH)
+
+
+def _about_to_rest(curve: Cohesive, here: CohesivePoint) -> bool:
+    """Whether a stable equilibrium is so near that Newton's steps alone lead to it."""
+    if here.growth >= 0.0 or np.abs(here.residual).max() > flow.DRIVEN:
+        return False
+    return bool(np.all(np.abs(here.newton) <= _ABOUT_TO_REST * _sizes(curve, here)))
+
+
+def _sizes(curve: Cohesive, here: Point) -> Array:
+    """Of the interval of each end, or of the gap beside it if that is smaller: one that was cut is parted by little at first."""
+    gaps = curve.gaps(here.table)
+    return np.minimum(here.widths, np.concatenate((np.roll(gaps, 1), gaps)))
+
+
+def settled(curve: Cohesive, here: Point, sign: float) -> CohesivePoint | None:
+    """The equilibrium that ends about to rest have come to, tightly; where it has more intervals, or fewer, on from there."""
+    for _ in range(_TRIES):
+        tight = curve.settled(here)
+        new = _parted(curve, tight) if sign < 0 else _grown(curve, tight)
+        if new is None:
+            return tight
+        ahead = (advanced if sign > 0 else receded)(curve, new, here.value) if len(new) else None
+        if ahead is None:
+            return None
+        here = ahead
+    raise NotConverged("the intervals of the tension did not settle under a held control")
 
 
 def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Array:
@@ -112,9 +147,7 @@ def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Arra
 def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     limit, back = flow.limits(curve, here, sign)
     lost, beyond = 0, np.zeros(len(limit))
-    # An interval that was cut is parted by little at first.
-    gaps = curve.gaps(here.table)
-    size = np.minimum(here.widths, np.concatenate((np.roll(gaps, 1), gaps)))
+    size = _sizes(curve, here)
     back_again = 0
     for _ in range(flow.MOST_TRIES):
         if back_again >= _ONE_WAY and here.growth >= 0.0:
@@ -154,8 +187,7 @@ def _let_go(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     """Where ends that run away drive others the other way, as under a held approach: all ends down the slope of the energy, a step of
     the implicit Euler method, as long as lets them go no farther than they may."""
     onward, back = flow.limits(curve, here, sign)
-    gaps = curve.gaps(here.table)
-    size = np.minimum(here.widths, np.concatenate((np.roll(gaps, 1), gaps)))
+    size = _sizes(curve, here)
     onward, above = np.minimum(onward, _SLOWLY * np.maximum(size, 1e-3 * here.widths)), 1e-3
     for _ in range(flow.MOST_TRIES):
         step: Array = np.linalg.solve(np.diag((max(here.growth, 0.0) + above) * here.weight) - here.rates, here.residual).astype(np.float64)

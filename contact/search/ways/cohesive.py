@@ -29,7 +29,7 @@ from contact.formulation.tension.fields import PulledFields, PulledGapFields
 from contact.formulation.tension.intervals import below, fitted, united_about
 from contact.formulation.tension.pulled import Pulled
 from contact.model.scene import Scene
-from contact.search.equilibria.tension import TOO_NARROW, advanced, pull_off, pull_off_from_all, receded, uncovered
+from contact.search.equilibria.tension import TOO_NARROW, advanced, pull_off, pull_off_from_all, receded, settled, uncovered
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.shared import Shared
@@ -80,16 +80,13 @@ def followed_under_tension(task: Task) -> Outcome:
                 rest = _greatest(task, scaled, curve, value)
             else:
                 rest = _lowered(task, scaled, curve, value)
+            if rest is not None:
+                rest = settled(curve, rest, -1.0 if task.branch == "receding" or value < 0.0 else 1.0)
     except Closed:
         return everywhere(task, problem)
     if rest is None:
         raise OutOfRange(past(curve, _pulled_off(task, scaled, curve), task))
-    here = curve.settled(rest)
-    return solved(task, curve, curve.at(here.moved(_newton(here)), value))
-
-
-def _newton(here: Point) -> Array:
-    return np.asarray(-np.linalg.solve(here.rates, here.residual), dtype=np.float64)
+    return solved(task, curve, rest)
 
 
 def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
@@ -297,8 +294,9 @@ def solved(task: Task, curve: Cohesive, here: Point) -> Found:
     assert isinstance(here, CohesivePoint)
     problem = curve.problem
     pulled = Pulled.of(problem, curve.stress, here.table)
-    by_load = Cohesive(problem, Load(0.0))
-    at_load = by_load.from_zones(here.table, here.load, here.zones)
+    at_load = here
+    if curve.held.load is None:
+        at_load = Cohesive(problem, Load(0.0)).from_zones(here.table, here.load, here.zones)
     fields, free, control = _tight(task, pulled, at_load.load + pulled.pulling.total, here.zones)
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
     whole = replace(fields, law_problem=problem, rate=at_load.rate)
