@@ -109,9 +109,15 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
     raise NotConverged(why)
 
 
-def turning_step(curve: Equilibria, here: Point, sense: float = -1.0) -> Step:
-    """The step in which an equilibrium ceases to be as the control falls, or rises."""
-    return next(step for step in steps(curve, here, sense, False) if step.turns)
+def _ending(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> tuple[Step, bool]:
+    """(the step in which an equilibrium ceases to be as the control falls, whether by a turn of the curve, else where it is torn)."""
+    for step in steps(curve, here, -1.0, False):
+        last = step.at(step.turning(False), False) if step.turns else step.end.at
+        if torn(last) > 0.0:
+            return step, False
+        if step.turns:
+            return step, True
+    raise NotConverged("the curve of equilibria ended")
 
 
 def beyond(curve: Equilibria, turned: Point, sense: float) -> Array:
@@ -122,9 +128,9 @@ def beyond(curve: Equilibria, turned: Point, sense: float) -> Array:
     return turned.moved(np.asarray(move * (sense * np.sign(move.sum()) * _PUSH / np.abs(move / room).max())))
 
 
-def pull_off(curve: Equilibria, here: Point, recede: Recede = receded) -> Point:
+def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Callable[[Point], float] = lambda at: -1.0) -> Point:
     """Where the last zones come apart as the control falls from an equilibrium; those before do so one after the other. recede: how ends
-    that are driven inward come to rest."""
+    that are driven inward come to rest; torn: above zero for a state of the curve that is none, its intervals having been cut before."""
     here, high = _apart(curve, here, recede)
     # Between a value that holds and one that does not: near enough for the arc to have one turning point.
     for _ in range(_HALVINGS):
@@ -132,13 +138,27 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded) -> Point:
         rest = recede(curve, here.table, middle)
         here, high = (rest, high) if rest is not None else (here, middle)
     while True:
-        step = turning_step(curve, here)
+        step, turns = _ending(curve, here, torn)
         # Of those before the last it is enough to know where they are about.
-        turned = step.at(step.turning(False), False)
-        rest = recede(curve, beyond(curve, turned, -1.0), turned.value)
-        if rest is None:
+        length = step.turning(False) if step.turns else step.length
+        whole = torn(step.start.at)
+        if turns:
+            last = step.at(length, False)
+            table = beyond(curve, last, -1.0)
+        else:
+            until = step.where(torn, whole, torn(step.at(length, False)), length, _ABOUT, False) if whole < 0.0 else 0.0
+            length = min(until + 2 * _ABOUT * length, length)
+            last = step.at(length, False)
+            table = last.table
+        rest = recede(curve, table, last.value)
+        if rest is not None:
+            here = rest
+        elif turns:
             return step.at(step.turning())
-        here = rest
+        elif whole >= 0.0:
+            return curve.settled(step.start.at)
+        else:
+            return step.at(step.where(torn, whole, torn(last), length))
 
 
 def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float]:
