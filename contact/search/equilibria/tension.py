@@ -81,9 +81,9 @@ def guide_of(curve: Cohesive, zones: int) -> GridTension | None:
     return GridTension.of(curve.problem, held.load is not None)
 
 
-def _guided(curve: Cohesive, guide: GridTension, table: Array, value: float, sign: float) -> CohesivePoint | None:
-    """A state from which ends are all driven onward to the same equilibrium as from these intervals, and not far, by a grid; None where
-    that does not tell. What the grid is wrong by is seen in what drives the ends: of what it makes rest that is the margin."""
+def _guided(curve: Cohesive, guide: GridTension, table: Array | None, value: float, sign: float) -> CohesivePoint | None:
+    """A state from which ends are all driven onward to the same equilibrium as from these intervals (None: tension in all of a period), and
+    not far, by a grid; None where that does not tell. What the grid is wrong by is seen in what drives the ends: of what it makes rest that is the margin."""
     for margin in _MARGINS:
         try:
             found = guide.resting(table, value, sign, 1.0 - sign * margin)
@@ -344,6 +344,9 @@ def _about_to_part(curve: Cohesive, here: Point) -> Point:
 
 def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
     """The same of a contact under tension everywhere: from where the gap somewhere comes to its reach, or to the last touch."""
+    rest = _open_and_about_to_part(curve, zones, value)
+    if rest is not None:
+        return pull_off(curve, rest)
     problem, pulled = curve.problem, curve.everywhere
     assert problem.period is not None
     # Without contact the load is the tension's, and the base gives way to it.
@@ -376,6 +379,25 @@ def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
         return state
     rest = receded(curve, table, high - 1e-9 * (value - lost))
     return state if rest is None else pull_off(curve, rest)
+
+
+def _open_and_about_to_part(curve: Cohesive, zones: Array, value: float) -> Point | None:
+    """The equilibrium that a contact under tension everywhere has come to under a control a little above the least at which a grid holds
+    any; None where that does not tell, or where the tension has not let go before."""
+    guide = guide_of(curve, len(zones))
+    if guide is None:
+        return None
+    least = guide.least_value(None, value)
+    for above in _ABOVE:
+        control = least + above * (value - least)
+        try:
+            start = _guided(curve, guide, None, control, -1.0)
+        except Lost:
+            continue
+        rest = None if start is None else receded(curve, start.table, control)
+        if rest is not None:
+            return rest
+    return None
 
 
 def touching(curve: Cohesive, table: Array, at: float) -> Loose:

@@ -111,6 +111,8 @@ class GridTension(sie.Kept):
             try:
                 near = self.resting(table if near is None else near.table, middle, -1.0, 1.0, None if near is None else near.state)
                 high = middle
+            except Closed:
+                high = middle
             except Lost:
                 low = middle
         return high
@@ -126,6 +128,8 @@ class GridTension(sie.Kept):
                 self.resting(None, value - step, -1.0, 1.0)
             except Lost:
                 return value - step
+            except Closed:
+                pass
             step *= 2.0
         raise NotConverged("no approach at which the surfaces are apart")
 
