@@ -15,7 +15,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -299,7 +298,8 @@ class FirstOrderOfSeveral:
 
     def _contact(self, problem: Problem, load: float, table: Array, newton: Newton, formal: bool) -> Found:
         task = self.task
-        for sharpened in count():
+        sharpened = 0
+        while True:
             # The nominal pressure goes to infinity so near to ends beside the border that coefficients fall slowly.
             like = self.likes.get(problem.reference)
             how = replace(newton, tolerance=max(LEAST, self.sharpness * newton.tolerance), like=like)
@@ -313,7 +313,7 @@ class FirstOrderOfSeveral:
             if cut_short <= newton.tolerance or how.tolerance == LEAST or sharpened == _SHARPENED:
                 return replace(found, tolerance=newton.tolerance)
             self.sharpness *= _SHARPER
-            newton, table = replace(newton, off=cut_short), _table(found)
+            newton, table, sharpened = replace(newton, off=cut_short), _table(found), sharpened + 1
 
     def _looked_at(self, found: Found, closely: bool = False) -> Found:
         """With other zones where signs fail; closely: where so little tells their number that a tighter solution is asked for, too."""
