@@ -26,7 +26,7 @@ _EPS = 2.2e-16
 _LOOKS = 64
 # Half widths of a zone over the length of the kernel's smooth part, up to which the modes of a zone show it to rounding, and from which on
 # not at all.
-RESOLVED, HOPELESS = 40.0, 150.0
+RESOLVED, HOPELESS = 40.0, 300.0
 # Of neglected modes what they may make of the pressure, and of rounding over the compliance that is left: several times what layers of
 # known contact have.
 _MODES, _CANCELLED = 5.0, 4e-15

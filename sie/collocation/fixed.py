@@ -466,6 +466,13 @@ def first_sizes(equation: Equation, zones: Zones) -> Sizes:
     return Sizes(np.full(len(zones), 16), least)
 
 
+def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
+    """Modes to begin with, from those of a solution on about the same zones; of no more than the first ones, if these are others."""
+    if len(sizes.own) != len(zones):
+        return first_sizes(equation, zones)
+    return Sizes(sizes.own, sizes.least, primitive_rounding=sizes.primitive_rounding, wide=sizes.wide and replace(sizes.wide, carried=None))
+
+
 def solve_fixed(
     equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None, largest: int = 8192, direct: bool = False
 ) -> State:

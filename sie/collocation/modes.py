@@ -31,10 +31,13 @@ _ALONE = 690.0
 # Coefficients among which the largest of a jump's part is.
 _LEADING = 8
 COUPLED_SIZES = np.array(
-    [0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768, 1024, 1280, 1536]
+    [
+        0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768,
+        1024, 1280, 1536, 2048, 2560, 3072,
+    ]
 )
 # Modes at the most: as a rule, and of a regular kernel that is known to ask for more.
-_MOST, _MOST_KNOWN = 768, 1536
+_MOST, _MOST_KNOWN = 768, 3072
 # Modes to begin with to a half width over the length of a regular kernel: exp(-12) of it is left.
 _PER_LENGTH = 12.0
 

@@ -168,7 +168,7 @@ def _add_regular(
             xi = zones.middle[sources][:, None] + zones.half[sources][:, None] * chebyshev.gauss(int(q))
             values = regular(targets.x[:, None, None], xi)
             count = min(int(m), int(q) - 1) + 1
-            block = values @ (chebyshev.t_matrix(int(q), count) / q)
+            block = chebyshev.t_means(values, count)
             if not over_width:
                 block *= zones.half[sources][:, None]
             columns = layout.offset[sources][:, None] + np.arange(count)

@@ -19,7 +19,7 @@ from sie.basis.arrays import Array, Index, Mask
 from sie.basis.ends import FREE, SINGULAR, End
 from sie.basis.zones import Zones
 from sie.collocation import modes
-from sie.collocation.fixed import SingularSystem, Sizes, State, first_sizes
+from sie.collocation.fixed import SingularSystem, Sizes, State, first_sizes, sizes_of
 from sie.density.density import Density
 from sie.equation.equation import Equation
 from sie.free_ends.end_rates import NEUTRAL_FROM, end_rates
@@ -125,6 +125,7 @@ def find_ends(
     decay: float | None = None,
     bounded_ends: bool = True,
     off: float = 1.0,
+    like: AnyState | None = None,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -155,6 +156,8 @@ def find_ends(
     off : float
         What the ends are off by over their zones' widths, as far as that is known: the better they are, the tighter is the first solution
         by iteration.
+    like : State or None
+        A solution on about the same zones, with as many modes to begin with.
 
     Returns
     -------
@@ -177,7 +180,7 @@ def find_ends(
     opened = equation.open_condition
     off = min(off, _STEP_NEAR) if near else off
     progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off)
-    sizes = first_sizes(equation, zones)
+    sizes = first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
     unit: Unit | None = None
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.

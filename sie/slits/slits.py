@@ -79,7 +79,7 @@ class Slit(Kept):
 
     def means(self, values: Array) -> Array:
         """Means of values (..., nodes) times T_l, l = 0 ... modes, with the weight 1 / sqrt(1 - z^2)."""
-        return np.asarray(values @ chebyshev.t_matrix(self.nodes, self.modes + 1) / self.nodes)
+        return chebyshev.t_means(values, self.modes + 1)
 
     def at_gauss(self, d: Array) -> Array:
         """sum d_l T_l at the Gauss nodes."""

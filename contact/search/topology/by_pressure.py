@@ -46,7 +46,7 @@ class ByPressure:
         equation, problem = self.problem.equation(control), self.problem
         steps = how.steps or self.most_steps
         return sie.find_ends(
-            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, off=how.off
+            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, off=how.off, like=how.like
         )
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> ZoneFields:
