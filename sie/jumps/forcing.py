@@ -39,11 +39,13 @@ from sie.basis.sums import PAIRS as _PAIRS
 from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms
-from sie.jumps.local_spline import MANY
+from sie.jumps.local_spline import MANY, LocalSpline
 from sie.jumps.pairs import FewJumps, far_potential, far_transform, kappa, potential_rest
-from sie.jumps.spline import Spline
 from sie.jumps.zone_spline import ZoneSpline
 
+# What takes the place of very many jumps of order 2 in one zone, of the right side's or of the density's own: with the same methods, of
+# which each refuses those that have no use for its kind.
+Spline = LocalSpline | ZoneSpline
 MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
 HIGHEST = 2
