@@ -10,14 +10,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.model.units import prefix
 from contact.solution.panels import finish, panels
 from contact.solution.solution import Solution
 from contact.sweeps.path_table import Passed, columns
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _FRACTION = "contact fraction"
 _CURVE, _EVENT = "#1f5a92", "#555555"

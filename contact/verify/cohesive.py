@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import look_at
@@ -17,8 +16,6 @@ from contact.formulation.tension.fields import PulledFields, scaled_second_varia
 from contact.verify.accuracy import Found
 from contact.verify.certificate import Certificate
 from sie import wrapped
-
-Array = NDArray[np.float64]
 
 # A miss of the reach, over it, and what rounding of heights may make of it.
 _REACH = 1e-7

@@ -18,16 +18,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Complex, Index
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 Function = Callable[[Array, Array], Array]
 
 TERMS = 24
@@ -127,7 +125,7 @@ class Panels(Kept):
         waves = np.matmul(kernel, fft.rfft(moments, length, axis=0))
         return np.asarray(fft.irfft(waves, length, axis=0)[: high - low + 1])
 
-    def _waves(self, potential: bool, low: int, high: int) -> tuple[NDArray[np.complex128], int]:
+    def _waves(self, potential: bool, low: int, high: int) -> tuple[Complex, int]:
         """(transform of K^(d) over the lags between all panels and low ... high, its length)."""
         key = potential, low, high
         if key not in self._transforms:
@@ -142,7 +140,7 @@ class Panels(Kept):
         return self._transforms[key]
 
     @cached_property
-    def _transforms(self) -> dict[tuple[bool, int, int], tuple[NDArray[np.complex128], int]]:
+    def _transforms(self) -> dict[tuple[bool, int, int], tuple[Complex, int]]:
         return {}
 
     def moments(self, spread: Spread, weights: Array) -> Array:
