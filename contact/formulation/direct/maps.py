@@ -17,11 +17,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+# A number, or an array of them.
+Value = Any
 
 
 @dataclass(frozen=True)
@@ -43,18 +44,18 @@ class Map:
         """int w dx per unit of y."""
         return self.load_factor / (2.0 if self.pair else 1.0) if self.period is not None else (0.5 if self.pair else 1.0)
 
-    def y(self, x: Array) -> Array:
+    def y(self, x: Value) -> Value:
         if self.period is None:
             return x * x if self.pair else x
         sine = np.sin(x * (math.pi / self.period))
         return sine * sine if self.pair else sine
 
-    def x(self, y: Array) -> Array:
+    def x(self, y: Value) -> Value:
         """The place at y, of the right half where there are two."""
         root = np.sqrt(y) if self.pair else y
         return root if self.period is None else np.arcsin(root) * (self.period / math.pi)
 
-    def weight(self, x: Array, y: Array) -> Array | float:
+    def weight(self, x: Value, y: Value) -> Value:
         """w at x, of which y is known."""
         if self.period is None:
             return x if self.pair else 1.0
@@ -62,11 +63,11 @@ class Map:
             return 2.0 * np.sqrt(y * (1.0 - y))
         return np.sqrt(1.0 - y * y)
 
-    def rise(self, start: Array, distance: Array) -> Array:
+    def rise(self, start: Value, distance: Value) -> Value:
         """y(start + distance) - y(start), without loss of digits for short distances."""
         if self.period is None:
             return distance * (2.0 * start + distance) if self.pair else distance
         k = math.pi / self.period
         if self.pair:
-            return np.asarray(np.sin(k * distance) * np.sin(k * (2.0 * start + distance)))
-        return np.asarray(2.0 * np.cos(k * (start + 0.5 * distance)) * np.sin(0.5 * k * distance))
+            return np.sin(k * distance) * np.sin(k * (2.0 * start + distance))
+        return 2.0 * np.cos(k * (start + 0.5 * distance)) * np.sin(0.5 * k * distance)
