@@ -169,6 +169,11 @@ class Solution(sie.Kept):
         return self.fields.max_pressure
 
     @property
+    def pressure_bound(self) -> float:
+        """What no pressure exceeds [Pa], where that is known without looking for the highest one; else inf."""
+        return self.fields.pressure_bound
+
+    @property
     def approach(self) -> float | None:
         """Approach [m], off by at most about 3 error p L / E* (L: the period); None for an isolated punch without a datum."""
         return self.fields.approach

@@ -104,6 +104,11 @@ class Ends:
         return plain, once, twice
 
     @property
+    def bound(self) -> Value:
+        """What no pressure exceeds, over E*/2, but for kinks and corners."""
+        return (self.outer if self.sheet.map.pair and self.sheet.map.period is None else 1.0) * self.sums[1]
+
+    @property
     def zones(self) -> int:
         return 2 if self.sheet.map.pair else 1
 

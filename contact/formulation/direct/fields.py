@@ -152,6 +152,10 @@ class DirectFields(ZoneFields):
             return math.inf
         return maximum(lambda angle: self.pressure_at(-1, np.cos(angle)), np.linspace(0.0, math.pi, _LOOKS + 1), levels=7)[1]
 
+    @property
+    def pressure_bound(self) -> float:  # type: ignore[override]
+        return math.inf if self.ends.sheet.kink or self.ends.punch else self._unit * float(self.ends.bound)
+
     # Levels -----------------------------------------------------------------------------------------------------------
     @property
     def _logarithm(self) -> float:
