@@ -60,9 +60,10 @@ def _of_slopes(solution: Answer, places: Array) -> tuple[str, ...]:
     profile, tilt = solution.scene.profile, solution.tilt or 0.0
     with np.errstate(all="ignore"):
         inside = np.abs(np.asarray(profile.slope(places), dtype=float) - tilt)
-    steepest = float(np.maximum.reduce(inside, initial=0.0))
+    # The place is found faster than the number.
+    steepest = inside.item(inside.argmax()) if inside.size else 0.0
     if not math.isfinite(steepest):
-        steepest = float(np.maximum.reduce(inside, initial=0.0, where=np.isfinite(inside)))
+        steepest = float(inside.max(initial=0.0, where=np.isfinite(inside)))
     largest, rms = profile.slope_sizes
     if tilt and profile.slopes_seen.size:
         whole = profile.slopes_seen - tilt
@@ -76,7 +77,7 @@ def _of_slopes(solution: Answer, places: Array) -> tuple[str, ...]:
 def _of_pressure(solution: Answer, places: Array) -> tuple[str, ...]:
     scene = solution.scene
     widths = np.asarray(solution.zone_widths)
-    width = float(widths.sum()) if widths.size else scene.profile.period
+    width = sum(widths.tolist()) if widths.size else scene.profile.period
     if width is None or not width > 0.0:
         return ()
     highest, what = solution.load / width, "mean contact pressure"
@@ -100,4 +101,4 @@ def _inside(solution: Answer) -> Array:
         if profile.period is None:  # surfaces apart
             return np.zeros(0)
         return profile.x0 + profile.period * (np.arange(_PLACES) + 0.25) / _PLACES
-    return np.asarray((zones @ _SHARES).ravel())
+    return np.asarray(zones.dot(_SHARES).ravel())

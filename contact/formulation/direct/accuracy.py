@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from contact.formulation.direct.ends import Ends
-from contact.formulation.direct.maps import Value
+from contact.formulation.direct.numbers import Value, largest
 
 # What sums of some hundred terms are rounded to: no error is stated below it, as by the other ways. Beside a singular end the pressure is
 # several times the mean, to which its error is referred.
@@ -32,8 +32,8 @@ def stated(ends: Ends) -> Value:
     way, (scale, _, follows) = sheet.map, ends.sums
     mean = ends.totals / (ends.zones * ends.widths)
     scale = scale + abs(sheet.kink)
-    largest = np.maximum.reduce(np.abs(ends.g), axis=-1, initial=0.0)
-    left = largest * (_LEAST + _PER_NODE * ends.nodes) * ends.tail
+    most_of = largest(np.abs(ends.g)) if ends.g.size else 0.0
+    left = most_of * (_LEAST + _PER_NODE * ends.nodes) * ends.tail
     most, least, turns = _weights(ends)
     moved = ends.off * (follows * most + scale * turns)
     pressure = (moved + (left + _OF_SUM * _EPS * scale) * most) / mean

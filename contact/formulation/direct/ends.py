@@ -19,7 +19,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.formulation.direct.maps import Map, Value
+from contact.formulation.direct.maps import Map
+from contact.formulation.direct.numbers import Value, largest
 from contact.formulation.direct.series import Table, orders, powers, table
 from contact.model.profiles.base import Profile
 
@@ -97,10 +98,15 @@ class Ends:
         """Whether the series has no even orders."""
         return not self.sheet.map.pair
 
+    @property
+    def first(self) -> Value:
+        """g_1."""
+        return self.g[..., 0] if self.g.shape[-1] else 0.0
+
     @cached_property
     def sums(self) -> tuple[Value, Value, Value]:
         """Of |g_k|, of k |g_k|, which no |q| exceeds, and of k^2 |g_k|."""
-        plain, once, twice = (np.abs(self.g) @ powers(self.g.shape[-1], self.odd)).T
+        plain, once, twice = np.abs(self.g).dot(powers(self.g.shape[-1], self.odd)).T
         return plain, once, twice
 
     @property
@@ -141,8 +147,7 @@ class Ends:
     @property
     def totals(self) -> Value:
         """Loads over E*/2, of all zones together [m]."""
-        first = self.g[..., 0] if self.g.shape[-1] else 0.0
-        smooth = math.pi * self.half * (0.5 * first + self.punch)
+        smooth = math.pi * self.half * (0.5 * self.first + self.punch)
         return self.sheet.map.load_factor * smooth + _kink_load(self.sheet, self.half)[0]
 
 
@@ -233,12 +238,12 @@ def _settled(sheet: Sheet, at: _Place, step: Callable[[_Place, list[float]], _St
         for _ in range(_STEPS):
             middle, half = at
             values = _slopes(sheet, half * nodal.t if odd else middle + half * nodal.t)
-            sums = (values @ nodal.sums).tolist()
+            sums = values.dot(nodal.sums).tolist()
             taken = step(at, sums)
             if taken is None:
                 return _not_found(sheet)
             move, rounding, at = taken
-            scale, last = float(np.abs(values).max()) + kink, max(abs(sums[2]), abs(sums[3]))
+            scale, last = largest(np.abs(values)) + kink, max(abs(sums[2]), abs(sums[3]))
             if not scale > 0.0:
                 return _not_found(sheet)
             steps += 1
@@ -304,12 +309,12 @@ def _wider(size: int, slowest: float) -> int:
 
 def _of_series(sheet: Sheet, at: _Place, series: Array, tail: float, off: float, steps: int) -> Ends:
     way, (middle, half) = sheet.map, at
-    g, left = _without_last(series)
+    count, left = _without_last(np.abs(series).tolist())
     outer = float(way.x(middle + half))
     inner = float(way.x(middle - half)) if way.pair else -outer
     found = outer < sheet.limit and off < 1e-6 and half > _SMALLEST and not (way.pair and half >= _MERGED * middle)
     nodes = len(series) * (1 if way.pair else 2) + way.pair
-    return Ends(sheet, inner, outer, middle, half, g, tail + float(left), off, steps, nodes, 0.0, found)
+    return Ends(sheet, inner, outer, middle, half, series[:count], tail + left, off, steps, nodes, 0.0, found)
 
 
 def _not_found(sheet: Sheet) -> Ends:
@@ -417,20 +422,24 @@ class _Book:
         series = np.zeros((len(self.half), most))
         for rows, block in self.series:
             series[rows, : block.shape[1]] = block
-        g, left = _without_last(series)
+        # As many as some load needs.
+        size = np.abs(series)
+        size /= np.maximum(size.max(axis=1, initial=0.0), _SMALLEST)[:, None]
+        count, _ = _without_last(size.max(axis=0, initial=0.0).tolist())
+        tail = self.tail + size[:, count:].sum(axis=1)
         found = found & np.isfinite(self.tail) & (self.off < 1e-6) & (self.half > _SMALLEST)
         none = np.zeros(len(self.half))
-        return Ends(sheet, inner, outer, middle, self.half, g, self.tail + left, self.off, self.steps, self.nodes, none, found)
+        return Ends(sheet, inner, outer, middle, self.half, series[:, :count], tail, self.off, self.steps, self.nodes, none, found)
 
 
-def _without_last(series: Array) -> tuple[Array, Value]:
-    """Coefficients without the last columns that are rounding alone, and what was left off over the largest."""
-    size = np.abs(series)
-    scale = np.maximum.reduce(size, axis=-1, initial=np.finfo(float).tiny)
-    clear = size > (_NOTHING * _EPS * scale)[..., None]
-    kept = np.flatnonzero(clear if clear.ndim == 1 else clear.any(axis=0))
-    count = int(kept[-1]) + 1 if len(kept) else 0
-    return np.ascontiguousarray(series[..., :count]), np.add.reduce(size[..., count:], axis=-1) / scale
+def _without_last(size: list[float]) -> tuple[int, float]:
+    """(how many of these sizes of coefficients are kept, without the last ones that are rounding alone; what is left off over the largest
+    of them)."""
+    scale = max(size, default=0.0)
+    count = len(size)
+    while count and not size[count - 1] > _NOTHING * _EPS * scale:
+        count -= 1
+    return count, sum(size[count:]) / scale if scale > 0.0 else 0.0
 
 
 def _first_halves(sheet: Sheet, wanted: Value) -> Value:

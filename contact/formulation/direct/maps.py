@@ -17,12 +17,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-# A number, or an array of them.
-Value = Any
+from contact.formulation.direct.numbers import Value
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ class Table:
         """g_k of values (..., nodes)."""
         size = values.shape[-1]
         if size <= _MATRICES:
-            return np.asarray(values @ _matrix(size, self.odd))
+            return np.asarray(values.dot(_matrix(size, self.odd)))
         if self.odd:
             return np.asarray(fft.dct(values, type=4) / size)
         return np.asarray(fft.dct(values, type=2)[..., 1:] / size)
@@ -56,7 +56,7 @@ class Table:
     def samples(self, g: Array) -> Array:
         """q at the looks, of coefficients (..., some of the orders)."""
         if len(self.t) <= _MATRICES:
-            return np.asarray(g @ _looks(len(self.t), self.odd)[:, : g.shape[-1]].T)
+            return np.asarray(g.dot(_looks(len(self.t), self.odd)[: g.shape[-1]]))
         padded = np.zeros((*g.shape[:-1], len(self.sines) * (2 if self.odd else 1)))
         padded[..., orders(g.shape[-1], self.odd) - 1] = g
         return np.asarray(0.5 * fft.dst(padded, type=3)[..., : len(self.sines)] / self.sines)
@@ -102,10 +102,10 @@ def _matrix(size: int, odd: bool) -> Array:
 
 @lru_cache(maxsize=8)
 def _looks(size: int, odd: bool) -> Array:
-    """sin(k theta) / sin(theta) at the looks (looks, orders)."""
+    """sin(k theta) / sin(theta) at the looks (orders, looks)."""
     degree = 2 * size if odd else size
     at = (np.arange(_DENSER * degree // (2 if odd else 1)) + 0.5) * (np.pi / (_DENSER * degree))
-    return np.asarray(np.sin(at[:, None] * orders(size if odd else size - 1, odd)) / np.sin(at)[:, None])
+    return np.asarray(np.sin(orders(size if odd else size - 1, odd)[:, None] * at) / np.sin(at))
 
 
 def summed(g: Array, odd: bool, t: Array) -> Array:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.formulation.direct.ends import Ends
-from contact.formulation.direct.maps import Value
+from contact.formulation.direct.numbers import Value, column, everywhere, largest, least
 from contact.formulation.direct.series import WIDENED, Table, off, off_integral, table
 
 Array = NDArray[np.float64]
@@ -37,7 +37,7 @@ _EPS = float(np.finfo(float).eps)
 def signs(ends: Ends) -> tuple[Value, Value]:
     """(whether both are right, beyond doubt; the least gap [m] at a place that was looked at, inf where the gap opens all the way)."""
     if ends.sheet.corner is not None:
-        return ends.punch > 0.0, math.inf + ends.punch
+        return ends.punch > 0.0, math.inf
     pushes = _pushes(ends)
     opens, gap = _opens(ends)
     return pushes & opens, gap
@@ -47,20 +47,18 @@ def signs(ends: Ends) -> tuple[Value, Value]:
 def _pushes(ends: Ends) -> Value:
     """Whether q, and the kink's part where it is least, are clear of zero."""
     _, most, _ = ends.sums
-    kinked = ends.sheet.kink / math.pi
-    first = ends.g[..., 0] if ends.g.shape[-1] else np.float64(0.0)
-    low = kinked + first + np.abs(first) - most
-    clear = low > _PLAIN * (kinked + most)
-    return clear if clear.all() else clear | _sampled_pushes(ends)
-
-
-def _sampled_pushes(ends: Ends) -> Value:
-    value = _looks(ends).samples(ends.g) + ends.sheet.kink / math.pi
-    low, high = value.min(axis=-1), value.max(axis=-1)
+    kinked, first = ends.sheet.kink / math.pi, ends.first
+    clear = kinked + first + abs(first) - most > _PLAIN * (kinked + most)
+    if everywhere(clear):
+        return clear
+    value = _looks(ends).samples(ends.g) + kinked
+    low, high = least(value), largest(value)
+    clear = clear | (low - 0.5 * WIDENED * (high - low) > _PLAIN * high)
+    if everywhere(clear):
+        return clear
     # Not so even that the hull would tell: by how much a polynomial falls below its samples where it bends as they do, twice over.
     bend = np.abs(value[..., :-2] - 2.0 * value[..., 1:-1] + value[..., 2:])
-    bent = np.minimum(low, (value[..., 1:-1] - 0.25 * bend).min(axis=-1))
-    return (low - 0.5 * WIDENED * (high - low) > _PLAIN * high) | (bent > _SAMPLED * high)
+    return clear | (np.minimum(low, least(value[..., 1:-1] - 0.25 * bend)) > _SAMPLED * high)
 
 
 def _looks(ends: Ends) -> Table:
@@ -81,9 +79,9 @@ def least_inside(ends: Ends) -> tuple[float, int]:
 def places(ends: Ends) -> Array:
     """Places t (..., places) at which the gap is looked at: above 1 beyond the outer end, below -1 between the zones of a pair. They are
     closer beside a zone, and as close everywhere as the shape varies, where that is known."""
-    profile, limit, middle, half = ends.sheet.profile, ends.sheet.limit, _column(ends.middle), _column(ends.half)
+    profile, limit, middle, half = ends.sheet.profile, ends.sheet.limit, column(ends.middle), column(ends.half)
     if not math.isfinite(limit):
-        beyond = _to_far_away() if isinstance(half, float) else np.tile(_to_far_away(), (len(half), 1))
+        beyond = _to_far_away() + 0.0 * half
     else:
         feature, count = profile.resolution, _BESIDE
         if feature is not None:
@@ -106,14 +104,10 @@ def _to_far_away() -> Array:
     return np.concatenate((1.0 + 3.0 * _squares(_BESIDE), np.geomspace(4.5, _FARTHEST, _FAR)))
 
 
-def _column(value: Value) -> Value:
-    return value if isinstance(value, float) else value[..., None]
-
-
 def _opens(ends: Ends) -> tuple[Value, Value]:
     """(whether the gap opens away from the zones, or at least stays open; the least gap that was seen where it was looked at)."""
     sheet, t = ends.sheet, places(ends)
-    y = _column(ends.middle) + _column(ends.half) * t
+    y = column(ends.middle) + column(ends.half) * t
     x = sheet.map.x(y)
     weight = sheet.map.weight(x, y)
     slope = np.asarray(sheet.profile.slope(x), dtype=float)
@@ -122,16 +116,16 @@ def _opens(ends: Ends) -> tuple[Value, Value]:
     if sheet.map.pair:
         rises *= np.sign(t)
     if sheet.kink > 0.0:
-        ratio = 1.0 / t if sheet.map.period is None else weight / (t * np.sqrt(1.0 - _column(ends.half) ** 2))
+        ratio = 1.0 / t if sheet.map.period is None else weight / (t * np.sqrt(1.0 - column(ends.half) ** 2))
         rises += sheet.kink / math.pi * np.arccos(np.minimum(ratio, 1.0)) / weight
-    opens = rises.min(axis=-1) > 0.0
-    gap = np.where(opens, math.inf, math.nan)
-    if opens.all():
-        return opens, gap
+    opens = least(rises) > 0.0
+    if everywhere(opens):
+        return opens, math.inf
     # Far away heights may overflow: nothing touches there.
     rises[np.isposinf(slope)] = math.inf
-    if not opens.ndim:
+    if rises.ndim == 1:
         return _stays_open(ends, t, own, rises)
+    gap = np.full(len(opens), math.inf)
     for k in map(int, np.flatnonzero(~opens)):
         opens[k], gap[k] = _stays_open(ends.rows(k), t[k], own[k], rises[k])
     return opens, gap

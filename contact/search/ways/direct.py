@@ -127,6 +127,7 @@ def all_directly(scenes: Sequence[Scene], tol: float) -> list[Solution | None]:
                 continue
             ends, mine = ends.rows(may), left[may]
             holds, error, gap = _judged(ends, tol)
+            gap = np.broadcast_to(gap, holds.shape)
             took = (time.perf_counter() - start) / len(scenes)
             for row in map(int, np.flatnonzero(holds)):
                 scene = scenes[mine[row]]
