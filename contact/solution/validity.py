@@ -84,8 +84,7 @@ def _of_pressure(solution: Answer, places: Array) -> tuple[str, ...]:
     bound = _PEAK * highest if widths.size <= _FEW else math.inf
     if min(bound, solution.pressure_bound) <= HIGHEST * scene.E_star:
         return ()
-    kinks = np.reshape(scene.profile.kinks, (-1, 2))
-    sharp = scene.profile.support is not None or bool(np.any(kinks[:, 1] > 0))
+    sharp = scene.profile.support is not None or any(jump > 0.0 for _, jump in np.reshape(scene.profile.kinks, (-1, 2)).tolist())
     if not sharp:
         highest, what = float(np.max(solution.pressure(places))), "pressure"
     if highest <= HIGHEST * scene.E_star:

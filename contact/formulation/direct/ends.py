@@ -14,7 +14,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -186,10 +185,10 @@ def ends_at(sheet: Sheet, half_width: float) -> Ends:
     """One zone of a given half width [m]."""
     half = float(sheet.map.y(half_width))
 
-    def stands(at: _Place, sums: list[float]) -> _Step:
-        return _Step(0.0, 4.0 * _EPS, at)
+    def stands(middle: float, half: float, sums: list[float]) -> tuple[float, float, float, float]:
+        return 0.0, 4.0 * _EPS, middle, half
 
-    return replace(_settled(sheet, _Place(0.0, half), stands), inner=-half_width, outer=half_width)
+    return replace(_settled(sheet, 0.0, half, stands), inner=-half_width, outer=half_width)
 
 
 def _cornered(sheet: Sheet, loads: Value) -> Ends:
@@ -214,43 +213,30 @@ def _slopes(sheet: Sheet, y: Array) -> Array:
 
 
 # One load, in numbers: there calls take longer than what they do ------------------------------------------------------
-class _Place(NamedTuple):
-    """The interval in y."""
-
-    middle: float
-    half: float
+# Of an interval, its middle and half length in y, and of what `Table.sums` makes of G there: how far Newton's step goes over the half
+# length, what that is rounded to, and the next interval; None where there is no step.
+_Step = Callable[[float, float, list[float]], tuple[float, float, float, float] | None]
 
 
-class _Step(NamedTuple):
-    """Newton's: how far it goes over the half length, what that is rounded to, and where it leads."""
-
-    move: float
-    rounding: float
-    to: _Place
-
-
-def _settled(sheet: Sheet, at: _Place, step: Callable[[_Place, list[float]], _Step | None]) -> Ends:
+def _settled(sheet: Sheet, middle: float, half: float, step: _Step) -> Ends:
     """Newton from a first interval: with few nodes first, and with as many as the series asks for where it has not come to its end."""
     odd, kink, wide = not sheet.map.pair, abs(sheet.kink), 4.0 * sheet.tip_at
     size, steps, rests = _FIRST if odd else 2 * _FIRST, 0, False
     while size <= _LARGEST:
         nodal, slowest = table(size, odd), None
         for _ in range(_STEPS):
-            middle, half = at
             values = _slopes(sheet, half * nodal.t if odd else middle + half * nodal.t)
             sums = values.dot(nodal.sums).tolist()
-            taken = step(at, sums)
-            if taken is None:
-                return _not_found(sheet)
-            move, rounding, at = taken
             scale, last = largest(np.abs(values)) + kink, max(abs(sums[2]), abs(sums[3]))
-            if not scale > 0.0:
+            taken = step(middle, half, sums)
+            if taken is None or not scale > 0.0:
                 return _not_found(sheet)
+            move, rounding, *to = taken
             steps += 1
             ended = last <= _EPS * (_RESOLVED + wide / half) * scale
             if ended and (rests or abs(move) <= 4.0 * rounding):
-                return _of_series(sheet, _Place(middle, half), nodal.coefficients(values), last / scale, abs(move) + rounding, steps)
-            rests = abs(move) <= _AT_REST
+                return _of_series(sheet, middle, half, nodal.coefficients(values), last / scale, abs(move) + rounding, steps)
+            rests, (middle, half) = abs(move) <= _AT_REST, to
             if not ended and not abs(move) > _ABOUT:
                 slowest = max(last / scale, _EPS)
                 break
@@ -261,22 +247,38 @@ def _settled(sheet: Sheet, at: _Place, step: Callable[[_Place, list[float]], _St
 
 
 def _one_load(sheet: Sheet, load: float) -> Ends:
-    """One zone: Newton on ln(half length), in which powers of the width are straight."""
+    """One zone: Newton on ln(half length), in which powers of the width are straight, from the second step on by the last two totals."""
     top, factor = sheet.top, sheet.map.load_factor * math.pi
+    # The logarithms of a total over the load and of its half length, and how that goes with the total's.
+    before: tuple[float, float, float] | None = None
 
-    def step(at: _Place, sums: list[float]) -> _Step | None:
-        half = at.half
+    def step(middle: float, half: float, sums: list[float]) -> tuple[float, float, float, float] | None:
+        nonlocal before
         kinked, kinked_rate = _kink_load(sheet, half)
         total = 0.5 * factor * half * sums[0] + float(kinked)
-        rate = half * (factor * sums[1] + float(kinked_rate)) / total if total else math.nan
-        if not (load / total > 0.0 and abs(rate) > 0.0 and math.isfinite(rate)):
+        if not 0.0 < total / load < math.inf:
             return None
-        move = math.log(load / total) / rate
+        rate = half * (factor * sums[1] + float(kinked_rate)) / total
+        if not 0.0 < abs(rate) < math.inf:
+            return None
+        here = math.log(total / load), math.log(half), 1.0 / rate
+        move = -here[0] / rate
         # Not past the widest, nor by many decades at once where the load hardly grows.
-        moved = half * math.exp(min(max(move, -40.0), 40.0))
-        return _Step(move, 4.0 * _EPS * (1.0 + 1.0 / abs(rate)), _Place(0.0, 0.5 * (half + top) if moved >= top else moved))
+        way = move if before is None or abs(here[0]) > 0.5 * abs(before[0]) else _by_both(before, here)
+        moved = half * math.exp(min(max(way, -40.0), 40.0))
+        before = here
+        return move, 4.0 * _EPS * (1.0 + 1.0 / abs(rate)), 0.0, 0.5 * (half + top) if moved >= top else moved
 
-    return _settled(sheet, _Place(0.0, 0.25 * top if math.isfinite(top) else 1.0), step)
+    return _settled(sheet, 0.0, 0.25 * top if math.isfinite(top) else 1.0, step)
+
+
+def _by_both(before: tuple[float, float, float], here: tuple[float, float, float]) -> float:
+    """How far it is in ln(half length) to the load that is asked for, by Hermite's cubic through two totals."""
+    (a, at_a, rate_a), (b, at_b, rate_b) = before, here
+    mean = (at_b - at_a) / (b - a)
+    square = (rate_b - mean) / (b - a)
+    cube = (square - (mean - rate_a) / (b - a)) / (b - a)
+    return b * (b * (square - cube * a) - rate_b)
 
 
 def _pair_load(sheet: Sheet, load: float) -> Ends:
@@ -284,8 +286,7 @@ def _pair_load(sheet: Sheet, load: float) -> Ends:
     top, tip = sheet.top, sheet.tip_at
     wanted = load / (sheet.map.load_factor * 0.5 * math.pi)
 
-    def step(at: _Place, sums: list[float]) -> _Step | None:
-        middle, half = at
+    def step(middle: float, half: float, sums: list[float]) -> tuple[float, float, float, float] | None:
         first, upper, _, _, lower, mean = sums
         missed, odd, even = half * first - wanted, 0.5 * (upper + lower), 0.5 * (upper - lower)
         if not (math.isfinite(missed) and upper * lower != 0.0 and 0.0 < half < middle):
@@ -295,10 +296,10 @@ def _pair_load(sheet: Sheet, load: float) -> Ends:
         # Within the half of the period, and not past the middle.
         ahead = max((by_half - by_middle) / (middle - half), (by_middle + by_half) / (top - middle - half), -by_half / half)
         cut = min(1.0, 0.5 / max(ahead, 1e-300))
-        to = _Place(middle + cut * by_middle, half + cut * by_half)
-        return _Step((abs(by_middle) + abs(by_half)) / half, _EPS * (_RESOLVED + 4.0 * middle / half), to)
+        move, rounding = (abs(by_middle) + abs(by_half)) / half, _EPS * (_RESOLVED + 4.0 * middle / half)
+        return move, rounding, middle + cut * by_middle, half + cut * by_half
 
-    return _settled(sheet, _Place(tip, float(_first_halves(sheet, wanted))), step)
+    return _settled(sheet, tip, float(_first_halves(sheet, wanted)), step)
 
 
 def _wider(size: int, slowest: float) -> int:
@@ -307,8 +308,8 @@ def _wider(size: int, slowest: float) -> int:
     return size * int(2 ** max(1, math.ceil(math.log2(wanted) - _NEARLY)))
 
 
-def _of_series(sheet: Sheet, at: _Place, series: Array, tail: float, off: float, steps: int) -> Ends:
-    way, (middle, half) = sheet.map, at
+def _of_series(sheet: Sheet, middle: float, half: float, series: Array, tail: float, off: float, steps: int) -> Ends:
+    way = sheet.map
     count, left = _without_last(np.abs(series).tolist())
     outer = float(way.x(middle + half))
     inner = float(way.x(middle - half)) if way.pair else -outer

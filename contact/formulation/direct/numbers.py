@@ -32,3 +32,8 @@ def largest(values: Array) -> Value:
 def everywhere(mask: Any) -> bool:
     """Whether a condition holds for all loads."""
     return bool(mask.all()) if isinstance(mask, np.ndarray) else bool(mask)
+
+
+def smallest(value: Value) -> float:
+    """Of all loads."""
+    return value if isinstance(value, float) else float(value.min())

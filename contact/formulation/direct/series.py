@@ -22,7 +22,7 @@ _DENSER = 8
 # Nodes up to which a product with a stored matrix is faster than the call of a fast transform.
 _MATRICES = 64
 # Orders up to which a sum of powers is Horner's; and numbers in a table of powers at the most.
-_FEW, _AT_ONCE = 12, 1 << 20
+_FEW, _AT_ONCE = 8, 1 << 20
 WIDENED = 1.0 / np.cos(0.5 * np.pi / _DENSER) - 1.0
 
 
@@ -128,9 +128,14 @@ def off(g: Array, odd: bool, t: Array) -> Array:
     rho = 1.0 / (t + (root if odd else np.copysign(root, t)))
     step, count = rho * rho if odd else rho, g.shape[-1]
     if _FEW < count and rho.size * count < _AT_ONCE:
-        raised = np.broadcast_to(step[..., None], (*step.shape, count)).copy()
-        raised[..., 0] = rho
-        return np.asarray((np.multiply.accumulate(raised, axis=-1) @ g[..., None])[..., 0])
+        # Each time as many powers again from those before.
+        raised, known = np.empty((count, *rho.shape)), 1
+        raised[0] = rho
+        while known < count:
+            more = min(known, count - known)
+            np.multiply(raised[:more], step, out=raised[known : known + more])
+            known, step = known + more, step * step
+        return np.asarray(g.dot(raised) if rho.ndim == 1 else np.einsum("rk,krp->rp", g, raised))
     total: Array | float = 0.0
     for c in g.T[::-1, ..., None]:
         total = total * step + c

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.formulation.direct.ends import Ends
-from contact.formulation.direct.numbers import Value, column, everywhere, largest, least
+from contact.formulation.direct.numbers import Value, column, everywhere, largest, least, smallest
 from contact.formulation.direct.series import WIDENED, Table, off, off_integral, table
 
 Array = NDArray[np.float64]
@@ -85,7 +85,7 @@ def places(ends: Ends) -> Array:
     else:
         feature, count = profile.resolution, _BESIDE
         if feature is not None:
-            count = int(min(max(_PER_FEATURE * float(np.max(limit - ends.outer)) / feature, _BESIDE), _MOST))
+            count = int(min(max(_PER_FEATURE * (limit - smallest(ends.outer)) / feature, _BESIDE), _MOST))
         beyond = 1.0 + ((ends.sheet.top - middle) / half - 1.0) * _squares(count)
     if not ends.sheet.map.pair:
         return beyond
@@ -111,7 +111,7 @@ def _opens(ends: Ends) -> tuple[Value, Value]:
     x = sheet.map.x(y)
     weight = sheet.map.weight(x, y)
     slope = np.asarray(sheet.profile.slope(x), dtype=float)
-    own = (slope - 0.5 * sheet.kink) / weight
+    own = (slope - 0.5 * sheet.kink if sheet.kink else slope) / weight
     rises = own - off(ends.g, ends.odd, t)
     if sheet.map.pair:
         rises *= np.sign(t)

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.direct.accuracy import stated
 from contact.formulation.direct.ends import Ends, Sheet, ends_at, ends_under
@@ -28,8 +27,6 @@ from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.verify.certificate import Certificate
 
-Array = NDArray[np.float64]
-
 # Of the period in contact, beyond which the gaps are the better unknowns.
 _WIDEST = 0.95
 # Kinks nearer to the origin than this part of a cell are at the tip.
@@ -39,16 +36,16 @@ _ROUNDING = 64 * 2.2e-16
 _NOTE = "one interval: the signs of its series, inside and outside"
 
 
-def sheets(scene: Scene) -> tuple[Sheet, ...]:
+def sheets(scene: Scene) -> Iterator[Sheet]:
     """What a scene may be solved by directly, the likelier one first; none where it may not."""
     profile = scene.profile
     tips = profile.summits
     if tips is None or not 1 <= len(tips) <= 2 or not profile.symmetric or profile.slope_is_derived or profile.extent is not None:
-        return ()
+        return
     if scene.turned or not _asks_no_more(scene.law, scene.E_star) or not _is_half_plane(scene):
-        return ()
+        return
     limit = math.inf if profile.period is None else 0.5 * profile.period
-    return _of_tips(scene, np.asarray(tips, dtype=float), limit)
+    yield from _of_tips(scene, np.asarray(tips, dtype=float).tolist(), limit)
 
 
 def _asks_no_more(law: Law, E_star: float) -> bool:
@@ -63,29 +60,28 @@ def _is_half_plane(scene: Scene) -> bool:
     return kind.exact and not kind.strip and conditions and not operator.own_columns and not operator.is_own and operator.is_plain
 
 
-def _of_tips(scene: Scene, tips: Array, limit: float) -> tuple[Sheet, ...]:
+def _of_tips(scene: Scene, tips: list[float], limit: float) -> Iterator[Sheet]:
     profile, period = scene.profile, scene.period
     corner = None
     if profile.support is not None:
         # Zones that end at corners under other slopes are the general machine's.
         if not scene.is_flat or scene.given_load is None:
-            return ()
+            return
         corner = profile.support[1]
-    kink = 0.0
-    for at, height in profile.kinks:
+    kink, inside = 0.0, limit * (1.0 - 1e-12)
+    for at, height in np.asarray(profile.kinks).tolist():
         if len(tips) == 1 and abs(at) <= _AT_TIP * (period or 1.0) and height > 0.0:
-            kink = float(height)
-        elif abs(at) < limit * (1.0 - 1e-12):
-            return ()
-    if len(profile.jumps) and np.any(np.abs(profile.jumps[:, 0]) < limit * (1.0 - 1e-12)):
-        return ()
-    one = Sheet(profile, Map(period, False), kink, corner, limit)
-    if len(tips) == 1:
-        return (one,) if tips[0] == 0.0 else ()
-    low, high = sorted(tips)
-    if not (high > 0.0 and low == -high) or kink:
-        return ()
-    return Sheet(profile, Map(period, True), 0.0, None, limit, float(high)), one
+            kink = height
+        elif abs(at) < inside:
+            return
+    if any(abs(at) < inside for at, _, _ in np.asarray(profile.jumps).tolist()):
+        return
+    low, high = min(tips), max(tips)
+    if low != -high:
+        return
+    if high > 0.0:
+        yield Sheet(profile, Map(period, True), 0.0, None, limit, high)
+    yield Sheet(profile, Map(period, False), kink, corner, limit)
 
 
 def directly(scene: Scene, tol: float) -> Solution | None:
