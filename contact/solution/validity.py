@@ -59,7 +59,8 @@ def everything(solution: Answer) -> list[str]:
 def _of_slopes(solution: Answer, places: Array) -> tuple[str, ...]:
     profile, tilt = solution.scene.profile, solution.tilt or 0.0
     with np.errstate(all="ignore"):
-        inside = np.abs(np.asarray(profile.slope(places), dtype=float) - tilt)
+        slopes = np.asarray(profile.slope(places), dtype=float)
+        inside = np.abs(slopes - tilt if tilt else slopes)
     # The place is found faster than the number.
     steepest = inside.item(inside.argmax()) if inside.size else 0.0
     if not math.isfinite(steepest):

@@ -47,8 +47,8 @@ def _weights(ends: Ends) -> tuple[Value, Value, Value]:
     way = ends.sheet.map
     if way.period is None:
         return (ends.outer, ends.inner, 0.5 * ends.half / ends.inner) if way.pair else (1.0, 1.0, 0.0)
-    outer = way.weight(ends.outer, ends.middle + ends.half)
+    outer = way.weight(ends.outer)
     if not way.pair:
         return 1.0, outer, 1.0 / outer
-    least = np.minimum(outer, way.weight(ends.inner, ends.middle - ends.half))
+    least = np.minimum(outer, way.weight(ends.inner))
     return 1.0, least, 4.0 * ends.half / least

@@ -140,7 +140,7 @@ class Ends:
     def rises(self) -> tuple[Value, Value]:
         """dy/dx at the inner and the outer end."""
         way = self.sheet.map
-        inner, outer = (way.weight(np.abs(x), way.y(np.abs(x))) / way.rise_factor for x in (self.inner, self.outer))
+        inner, outer = (way.weight(np.abs(x)) / way.rise_factor for x in (self.inner, self.outer))
         return inner, outer
 
     @property
@@ -205,11 +205,11 @@ def _cornered(sheet: Sheet, loads: Value) -> Ends:
 
 def _slopes(sheet: Sheet, y: Array) -> Array:
     """G at y, less the kink's part."""
-    x = sheet.map.x(y)
+    x, weight = sheet.map.at(y)
     slope = np.asarray(sheet.profile.slope(x), dtype=np.float64)
     if sheet.kink != 0.0:
         slope = slope - 0.5 * sheet.kink
-    return np.asarray(slope / sheet.map.weight(x, y))
+    return np.asarray(slope / weight)
 
 
 # One load, in numbers: there calls take longer than what they do ------------------------------------------------------

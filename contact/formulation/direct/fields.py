@@ -114,7 +114,7 @@ class DirectFields(ZoneFields):
         way, kink, punch = ends.sheet.map, ends.sheet.kink, ends.punch
         middle, half = ends.middle, ends.half
         y = way.y(x)
-        weight = way.weight(x, y)
+        weight = way.weight(x)
         root = np.sqrt(np.maximum(way.rise(ends.inner, from_inner) * way.rise(x, to_outer), 0.0)) / half
         out = root * summed(ends.g, ends.odd, (y - middle) / half)
         with np.errstate(divide="ignore"):

@@ -50,16 +50,22 @@ class Map:
 
     def x(self, y: Value) -> Value:
         """The place at y, of the right half where there are two."""
-        root = np.sqrt(y) if self.pair else y
-        return root if self.period is None else np.arcsin(root) * (self.period / math.pi)
+        return self.at(y)[0]
 
-    def weight(self, x: Value, y: Value) -> Value:
-        """w at x, of which y is known."""
+    def at(self, y: Value) -> tuple[Value, Value]:
+        """(the place at y, w there)."""
+        root = np.sqrt(y) if self.pair else y
+        if self.period is None:
+            return root, root if self.pair else 1.0
+        turn = np.arcsin(root)
+        return turn * (self.period / math.pi), np.sin(2.0 * turn) if self.pair else np.cos(turn)
+
+    def weight(self, x: Value) -> Value:
+        """w at x."""
         if self.period is None:
             return x if self.pair else 1.0
-        if self.pair:
-            return 2.0 * np.sqrt(y * (1.0 - y))
-        return np.sqrt(1.0 - y * y)
+        turn = x * (math.pi / self.period)
+        return np.sin(2.0 * turn) if self.pair else np.cos(turn)
 
     def rise(self, start: Value, distance: Value) -> Value:
         """y(start + distance) - y(start), without loss of digits for short distances."""

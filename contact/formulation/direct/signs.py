@@ -72,7 +72,7 @@ def least_inside(ends: Ends) -> tuple[float, int]:
         return float(ends.punch), 0
     way, looks = ends.sheet.map, _looks(ends)
     y = ends.middle + ends.half * looks.cosines
-    return float(((looks.samples(ends.g) + ends.sheet.kink / math.pi) * way.weight(way.x(y), y)).min()), y.size
+    return float(((looks.samples(ends.g) + ends.sheet.kink / math.pi) * way.at(y)[1]).min()), y.size
 
 
 # outside --------------------------------------------------------------------------------------------------------------
@@ -108,8 +108,7 @@ def _opens(ends: Ends) -> tuple[Value, Value]:
     """(whether the gap opens away from the zones, or at least stays open; the least gap that was seen where it was looked at)."""
     sheet, t = ends.sheet, places(ends)
     y = column(ends.middle) + column(ends.half) * t
-    x = sheet.map.x(y)
-    weight = sheet.map.weight(x, y)
+    x, weight = sheet.map.at(y)
     slope = np.asarray(sheet.profile.slope(x), dtype=float)
     own = (slope - 0.5 * sheet.kink if sheet.kink else slope) / weight
     rises = own - off(ends.g, ends.odd, t)
