@@ -123,10 +123,13 @@ def summed(g: Array, odd: bool, t: Array) -> Array:
 
 def off(g: Array, odd: bool, t: Array) -> Array:
     """sum g_k rho^k, rho = t - sgn(t) sqrt(t^2 - 1), at |t| >= 1 (..., points) for coefficients (..., orders)."""
+    count = g.shape[-1]
+    if not count:
+        return np.zeros(t.shape)
     root = np.sqrt((t - 1.0) * (t + 1.0))
     # Of an odd series there is but the right half.
     rho = 1.0 / (t + (root if odd else np.copysign(root, t)))
-    step, count = rho * rho if odd else rho, g.shape[-1]
+    step = rho * rho if odd else rho
     if _FEW < count and rho.size * count < _AT_ONCE:
         # Each time as many powers again from those before.
         raised, known = np.empty((count, *rho.shape)), 1
