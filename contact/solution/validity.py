@@ -45,10 +45,15 @@ def of_scene(scene: Scene) -> tuple[str, ...]:
     return ()
 
 
+def of_answer(solution: Answer) -> tuple[str, ...]:
+    """What can be said of the answer."""
+    inside = _inside(solution)
+    return (*_of_slopes(solution, inside), *_of_pressure(solution, inside))
+
+
 def of_solution(solution: Answer) -> tuple[str, ...]:
     """What can be said of the answer, and of its scene."""
-    inside = _inside(solution)
-    return (*of_scene(solution.scene), *_of_slopes(solution, inside), *_of_pressure(solution, inside))
+    return (*of_scene(solution.scene), *of_answer(solution))
 
 
 def everything(solution: Answer) -> list[str]:

@@ -447,5 +447,5 @@ def _first_halves(sheet: Sheet, wanted: Value) -> Value:
     """Half lengths of narrow zones, whose load goes with the square of their width; not so wide that they would meet."""
     room = min(sheet.tip_at, sheet.top - sheet.tip_at)
     near, nodal = 0.01 * room, table(_FIRST, False)
-    slope = float(_slopes(sheet, sheet.tip_at + near * nodal.t) @ nodal.first) / near
+    slope = float(_slopes(sheet, sheet.tip_at + near * nodal.t).dot(nodal.first)) / near
     return np.minimum(np.sqrt(wanted / slope), 0.9 * room)

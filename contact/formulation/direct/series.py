@@ -57,8 +57,9 @@ class Table:
         """q at the looks, of coefficients (..., some of the orders)."""
         if len(self.t) <= _MATRICES:
             return np.asarray(g.dot(_looks(len(self.t), self.odd)[: g.shape[-1]]))
-        padded = np.zeros((*g.shape[:-1], len(self.sines) * (2 if self.odd else 1)))
-        padded[..., orders(g.shape[-1], self.odd) - 1] = g
+        each = 2 if self.odd else 1
+        padded = np.zeros((*g.shape[:-1], len(self.sines) * each))
+        padded[..., : g.shape[-1] * each : each] = g
         return np.asarray(0.5 * fft.dst(padded, type=3)[..., : len(self.sines)] / self.sines)
 
 
