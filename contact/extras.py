@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +22,23 @@ EXTRAS = {
 SOURCE = Path(__file__).parents[1]
 
 
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """While modules are imported: what they make stays, and to look through it for garbage meanwhile takes as long as to import it."""
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
+
+
 def require(name: str) -> Any:
     """The module of a name; MissingExtra that says what installs it where it cannot be imported."""
     try:
-        return importlib.import_module(name)
+        with uncollected():
+            return importlib.import_module(name)
     except ImportError as error:
         # A room of this package is there: what it lacks is what it imports.
         package = (error.name if name.startswith("contact.") and error.name else name).partition(".")[0]
