@@ -22,7 +22,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation import zone_loads
@@ -30,8 +30,7 @@ from contact.formulation.fields import mean_shape, moved_ends
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
-
-Array = NDArray[np.float64]
+from sie import Array, Index
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +86,7 @@ class GapFields(sie.Kept):
         """pbar - R + G s wherever it is asked for."""
         return np.asarray(self.mean - self.relief(x) + self.density.transform(x))
 
-    def pressure_in(self, zone: int | NDArray[np.intp], left: Array, right: Array) -> Array:
+    def pressure_in(self, zone: int | Index, left: Array, right: Array) -> Array:
         """Scaled pressure at distances over the half width from the ends of contact zones."""
         a, b = self.zones[zone].T
         half = 0.5 * (b - a)
@@ -206,8 +205,6 @@ class GapFields(sie.Kept):
     @cached_property
     def stiffness(self) -> float:
         """d load / d approach [N/m^2]: the gap's response to the mean pressure, ends held, and the compression's."""
-        values = np.zeros(len(self.state.condition_scale))
-        values[self.state.condition_index[0]] = 1.0
-        response = self.state.response(values)
+        response = self.state.response(self.state.values())
         rate = (response.moment() / self.period + self.problem.compression) * self.problem.units.height
         return self.period * self.problem.units.load / rate

@@ -9,13 +9,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.model.scene import Scene
 from contact.model.units import quantity
 from contact.solution.answer import Answer
-
-Array = NDArray[np.float64]
+from sie import Array
 
 STEEPEST = 0.3
 HIGHEST = 0.1  # of E*
@@ -88,7 +86,7 @@ def _of_pressure(solution: Answer, places: Array) -> tuple[str, ...]:
         return ()
     highest, what = solution.load / width, "mean contact pressure"
     bound = _PEAK * highest if widths.size <= _FEW else math.inf
-    if min(bound, solution.pressure_bound) <= HIGHEST * scene.E_star:
+    if min(bound, solution.fields.pressure_bound) <= HIGHEST * scene.E_star:
         return ()
     sharp = scene.profile.support is not None or any(jump > 0.0 for _, jump in np.reshape(scene.profile.kinks, (-1, 2)).tolist())
     if not sharp:

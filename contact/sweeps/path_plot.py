@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.model.units import prefix
-from contact.solution.answer import Answer
 from contact.solution.panels import finish, panels
+from contact.solution.solution import Solution
 from contact.sweeps.path_table import Passed, columns
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ _MOSTLY_LOW = 0.1
 _LINES = 40
 
 
-def plot_path(solutions: Sequence[Answer], passed: Passed, ax: Any = None) -> Any:
+def plot_path(solutions: Sequence[Solution], passed: Passed, ax: Any = None) -> Any:
     """A matplotlib Figure: contact over the load, and where there is one the approach over the load."""
     known = columns(solutions)
     table = {name: np.array(values, dtype=float) for name, values in known.items()}

@@ -157,15 +157,16 @@ class Panels(Kept):
         """Transform or potential at the points of `spread`, (n, ...), from moments (count TERMS, ...)."""
         out = np.empty((len(spread.x), *moments.shape[1:]))
         looked_at = self.first + self.count - 1 - self.farthest, self.first + self.farthest
-        inner = [panel for panel, _ in spread.groups if looked_at[0] <= panel <= looked_at[1]]
-        if inner:
-            low = min(inner)
-            series = self._series(moments, low, max(inner), potential).reshape(-1, TERMS, *moments.shape[1:])
-        for panel, here in spread.groups:
-            if looked_at[0] <= panel <= looked_at[1]:
+        near = [(panel, here) for panel, here in spread.groups if looked_at[0] <= panel <= looked_at[1]]
+        if near:
+            low = min(panel for panel, _ in near)
+            series = self._series(moments, low, max(panel for panel, _ in near), potential).reshape(-1, TERMS, *moments.shape[1:])
+            for panel, here in near:
                 out[here] = spread.table[here] @ series[panel - low]
-            else:
-                out[here] = self._far_off(spread.x[here], moments, potential)
+        far = [here for panel, here in spread.groups if not looked_at[0] <= panel <= looked_at[1]]
+        if far:
+            off = np.concatenate(far)
+            out[off] = self._far_off(spread.x[off], moments, potential)
         return out
 
     def _far_off(self, x: Array, moments: Array, potential: bool) -> Array:

@@ -32,6 +32,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import LOG2, Complex, InPlane, Outside, theta
 from sie.basis.kept import Kept
 from sie.basis.sums import PAIRS as _PAIRS
@@ -42,9 +43,6 @@ from sie.jumps.local_spline import MANY
 from sie.jumps.pairs import FewJumps
 from sie.jumps.spline import Spline
 from sie.jumps.zone_spline import ZoneSpline
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
@@ -99,7 +97,7 @@ class ForcingJumps(Kept):
         return found if g is None else found._with_splines(zones, g, ZoneSpline.inside)
 
     @staticmethod
-    def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, NDArray[np.bool_]]:
+    def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, Mask]:
         """(positions moved by periods to lie right of the first zone's left end, the last zone that starts before each,
         whether they lie inside it)."""
         if period is not None:
@@ -425,7 +423,7 @@ class ForcingJumps(Kept):
         """What the right side has at points x beyond the values that the caller gives: nothing."""
         return np.zeros(x.shape)
 
-    def chosen(self, which: NDArray[np.bool_] | Index) -> ForcingJumps:
+    def chosen(self, which: Mask | Index) -> ForcingJumps:
         """Those of the jumps alone."""
         return ForcingJumps(self.zone[which], self.left[which], self.right[which], self.height[which], self.order[which])
 
@@ -480,7 +478,7 @@ class ForcingJumps(Kept):
             out[here] = self._near_potential(k, left[here], right[here], rho[here], on[here])
         return out
 
-    def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
+    def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: Mask) -> Array:
         z, seen = 0.5 * (left - right), Outside(np.where(left > 0, 1.0, -1.0), np.where(on, 0.0, np.maximum(-left, -right)))
         away = left[:, None] - self.left[k]
         turn = np.where(away > 0, self.psi[k], -self.phi[k])
@@ -536,7 +534,7 @@ class ForcingJumps(Kept):
         return sorted({*self.zone[self.closed].tolist(), *self.splines})
 
     @cached_property
-    def closed(self) -> NDArray[np.bool_]:
+    def closed(self) -> Mask:
         """Jumps whose potential is a closed form: all but the knots of a spline, where a zone has so many that their series is
         shorter, and falls fast enough."""
         if len(self) == 0:

@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import LOG2, theta
 from sie.basis.kept import Kept
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from sie.basis.places import numbered
 
 # Jumps of a zone at the most: of more the series of all of them is shorter beside the zone.
 MOST = 9
@@ -68,7 +66,7 @@ class FewJumps(Kept):
         left, right, phi, psi, sine, weight = (part[k] for part in parts)
         return cls(count, np.cumsum(count) - count, left, right, phi, psi, sine, weight, order[k], series)
 
-    def holds(self, zone: Index) -> NDArray[np.bool_]:
+    def holds(self, zone: Index) -> Mask:
         """Whether the jumps of these zones are here, and there are any."""
         if len(self.count) == 0:
             return np.zeros(len(zone), dtype=bool)
@@ -83,7 +81,7 @@ class FewJumps(Kept):
             end = max(begin + 1, int(np.searchsorted(total, done + _PAIRS)))
             here = count[begin:end]
             row = np.repeat(np.arange(end - begin), here)
-            jump = np.arange(len(row)) - np.repeat(np.cumsum(here) - here, here) + np.repeat(self.first[zone[begin:end]], here)
+            jump = numbered(here) + np.repeat(self.first[zone[begin:end]], here)
             out.append((slice(begin, end), row, jump))
             begin = end
         return out

@@ -4,12 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from sie.basis.arrays import Array
 from sie.basis.interval import Complex, InPlane, What
-
-Array = NDArray[np.float64]
 
 
 class Spline(Protocol):

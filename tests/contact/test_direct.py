@@ -124,7 +124,7 @@ def test_the_direct_way_has_the_answer_of_the_general_one_over_ten_decades_of_lo
         assert np.abs(one.zone_loads - other.zone_loads).max() <= 3 * error * unit * width.max()
         assert abs(one.approach - other.approach) <= slack + other.certificate.gap_rounding
         assert abs(1 / one.stiffness - 1 / other.stiffness) <= 4 * error / scene.E_star + 1e-14 / abs(other.stiffness)
-        assert one.max_pressure <= one.pressure_bound * (1 + 1e-12)
+        assert one.max_pressure <= one.fields.pressure_bound * (1 + 1e-12)
         assert (one.max_pressure == other.max_pressure) or abs(one.max_pressure - other.max_pressure) <= error * unit
         x = other.zones[-1, 1] + width[-1] * np.array([0.01, 0.3, 2.0])
         here, there = one.gap(x), other.gap(x)

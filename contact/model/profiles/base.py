@@ -15,13 +15,12 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.model.profiles.derive import slope_of
 from contact.model.registry import construct
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Places a period at which slopes are read.
 _PLACES = 1024

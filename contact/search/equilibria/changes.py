@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.maxima import maximum
+from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-r"""Intervals of tension that are driven outward advance, and those driven inward recede (contact.formulation.cohesive).
+r"""Intervals of tension that are driven outward advance, and those driven inward recede (contact.formulation.tension.cohesive).
 
 The steps are those of contact.search.equilibria.flow. What is different is which intervals there are: new ones begin where the gap comes
 below the reach, and they become one where it is below it all between; they are cut where it comes above. Contact is lost where the load
@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import NotConverged
-from contact.formulation.cohesive import Cohesive, CohesivePoint, Loose
 from contact.formulation.equilibria import Closed, Equilibria, NoState, Point
 from contact.formulation.maxima import maximum
-from contact.formulation.pulled_contact import Covered, Lost
 from contact.formulation.runs import runs_of
-from contact.formulation.tension import Pulled
-from contact.formulation.tension_intervals import below, fitted, interval_of, joined, unwrapped, within
+from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Loose
+from contact.formulation.tension.contact import Covered, Lost
+from contact.formulation.tension.intervals import below, fitted, interval_of, joined, unwrapped, within
+from contact.formulation.tension.pulled import Pulled
 from contact.search.equilibria import arc, flow
 
 Array = NDArray[np.float64]

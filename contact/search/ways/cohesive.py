@@ -14,20 +14,19 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged, OutOfRange
-from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.controls import Load
 from contact.formulation.equilibria import Closed, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
-from contact.formulation.pulled_contact import Lost
-from contact.formulation.pulled_fields import PulledFields, PulledGapFields
-from contact.formulation.tension import Pulled
-from contact.formulation.tension_intervals import below, fitted, united_about
+from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
+from contact.formulation.tension.contact import Lost
+from contact.formulation.tension.fields import PulledFields, PulledGapFields
+from contact.formulation.tension.intervals import below, fitted, united_about
+from contact.formulation.tension.pulled import Pulled
 from contact.model.scene import Scene
 from contact.search.equilibria.tension import TOO_NARROW, advanced, pull_off, pull_off_from_all, receded, uncovered
 from contact.search.grid.proposals import placed
@@ -43,8 +42,7 @@ from contact.solution.made import mean_height
 from contact.verify.accuracy import Found
 from contact.verify.certificate import certify
 from contact.verify.cohesive import FoundBeside, certified, uncertain
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Tolerance of solutions under the bare law, from which the branch is followed.
 _BARE = 1e-6

@@ -17,8 +17,8 @@ from contact.formulation.controls import Control
 from contact.formulation.equilibria import NoState
 from contact.formulation.fields import ZoneFields
 from contact.formulation.runs import runs_of
-from contact.formulation.tension import Pulled
-from contact.formulation.tension_intervals import fitted, interval_of, places
+from contact.formulation.tension.intervals import fitted, interval_of, places
+from contact.formulation.tension.pulled import Pulled
 
 Array = NDArray[np.float64]
 

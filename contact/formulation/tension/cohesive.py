@@ -1,7 +1,7 @@
 r"""Curves of equilibria under a law that pulls with a constant tension s where the gap is below its reach h.
 
 The ends c of the intervals I = {gap < h} are the unknowns. Under the tension on given I the contact is the frictionless one of a deformed
-profile (contact.formulation.tension): convex, its zones unique. By an outward motion of an end the energy changes by -s (h - gap(c)) ds, so
+profile (pulled.py): convex, its zones unique. By an outward motion of an end the energy changes by -s (h - gap(c)) ds, so
 
     r = 1 - gap(c)/h,   J = dr/ds = -(1/h) d gap(c)/ds,
 
@@ -26,9 +26,9 @@ from contact.formulation.controls import Control
 from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.formulation.pulled_contact import TIGHT, Lost, contact_under, look_around, looked
-from contact.formulation.tension import Pulled
-from contact.formulation.tension_intervals import fitted, interval_of
+from contact.formulation.tension.contact import TIGHT, Lost, contact_under, look_around, looked
+from contact.formulation.tension.intervals import fitted, interval_of
+from contact.formulation.tension.pulled import Pulled
 
 Array = NDArray[np.float64]
 

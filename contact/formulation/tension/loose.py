@@ -13,7 +13,7 @@ import sie
 from contact.formulation.fields import mean_shape
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import panels
-from contact.formulation.tension import Pulled, Tension
+from contact.formulation.tension.pulled import Pulled, Tension
 
 Array = NDArray[np.float64]
 
