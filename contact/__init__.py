@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 # First: a command may be interrupted while the rest is imported.
 from contact import interrupts  # noqa: F401  isort: skip
-from contact.extras import require, uncollected, version
+from contact.extras import require, version
+from sie import uncollected
 
 with uncollected():
     from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import gc
 import importlib
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from contact.errors import MissingExtra
+from sie import uncollected
 
 # Which extra installs a package that a plain install does not bring.
 EXTRAS = {
@@ -20,18 +19,6 @@ EXTRAS = {
 
 # The folder that this package stands in: that of its source, or among the installed packages.
 SOURCE = Path(__file__).parents[1]
-
-
-@contextmanager
-def uncollected() -> Iterator[None]:
-    """While modules are imported: what they make stays, and to look through it for garbage meanwhile takes as long as to import it."""
-    collects = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collects:
-            gc.enable()
 
 
 def require(name: str) -> Any:
