@@ -11,10 +11,10 @@ from contact.search.grid.proposals import about, placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.task import Task
 from contact.search.topology.missed import Missed, attempted
+from contact.search.ways.first_order_several import Closed
 from contact.search.ways.full_contact import Full
 from contact.search.ways.gaps import tightened_gaps
 from contact.search.ways.guesses import Outcome
-from contact.search.ways.first_order_several import Closed
 from contact.search.ways.strips import centred, first_order
 from contact.search.ways.tightened import tightened
 from contact.verify.accuracy import Found, limit, of_positions, too_thin

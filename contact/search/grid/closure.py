@@ -37,7 +37,8 @@ _TELLING, _TOUCHING, _FINEST, _SURE, _SHARP = 8, 4, 2**14, 3.0, 0.05
 # Miss that is near enough, and, by the rounding of ends to parts of a cell, of each end; width of a bracket of the logarithm of the nominal
 # pressure.
 _CLOSE, _END, _CLOSED = 1e-3, 0.1, 1e-3
-# Nominal pressures tried, and those to clear the border at first; of one under which the profile alone leaves no gap, the part under which that is asked once more.
+# Nominal pressures tried, and those to clear the border at first; of one under which the profile alone leaves no gap, the part under which
+# that is asked once more.
 _STEPS, _CLEARINGS, _LIGHTER = 40, 4, 0.95
 # Centres tried between the borders, steps of them over the room there and of the logarithm of the nominal pressure, to begin with, the
 # longest over the room, the cells that a bracket is narrowed to, and one of the nominal pressure that tells the nearer border.

@@ -211,7 +211,7 @@ class FirstOrderOfSeveral:
         self.task, self.scaled, self.problem = task, scaled, scaled.problem
         assert self.problem.period is not None
         self.period = self.problem.period
-        self.sharpness, self.wanted, self.rounded = 1.0, task.tolerance, False
+        self.sharpness, self.wanted, self.again, self.rounded = 1.0, task.tolerance, False, False
         # The last contacts, of the strip and of its profile alone.
         self.likes: dict[bool, sie.AnyState] = {}
 
@@ -256,7 +256,7 @@ class FirstOrderOfSeveral:
         """The same more tightly."""
         assert found.at is not None
         at = found.at
-        self.wanted = self._wanted(at)
+        self.wanted, self.again = self._wanted(at), True
         return self._exact(self._at(at.unknowns, at.table, _table(at.alone), self.task.tolerance, 0.0))
 
     def _rough(self, grid: ClosureGrid, first: AtPressure) -> AtPressure:
@@ -302,21 +302,21 @@ class FirstOrderOfSeveral:
 
     def _contact(self, problem: Problem, load: float, table: Array, newton: Newton, formal: bool) -> Found:
         task = self.task
-        for sharpened in range(_SHARPENED + 1):
-            # The nominal pressure goes to infinity so near to ends beside the border that coefficients fall slowly.
-            like = self.likes.get(problem.reference)
-            how = replace(newton, tolerance=max(LEAST, self.sharpness * newton.tolerance), like=like)
+        for left in range(_SHARPENED, -1, -1):
+            # The nominal pressure makes coefficients fall slowly where ends are near the border.
+            how = replace(newton, tolerance=max(LEAST, self.sharpness * newton.tolerance), like=self.likes.get(problem.reference))
             found = refine_topology(ByPressure(problem), Load(load), table, how, task.progress, formal, task.plan.timed)
             if isinstance(found, Missed):
                 what = "its profile alone" if problem.reference else "the strip"
-                raise task.error(replace(found, beyond=False, reason=f"the contact of {what} was not found: {found.reason}; {EXACT}"), problem)
+                reason = f"the contact of {what} was not found: {found.reason}; {EXACT}"
+                raise task.error(replace(found, beyond=False, reason=reason), problem)
             self.likes[problem.reference] = found.fields.state
             cut_short = float(found.fields.state.end_truncation.max())
-            if cut_short <= newton.tolerance or how.tolerance == LEAST or sharpened == _SHARPENED:
-                break
+            if cut_short <= newton.tolerance or how.tolerance == LEAST or left == 0:
+                return replace(found, tolerance=newton.tolerance)
             self.sharpness *= _SHARPER
             newton, table = replace(newton, off=cut_short), _table(found)
-        return replace(found, tolerance=newton.tolerance)
+        raise AssertionError
 
     def _looked_at(self, found: Found, closely: bool = False) -> Found:
         """With other zones where signs fail; closely: where so little tells their number that a tighter solution is asked for, too."""
@@ -371,7 +371,8 @@ class FirstOrderOfSeveral:
         fields: ZoneFields = replace(
             at.strip.fields, amplitude_rate=float(follows[1]), centring=float(rates.approach[0] * follows[0])
         )
-        return Closed(**vars(replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed, at.table))), at=at, rounded=self.rounded)
+        found = replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed, at.table))
+        return Closed(**vars(found), at=at, rounded=self.rounded)
 
     def _signed(self, at: _At) -> tuple[_At, _Rates, Array]:
         """`_stepped`, with the signs of what it has come to."""
@@ -406,7 +407,7 @@ class FirstOrderOfSeveral:
             off = rates.of_ends(step, at.table)
             settled = off.max() <= self.wanted or (asked > _SLOW * before and before < self.task.tol)
             if settled and at.strip.tolerance <= self.wanted:
-                self.rounded = bool(off.max() > self.wanted)
+                self.rounded = self.again and bool(off.max() > self.wanted)
                 return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
             step *= min(1.0, _LARGEST / max(asked, 1e-300))
             if watched and abs(misses[1]) > _OFF_CENTRE * abs(misses[0]):
