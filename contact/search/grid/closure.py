@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.problem import Problem
 from contact.search.grid.centring import Strip, Unrest, settled
@@ -25,8 +24,6 @@ from contact.search.grid.coarse import Proposal, grid_height, propose
 from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.proposals import cut_of, pressed, whole_response
 from contact.search.grid.scaling import ScaledScene
-
-Array = NDArray[np.float64]
 
 # Cells to a shortest length of the profile, at first and in the end, bounds of how many that makes of a period at first, and the tolerance
 # of their contact.

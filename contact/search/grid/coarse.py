@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from contact.errors import OutOfRange
 from contact.model.profiles.base import Profile
 from contact.search.grid.conjugate_gradient import GridState, Mask, Response, solve_grid
+from sie import Array, wrapped
 
-Array = NDArray[np.float64]
 Height = Callable[[Array], ArrayLike]
 
 _POINTS = 128  # of a window
@@ -127,8 +127,7 @@ def zones_of(state: GridState, x: ArrayLike) -> Array:
         zones[k, 0] = max(zones[k, 0], left - margin)
         zones[k, 1] = min(zones[k, 1], right + margin)
     if state.influence.is_periodic:
-        border, period = x0 - 0.5 * h, n * h
-        zones -= period * np.floor((zones[:, :1] - border) / period)
+        zones += wrapped(zones[:, :1], x0 - 0.5 * h, n * h) - zones[:, :1]
         zones = zones[np.argsort(zones[:, 0])]
     return zones
 

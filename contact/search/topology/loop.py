@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import ContactError, SceneError
@@ -25,8 +24,8 @@ from contact.search.topology.intervals import merged
 from contact.search.topology.missed import Missed, WrongTopology, same
 from contact.verify.certificate import NOT_CHECKED, Certificate
 from contact.verify.solved import Solved
+from sie import Array
 
-Array = NDArray[np.float64]
 Progress = Callable[[str, int, int | None], None]
 Timed = Callable[[str], AbstractContextManager[object]]
 Kind = TypeVar("Kind", bound=Solved, covariant=True)

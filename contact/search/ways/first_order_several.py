@@ -302,9 +302,11 @@ class FirstOrderOfSeveral:
 
     def _contact(self, problem: Problem, load: float, table: Array, newton: Newton, formal: bool) -> Found:
         task = self.task
-        for left in range(_SHARPENED, -1, -1):
-            # The nominal pressure makes coefficients fall slowly where ends are near the border.
-            how = replace(newton, tolerance=max(LEAST, self.sharpness * newton.tolerance), like=self.likes.get(problem.reference))
+        sharpened = 0
+        while True:
+            # The nominal pressure goes to infinity so near to ends beside the border that coefficients fall slowly.
+            like = self.likes.get(problem.reference)
+            how = replace(newton, tolerance=max(LEAST, self.sharpness * newton.tolerance), like=like)
             found = refine_topology(ByPressure(problem), Load(load), table, how, task.progress, formal, task.plan.timed)
             if isinstance(found, Missed):
                 what = "its profile alone" if problem.reference else "the strip"
@@ -312,11 +314,10 @@ class FirstOrderOfSeveral:
                 raise task.error(replace(found, beyond=False, reason=reason), problem)
             self.likes[problem.reference] = found.fields.state
             cut_short = float(found.fields.state.end_truncation.max())
-            if cut_short <= newton.tolerance or how.tolerance == LEAST or left == 0:
+            if cut_short <= newton.tolerance or how.tolerance == LEAST or sharpened == _SHARPENED:
                 return replace(found, tolerance=newton.tolerance)
             self.sharpness *= _SHARPER
-            newton, table = replace(newton, off=cut_short), _table(found)
-        raise AssertionError
+            newton, table, sharpened = replace(newton, off=cut_short), _table(found), sharpened + 1
 
     def _looked_at(self, found: Found, closely: bool = False) -> Found:
         """With other zones where signs fail; closely: where so little tells their number that a tighter solution is asked for, too."""
