@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         moment,
     )
     from sie.equation.equation import CountError, Equation, Forcing
+    from sie.fast.lazy import uncollected
     from sie.fast.piecewise import PiecewiseTransform
     from sie.free_ends.end_rates import EndRates, end_motions, end_rates
     from sie.free_ends.newton import Free, find_ends
@@ -41,7 +42,7 @@ __all__ = [
     "PiecewiseTransform", "Rows", "SINGULAR", "SingularSystem", "SlitDensity", "Smooth", "Solution", "State", "Total",
     "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_motions", "end_rates",
     "find_ends", "free_with_intensity", "hilbert", "images", "moment", "nearest_image", "solve", "solve_fixed",
-    "solve_zones", "wrapped",
+    "solve_zones", "uncollected", "wrapped",
 ]
 
 # Loaded when they are first asked for: a program that needs a zone does not load the search for ends. The imports above, for readers and
@@ -57,6 +58,7 @@ _HOMES = {
     "sie.density.density": "Density",
     "sie.equation.conditions": "Amplitude Condition EqualPotential Level Rows Total TotalWidth Weighted ZoneMoments ZoneTotals moment",
     "sie.equation.equation": "CountError Equation Forcing",
+    "sie.fast.lazy": "uncollected",
     "sie.fast.piecewise": "PiecewiseTransform",
     "sie.free_ends.end_rates": "EndRates end_motions end_rates",
     "sie.free_ends.newton": "Free find_ends",

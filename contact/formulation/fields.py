@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -44,6 +45,8 @@ class Fields(Protocol):
     @property
     def max_pressure(self) -> float: ...
     @property
+    def pressure_bound(self) -> float: ...
+    @property
     def approach(self) -> float | None: ...
     @property
     def contact_fraction(self) -> float: ...
@@ -61,6 +64,7 @@ class NoZones(sie.Kept):
     starts = loads = np.zeros(0)
     cohesive = np.zeros((0, 2))
     widening_rate = 0.0
+    pressure_bound = math.inf
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         raise IndexError("there are no zones: use pressure(x)")
@@ -89,6 +93,7 @@ class ZoneFields(sie.Kept):
     amplitude_rate: float = 0.0
     centring: float = 0.0
     relief = None
+    pressure_bound = math.inf
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {"problem": self.problem, "amplitude_rate": self.amplitude_rate, "centring": self.centring, "density": self.density}

@@ -16,6 +16,7 @@ w = (l/pi) exp(-pi (2 pbar/E* - C)/|J|): it never closes, and is narrower than a
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -44,6 +45,7 @@ class GapFields(sie.Kept):
     state: sie.AnyState = field(repr=False)
     mean: float
     relief: ScaledRelief
+    pressure_bound = math.inf
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {"problem": self.problem, "mean": self.mean, "relief": self.relief}

@@ -148,28 +148,28 @@ def fields(
     if kernel.regular is not None:
         if regular is None:
             raise ValueError("a condition on potentials needs the regular kernel's potential")
-        _add_regular(out, zones, kernel, regular, targets, layout, what == "potential")
+        add_regular(out, zones, kernel, regular, targets.x, layout, what == "potential")
     return out
 
 
-def _add_regular(
-    out: Array, zones: Zones, kernel: Kernel, regular: Callable[[Array, Array], Array], targets: Targets,
-    layout: Layout, over_width: bool,
+def add_regular(
+    out: Array, zones: Zones, kernel: Kernel, regular: Callable[[Array, Array], Array], x: Array, layout: Layout, potential: bool
 ) -> None:
+    """Add what the kernel's regular part makes of each unknown at points x, or its potential over the zones' half widths."""
     panels = panels_over(kernel, zones)
     if panels is not None:
-        moments = _panel_moments(zones, panels, layout, over_width)
-        out[:, : layout.coefficients] += panels.at(Spread.of(panels, targets.x), moments, over_width)
+        moments = _panel_moments(zones, panels, layout, potential)
+        out[:, : layout.coefficients] += panels.at(Spread.of(panels, x), moments, potential)
         return
     sizes = np.array([regular_size(kernel, w, int(m)) for w, m in zip(zones.half, layout.m, strict=True)])
     for m in np.unique(layout.m):
         for q in np.unique(sizes[layout.m == m]):
             sources = np.flatnonzero((layout.m == m) & (sizes == q))
             xi = zones.middle[sources][:, None] + zones.half[sources][:, None] * chebyshev.gauss(int(q))
-            values = regular(targets.x[:, None, None], xi)
+            values = regular(x[:, None, None], xi)
             count = min(int(m), int(q) - 1) + 1
             block = chebyshev.t_means(values, count)
-            if not over_width:
+            if not potential:
                 block *= zones.half[sources][:, None]
             columns = layout.offset[sources][:, None] + np.arange(count)
             out[:, columns] += block

@@ -68,6 +68,7 @@ class LooseFields(sie.Kept):
     problem: Problem
     pulled: Pulled
     level: float
+    pressure_bound = 0.0
 
     @property
     def tension(self) -> Tension:

@@ -41,7 +41,9 @@ Array = NDArray[np.float64]
 # are looked for, and their rates are found anew; of a step what the next one leaves where rounding does.
 _STEPS, _HALVED, _LOOKS, _FAR, _BENT, _SLOW = 40, 4, 4, 1e-2, 1e-4, 0.5
 # Steps in a row of which none halves the misses: zones come and go with every one of them.
-_STALLED = 4
+_STALLED, _STALLED_AT_TURN = 4, 1
+# The weakest influence of the unknowns over the strongest, below which solutions turn back.
+_WEAK = 1e-3
 # Miss of the centre over that of the width that does not matter; what is left of what it makes of that, over this, at the most.
 _OFF_CENTRE, _UNSURE = 1e-3, 4.0
 # Steps that tell how the misses follow the unknowns: those of smaller ones are rounding.
@@ -56,7 +58,7 @@ _LOADS, _NEAR, _LEAST_PART = 12, 2e-2, 0.3
 _CLOSELY = 1e-5
 # Tolerance of the ends at first, and of later ones over the step of the unknowns, as long as that is not one of the last; part of a width
 # or a gap that is foreseen to go.
-_ROUGHLY, _FINER, _LAST, _PART = 1e-6, 1e-2, 1e-5, 0.1
+_ROUGHLY, _FINER, _FINER_THAN_MISSED, _LAST, _PART = 1e-6, 1e-2, 0.02, 1e-5, 0.1
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER = 2, 1e-3
 # By what part of the gap beside the border the centre is moved to see what that does.
@@ -298,21 +300,22 @@ class FirstOrderOfSeveral:
 
     def _contact(self, problem: Problem, load: float, table: Array, newton: Newton, formal: bool) -> Found:
         task = self.task
-        for sharpened in range(_SHARPENED + 1):
+        sharpened = 0
+        while True:
             # The nominal pressure goes to infinity so near to ends beside the border that coefficients fall slowly.
             like = self.likes.get(problem.reference)
             how = replace(newton, tolerance=max(LEAST, self.sharpness * newton.tolerance), like=like)
             found = refine_topology(ByPressure(problem), Load(load), table, how, task.progress, formal, task.plan.timed)
             if isinstance(found, Missed):
                 what = "its profile alone" if problem.reference else "the strip"
-                raise task.error(replace(found, beyond=False, reason=f"the contact of {what} was not found: {found.reason}; {EXACT}"), problem)
+                reason = f"the contact of {what} was not found: {found.reason}; {EXACT}"
+                raise task.error(replace(found, beyond=False, reason=reason), problem)
             self.likes[problem.reference] = found.fields.state
             cut_short = float(found.fields.state.end_truncation.max())
             if cut_short <= newton.tolerance or how.tolerance == LEAST or sharpened == _SHARPENED:
-                break
+                return replace(found, tolerance=newton.tolerance)
             self.sharpness *= _SHARPER
-            newton, table = replace(newton, off=cut_short), _table(found)
-        return replace(found, tolerance=newton.tolerance)
+            newton, table, sharpened = replace(newton, off=cut_short), _table(found), sharpened + 1
 
     def _looked_at(self, found: Found, closely: bool = False) -> Found:
         """With other zones where signs fail; closely: where so little tells their number that a tighter solution is asked for, too."""
@@ -393,7 +396,8 @@ class FirstOrderOfSeveral:
         least, stalled = math.inf, 0
         for _ in range(_STEPS):
             least, stalled = (missed, 0) if (missed := float(np.abs(misses).max())) < _SLOW * least else (least, stalled + 1)
-            if stalled > _STALLED:
+            weak = self._weakness(matrix, size)
+            if stalled > (_STALLED if weak > _WEAK else _STALLED_AT_TURN):
                 break
             step = np.zeros(3)
             step[:2] = -np.linalg.solve(matrix, misses)
@@ -422,7 +426,17 @@ class FirstOrderOfSeveral:
                 rates = _Rates.of(there)
                 matrix = rates.matrix(self.period)[:, :2]
             at, before = there, asked if same else math.inf
+        if weak <= _WEAK:
+            raise self._unsettled(
+                f"the nominal pressure, whose solutions turn back about there (what tells it from the centre of the strip is {weak:.0e} of "
+                "what it does),", at,
+            )
         raise self._unsettled("the nominal pressure", at)
+
+    def _weakness(self, matrix: Array, size: Array) -> float:
+        """The smallest singular value of the misses by the unknowns over the largest: at a turning point of the solutions it is none."""
+        values = np.linalg.svd(matrix * size, compute_uv=False)
+        return float(values[1] / values[0])
 
     def _moved(self, at: _At, rates: _Rates, step: Array, asked: float, watched: bool) -> tuple[_At, Array]:
         """The contacts after a step, or after as much of it as they follow."""
@@ -432,7 +446,8 @@ class FirstOrderOfSeveral:
             alone.flat[[0, -1]] = np.where(at.cut_off, np.array(at.alone.fields.problem.corners) + step[0], alone.flat[[0, -1]])
             try:
                 # The ends need be no better known than what the next step will move them by.
-                tolerance = 0.0 if asked < _LAST else min(_FINER * asked, _ROUGHLY)
+                missed = float(np.abs(at.misses).max()) / _width(at.strip)
+                tolerance = 0.0 if asked < _LAST else min(_FINER * asked, _FINER_THAN_MISSED * missed, _ROUGHLY)
                 there = self._at(at.unknowns + step, strip, alone, asked, tolerance)
                 if asked < _FAR and not watched:
                     return there, step
