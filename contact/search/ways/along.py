@@ -13,6 +13,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
+from contact.model.controls import Quantity
 from contact.search.task import Task
 from contact.search.topology.by_gaps import ByGaps
 from contact.search.topology.loop import Newton, refine_topology
@@ -66,7 +67,8 @@ def _is_followed(task: Task) -> bool:
     there is."""
     scene = task.scene
     moves = scene.turned or scene.interaction.strip or scene.interaction.follows_isolated
-    return scene.law.convex and not moves and not scene.is_flat and scene.approach is None and scene.half_width is None
+    followed = any(scene.held(quantity) is not None for quantity in (Quantity.LOAD, Quantity.WIDTH))
+    return scene.law.convex and not moves and not scene.is_flat and followed
 
 
 def _carried_on(along: tuple[Solution, ...], value: float) -> Array:

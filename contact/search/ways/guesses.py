@@ -53,7 +53,7 @@ def search(task: Task, scaled: ScaledScene, start: Array | None = None) -> Outco
         return full
     refuse_full_approach(task, scaled.problem, scaled.control)
     # A width that a closure looks at on its way is none of the scene's.
-    if task.scene.contact_fraction is not None and not task.single:
+    if task.scene.given_fraction is not None and not task.single:
         return by_fraction(task, scaled)
     for name, guess in GUESSES:
         outcome = guess(task, scaled, start)
@@ -63,7 +63,7 @@ def search(task: Task, scaled: ScaledScene, start: Array | None = None) -> Outco
             task.left(name, outcome)
     if scaled.control.width is None:
         return from_grid(task, scaled)
-    if task.scene.contact_fraction is None:
+    if task.scene.given_fraction is None:
         raise task.error(Missed("zones of the total width that the closure asks for were not found"), scaled.problem)
     return by_fraction(task, scaled)
 
