@@ -42,7 +42,6 @@ from sie.jumps.forcing import SERIES_REACH, ForcingJumps
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
-_MANY_ZONES = 8
 # Distance from a singular end, over the half width, within which errors of the density are not asked for.
 _BESIDE = 0.01
 # Most even angles of one zone that `sampling` asks for.
@@ -290,8 +289,8 @@ class Density(Located):
 
     @cached_property
     def treecode(self) -> Treecode | None:
-        """Fast sums for many points; None where the kernel or the number of zones does not allow them."""
-        return Treecode(self) if len(self.zones) >= _MANY_ZONES and reaches(self.kernel, self.zones) else None
+        """Fast sums for many points; None where the kernel does not allow them."""
+        return Treecode(self) if reaches(self.kernel, self.zones) else None
 
     @property
     def has_series(self) -> bool:

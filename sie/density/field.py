@@ -25,10 +25,8 @@ Index = NDArray[np.intp]
 
 # Largest number of (point, source) pairs handled at once: bounds the memory of an evaluation.
 CHUNK = 16_000
-# From this number of (point, source) pairs on, far sources are summed fast.
+# From this number of (point, source) pairs on, far sources are summed fast; all that follow are, once their series are at hand.
 MANY_PAIRS = 500_000
-# The same once the series of the far ones are at hand.
-SOME_PAIRS = 10_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +82,7 @@ def potential_from(density: Series, x: Array, sources: Sources) -> Array:
 
 
 def _by_blocks(density: Evaluated, x: Array, sources: Sources, what, regular: Regular | None) -> Array:  # type: ignore[no-untyped-def]
-    if len(x) * len(sources) > (SOME_PAIRS if density.has_series else MANY_PAIRS) and density.treecode is not None:
+    if (density.has_series or len(x) * len(sources) > MANY_PAIRS) and density.treecode is not None:
         here = density.treecode
         value = here.potential(x) if what is _potential else here.transform(x)
         return value if regular is None or density.kernel.sure else np.asarray(value + regular_at(density, x, regular))
