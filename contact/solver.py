@@ -96,10 +96,9 @@ def solve(
         raise SceneError.of("near", near, "None, or a contact.Solution")
     if near is not None and _of(near.scene) != _of(scene):
         raise SceneError("near must be a solution of the same profile, interaction model, substrate and law", "near", near.scene)
-    of_scene = validity.of_scene(scene)
-    warn(of_scene)
+    warn(validity.of_scene(scene))
     solution = _solved(scene, tol, progress, near, branch)
-    warn(validity.of_solution(solution)[len(of_scene) :])
+    warn(validity.of_answer(solution))
     return solution
 
 

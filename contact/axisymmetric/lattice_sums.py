@@ -14,12 +14,10 @@ from functools import lru_cache
 from math import gamma, pi
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import erfc, gammaincc
 
 from contact.axisymmetric.lattices import Lattice, Site
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _REACH = 4.0  # in roots of the cell area: exp(-pi 16) is below rounding
 

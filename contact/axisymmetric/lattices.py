@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError
 from contact.model.checks import keep, positive
+from sie import Array
 
-Array = NDArray[np.float64]
 Site = tuple[float, float]
 
 _SAME = 1e-9  # distances that differ by less, relative to the spacing, are one ring

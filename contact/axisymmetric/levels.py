@@ -16,7 +16,6 @@ from math import inf, isinf
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.axisymmetric.answer import Spot
 from contact.axisymmetric.lattices import Lattice, Site, as_lattice, group, own_radius
@@ -28,8 +27,7 @@ from contact.axisymmetric.system import Kind, State, refine_topology, room, tota
 from contact.axisymmetric.system import approach as given_approach
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite, keep, non_negative, positive
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.axisymmetric.lattice_sums import epstein
 from contact.axisymmetric.lattices import Lattice, Site, group
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _NEAR = 3.5  # spacings: beyond, (x - t)^2/D^2 < 1/12
 _TERMS = 16  # 12^-16 is below rounding

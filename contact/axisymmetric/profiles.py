@@ -18,16 +18,15 @@ from math import gamma, inf, pi, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import elliprf
 
 import sie
 from contact.axisymmetric.derived import LogDerivative, Octaves
 from contact.axisymmetric.quadrature import panels, quarter
 from contact.errors import SceneError
-from contact.model.checks import finite, keep, positive
-
-Array = NDArray[np.float64]
+from contact.model.checks import keep, positive, such
+from sie import Array
 
 
 class AxisymmetricProfile(sie.Kept):
@@ -313,9 +312,7 @@ class PowerLaw(AxisymmetricProfile):
     scale: float
 
     def __post_init__(self) -> None:
-        exponent = finite("exponent", self.exponent, "a finite number >= 1")
-        if not 1.0 <= exponent <= 300.0:
-            raise SceneError.of("exponent", self.exponent, "a finite number from 1 to 300")
+        exponent = such("exponent", self.exponent, "a finite number from 1 to 300", lambda exponent: 1.0 <= exponent <= 300.0)
         object.__setattr__(self, "exponent", exponent)
         keep(self, positive, "scale")
 

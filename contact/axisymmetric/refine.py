@@ -7,14 +7,12 @@ from dataclasses import replace
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.axisymmetric.answer import Spot
 from contact.axisymmetric.neighbours import Surroundings
 from contact.axisymmetric.system import Condition, Kind, State, refine_topology
 from contact.errors import NotConverged, OutOfRange
-
-Array = NDArray[np.float64]
+from sie import Array
 
 NODES = (16, 32, 64, 128, 256)
 _PROBES = np.array([0.1, 0.5, 0.9])

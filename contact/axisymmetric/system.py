@@ -21,14 +21,13 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.axisymmetric.neighbours import Surroundings
 from contact.axisymmetric.profiles import AxisymmetricProfile
 from contact.axisymmetric.quadrature import half_gauss, panels
 from contact.errors import NotConverged, OutOfRange
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _STEPS = 100
 _SETTLED = 1e-13  # relative step of the radii: the next one would be its square

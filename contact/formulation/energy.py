@@ -10,16 +10,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.apart import ApartFields
 from contact.formulation.fields import Fields, ZoneFields
 from contact.formulation.full import FullFields
 from contact.formulation.gaps import GapFields
-from contact.formulation.loose import LooseFields
 from contact.formulation.quadrature import panels
+from contact.formulation.tension.loose import LooseFields
+from sie import Array
 
-Array = NDArray[np.float64]
 # Of distances from the left and the right end of an interval, over its half width: a function's values there.
 Function = Callable[[Array, Array], Array]
 

@@ -11,15 +11,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
 _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
@@ -66,6 +64,11 @@ class Point:
         """Largest eigenvalue of J over D: negative where an equilibrium is stable."""
         return float(np.linalg.eigvals(self.rates / self.weight[:, None]).real.max())
 
+    @cached_property
+    def newton(self) -> Array:
+        """Newton's step of the ends, outward."""
+        return np.asarray(np.linalg.solve(-self.rates, self.residual), dtype=np.float64)
+
     def moved(self, outward: Array) -> Array:
         """The zones with ends moved."""
         left, right = np.split(outward, 2)
@@ -102,13 +105,12 @@ class Equilibria:
 
     def settled(self, here: Point) -> Point:
         """The equilibrium near by, tightly."""
+        here = self.at(here.table, here.value)
         for _ in range(_STEPS):
-            here = self.at(here.table, here.value)
-            step = np.asarray(np.linalg.solve(-here.rates, here.residual), dtype=np.float64)
-            size = float(np.abs(step / here.widths).max())
+            size = float(np.abs(here.newton / here.widths).max())
             if size < _TIGHT or size > _ANOTHER:
                 break
-            here = self.at(here.moved(step), here.value)
+            here = self.at(here.moved(here.newton), here.value)
         return here
 
     def fields(self, here: Point) -> ZoneFields:

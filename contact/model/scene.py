@@ -20,7 +20,7 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError
-from contact.model.checks import finite, finite_or_none, keep, positive
+from contact.model.checks import finite, finite_or_none, keep, positive, such
 from contact.model.controls import CONTROLS, TURNING, Control, Quantity, fields_under
 from contact.model.interactions.base import Interaction
 from contact.model.interactions.declared import require_elastic
@@ -72,9 +72,7 @@ def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = N
 def _plane_compliance(modulus_name: str, modulus: float, ratio_name: str, ratio: float) -> float:
     """(1 - nu^2)/E of one body."""
     modulus = positive(modulus_name, modulus)
-    ratio = finite(ratio_name, ratio)
-    if not -1.0 < ratio <= 0.5:
-        raise SceneError.of(ratio_name, ratio, "a Poisson ratio, more than -1 and at most 0.5")
+    ratio = such(ratio_name, ratio, "a Poisson ratio, more than -1 and at most 0.5", lambda nu: -1.0 < nu <= 0.5)
     return (1.0 - ratio**2) / modulus
 
 

@@ -8,7 +8,6 @@ from contextlib import nullcontext
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import ContactError, NotConverged, OutOfRange, SceneError
 from contact.formulation import height_rounding
@@ -28,8 +27,8 @@ from contact.solution.solution import Solution
 from contact.testing import check_profile
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
+from sie import Array
 
-Array = NDArray[np.float64]
 Solver = Callable[[Scene, float, Progress | None, Solution | None], Solution]
 
 # The smallest tolerance that is asked of the engine.

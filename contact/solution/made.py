@@ -7,17 +7,16 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged
 from contact.formulation.apart import ApartFields
-from contact.formulation.cohesive import CohesivePoint
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
-from contact.formulation.loose import LooseFields
 from contact.formulation.problem import Problem
-from contact.formulation.pulled_fields import scaled_second_variation
+from contact.formulation.tension.cohesive import CohesivePoint
+from contact.formulation.tension.fields import scaled_second_variation
+from contact.formulation.tension.loose import LooseFields
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.model.units import quantity
@@ -27,8 +26,7 @@ from contact.solution.solution import Solution, limit_of_approach
 from contact.verify.accuracy import Found, limit, of_positions, too_thin
 from contact.verify.certificate import Certificate
 from contact.verify.gap_accuracy import FoundByGaps
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # A miss of the reach, over it.
 _MISSED = 1e-7

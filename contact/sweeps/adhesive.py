@@ -11,14 +11,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange, unwarned, warn
-from contact.formulation.cohesive import CohesivePoint
 from contact.formulation.energy import elastic_energy
 from contact.formulation.equilibria import Point
 from contact.formulation.full import FullFields
-from contact.formulation.loose import LooseFields
+from contact.formulation.tension.cohesive import CohesivePoint
+from contact.formulation.tension.loose import LooseFields
 from contact.model.checks import finite_array, positive
 from contact.model.scene import Scene
 from contact.model.units import quantity
@@ -38,8 +38,7 @@ from contact.solution.validity import of_solution
 from contact.solver import solved_at, task_of
 from contact.sweeps.adhesive_plot import Drawn, draw
 from contact.sweeps.paths import Event, Path
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Of a figure: points, and how much is shown beside the zones, over what they span.
 _PLACES, _AROUND = 601, 1.5

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.gaps import GapFields
 from contact.formulation.runs import runs_of
 from contact.verify.certificate import Certificate
 from contact.verify.minima import DIP_ROUNDING, Signs, follow, may_be_negative, signs_on
-
-Array = NDArray[np.float64]
+from sie import Array, Index
 
 # Half widths below this part of the period are a rounding of the ends' positions: such gaps are left out, and said so.
 NARROWEST = 1e-13
@@ -42,7 +40,7 @@ def _openings(fields: GapFields) -> Signs:
     density, gaps = fields.density, fields.density.zones
     size = np.abs(density.coefficients).sum(axis=1) + np.bincount(density.jumps.zone, np.abs(density.jumps.height), len(gaps))
 
-    def sampled(group: NDArray[np.intp], theta: Array) -> tuple[Array, Array, Array]:
+    def sampled(group: Index, theta: Array) -> tuple[Array, Array, Array]:
         opening = density.integral_at(group[:, None], theta)
         return opening, 64 * _EPS * (gaps.half * size)[group], opening.max(axis=1)
 
@@ -70,7 +68,7 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
     scale = np.zeros(len(zones))
     np.maximum.at(scale, zone, np.where(np.isfinite(value), np.abs(value), 0.0))
 
-    def over_root(i: NDArray[np.intp], angles: Array) -> Array:
+    def over_root(i: Index, angles: Array) -> Array:
         zone, angle = np.repeat(i.ravel(), angles.shape[1]), angles.ravel()
         return np.asarray(_pressure_at(fields, zone, angle) / np.sin(angle)).reshape(angles.shape)
 
@@ -80,7 +78,7 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
     return min(least, dips.least, dips.lowest), negative, dips.relative, len(zone)
 
 
-def _sampled(fields: GapFields) -> tuple[NDArray[np.intp], NDArray[np.intp], Array, Array, Array]:
+def _sampled(fields: GapFields) -> tuple[Index, Index, Array, Array, Array]:
     """Samples in all contact: the run of even ones that each is of, its zone, its angle, the pressure over the sine of that, its rounding.
 
     They are even in the angle, closer beside the ends, but inside wide zones those that the fields have anyway, whatever their ends are.
@@ -114,7 +112,7 @@ def _sampled(fields: GapFields) -> tuple[NDArray[np.intp], NDArray[np.intp], Arr
     return run, zone, angle, pressure / np.sin(angle), 64 * _EPS * size / np.sin(angle)
 
 
-def _pressure_at(fields: GapFields, zone: NDArray[np.intp], angle: Array) -> Array:
+def _pressure_at(fields: GapFields, zone: Index, angle: Array) -> Array:
     return fields.pressure_in(zone, 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
 
 
@@ -130,7 +128,7 @@ def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:
     return [(float(x - w), float(x + w)) for x, w in zip(at[wide], half[wide], strict=True)], int(np.sum(~wide))
 
 
-def valley_gaps(fields: GapFields, kinks: NDArray[np.intp]) -> Array:
+def valley_gaps(fields: GapFields, kinks: Index) -> Array:
     """Scaled half widths of lone gaps over kinks that have none: see contact.formulation.gaps."""
     relief = fields.relief
     at, heights = relief.at[kinks], relief.heights[kinks]

@@ -24,12 +24,9 @@ from typing import Any, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Complex, Index, Mask
 from sie.basis.sums import cosine_sum, sine_sum, sum_of_powers
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Index = NDArray[np.intp]
-Mask = NDArray[np.bool_]
 Number = NDArray[Any]
 What = Literal["transform", "derivative", "potential"]
 

@@ -16,22 +16,20 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
+from sie.basis.places import numbered
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
-from sie.density.field import moments_of
+from sie.density.moments import moments_of
 from sie.equation.conditions import Linear, multiplicity
 from sie.equation.equation import Equation
 from sie.fast.panels import TERMS, Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Most quadrature nodes a zone spends on the weight of a side condition.
 _LARGEST_WEIGHT = 8192
@@ -150,28 +148,28 @@ def fields(
     if kernel.regular is not None:
         if regular is None:
             raise ValueError("a condition on potentials needs the regular kernel's potential")
-        _add_regular(out, zones, kernel, regular, targets, layout, what == "potential")
+        add_regular(out, zones, kernel, regular, targets.x, layout, what == "potential")
     return out
 
 
-def _add_regular(
-    out: Array, zones: Zones, kernel: Kernel, regular: Callable[[Array, Array], Array], targets: Targets,
-    layout: Layout, over_width: bool,
+def add_regular(
+    out: Array, zones: Zones, kernel: Kernel, regular: Callable[[Array, Array], Array], x: Array, layout: Layout, potential: bool
 ) -> None:
+    """Add what the kernel's regular part makes of each unknown at points x, or its potential over the zones' half widths."""
     panels = panels_over(kernel, zones)
     if panels is not None:
-        moments = _panel_moments(zones, panels, layout, over_width)
-        out[:, : layout.coefficients] += panels.at(Spread.of(panels, targets.x), moments, over_width)
+        moments = _panel_moments(zones, panels, layout, potential)
+        out[:, : layout.coefficients] += panels.at(Spread.of(panels, x), moments, potential)
         return
     sizes = np.array([regular_size(kernel, w, int(m)) for w, m in zip(zones.half, layout.m, strict=True)])
     for m in np.unique(layout.m):
         for q in np.unique(sizes[layout.m == m]):
             sources = np.flatnonzero((layout.m == m) & (sizes == q))
             xi = zones.middle[sources][:, None] + zones.half[sources][:, None] * chebyshev.gauss(int(q))
-            values = regular(targets.x[:, None, None], xi)
+            values = regular(x[:, None, None], xi)
             count = min(int(m), int(q) - 1) + 1
-            block = values @ (chebyshev.t_matrix(int(q), count) / q)
-            if not over_width:
+            block = chebyshev.t_means(values, count)
+            if not potential:
                 block *= zones.half[sources][:, None]
             columns = layout.offset[sources][:, None] + np.arange(count)
             out[:, columns] += block
@@ -303,7 +301,7 @@ class System:
         """Unknown c_k of each row of the equation."""
         solved = self.zones.solved
         count = self.layout.m[solved]
-        k = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + 1
+        k = numbered(count) + 1
         unknown = np.repeat(self.layout.offset[solved], count) + k
         if not self.zones.central:
             return unknown

@@ -13,16 +13,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, edge_scale
+from sie.basis.kernels import Kernel
 from sie.collocation.fixed import State
-from sie.density.density import Density
+from sie.collocation.system import Layout, add_regular
 from sie.equation.conditions import of_levels, speaks_of_levels
-from sie.jumps.forcing import ForcingJumps
 
-Array = NDArray[np.float64]
+# A power of rho below this is nothing.
+_NOTHING = 1e-18
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,17 +94,21 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     >>> (found.intensities[:, 0, 0] * np.pi * 1e9 * np.sqrt(2)).round(6).tolist()
     [-1.0, 1.0]
     """
-    zones, kernel, layout, system = state.density.zones, state.density.kernel, state.system.layout, state.system
+    density, layout, system = state.density, state.system.layout, state.system
+    zones, kernel = density.zones, density.kernel
     if zones.symmetric:
         raise ValueError("sources are for zones that are all solved for")
     at, cases = np.asarray(at, dtype=float), strengths.shape[1]
     poles = np.array(kernel.poles)
     seen = _seen(zones, at[:, None] + poles)  # (Z, S, poles)
     up = seen.rho
-    highest = int(layout.m.max())
-    g = np.zeros((len(zones), highest + 1, len(at)))
-    for k in range(1, highest + 1):
-        g[:, k] = (up**k).sum(axis=2)
+    g = np.zeros((len(zones), int(layout.m.max()) + 1, len(at)))
+    for m in np.unique(layout.m):
+        some = np.flatnonzero(layout.m == m)
+        power = np.ones_like(up[some])
+        for k in range(1, int(m) + 1):
+            power = power * up[some]
+            g[some, k] = power.sum(axis=2)
     g *= -2 / (np.pi * zones.half[:, None, None])
     mean = seen.first(zones.half[:, None, None] / kernel.datum).sum(axis=2) / np.pi
     if kernel.regular is not None and len(at):
@@ -136,18 +141,21 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     levels = np.zeros((0, cases))
     if any(speaks_of_levels(condition, zones) for condition in state.equation.conditions):
         levels = system.levels()[0] @ unknowns + own_level
+    places = density.into_period(np.asarray(places, dtype=float))
     potentials = _beyond_potential(zones, _seen(zones, places[:, None] - poles).rho, up, layout.m) @ strengths
-    for j in range(cases):
-        density = Density(zones, kernel, table[j], ForcingJumps.none(), unknowns[layout.coefficients :, j])
-        potentials[:, j] += density.potential(places) if len(places) else 0.0
+    potentials += _potentials(zones, kernel, layout, places) @ unknowns
     return Answers(intensities, levels, potentials)
 
 
 def _seen(zones, x: Array) -> Outside:  # type: ignore[no-untyped-def]
     """Places (N, poles) outside the zones, seen from each: (Z, N, poles)."""
-    right = x > zones.middle[:, None, None]
-    past = np.where(right, x - zones.b[:, None, None], zones.a[:, None, None] - x) / zones.half[:, None, None]
-    return Outside(np.where(right, 1.0, -1.0), past)
+    return _seen_from(zones.a, zones.b, x)
+
+
+def _seen_from(a: Array, b: Array, x: Array) -> Outside:
+    a, b = a[:, None, None], b[:, None, None]
+    right = x > 0.5 * (a + b)
+    return Outside(np.where(right, 1.0, -1.0), np.where(right, x - b, a - x) / (0.5 * (b - a)))
 
 
 def _regular(state: State, at: Array, g: Array, mean: Array) -> None:
@@ -173,17 +181,42 @@ def _solved(state: State, right: Array) -> Array:
     return np.column_stack([iteration(column, None, 0.0) for column in right.T])
 
 
-def _beyond_potential(zones, seen: Array, up: Array, m: NDArray[np.intp]) -> Array:  # type: ignore[no-untyped-def]
+def _potentials(zones, kernel: Kernel, layout: Layout, x: Array) -> Array:  # type: ignore[no-untyped-def]
+    """Potential at places x outside the zones by each unknown (P, unknowns)."""
+    out = np.zeros((len(x), layout.size))
+    if len(x) == 0:
+        return out
+    poles = np.array(kernel.poles)
+    for m in np.unique(layout.m):
+        some = np.flatnonzero(layout.m == m)
+        seen = _seen_from(zones.a[some], zones.b[some], x[:, None] - poles)
+        terms = seen.one_by_one(True, zones.half[some][:, None, None] / kernel.datum)
+        block = np.array([term.sum(axis=2) for _, term in zip(range(int(m) + 1), terms, strict=False)])
+        out[:, layout.offset[some][:, None] + np.arange(int(m) + 1)] = block.transpose(2, 1, 0)
+    if kernel.regular is not None:
+        if kernel.regular_potential is None:
+            raise ValueError("the regular kernel has no potential")
+        add_regular(out, zones, kernel, kernel.regular_potential, x, layout, True)
+    out[:, : layout.coefficients] *= np.repeat(zones.half, layout.m + 1)
+    return out
+
+
+def _beyond_potential(zones, seen: Array, up: Array, m: Index) -> Array:  # type: ignore[no-untyped-def]
     """Potential of (2/(pi w)) rho^l, l > m, of unit sources (Z, S, poles) at places (Z, P, poles): -(2/pi) sum_{l > m} (rho rho')^l / l."""
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(zones)):
         for q in range(seen.shape[2]):
             both = seen[i, :, None, q, None] * up[i]
+            # Of pairs far from the zone nothing is left.
+            place, source, pole = np.nonzero(np.abs(both) ** (m[i] + 1) >= _NOTHING)
+            if len(place) == 0:
+                continue
+            both = both[place, source, pole]
             # 1 - rho rho' = (1 - rho) + rho (1 - rho') keeps its digits.
             total = np.log1p(-both)
             power = np.ones_like(both)
             for order in range(1, int(m[i]) + 1):
                 power = power * both
                 total += power / order
-            out += (2 / np.pi) * np.where(np.abs(both) ** (m[i] + 1) < 1e-18, 0.0, total).sum(axis=2)
+            np.add.at(out, (place, source), (2 / np.pi) * total)
     return out

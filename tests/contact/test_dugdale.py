@@ -10,9 +10,9 @@ import pytest
 import contact
 import sie
 from contact import exact
-from contact.formulation.cohesive import Cohesive
 from contact.formulation.controls import Approach, Load, scaled_control
-from contact.formulation.tension import Tension, clausen
+from contact.formulation.tension.cohesive import Cohesive
+from contact.formulation.tension.pulled import Tension, clausen
 from contact.search.grid.scaling import scaled_scene_about
 from tests.tiers import quick
 

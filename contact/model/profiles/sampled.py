@@ -125,11 +125,7 @@ def read_trace(
     >>> trace.history[1]
     '1 of 5 heights are missing; 1 in 1 gaps, the widest 1 µm, filled by straight lines'
     """
-    trace = load_trace(
-        path, columns, units, detrend, regrid, taper, period, pitch=pitch, decimal=decimal, delimiter=delimiter, fill=fill, missing=missing,
-        sort=sort, lambda_s=lambda_s, lambda_c=lambda_c, channel=channel, line=line, along=along,
-    )  # fmt: skip
-    made = _of_trace(trace)
+    made = _of_trace(load_trace(**locals()))
     warn(made.warnings)
     return made
 

@@ -32,6 +32,9 @@ _NOT_MET = 1e-8
 _PUSH = 0.03
 # Of the control, before the last turning point is looked for; and of steps of the control.
 _HALVINGS, _MOST_TRIES = 5, 160
+# Where a curve is only to be followed: how tightly its states are solved, and how small Newton's last step is; over the step, from how near
+# a turning point ends that are pushed on go the way they go from there.
+_ROUGH, _ROUGHLY, _ABOUT = 1e-9, 1e-6, 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +61,9 @@ class Step:
     length: float
     end: Place
 
-    def at(self, length: float) -> Point:
+    def at(self, length: float, tight: bool = True) -> Point:
         """The equilibrium at a part of the step."""
-        found = along(self.curve, self.start, length)
+        found = along(self.curve, self.start, length, tight)
         if found is None:
             raise NotConverged("an equilibrium on the way along a curve was lost")
         return found
@@ -70,26 +73,29 @@ class Step:
         """Whether the control has its extreme in this step."""
         return self.start.rises * self.end.rises <= 0.0
 
-    def turning(self) -> float:
+    def turning(self, tight: bool = True) -> float:
         """How far it is to there."""
-        return self.where(lambda at: onward(self.start, at).rises, self.start.rises, self.end.rises)
+        near = 1e-14 if tight else _ABOUT
+        return self.where(lambda at: onward(self.start, at).rises, self.start.rises, self.end.rises, None, near, tight)
 
     def where(
-        self, function: Callable[[Point], float], first: float, last: float, length: float | None = None, near: float = 1e-14
+        self, function: Callable[[Point], float], first: float, last: float, length: float | None = None, near: float = 1e-14,
+        tight: bool = True,
     ) -> float:
         """How far it is to the zero of a function with these values of opposite signs at the start and at the end (or at a length); near:
         so near, over the step."""
         end = self.length if length is None else length
         if first == 0.0 or last == 0.0:
             return 0.0 if first == 0.0 else end
-        return bracketed(lambda part: function(self.at(part)), {0.0: first, end: last}, xtol=near * end)
+        return bracketed(lambda part: function(self.at(part, tight)), {0.0: first, end: last}, xtol=near * end)
 
 
-def steps(curve: Equilibria, here: Point, sense: float) -> Iterator[Step]:
-    """From an equilibrium, steps along the curve, the control first rising (sense 1) or falling (-1)."""
+def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> Iterator[Step]:
+    """From an equilibrium, steps along the curve, the control first rising (sense 1) or falling (-1). tight: whether their ends are
+    states that are solved as tightly as there is."""
     place, length, why = _begun(here, sense), _FIRST, "the curve of equilibria was not followed on"
     for _ in range(_MOST_STEPS):
-        ahead = along(curve, place, length)
+        ahead = along(curve, place, length, tight)
         end = None if ahead is None else onward(place, ahead)
         if end is None or not _keeps(place, end):
             if end is not None and place.at.growth < 0.0 <= end.at.growth:
@@ -103,10 +109,15 @@ def steps(curve: Equilibria, here: Point, sense: float) -> Iterator[Step]:
     raise NotConverged(why)
 
 
-def turning_point(curve: Equilibria, here: Point, sense: float = -1.0) -> Point:
-    """Where an equilibrium ceases to be as the control falls, or rises."""
-    step = next(step for step in steps(curve, here, sense) if step.turns)
-    return step.at(step.turning())
+def _ending(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> tuple[Step, bool]:
+    """(the step in which an equilibrium ceases to be as the control falls, whether by a turn of the curve, else where it is torn)."""
+    for step in steps(curve, here, -1.0, False):
+        last = step.at(step.turning(False), False) if step.turns else step.end.at
+        if torn(last) > 0.0:
+            return step, False
+        if step.turns:
+            return step, True
+    raise NotConverged("the curve of equilibria ended")
 
 
 def beyond(curve: Equilibria, turned: Point, sense: float) -> Array:
@@ -117,9 +128,9 @@ def beyond(curve: Equilibria, turned: Point, sense: float) -> Array:
     return turned.moved(np.asarray(move * (sense * np.sign(move.sum()) * _PUSH / np.abs(move / room).max())))
 
 
-def pull_off(curve: Equilibria, here: Point, recede: Recede = receded) -> Point:
+def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Callable[[Point], float] = lambda at: -1.0) -> Point:
     """Where the last zones come apart as the control falls from an equilibrium; those before do so one after the other. recede: how ends
-    that are driven inward come to rest."""
+    that are driven inward come to rest; torn: above zero for a state of the curve that is none, its intervals having been cut before."""
     here, high = _apart(curve, here, recede)
     # Between a value that holds and one that does not: near enough for the arc to have one turning point.
     for _ in range(_HALVINGS):
@@ -127,11 +138,27 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded) -> Point:
         rest = recede(curve, here.table, middle)
         here, high = (rest, high) if rest is not None else (here, middle)
     while True:
-        turned = turning_point(curve, curve.settled(here))
-        rest = recede(curve, beyond(curve, turned, -1.0), turned.value)
-        if rest is None:
-            return turned
-        here = rest
+        step, turns = _ending(curve, here, torn)
+        # Of those before the last it is enough to know where they are about.
+        length = step.turning(False) if step.turns else step.length
+        whole = torn(step.start.at)
+        if turns:
+            last = step.at(length, False)
+            table = beyond(curve, last, -1.0)
+        else:
+            until = step.where(torn, whole, torn(step.at(length, False)), length, _ABOUT, False) if whole < 0.0 else 0.0
+            length = min(until + 2 * _ABOUT * length, length)
+            last = step.at(length, False)
+            table = last.table
+        rest = recede(curve, table, last.value)
+        if rest is not None:
+            here = rest
+        elif turns:
+            return step.at(step.turning())
+        elif whole >= 0.0:
+            return curve.settled(step.start.at)
+        else:
+            return step.at(step.where(torn, whole, torn(last), length))
 
 
 def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float]:
@@ -182,16 +209,17 @@ def _tangent(at: Point, widths: Array, unit: float) -> Array:
     return np.asarray(np.linalg.svd(matrix)[2][-1])
 
 
-def along(curve: Equilibria, here: Place, length: float) -> Point | None:
+def along(curve: Equilibria, here: Place, length: float, tight: bool = True) -> Point | None:
     """The equilibrium at a distance along the tangent, perpendicular to it; None if Newton does not come to it at once."""
     widths, unit, tangent = here.widths, here.unit, here.tangent
     moved, value = length * tangent[:-1] * widths, here.at.value + length * tangent[-1] * unit
+    tolerance = {} if tight else {"tolerance": _ROUGH}
     for k in range(_CORRECTIONS):
         table = here.at.moved(moved)
         if np.any(np.diff(table.ravel()) <= 0) or curve.gaps(table)[-1] <= 0.0:
             return None
         try:
-            at = curve.at(table, value)
+            at = curve.at(table, value, **tolerance)
         except (NoState, NotConverged):
             return None
         matrix = np.block([[at.rates * widths, at.by_value[:, None] * unit], [tangent[None]]])
@@ -199,7 +227,9 @@ def along(curve: Equilibria, here: Place, length: float) -> Point | None:
         size = float(np.abs(step).max())
         if size > (0.3 if k == 0 else 1.0) * abs(length) and size > _TIGHT:
             return None
-        moved, value = moved + step[:-1] * widths, value + step[-1] * unit
+        if not tight and size < _ROUGHLY:
+            return at
+        moved, value = moved + step[:-1] * widths, float(value + step[-1] * unit)
         if size < _TIGHT:
-            return curve.at(here.at.moved(moved), float(value))
+            return curve.at(here.at.moved(moved), value)
     return None

@@ -1,4 +1,4 @@
-"""What happens on the way along a curve of equilibria where a tension acts beside the contact (contact.formulation.cohesive).
+"""What happens on the way along a curve of equilibria where a tension acts beside the contact (contact.formulation.tension.cohesive).
 
 The ends that jump are those of the tension: its intervals begin where the gap comes below the reach, and are cut where it comes above, and
 either takes a width at once. Within them the contact is frictionless: zones begin, meet, part and vanish without a jump, where a pressure
@@ -12,23 +12,22 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged
-from contact.formulation.cohesive import Cohesive, CohesivePoint, Known
 from contact.formulation.equilibria import Closed, NoState, Point
 from contact.formulation.maxima import maximum
-from contact.formulation.pulled_contact import Covered, Lost
 from contact.formulation.roots import bracketed
 from contact.formulation.runs import runs_of
-from contact.formulation.tension_intervals import fitted, interval_of, joined, unwrapped
+from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Known
+from contact.formulation.tension.contact import Covered, Lost
+from contact.formulation.tension.intervals import fitted, interval_of, joined, unwrapped
 from contact.search.equilibria import arc, tension
 from contact.search.equilibria.arc import Step
 from contact.search.equilibria.changes import Change, about, changes, condition, with_change
 from contact.search.equilibria.following import LEAST, NEW, SLIGHT, Following, Jump, Standing, first_of
 from contact.search.equilibria.growth import touched
+from sie import Array, Index
 
-Array = NDArray[np.float64]
 At = Callable[[float], CohesivePoint]
 
 # Steps by the value of the control, and how often one is halved; how often a stretch with several changes is.
@@ -187,7 +186,7 @@ class FollowingUnderTension(Following):
         after = self.shrunk(table, state.value)
         return Jump(self.kind(before, after, False), place, before, after)
 
-    def _without(self, here: CohesivePoint, gone: NDArray[np.intp]) -> tuple[Array, CohesivePoint] | None:
+    def _without(self, here: CohesivePoint, gone: Index) -> tuple[Array, CohesivePoint] | None:
         """(places, equilibrium) in which the surfaces just touch where zones are about to vanish; None if it was not found."""
         count, period = len(here.zones), self.curve.problem.period
         others = np.delete(here.zones, gone, axis=0)

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.formulation.cohesive import Cohesive
 from contact.formulation.controls import Control
 from contact.formulation.equilibria import Equilibria
 from contact.formulation.fields import ZoneFields
-from contact.formulation.pulled_fields import PulledFields
+from contact.formulation.tension.cohesive import Cohesive
+from contact.formulation.tension.fields import PulledFields
 from contact.search.equilibria import tension as under_tension
 from contact.search.equilibria.arc import pull_off
 from contact.solution.pull_off import PullOff

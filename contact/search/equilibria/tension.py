@@ -1,4 +1,4 @@
-r"""Intervals of tension that are driven outward advance, and those driven inward recede (contact.formulation.cohesive).
+r"""Intervals of tension that are driven outward advance, and those driven inward recede (contact.formulation.tension.cohesive).
 
 The steps are those of contact.search.equilibria.flow. What is different is which intervals there are: new ones begin where the gap comes
 below the reach, and they become one where it is below it all between; they are cut where it comes above. Contact is lost where the load
@@ -13,14 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import NotConverged
-from contact.formulation.cohesive import Cohesive, CohesivePoint, Loose
 from contact.formulation.equilibria import Closed, Equilibria, NoState, Point
 from contact.formulation.maxima import maximum
-from contact.formulation.pulled_contact import Covered, Lost
 from contact.formulation.runs import runs_of
-from contact.formulation.tension import Pulled
-from contact.formulation.tension_intervals import below, fitted, interval_of, joined, unwrapped, within
+from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Loose
+from contact.formulation.tension.contact import Covered, Lost
+from contact.formulation.tension.intervals import below, fitted, interval_of, joined, unwrapped, within
+from contact.formulation.tension.pulled import Pulled
 from contact.search.equilibria import arc, flow
+from contact.search.grid.tension import GridTension
 
 Array = NDArray[np.float64]
 
@@ -38,6 +39,12 @@ _STEPS = 80
 _HALVINGS = 60
 # Over the width of an interval, how far an end goes that contact covers as others advance.
 _FARTHER = 0.01
+# Newton's step of ends that are about to rest, over their intervals and the gaps beside them.
+_ABOUT_TO_REST = 1e-3
+# Parts of the reach that it is made smaller or larger by on a grid, and from how many zones on that is the shorter way.
+_MARGINS, _MANY = (0.02, 0.06, 0.2), 6
+# Of a control, above the least at which a grid holds a contact, from where that is followed to where it comes apart.
+_ABOVE = (0.005, 0.02, 0.08, 0.3)
 # Zones over their intervals: of contact that is all but lost.
 SHRUNK = 0.1
 
@@ -46,26 +53,62 @@ TOO_NARROW = (
 )
 
 
-def advanced(curve: Cohesive, table: Array, value: float) -> CohesivePoint:
+def advanced(curve: Cohesive, table: Array, value: float, guide: GridTension | None = None) -> CohesivePoint:
     """The least equilibrium that holds these intervals, of which all ends are driven outward; `Closed` if there is none."""
+    start = None if guide is None else _guided(curve, guide, table, value, 1.0)
     try:
-        found = _flowed(curve, table, value, 1.0)
+        found = _flowed(curve, table if start is None else start.table, value, 1.0)
     except Covered as covered:
         raise NotConverged(TOO_NARROW) from covered
     assert found is not None
     return found
 
 
-def receded(curve: Cohesive, table: Array, value: float) -> Point | None:
+def receded(curve: Cohesive, table: Array, value: float, guide: GridTension | None = None) -> CohesivePoint | None:
+    """The greatest equilibrium within these intervals, of which all ends are driven inward; None where contact is lost."""
     try:
-        return _flowed(curve, _held(curve, table, value), value, -1.0)
+        start = None if guide is None else _guided(curve, guide, table, value, -1.0)
+        return _flowed(curve, _held(curve, table, value) if start is None else start.table, value, -1.0)
     except Lost:
         return None
 
 
+def guide_of(curve: Cohesive, zones: int) -> GridTension | None:
+    """A grid that ends are guided by, where there are many zones."""
+    held = curve.held
+    if zones < _MANY or (held.load is None and held.approach is None):
+        return None
+    return GridTension.of(curve.problem, held.load is not None)
+
+
+def _guided(curve: Cohesive, guide: GridTension, table: Array | None, value: float, sign: float) -> CohesivePoint | None:
+    """A state from which ends are all driven onward to the same equilibrium as from these intervals (None: tension in all of a period), and
+    not far, by a grid; None where that does not tell. What the grid is wrong by is seen in what drives the ends: of what it makes rest that
+    is the margin."""
+    for margin in _MARGINS:
+        try:
+            found = guide.resting(table, value, sign, 1.0 - sign * margin)
+            here = curve.from_zones(found.table, value, fitted(found.zones, found.table, curve.problem.period), flow.ROUGH)
+        except Closed:
+            if sign > 0 and margin == _MARGINS[-1]:
+                raise
+            continue
+        except Lost:
+            # Where nothing is left of what holds the equilibrium, that is nothing, too.
+            if sign < 0 and margin == _MARGINS[-1]:
+                raise
+            continue
+        except (NoState, NotConverged):
+            continue
+        driven = sign * here.residual
+        if driven.min() > 0.0 and driven.max() < 2 * margin and (_parted if sign > 0 else _grown)(curve, here) is None:
+            return here
+    return None
+
+
 def _held(curve: Cohesive, table: Array, value: float) -> Array:
     """The intervals, with ends that contact covers taken back to where they come from."""
-    before = curve._nearest(table).table
+    before = curve._nearest(table).table if curve.known else table
     for _ in range(_TRIES):
         try:
             curve.at(table, value, flow.ROUGH)
@@ -84,15 +127,48 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
         if new is not None:
             if len(new) == 0:
                 return None
-            zones = fitted(here.zones, new, curve.problem.period)
-            here = curve.from_zones(uncovered(curve, new, value, zones) if sign > 0 else new, value, zones, flow.ROUGH)
+            here = _with_other_intervals(curve, here, new, sign)
             continue
+        if _about_to_rest(curve, here):
+            return here
         ahead, move = _step(curve, here, sign)
         assert isinstance(ahead, CohesivePoint)
         here = ahead
         if move <= flow.REST and np.abs(here.residual).max() <= flow.DRIVEN:
             return here
     raise NotConverged("the ends of the tension did not come to rest under a held control")
+
+
+def _with_other_intervals(curve: Cohesive, here: CohesivePoint, table: Array, sign: float) -> CohesivePoint:
+    zones = fitted(here.zones, table, curve.problem.period)
+    return curve.from_zones(uncovered(curve, table, here.value, zones) if sign > 0 else table, here.value, zones, flow.ROUGH)
+
+
+def _about_to_rest(curve: Cohesive, here: CohesivePoint) -> bool:
+    """Whether a stable equilibrium is so near that Newton's steps alone lead to it."""
+    if here.growth >= 0.0 or np.abs(here.residual).max() > flow.DRIVEN:
+        return False
+    return bool(np.all(np.abs(here.newton) <= _ABOUT_TO_REST * _sizes(curve, here)))
+
+
+def _sizes(curve: Cohesive, here: Point) -> Array:
+    """Of the interval of each end, or of the gap beside it if that is smaller: one that was cut is parted by little at first."""
+    gaps = curve.gaps(here.table)
+    return np.minimum(here.widths, np.concatenate((np.roll(gaps, 1), gaps)))
+
+
+def settled(curve: Cohesive, here: Point, sign: float) -> CohesivePoint | None:
+    """The equilibrium that ends about to rest have come to, tightly; where it has more intervals, or fewer, on from there."""
+    for _ in range(_TRIES):
+        tight = curve.settled(here)
+        new = _parted(curve, tight) if sign < 0 else _grown(curve, tight)
+        if new is None:
+            return tight
+        ahead = (advanced if sign > 0 else receded)(curve, new, here.value) if len(new) else None
+        if ahead is None:
+            return None
+        here = ahead
+    raise NotConverged("the intervals of the tension did not settle under a held control")
 
 
 def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Array:
@@ -112,9 +188,7 @@ def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Arra
 def _step(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     limit, back = flow.limits(curve, here, sign)
     lost, beyond = 0, np.zeros(len(limit))
-    # An interval that was cut is parted by little at first.
-    gaps = curve.gaps(here.table)
-    size = np.minimum(here.widths, np.concatenate((np.roll(gaps, 1), gaps)))
+    size = _sizes(curve, here)
     back_again = 0
     for _ in range(flow.MOST_TRIES):
         if back_again >= _ONE_WAY and here.growth >= 0.0:
@@ -154,8 +228,7 @@ def _let_go(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
     """Where ends that run away drive others the other way, as under a held approach: all ends down the slope of the energy, a step of
     the implicit Euler method, as long as lets them go no farther than they may."""
     onward, back = flow.limits(curve, here, sign)
-    gaps = curve.gaps(here.table)
-    size = np.minimum(here.widths, np.concatenate((np.roll(gaps, 1), gaps)))
+    size = _sizes(curve, here)
     onward, above = np.minimum(onward, _SLOWLY * np.maximum(size, 1e-3 * here.widths)), 1e-3
     for _ in range(flow.MOST_TRIES):
         step: Array = np.linalg.solve(np.diag((max(here.growth, 0.0) + above) * here.weight) - here.rates, here.residual).astype(np.float64)
@@ -229,10 +302,10 @@ def _outside(curve: Cohesive, table: Array) -> list[tuple[float, float]]:
 def pull_off(curve: Cohesive, here: Point) -> Point:
     """Where the last zones come apart as the control falls: at a turning point, or where the last of them has shrunk to a point."""
     def recede(_: Equilibria, table: Array, value: float) -> Point | None:
-        return receded(curve, table, value)
+        return receded(curve, table, value, guide_of(curve, len(curve.known[-1].zones)))
 
     try:
-        return arc.pull_off(curve, here, recede)
+        return arc.pull_off(curve, _about_to_part(curve, here), recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0)
     except Covered as covered:
         raise NotConverged(TOO_NARROW) from covered
     except (Lost, NotConverged):
@@ -242,8 +315,39 @@ def pull_off(curve: Cohesive, here: Point) -> Point:
     return touching(curve, last.table, float(last.zones.mean()))
 
 
+def _highest_within(curve: Cohesive, here: Point) -> float:
+    """The largest gap within the intervals."""
+    assert isinstance(here, CohesivePoint)
+    (x, gap), period, highest = here.look, curve.problem.period, 0.0
+    for a, b in here.table:
+        inner = within(x, a, b, period)
+        if len(inner) > 2:
+            place, value = unwrapped(x[inner], a, b, period), gap[inner]
+            top = int(np.argmax(value[1:-1])) + 1
+            if value[top] >= max(value[top - 1], value[top + 1]) and value[top] > highest:
+                beside = place[top - 1 : top + 2]
+                highest = maximum(lambda at: curve.gap(here, np.asarray(at)), beside, value=value[top - 1 : top + 2])[1]
+    return highest
+
+
+def _about_to_part(curve: Cohesive, here: Point) -> Point:
+    """The equilibrium that this one has come to under a control a little above the least at which a grid holds any; itself without one."""
+    guide = guide_of(curve, len(here.contact))
+    if guide is None:
+        return here
+    least = guide.least_value(here.table, here.value)
+    for above in _ABOVE:
+        rest = receded(curve, here.table, least + above * (here.value - least), guide)
+        if rest is not None:
+            return rest
+    return here
+
+
 def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
     """The same of a contact under tension everywhere: from where the gap somewhere comes to its reach, or to the last touch."""
+    rest = _open_and_about_to_part(curve, zones, value)
+    if rest is not None:
+        return pull_off(curve, rest)
     problem, pulled = curve.problem, curve.everywhere
     assert problem.period is not None
     # Without contact the load is the tension's, and the base gives way to it.
@@ -276,6 +380,25 @@ def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
         return state
     rest = receded(curve, table, high - 1e-9 * (value - lost))
     return state if rest is None else pull_off(curve, rest)
+
+
+def _open_and_about_to_part(curve: Cohesive, zones: Array, value: float) -> Point | None:
+    """The equilibrium that a contact under tension everywhere has come to under a control a little above the least at which a grid holds
+    any; None where that does not tell, or where the tension has not let go before."""
+    guide = guide_of(curve, len(zones))
+    if guide is None:
+        return None
+    least = guide.least_value(None, value)
+    for above in _ABOVE:
+        control = least + above * (value - least)
+        try:
+            start = _guided(curve, guide, None, control, -1.0)
+        except Lost:
+            continue
+        rest = None if start is None else receded(curve, start.table, control)
+        if rest is not None:
+            return rest
+    return None
 
 
 def touching(curve: Cohesive, table: Array, at: float) -> Loose:

@@ -21,8 +21,8 @@ from numpy.typing import ArrayLike, NDArray
 from contact.errors import OutOfRange
 from contact.model.profiles.base import Profile
 from contact.search.grid.conjugate_gradient import GridState, Mask, Response, solve_grid
+from sie import Array, wrapped
 
-Array = NDArray[np.float64]
 Height = Callable[[Array], ArrayLike]
 
 _POINTS = 128  # of a window
@@ -140,8 +140,7 @@ def zones_of(state: GridState, x: ArrayLike, closeness: float = np.inf) -> Array
     new = x0 + h * closed[0]
     zones = np.concatenate((zones, np.column_stack((new, new)) + _NEW * h * np.sqrt(2 * closed[1])[:, None] * [-1.0, 1.0]))
     if wraps:
-        border, period = x0 - 0.5 * h, n * h
-        zones -= period * np.floor((zones[:, :1] - border) / period)
+        zones += wrapped(zones[:, :1], x0 - 0.5 * h, n * h) - zones[:, :1]
     return zones[np.argsort(zones[:, 0])]
 
 

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control, scaled_control
@@ -26,9 +25,7 @@ from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
 from contact.search.grid.coarse import NoWindow, find_window, grid_height
 from contact.search.grid.tilt import Window, held_by, known_part, response_of, tilt_search, window_at_load
-
-Array = NDArray[np.float64]
-
+from sie import Array
 
 # How far from a window it is looked for deeper places, over its half width, at how many, and how often.
 _FARTHEST, _LOOKS, _DESCENTS = 1e8, 1024, 12

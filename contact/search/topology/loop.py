@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import ContactError, SceneError
@@ -25,8 +24,8 @@ from contact.search.topology.intervals import merged
 from contact.search.topology.missed import Missed, WrongTopology, same
 from contact.verify.certificate import NOT_CHECKED, Certificate
 from contact.verify.solved import Solved
+from sie import Array
 
-Array = NDArray[np.float64]
 Progress = Callable[[str, int, int | None], None]
 Timed = Callable[[str], AbstractContextManager[object]]
 Kind = TypeVar("Kind", bound=Solved, covariant=True)
@@ -82,13 +81,14 @@ class Formulation(Protocol[Kind]):
 class Newton:
     """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
     most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at
-    first, over the widths, as far as that is known."""
+    first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with."""
 
     tolerance: float
     value: float = 0.0
     steps: int = 0
     near: bool = False
     off: float = 1.0
+    like: sie.AnyState | None = None
 
 
 def refine_topology(

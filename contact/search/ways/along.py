@@ -7,7 +7,6 @@ corrections of the topology loop, which needs no grid for it: zones are born whe
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
@@ -22,8 +21,7 @@ from contact.search.ways.full_contact import full_under
 from contact.search.ways.gaps import OF_GAPS, by_gaps, tightened_gaps, worth_gaps
 from contact.search.ways.guesses import Outcome
 from contact.solution.solution import Solution
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Values over one another between which a contact counted in the units of one is in good hands.
 _FARTHEST = 16.0

@@ -8,17 +8,16 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged, OutOfRange
-from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.controls import Approach
 from contact.formulation.equilibria import Closed, Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full import FullLimit
-from contact.formulation.loose import LooseFields
-from contact.formulation.pulled_contact import Lost
-from contact.formulation.pulled_fields import fields_of
+from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
+from contact.formulation.tension.contact import Lost
+from contact.formulation.tension.fields import fields_of
+from contact.formulation.tension.loose import LooseFields
 from contact.model.controls import fields_under
 from contact.model.scene import Scene
 from contact.search.equilibria.arc import pull_off
@@ -32,9 +31,7 @@ from contact.search.ways import cohesive
 from contact.search.ways.branches import advancing, frame, to_follow
 from contact.search.ways.guesses import Outcome
 from contact.solution import made
-
-Array = NDArray[np.float64]
-
+from sie import Array
 
 # How far an approach is lowered for surfaces to let go, over its size and the reach of the tension.
 _FAR = 1e6

@@ -14,22 +14,30 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged, OutOfRange
-from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.controls import Load
 from contact.formulation.equilibria import Closed, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
-from contact.formulation.pulled_contact import Lost
-from contact.formulation.pulled_fields import PulledFields, PulledGapFields
-from contact.formulation.tension import Pulled
-from contact.formulation.tension_intervals import below, fitted, united_about
+from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
+from contact.formulation.tension.contact import Lost
+from contact.formulation.tension.fields import PulledFields, PulledGapFields
+from contact.formulation.tension.intervals import below, fitted, united_about
+from contact.formulation.tension.pulled import Pulled
 from contact.model.scene import Scene
-from contact.search.equilibria.tension import TOO_NARROW, advanced, pull_off, pull_off_from_all, receded, uncovered
+from contact.search.equilibria.tension import (
+    TOO_NARROW,
+    advanced,
+    guide_of,
+    pull_off,
+    pull_off_from_all,
+    receded,
+    settled,
+    uncovered,
+)
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.shared import Shared
@@ -43,8 +51,7 @@ from contact.solution.made import mean_height
 from contact.verify.accuracy import Found
 from contact.verify.certificate import certify
 from contact.verify.cohesive import FoundBeside, certified, uncertain
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Tolerance of solutions under the bare law, from which the branch is followed.
 _BARE = 1e-6
@@ -80,16 +87,13 @@ def followed_under_tension(task: Task) -> Outcome:
                 rest = _greatest(task, scaled, curve, value)
             else:
                 rest = _lowered(task, scaled, curve, value)
+            if rest is not None:
+                rest = settled(curve, rest, -1.0 if task.branch == "receding" or value < 0.0 else 1.0)
     except Closed:
         return everywhere(task, problem)
     if rest is None:
         raise OutOfRange(past(curve, _pulled_off(task, scaled, curve), task))
-    here = curve.settled(rest)
-    return solved(task, curve, curve.at(here.moved(_newton(here)), value))
-
-
-def _newton(here: Point) -> Array:
-    return np.asarray(-np.linalg.solve(here.rates, here.residual), dtype=np.float64)
+    return solved(task, curve, rest)
 
 
 def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
@@ -104,7 +108,7 @@ def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
             rest = _receded_from_all(replace(task, scene=_under(task.scene, above * curve.problem.units.height)), curve, above)
         except Closed:
             continue
-        return None if rest is None else receded(curve, rest.table, value)
+        return None if rest is None else _lowered_to(curve, rest, value)
     return None
 
 
@@ -116,7 +120,11 @@ def _lowered(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
         if value >= 0.0:
             raise
         return _greatest(task, scaled, curve, value)
-    return start if value >= 0.0 else receded(curve, start.table, value)
+    return start if value >= 0.0 else _lowered_to(curve, start, value)
+
+
+def _lowered_to(curve: Cohesive, start: Point, value: float) -> Point | None:
+    return receded(curve, start.table, value, guide_of(curve, len(start.contact)))
 
 
 def _pulled_off(task: Task, scaled: ScaledScene, curve: Cohesive) -> Point:
@@ -151,9 +159,7 @@ def advancing(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
         zones = fields.density.zones.table
         table = united_about(below(zones, look, curve.reach, problem.period), _begun(curve, fields), problem.period)
         zones = fitted(zones, table, problem.period)
-    here = advanced(curve, uncovered(curve, table, value, zones), value)
-    assert isinstance(here, CohesivePoint)
-    return here
+    return advanced(curve, uncovered(curve, table, value, zones), value, guide_of(curve, len(zones)))
 
 
 def _refuse_many(zones: int) -> None:
@@ -236,9 +242,7 @@ def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
         half *= _WIDEN
         if inward(half) and all(inward(half * wider) for wider in _WIDER):
             rest = receded(curve, np.array([[middle - half, middle + half]]), max(value, 0.0))
-            if rest is None or value >= 0.0:
-                return rest
-            return receded(curve, rest.table, value)
+            return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)
     raise OutOfRange("no interval of tension is so wide that its ends recede: there is no greatest contact")
 
 
@@ -258,7 +262,7 @@ def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None
         curve.from_zones(table, value, fitted(zones, table, problem.period))
     except Lost:
         return None
-    return receded(curve, table, value)
+    return receded(curve, table, value, guide_of(curve, len(zones)))
 
 
 def under_all(task: Task, problem: Problem) -> Array | None:
@@ -297,8 +301,9 @@ def solved(task: Task, curve: Cohesive, here: Point) -> Found:
     assert isinstance(here, CohesivePoint)
     problem = curve.problem
     pulled = Pulled.of(problem, curve.stress, here.table)
-    by_load = Cohesive(problem, Load(0.0))
-    at_load = by_load.from_zones(here.table, here.load, here.zones)
+    at_load = here
+    if curve.held.load is None:
+        at_load = Cohesive(problem, Load(0.0)).from_zones(here.table, here.load, here.zones)
     fields, free, control = _tight(task, pulled, at_load.load + pulled.pulling.total, here.zones)
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
     whole = replace(fields, law_problem=problem, rate=at_load.rate)

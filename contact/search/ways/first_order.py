@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, HalfWidth, Load, Width
@@ -20,8 +19,8 @@ from contact.formulation.problem import Problem
 from contact.formulation.roots import bracketed
 from contact.model.interactions.isolated import Isolated
 from contact.verify.accuracy import Found
+from sie import Array
 
-Array = NDArray[np.float64]
 Search = Callable[[Problem, Control, Array | None], Found]
 
 _STEPS = 30

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.controls import Control
 from contact.formulation.gaps import GapFields
@@ -17,8 +16,7 @@ from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
 from contact.search.ways.tightened import tightened
 from contact.verify.gap_accuracy import FoundByGaps
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Contact of more than this part of the period is solved by its gaps.
 _NEARLY_FULL = 0.7

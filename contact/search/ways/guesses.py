@@ -14,7 +14,6 @@ from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import ContactError, OutOfRange
 from contact.formulation.controls import Control
@@ -31,8 +30,8 @@ from contact.search.ways.gaps import by_gaps, worth_gaps
 from contact.search.ways.loads import by_fraction
 from contact.verify.accuracy import Found
 from contact.verify.gap_accuracy import FoundByGaps
+from sie import Array
 
-Array = NDArray[np.float64]
 Outcome: TypeAlias = Found | FoundByGaps | Full
 Guess = Callable[[Task, ScaledScene, Array | None], Outcome | Missed]
 

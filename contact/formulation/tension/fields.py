@@ -7,18 +7,17 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from contact.formulation.cohesive import Cohesive, CohesivePoint
 from contact.formulation.controls import Approach, Load, Machine
 from contact.formulation.equilibria import Point
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.gaps import GapFields
-from contact.formulation.loose import LooseFields, beside, on_zones
 from contact.formulation.problem import Problem
-from contact.formulation.tension import Pulled, Tension
-
-Array = NDArray[np.float64]
+from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
+from contact.formulation.tension.loose import LooseFields, beside, on_zones
+from contact.formulation.tension.pulled import Pulled, Tension
+from sie import Array
 
 
 @dataclass(frozen=True, eq=False)

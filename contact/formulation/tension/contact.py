@@ -16,9 +16,10 @@ from contact.errors import NotConverged
 from contact.formulation.controls import Control
 from contact.formulation.equilibria import NoState
 from contact.formulation.fields import ZoneFields
+from contact.formulation.maxima import reaches
 from contact.formulation.runs import runs_of
-from contact.formulation.tension import Pulled
-from contact.formulation.tension_intervals import fitted, interval_of, places
+from contact.formulation.tension.intervals import fitted, interval_of, places
+from contact.formulation.tension.pulled import Pulled
 
 Array = NDArray[np.float64]
 
@@ -45,6 +46,8 @@ _NEW = 0.5
 _FAR, _CUTS = 1e3, np.array([0.25, 1.0, 4.0, 16.0, 64.0])
 # How often a gap is looked at more closely about its extremes.
 _CLOSER = 3
+# Below minus this part of its largest value q pulls; and where it is looked at more closely between two places.
+_PULLS, _BETWEEN = 1e-9, np.linspace(0.0, 1.0, 17)[1:-1]
 # Angles of a zone at which the sign of q is looked at, at the most, where the profile does not vary faster.
 _SIGNS = 128
 
@@ -255,6 +258,23 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
     return np.unique(np.concatenate((*found, *held)))
 
 
+def _looked_closer(fields: ZoneFields, zone: int, place: Array, q: Array, least: float) -> tuple[Array, Array]:
+    """Samples of q on a zone, and more of them about minima that may lie below the least."""
+    density, zones = fields.density, fields.density.zones
+    for _ in range(_CLOSER):
+        inner = np.flatnonzero((q >= least) & (reaches(-q) > 0.0))
+        inner = inner[(inner > 0) & (inner < len(q) - 1)]
+        if len(inner) == 0:
+            break
+        x = np.concatenate([place[i - 1] + (place[i + 1] - place[i - 1]) * _BETWEEN for i in inner])
+        x = np.unique(x[~np.isin(x, place)])
+        left, right = (x - zones.a[zone]) / zones.half[zone], (zones.b[zone] - x) / zones.half[zone]
+        more = density.at(np.full(len(x), zone), left, right) / np.sqrt(left * right)
+        order = np.argsort(np.concatenate((place, x)), kind="stable")
+        place, q = np.concatenate((place, x))[order], np.concatenate((q, more))[order]
+    return place, q
+
+
 def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
     """Zones with pulling parts cut out and new ones where the surfaces overlap; None where there are no such places."""
     assert isinstance(fields.problem, Pulled)
@@ -268,12 +288,13 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
         left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
         q = density.at(np.full(n, i), left, right)[::-1] / np.sqrt(left * right)
         place = zones.a[i] + zones.half[i] * left[::-1]
-        begin = float(zones.a[i])
-        for s, e in runs_of(q < -1e-9 * np.abs(q).max()):
+        begin, least = float(zones.a[i]), -_PULLS * np.abs(q).max()
+        place, q = _looked_closer(fields, int(i), place, q, least)
+        for s, e in runs_of(q < least):
             changed = True
             if s > 0:
                 out.append((begin, float(0.5 * (place[s] + place[s - 1]))))
-            begin = float(0.5 * (place[e] + place[e + 1])) if e < n - 1 else np.inf
+            begin = float(0.5 * (place[e] + place[e + 1])) if e < len(q) - 1 else np.inf
         if np.isfinite(begin):
             out.append((begin, float(zones.b[i])))
     rounding = fields.gap_rounding + 2 * float(np.abs(fields.formal_gap(zones.middle)).max())

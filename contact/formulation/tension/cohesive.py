@@ -1,7 +1,7 @@
 r"""Curves of equilibria under a law that pulls with a constant tension s where the gap is below its reach h.
 
 The ends c of the intervals I = {gap < h} are the unknowns. Under the tension on given I the contact is the frictionless one of a deformed
-profile (contact.formulation.tension): convex, its zones unique. By an outward motion of an end the energy changes by -s (h - gap(c)) ds, so
+profile (pulled.py): convex, its zones unique. By an outward motion of an end the energy changes by -s (h - gap(c)) ds, so
 
     r = 1 - gap(c)/h,   J = dr/ds = -(1/h) d gap(c)/ds,
 
@@ -26,16 +26,18 @@ from contact.formulation.controls import Control
 from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.formulation.pulled_contact import TIGHT, Lost, contact_under, look_around, looked
-from contact.formulation.tension import Pulled
-from contact.formulation.tension_intervals import fitted, interval_of
+from contact.formulation.tension.contact import TIGHT, Lost, contact_under, look_around, looked
+from contact.formulation.tension.intervals import fitted, interval_of
+from contact.formulation.tension.pulled import Pulled
 
 Array = NDArray[np.float64]
 
 # Surfaces that overlap by this part of the reach only touch.
 _TOUCHING = 1e-12
-# To which the densities are solved that rates are told of where zones are many.
-_OF_RATES = 1e-10
+# To which the densities are solved that rates are told of where zones are many: of a state, and of one on the way.
+_OF_RATES, _OF_ROUGH_RATES = 1e-10, 1e-4
+# Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
+_SETTLING, _SETTLED, _ANOTHER = 8, 1e-12, 1e-2
 # States that are remembered.
 _KNOWN = 256
 
@@ -95,12 +97,13 @@ class Loose(Point):
 class Cohesive(Equilibria):
     """Those of a problem whose law has a tension and a reach, both scaled here.
 
-    loose: surfaces that pull without touching are states, too, where the load is not held; formal: the number of zones stays as it is,
-    whatever the signs of q and of the gap."""
+    recent: the last state, of which curve, and how tightly solved. loose: surfaces that pull without touching are states, too, where the
+    load is not held; formal: the number of zones stays as it is, whatever the signs of q and of the gap."""
 
     problem: Problem
     held: Control
     known: list[Known] = field(default_factory=list, compare=False, repr=False)
+    recent: list[tuple[Cohesive, CohesivePoint, float]] = field(default_factory=list, compare=False, repr=False)
     loose: bool = False
     formal: bool = False
 
@@ -131,6 +134,9 @@ class Cohesive(Equilibria):
 
     def from_zones(self, table: Array, value: float, zones: Array, tolerance: float = TIGHT) -> CohesivePoint:
         """The same from a first guess of the zones."""
+        for curve, last, tightly in self.recent:
+            if tightly <= tolerance and curve == self and last.value == value and np.array_equal(last.table, table):
+                return last
         lo, hi = self.problem.borders
         if table[0, 0] <= lo or table[-1, 1] >= hi:
             raise OutOfRange("the tension reaches the border of the part of the profile that is known")
@@ -139,11 +145,12 @@ class Cohesive(Equilibria):
         if point is None or (not self.formal and point.look[1].min() < -_TOUCHING * self.reach):
             try:
                 fields, look = self.contact_under(pulled, value, zones, tolerance)
-                point = self._point(table, value, fields, look)
+                point = self._point(table, value, fields, look, _OF_RATES if tolerance <= TIGHT else _OF_ROUGH_RATES)
             except Lost:
                 if not self._may_be_loose:
                     raise
                 point = self._without_contact(table, value, pulled)
+        self.recent[:] = [(self, point, tolerance)]
         self.known.append(Known(table, value, point.zones, point.by_ends))
         del self.known[:-_KNOWN]
         return point
@@ -207,12 +214,28 @@ class Cohesive(Equilibria):
         return np.asarray(pulled.shape(x) + here.level)
 
     # how it follows ---------------------------------------------------------------------------------------------------
-    def _point(self, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array]) -> CohesivePoint:
+    def settled(self, here: Point) -> CohesivePoint:
+        """The equilibrium near by, tightly."""
+        assert isinstance(here, CohesivePoint)
+        if not any(last is here for _, last, _ in self.recent):
+            here = self.at(here.table, here.value)
+        before = np.inf
+        for _ in range(_SETTLING):
+            size, tight = float(np.abs(here.newton / here.widths).max()), self.recent[0][2] <= TIGHT
+            if size > _ANOTHER or (tight and (size < _SETTLED or size > 0.5 * before)):
+                break
+            before = size if tight else np.inf
+            here = self.at(here.moved(here.newton), here.value)
+        return self.at(here.table, here.value)
+
+    def _point(
+        self, table: Array, value: float, fields: ZoneFields, look: tuple[Array, Array], of_rates: float
+    ) -> CohesivePoint:
         pulled, state = fields.problem, fields.state.whole
         assert isinstance(pulled, Pulled)
         if state.iteration is not None:
             # There are as many right sides as ends: a matrix once, not an iteration for each.
-            state = sie.solve_fixed(pulled.equation(self.control(pulled, value)), state.density.zones, _OF_RATES, direct=True)
+            state = sie.solve_fixed(pulled.equation(self.control(pulled, value)), state.density.zones, of_rates, direct=True)
         tension, density, count = pulled.pulling, state.density, len(table)
         at = np.concatenate((table[:, 0], table[:, 1]))
         strengths = np.hstack((self.stress * np.eye(2 * count), np.zeros((2 * count, 1))))

@@ -1,0 +1,189 @@
+r"""A constant tension beside the contact, on a grid: its intervals as they grow or shrink to rest, many ends and places at once.
+
+Under the tension on intervals I the contact is that of the surfaces which the tension has deformed (conjugate_gradient.py), and
+
+    I -> {gap < h}
+
+keeps order on a half-plane under a held load, h the reach: from intervals all of whose ends are driven outward it grows to the least
+equilibrium that holds them, from such as are driven inward it shrinks to the greatest within. On a grid that costs a few transforms a
+round. A reach taken a little smaller as they grow, and a little larger as they shrink, makes up for what the grid is wrong by: then these
+intervals lie within the ones that are looked for, or hold them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sie
+from contact.errors import NotConverged
+from contact.formulation.equilibria import Closed
+from contact.formulation.problem import Problem
+from contact.formulation.tension.contact import Lost
+from contact.search.grid.coarse import MOST_POINTS, grid_height, zones_of
+from contact.search.grid.conjugate_gradient import GridState, Influence, solve_grid
+from contact.search.grid.proposals import placed, whole_response
+
+Array = NDArray[np.float64]
+
+# Cells to a length over which the profile varies, to the strip that adhesion without range would leave, and in all, at the most.
+_PER_FEATURE, _PER_STRIP, _MOST = 16, 32, 2**18
+# Rounds, the change of a cell's share that ends them, and the tolerance of a contact on the way.
+_ROUNDS, _STILL, _TOL = 400, 0.02, 1e-4
+# Of the control, between a value that holds a contact and one that does not.
+_HALVINGS, _DOUBLINGS = 12, 60
+
+
+@dataclass(frozen=True, eq=False)
+class Resting:
+    """Scaled intervals (m, 2), ascending, and the zones of contact within them."""
+
+    table: Array
+    zones: Array
+    state: GridState
+
+
+@dataclass(frozen=True, eq=False)
+class GridTension(sie.Kept):
+    """problem: with the law that has the tension, of a period; by_load: whether the control is a load, else an approach."""
+
+    problem: Problem
+    points: int
+    by_load: bool
+
+    @classmethod
+    def of(cls, problem: Problem, by_load: bool) -> GridTension | None:
+        """None where nothing repeats, or where what the tension acts on is too narrow for a grid."""
+        profile, law = problem.profile, problem.law
+        if problem.period is None or profile.feature is None or profile.period is None:
+            return None
+        strip = 0.25 * math.pi * problem.units.E_star * law.reach / law.tension
+        wanted = profile.period * max(_PER_FEATURE / profile.feature, _PER_STRIP / strip)
+        if not wanted <= max(_MOST, min(_PER_FEATURE * profile.period / profile.feature, MOST_POINTS)):
+            return None
+        return cls(problem, 2 ** math.ceil(math.log2(max(wanted, 256.0))), by_load)
+
+    @property
+    def cell(self) -> float:
+        """Width of one [m]."""
+        assert self.problem.profile.period is not None
+        return self.problem.profile.period / self.points
+
+    @cached_property
+    def x(self) -> Array:
+        """Their middles [m]."""
+        return np.asarray(self.problem.profile.x0 + self.cell * (np.arange(self.points) + 0.5))
+
+    @cached_property
+    def heights(self) -> Array:
+        profile = self.problem.profile
+        return grid_height(profile, self.x) if self.by_load else np.asarray(profile.height(self.x), dtype=np.float64)
+
+    @cached_property
+    def influence(self) -> Influence:
+        return whole_response(self.problem).on(self.points, self.cell)
+
+    def resting(self, table: Array | None, value: float, sign: float, reach: float, near: GridState | None = None) -> Resting:
+        """Where intervals, or the whole period, come to that grow (sign 1) or shrink (-1), for so many times the reach. Lost, Closed."""
+        limit = reach * self.problem.law.reach
+        share = np.ones(self.points) if table is None else self._shares(table)
+        start = None if near is None else near.pressure
+        for _ in range(_ROUNDS):
+            state = self._contact(share, value, start)
+            new = _shares_below(state.gap - limit)
+            new = np.maximum(share, new) if sign > 0 else np.minimum(share, new)
+            change, share, start = float(np.abs(new - share).max()), new, state.pressure
+            if change < _STILL:
+                break
+        found = self._table(state.gap < limit, state.gap - limit)
+        return Resting(found, placed(self.problem, zones_of(state, self.x)), state)
+
+    def least_value(self, table: Array | None, value: float) -> float:
+        """About the lowest value of the control at which intervals that shrink still come to rest."""
+        high, low = value, self._lost(value)
+        near: Resting | None = None
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (high + low)
+            try:
+                near = self.resting(table if near is None else near.table, middle, -1.0, 1.0, None if near is None else near.state)
+                high = middle
+            except Closed:
+                high = middle
+            except Lost:
+                low = middle
+        return high
+
+    def _lost(self, value: float) -> float:
+        """A value of the control at which nothing is left."""
+        problem, law = self.problem, self.problem.law
+        if self.by_load:
+            return -law.tension * self.cell * self.points / problem.units.load
+        step = law.reach / problem.units.height
+        for _ in range(_DOUBLINGS):
+            try:
+                self.resting(None, value - step, -1.0, 1.0)
+            except Lost:
+                return value - step
+            except Closed:
+                pass
+            step *= 2.0
+        raise NotConverged("no approach at which the surfaces are apart")
+
+    def _contact(self, share: Array, value: float, start: Array | None) -> GridState:
+        units, tension = self.problem.units, self.problem.law.tension
+        deformed = self.heights - self.influence.apply(tension * share)
+        if self.by_load:
+            load = value * units.load + tension * float(share.sum()) * self.cell
+            if not load > 0.0:
+                raise Lost
+            state = solve_grid(deformed, self.influence, load=load, start=start, tol=_TOL)
+        else:
+            state = solve_grid(deformed, self.influence, level=self.problem.lowest + value * units.height, start=start, tol=_TOL)
+        if not state.load > 0.0:
+            raise Lost
+        return state
+
+    def _shares(self, table: Array) -> Array:
+        """What intervals take of each cell."""
+        rows = np.asarray(self.problem.units.x(table)) - self.problem.profile.x0
+        period, n = self.cell * self.points, self.points
+        edges = self.cell * np.arange(n + 1)
+        out = np.zeros(n)
+        for shift in (-period, 0.0, period):
+            for a, b in rows + shift:
+                if b > 0.0 and a < period:
+                    out += np.clip(np.minimum(edges[1:], b) - np.maximum(edges[:-1], a), 0.0, None) / self.cell
+        return np.minimum(out, 1.0)
+
+    def _table(self, below: NDArray[np.bool_], above: Array) -> Array:
+        """Scaled intervals in which the gap is below the limit; above: what it has more than that."""
+        if below.all():
+            raise Closed
+        if not below.any():
+            raise Lost
+        n = self.points
+        first = np.flatnonzero(below & ~np.roll(below, 1))
+        last = np.flatnonzero(below & ~np.roll(below, -1))
+        if last[0] < first[0]:
+            last = np.append(last[1:], last[0] + n)
+        before, after = above[(first - 1) % n], above[(last + 1) % n]
+        left = first - above[first] / (above[first] - before)
+        right = last + above[last % n] / (above[last % n] - after)
+        return np.asarray(self.problem.units.scaled(self.x[0] + self.cell * np.column_stack((left, right))))
+
+
+def _shares_below(above: Array) -> Array:
+    """What of each cell lies where a function, linear between the middles of the cells, is below zero."""
+    half = 0.5 * (above + np.roll(above, -1))
+    return 0.5 * (_part_below(above, half) + np.roll(_part_below(half, np.roll(above, -1)), 1))
+
+
+def _part_below(a: Array, b: Array) -> Array:
+    """Part of a length on which what goes from a to b is below zero."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossing = a / (a - b)
+    return np.where((a < 0) & (b < 0), 1.0, np.where(a < 0, crossing, np.where(b < 0, 1.0 - crossing, 0.0)))
