@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from contact.extras import require
 from contact.search.grid.proposals import about, placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.task import Task
@@ -15,7 +16,6 @@ from contact.search.ways.first_order_several import Closed
 from contact.search.ways.full_contact import Full
 from contact.search.ways.gaps import tightened_gaps
 from contact.search.ways.guesses import Outcome
-from contact.search.ways.strips import centred, first_order
 from contact.search.ways.tightened import tightened
 from contact.verify.accuracy import Found, limit, of_positions, too_thin
 from contact.verify.gap_accuracy import FoundByGaps
@@ -93,9 +93,13 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
         return better if isinstance(better, Found) else None
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
+    strips = require("contact.search.ways.strips")
+    closer: Found
     if not model.follows_isolated:
-        return centred(task, scaled, table)
-    return first_order(task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)), found)
+        closer = strips.centred(task, scaled, table)
+    else:
+        closer = strips.first_order(task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)), found)
+    return closer
 
 
 def _is_rounding(task: Task, found: Found) -> bool:
