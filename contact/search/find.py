@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from contact.errors import OutOfRange
 from contact.extras import require
+from contact.model.controls import Quantity
 from contact.search.feasibility import refuse_below_plateau, refuse_unbounded
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
@@ -32,7 +33,7 @@ _TENSION, _BRANCHES, _STRIPS = "contact.search.ways.cohesive", "contact.search.w
 def found(task: Task) -> Outcome:
     """The contact of the task's scene; raises OutOfRange where there is none, NotConverged where no way led to it."""
     scene = task.scene
-    if task.operator.is_plain and scene.law.convex and scene.contact_fraction != 1.0:
+    if task.operator.is_plain and scene.law.convex and scene.given_fraction != 1.0:
         refuse_below_plateau(scene)
     refuse_unbounded(scene)
     refused: Missed | None = None
@@ -54,7 +55,7 @@ def found(task: Task) -> Outcome:
 
 def _full(task: Task, refused: Missed | None) -> Outcome | Missed:
     """All of the period."""
-    return smallest_full(task) if task.scene.contact_fraction == 1.0 else NOT_MINE
+    return smallest_full(task) if task.scene.given_fraction == 1.0 else NOT_MINE
 
 
 def _branch(task: Task, refused: Missed | None) -> Outcome | Missed:
@@ -76,7 +77,7 @@ def _along(task: Task, refused: Missed | None) -> Outcome | Missed:
 def _at_known_tilt(task: Task, refused: Missed | None) -> Outcome | Missed:
     """A body of unknown tilt, from a solution at hand: its tilt need not be searched for."""
     near, scene = task.near, task.scene
-    if near is None or len(near.zones) == 0 or scene.moment is None or not scene.turned or scene.approach is not None:
+    if near is None or len(near.zones) == 0 or scene.moment is None or not scene.turned or scene.held(Quantity.APPROACH) is not None:
         return NOT_MINE
     scaled = scaled_scene_about(scene, near.tilt or 0.0, near.zones)
     return task.refine_topology(scaled.problem, scaled.control, placed(scaled.problem, near.zones))
@@ -123,14 +124,14 @@ WAYS = (
 def _of_unknown_tilt(task: Task) -> bool:
     """Whether neither tilt nor load is known."""
     scene = task.scene
-    return scene.turned and scene.moment is not None and scene.approach is not None
+    return scene.turned and scene.moment is not None and scene.held(Quantity.APPROACH) is not None
 
 
 def _loads_may_tell(task: Task) -> bool:
     """Whether loads may lead to an approach that the grid does not find: its lowest point may lie above the profile's by more than the
     approach of a lone body, and narrow gaps between its points."""
     scene = task.scene
-    return task.near is None and not scene.turned and scene.approach is not None and scene.interaction.exact
+    return task.near is None and not scene.turned and scene.held(Quantity.APPROACH) is not None and scene.interaction.exact
 
 
 def _of_scaled(task: Task, scaled: ScaledScene) -> Outcome:

@@ -12,6 +12,7 @@ from contact.search.grid.proposals import about, placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.task import Task
 from contact.search.topology.missed import Missed, attempted
+from contact.search.ways.first_order_several import Closed
 from contact.search.ways.full_contact import Full
 from contact.search.ways.gaps import tightened_gaps
 from contact.search.ways.guesses import Outcome
@@ -103,6 +104,6 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
 
 def _is_rounding(task: Task, found: Found) -> bool:
     """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error, or what modes do not show."""
-    if too_thin(found.fields.problem, found.free.density.zones.table):
+    if too_thin(found.fields.problem, found.free.density.zones.table) or (isinstance(found, Closed) and found.rounded):
         return True
     return not found.free.state.iterated and bool(limit(found.free, 4 * task.tol, "zone", 4 * of_positions(found)))

@@ -16,16 +16,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.direct.maps import Map
 from contact.formulation.direct.numbers import Value, largest
 from contact.formulation.direct.series import Table, orders, powers, table
 from contact.model.profiles.base import Profile
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-Index = NDArray[np.intp]
+from sie import Array, Index, Mask
 
 _EPS = float(np.finfo(float).eps)
 # Nodes at first and at the most.
