@@ -42,6 +42,8 @@ Array = NDArray[np.float64]
 _STEPS, _HALVED, _LOOKS, _FAR, _BENT, _SLOW = 40, 4, 4, 1e-2, 1e-4, 0.5
 # Steps in a row of which none halves the misses: zones come and go with every one of them.
 _STALLED, _STALLED_AT_TURN = 4, 1
+# A change of the misses over what ends that are not yet at rest make of them, from which on it tells how they follow the unknowns.
+_ABOVE_NOISE = 10.0
 # Longest step of the centre over the room beside the border, and how often it may be cut to that.
 _TRUSTED, _WILD = 0.25, 2
 # The weakest influence of the unknowns over the strongest, below which solutions turn back.
@@ -418,7 +420,8 @@ class FirstOrderOfSeveral:
                 step[:] = -misses[1] / matrix[1, 0], 0.0, 0.0
             else:
                 off_centre = float(matrix[0, 0] / matrix[1, 0] * misses[1])
-                centred, known = float(misses[0]) - off_centre, _UNSURE * abs(off_centre)
+                centred = float(misses[0]) - off_centre
+                known = _UNSURE * abs(off_centre) + _ABOVE_NOISE * at.strip.tolerance * _width(at.strip)
                 step[1] = bracket.within(float(at.unknowns[1]), centred, known, float(step[1]), asked <= _SLOW * before)
                 step[0] = -(misses[1] + matrix[1, 1] * step[1]) / matrix[1, 0]
             # Grids have told the centre to a part of the room beside the border: steps that leave it lead nowhere.
@@ -429,8 +432,8 @@ class FirstOrderOfSeveral:
                     break
             there, step = self._moved(at, rates, step, asked, watched)
             last, misses = misses, there.misses
-            if asked > _LEAST:
-                by = step[:2]
+            by, noise = step[:2], max(at.strip.tolerance, there.strip.tolerance) * _width(there.strip)
+            if asked > _LEAST and float(np.abs(matrix @ by).max()) > _ABOVE_NOISE * noise:
                 matrix = matrix + np.outer(misses - last - matrix @ by, by / size**2) / float(((by / size) ** 2).sum())
             same = there.same_zones(at)
             watched = watched or not same
