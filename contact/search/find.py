@@ -14,6 +14,7 @@ there is no contact at all.
 from __future__ import annotations
 
 from contact.errors import OutOfRange
+from contact.extras import require
 from contact.model.controls import Quantity
 from contact.search.feasibility import refuse_below_plateau, refuse_unbounded
 from contact.search.grid.proposals import placed
@@ -21,12 +22,12 @@ from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_
 from contact.search.task import Task
 from contact.search.topology.missed import NOT_MINE, Missed, attempted
 from contact.search.ways.along import from_last
-from contact.search.ways.branches import followed
-from contact.search.ways.cohesive import followed_under_tension
 from contact.search.ways.full_contact import smallest_full
 from contact.search.ways.guesses import Outcome, search
 from contact.search.ways.loads import NEAR_LOAD, at_approach, at_level
-from contact.search.ways.strips import centred, first_order
+
+# Loaded by the scenes that they are for.
+_TENSION, _BRANCHES, _STRIPS = "contact.search.ways.cohesive", "contact.search.ways.branches", "contact.search.ways.strips"
 
 
 def found(task: Task) -> Outcome:
@@ -61,7 +62,11 @@ def _branch(task: Task, refused: Missed | None) -> Outcome | Missed:
     """One of several equilibria."""
     if not task.follows_branch:
         return NOT_MINE
-    return (followed_under_tension if task.scene.law.tension else followed)(task)
+    if task.scene.law.tension:
+        outcome: Outcome | Missed = require(_TENSION).followed_under_tension(task)
+    else:
+        outcome = require(_BRANCHES).followed(task)
+    return outcome
 
 
 def _along(task: Task, refused: Missed | None) -> Outcome | Missed:
@@ -132,11 +137,15 @@ def _loads_may_tell(task: Task) -> bool:
 def _of_scaled(task: Task, scaled: ScaledScene) -> Outcome:
     model, near, start = task.scene.interaction, task.near, None
     if model.follows_isolated:
-        return first_order(task, scaled)
+        outcome: Outcome = require(_STRIPS).first_order(task, scaled)
+        return outcome
     # Where one zone is to be found, that is known better in closed form.
     if near is not None and len(near.zones) and not task.single:
         start = placed(scaled.problem, near.zones)
-    return centred(task, scaled, start) if model.strip else search(task, scaled, start)
+    if not model.strip:
+        return search(task, scaled, start)
+    outcome = require(_STRIPS).centred(task, scaled, start)
+    return outcome
 
 
 def _under_loads(task: Task) -> Outcome:

@@ -141,7 +141,8 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False) -> Outcome:
         if task.progress is not None:
             task.progress("coarse grid", 0, None)
         with plan.timed("coarse search"):
-            proposal = proposed(scaled, problem, control, points, held=held)
+            # Its pressures and gaps, of very many points, have told what they tell.
+            proposal = replace(proposed(scaled, problem, control, points, held=held), state=None)
         if points is None:
             most = max(most, min(4 * proposal.points, MOST_POINTS))
         points, full = proposal.points, proposal.full
