@@ -113,9 +113,9 @@ def all_directly(scenes: Sequence[Scene], tol: float) -> list[Solution | None]:
     out: list[Solution | None] = [None] * len(scenes)
     if not scenes or scenes[0].given_load is None:
         return [directly(scene, tol) for scene in scenes]
-    loads = np.array([scene.given_load for scene in scenes]) / (0.5 * scenes[0].E_star)
     left = np.arange(len(scenes))
     with np.errstate(all="ignore"):
+        loads = np.array([scene.given_load for scene in scenes]) / (0.5 * scenes[0].E_star)
         for sheet in sheets(scenes[0]):
             if not len(left):
                 break
