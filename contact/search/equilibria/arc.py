@@ -33,8 +33,8 @@ _PUSH = 0.03
 # Of the control, before the last turning point is looked for; and of steps of the control.
 _HALVINGS, _MOST_TRIES = 5, 160
 # Where a curve is only to be followed: how tightly its states are solved, and how small Newton's last step is; over the step, from how near
-# a turning point ends that are pushed on go the way they go from there.
-_ROUGH, _ROUGHLY, _ABOUT = 1e-9, 1e-6, 1e-3
+# a turning point ends that are pushed on go the way they go from there; and what such a state may be off by.
+_ROUGH, _ROUGHLY, _ABOUT, _OFF = 1e-9, 1e-6, 1e-3, 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +138,7 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Cal
         rest = recede(curve, here.table, middle)
         here, high = (rest, high) if rest is not None else (here, middle)
     while True:
-        step, turns = _ending(curve, here, torn)
+        step, turns = _ending(curve, curve.settled(here), torn)
         # Of those before the last it is enough to know where they are about.
         length = step.turning(False) if step.turns else step.length
         whole = torn(step.start.at)
@@ -225,7 +225,8 @@ def along(curve: Equilibria, here: Place, length: float, tight: bool = True) -> 
         matrix = np.block([[at.rates * widths, at.by_value[:, None] * unit], [tangent[None]]])
         step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
         size = float(np.abs(step).max())
-        if size > (0.3 if k == 0 else 1.0) * abs(length) and size > _TIGHT:
+        # The start, too, may have been solved roughly.
+        if size > (0.3 if k == 0 else 1.0) * max(abs(length), _OFF):
             return None
         if not tight and size < _ROUGHLY:
             return at

@@ -41,8 +41,8 @@ _HALVINGS = 60
 _FARTHER = 0.01
 # Newton's step of ends that are about to rest, over their intervals and the gaps beside them.
 _ABOUT_TO_REST = 1e-3
-# Parts of the reach that it is made smaller or larger by on a grid, and from how many zones on that is the shorter way.
-_MARGINS, _MANY = (0.02, 0.06, 0.2), 6
+# Parts of the reach that it is made smaller or larger by on a grid.
+_MARGINS = (0.02, 0.06, 0.2)
 # Of a control, above the least at which a grid holds a contact, from where that is followed to where it comes apart.
 _ABOVE = (0.005, 0.02, 0.08, 0.3)
 # Zones over their intervals: of contact that is all but lost.
@@ -81,16 +81,18 @@ def receded(curve: Cohesive, table: Array, value: float, guide: GridTension | No
 
 
 def guide_of(curve: Cohesive, zones: int, table: Array | None) -> GridTension | None:
-    """A grid by which ends are guided that move from these intervals (None: from tension in all of a period), where zones are many."""
+    """A grid by which ends are guided that move from these intervals (None: from tension in all of a period); none without contact, or
+    where a spring holds it."""
     held = curve.held
-    if zones < _MANY or (held.load is None and held.approach is None):
+    if zones == 0 or (held.load is None and held.approach is None):
         return None
     return GridTension.of(curve.problem, table, held.load is not None)
 
 
 def _guided(curve: Cohesive, guide: GridTension, table: Array | None, value: float, sign: float) -> CohesivePoint | None:
     """A state from which ends are all driven onward to the same equilibrium as from these intervals (None: tension in all of a period), and
-    not far, by a grid; None where that does not tell. What the grid is wrong by is seen in what drives the ends: of what it makes rest that is the margin."""
+    not far, by a grid; None where that does not tell. What the grid is wrong by is seen in what drives the ends: of what it makes rest that
+    is the margin."""
     for margin in _MARGINS:
         try:
             found = guide.resting(table, value, sign, 1.0 - sign * margin)

@@ -30,8 +30,9 @@ from contact.search.grid.proposals import placed, whole_response
 
 Array = NDArray[np.float64]
 
-# Cells to a length over which the profile varies, to the strip that adhesion without range would leave, and in all, at the most and at the least.
-_PER_FEATURE, _PER_STRIP, _MOST, _FEWEST = 16, 32, 2**18, 256.0
+# Cells to a length over which the profile varies, to the strip that adhesion without range would leave, and in all at the least; so many
+# are few, so many times as many as the profile asks for may be asked for by strips, and so many at the most.
+_PER_FEATURE, _PER_STRIP, _FEWEST, _FEW, _FINER, _MOST = 16, 32, 256.0, 2**14, 8, 2**18
 # Beside the intervals of a lone body, over what they span, the window of the grid.
 _AROUND = 0.25
 # Rounds, the change of a cell's share that ends them, and the tolerance of a contact on the way.
@@ -74,8 +75,10 @@ class GridTension(sie.Kept):
             x0, width = float(window[0]), float(window[1] - window[0])
         feature = width if profile.feature is None else profile.feature
         strip = 0.25 * math.pi * units.E_star * law.reach / law.tension
-        wanted = width * max(_PER_FEATURE / feature, _PER_STRIP / strip)
-        if not wanted <= max(_MOST, min(_PER_FEATURE * width / feature, MOST_POINTS)):
+        least = _PER_FEATURE * width / feature
+        wanted = max(least, _PER_STRIP * width / strip)
+        # Of few zones on narrow strips the way itself is shorter than so fine a grid.
+        if not wanted <= max(_FEW, min(_FINER * least, _MOST), min(least, MOST_POINTS)):
             return None
         return cls(problem, x0, width, 2 ** math.ceil(math.log2(max(wanted, _FEWEST))), by_load)
 

@@ -29,7 +29,15 @@ from contact.formulation.tension.fields import PulledFields, PulledGapFields
 from contact.formulation.tension.intervals import below, fitted, united_about
 from contact.formulation.tension.pulled import Pulled
 from contact.model.scene import Scene
-from contact.search.equilibria.tension import TOO_NARROW, advanced, guide_of, pull_off, pull_off_from_all, receded, settled
+from contact.search.equilibria.tension import (
+    TOO_NARROW,
+    advanced,
+    guide_of,
+    pull_off,
+    pull_off_from_all,
+    receded,
+    settled,
+)
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
 from contact.search.shared import Shared
