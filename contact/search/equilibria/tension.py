@@ -324,17 +324,22 @@ def pull_off(curve: Cohesive, here: Point) -> Point:
 
 
 def _highest_within(curve: Cohesive, here: Point) -> float:
-    """The largest gap within the intervals."""
+    """The largest gap within the intervals, but for what begins at their ends."""
     assert isinstance(here, CohesivePoint)
     (x, gap), period, highest = here.look, curve.problem.period, 0.0
     for a, b in here.table:
         inner = within(x, a, b, period)
-        if len(inner) > 2:
-            place, value = unwrapped(x[inner], a, b, period), gap[inner]
-            top = int(np.argmax(value[1:-1])) + 1
-            if value[top] >= max(value[top - 1], value[top + 1]) and value[top] > highest:
-                beside = place[top - 1 : top + 2]
-                highest = maximum(lambda at: curve.gap(here, np.asarray(at)), beside, value=value[top - 1 : top + 2])[1]
+        place, value = unwrapped(x[inner], a, b, period), gap[inner]
+        nearer = np.flatnonzero(value < curve.reach)
+        if len(nearer) < 2:
+            continue
+        value = value[nearer[0] : nearer[-1] + 1]
+        top = int(np.argmax(value))
+        if 0 < top < len(value) - 1 and value[top] > highest:
+            at = nearer[0] + top
+            highest = maximum(
+                lambda y: curve.gap(here, np.asarray(y)), place[at - 1 : at + 2], value=value[top - 1 : top + 2]
+            )[1]
     return highest
 
 

@@ -118,7 +118,10 @@ class GridTension(sie.Kept):
             change, share, start = float(np.abs(new - share).max()), new, state.pressure
             if change < _STILL:
                 break
-        found = self._table(state.gap < limit, state.gap - limit)
+        below = state.gap < limit
+        if np.any(~below & (share == 1.0) if sign > 0 else below & (share == 0.0)):
+            raise NotConverged("the ends of the tension are not all driven one way")
+        found = self._table(below, state.gap - limit)
         return Resting(found, placed(self.problem, zones_of(state, self.x)), state)
 
     def least_value(self, table: Array | None, value: float) -> float:
