@@ -7,8 +7,8 @@ With X^2 the product over all zone ends, p = -s on the strips between the zones 
 is f' - (2/E*)(1/pi) int p/(z - xi) d xi, f' its polynomial part: beside the zones it is the slope of the gap, on the zones
 p = +-(E*/2)|X| R. M is a polynomial. Its lower coefficients follow from linear conditions: one approach of all zones, and the reach
 w/s as the gap at every end of an interval; its highest one is free and says how sharply the body curves away. Derived from the general
-solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11, which is bounded at the ends, and the tension of D. S. Dugdale,
-J. Mech. Phys. Solids 8 (1960) 100, doi 10.1016/0022-5096(60)90013-2.
+solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11, which is bounded at the ends, and the tension of
+D. S. Dugdale, J. Mech. Phys. Solids 8 (1960) 100, doi 10.1016/0022-5096(60)90013-2.
 
 At a strip of width w the integral over it is, with zeta the root of the distance from the zone's end over w and 1/X = h/root(distance),
 
@@ -204,34 +204,34 @@ class CohesiveDesign:
         modes = chebyshev.chebvander(t, self._count) * self._root(t)[..., None]
         return modes, self._tension * by_tension
 
-    def _risen(self, gap: int, start: float, stop: float) -> tuple[Array, float]:
-        """int of the slope between two places of a gap, of which either may be the end of a zone: by the coefficients, by the tension."""
+    def _risen(self, gap: int, start: float, stop: Array) -> tuple[Array, Array]:
+        """int of the slope from the end of a zone to places (P,) of the gap beside it: by the coefficients, and by the tension."""
         u, weight = _gauss(_WAY)
-        half = 0.5 * (stop - start)
+        half = 0.5 * (stop - start)[:, None]
         t = start + half * (1 - np.cos(pi * u))
         modes, rest = self._smooth_slope(gap, t)
         weight = weight * half * pi * np.sin(pi * u)
-        out = float(weight @ rest)
+        out = np.sum(weight * rest, axis=1)
         for strip in self._strips:
             if strip.gap == gap and strip.direction:
-                y = [strip.direction * (place - strip.end) for place in (start, stop)]
-                out += 2 * self._tension * (_risen(y[1], strip.width) - _risen(y[0], strip.width))
-        return weight @ modes, out
+                before, after = (_risen(strip.direction * (place - strip.end), strip.width) for place in (np.array(start), stop))
+                out = out + 2 * self._tension * (after - before)
+        return np.einsum("pw,pwk->pk", weight, modes), out
 
     @cached_property
     def _smooth(self) -> Array:
         """Coefficients of M."""
-        middle, half = self._frame
+        half = self._frame[1]
         rows, right = [], []
         for strip in self._strips:
             if strip.direction:
-                by, rest = self._risen(strip.gap, strip.end, strip.end + strip.direction * strip.width)
-                rows.append(by)
-                right.append(self.reach / half - rest)
+                by, rest = self._risen(strip.gap, strip.end, np.array([strip.end + strip.direction * strip.width]))
+                rows.append(by[0])
+                right.append(self.reach / half - rest[0])
         for gap in range(1, len(self.zones)):
-            by, rest = self._risen(gap, self._ends[2 * gap - 1], self._ends[2 * gap])
-            rows.append(by)
-            right.append(-rest)
+            by, rest = self._risen(gap, self._ends[2 * gap - 1], self._ends[2 * gap : 2 * gap + 1])
+            rows.append(by[0])
+            right.append(-rest[0])
         matrix = np.array(rows)
         lower = np.linalg.solve(matrix[:, :-1], np.array(right) - self.rise * matrix[:, -1])
         return np.append(lower, self.rise)
@@ -314,16 +314,16 @@ class CohesiveDesign:
 
     def gap(self, x: ArrayLike) -> Array:
         """The gap [m], from the end of the nearest zone on."""
-        t = np.atleast_1d(self._scaled(x))
-        out = np.zeros(t.shape)
-        for i, place in enumerate(t.ravel()):
-            zone = int(np.searchsorted(self._ends, place))
-            if zone % 2 == 0:
-                gap = zone // 2
-                beside = [self._ends[k] for k in (zone - 1, zone) if 0 <= k < len(self._ends)]
-                start = min(beside, key=lambda end: abs(end - place))
-                by, rest = self._risen(gap, start, float(place))
-                out.flat[i] = self._frame[1] * (by @ self._smooth + rest)
+        t = np.atleast_1d(self._scaled(x)).ravel()
+        out, zone = np.zeros(t.shape), np.searchsorted(self._ends, t)
+        for beside in np.unique(zone[zone % 2 == 0]):
+            ends = [self._ends[k] for k in (beside - 1, beside) if 0 <= k < len(self._ends)]
+            nearest = np.argmin([np.abs(t - end) for end in ends], axis=0)
+            for which, start in enumerate(ends):
+                here = (zone == beside) & (nearest == which)
+                if here.any():
+                    by, rest = self._risen(int(beside) // 2, float(start), t[here])
+                    out[here] = self._frame[1] * (by @ self._smooth + rest)
         return np.asarray(out.reshape(np.shape(x)))
 
     @cached_property
@@ -350,9 +350,9 @@ def _gauss(count: int) -> tuple[Array, Array]:
     return 0.5 * (1 + x), 0.5 * weight
 
 
-def _risen(y: float, width: float) -> float:
+def _risen(y: Array, width: float) -> Array:
     """int_0^y artanh of the root of y/w or w/y."""
-    if y <= 0.0:
-        return 0.0
-    ratio = min(y, width) / max(y, width)
-    return float((y - width) * np.arctanh(np.sqrt(ratio)) + np.sqrt(width * y)) if ratio < 1.0 else width
+    ratio = np.minimum(y, width) / np.maximum(y, width)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rest = (y - width) * np.arctanh(np.sqrt(ratio))
+    return np.asarray(np.where(np.isfinite(rest), rest, 0.0) + np.sqrt(width * np.maximum(y, 0.0)))
