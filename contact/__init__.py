@@ -4,48 +4,51 @@ from typing import TYPE_CHECKING, Any
 
 # First: a command may be interrupted while the rest is imported.
 from contact import interrupts  # noqa: F401  isort: skip
-from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
 from contact.extras import require, version
-from contact.model.controls import Control
-from contact.model.interactions import Interaction, Isolated, Localized, Periodic
-from contact.model.laws import JKR, Dugdale, Frictionless, Law
-from contact.model.profiles import (
-    Biquadratic,
-    Combined,
-    Flat,
-    Fourier,
-    Parabola,
-    Polynomial,
-    Profile,
-    Sampled,
-    Sinusoid,
-    Wedge,
-    read_trace,
-    self_affine,
-)
-from contact.model.registry import (
-    controls,
-    interaction,
-    interactions,
-    law,
-    laws,
-    profile,
-    profiles,
-    register_control,
-    register_interaction,
-    register_law,
-    register_profile,
-    register_substrate,
-    substrate,
-    substrates,
-)
-from contact.model.scene import E_star, Scene
-from contact.model.scene_file import load_scene
-from contact.model.substrates import HalfPlane, Layer, Substrate
-from contact.solution.plan import Plan, plan
-from contact.solution.solution import Solution
-from contact.solver import solve
-from contact.sweeps.curve import solve_many
+from sie import uncollected
+
+with uncollected():
+    from contact.errors import ContactError, MissingExtra, ModelWarning, NotConverged, OutOfRange, SceneError
+    from contact.model.controls import Control
+    from contact.model.interactions import Interaction, Isolated, Localized, Periodic
+    from contact.model.laws import JKR, Dugdale, Frictionless, Law
+    from contact.model.profiles import (
+        Biquadratic,
+        Combined,
+        Flat,
+        Fourier,
+        Parabola,
+        Polynomial,
+        Profile,
+        Sampled,
+        Sinusoid,
+        Wedge,
+        read_trace,
+        self_affine,
+    )
+    from contact.model.registry import (
+        controls,
+        interaction,
+        interactions,
+        law,
+        laws,
+        profile,
+        profiles,
+        register_control,
+        register_interaction,
+        register_law,
+        register_profile,
+        register_substrate,
+        substrate,
+        substrates,
+    )
+    from contact.model.scene import E_star, Scene
+    from contact.model.scene_file import load_scene
+    from contact.model.substrates import HalfPlane, Layer, Substrate
+    from contact.solution.plan import Plan, plan
+    from contact.solution.solution import Solution
+    from contact.solver import solve
+    from contact.sweeps.curve import solve_many
 
 if TYPE_CHECKING:
     from contact.explorer.explore import explore

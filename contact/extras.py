@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from contact.errors import MissingExtra
+from sie import uncollected
 
 # Which extra installs a package that a plain install does not bring.
 EXTRAS = {
@@ -23,7 +24,8 @@ SOURCE = Path(__file__).parents[1]
 def require(name: str) -> Any:
     """The module of a name; MissingExtra that says what installs it where it cannot be imported."""
     try:
-        return importlib.import_module(name)
+        with uncollected():
+            return importlib.import_module(name)
     except ImportError as error:
         # A room of this package is there: what it lacks is what it imports.
         package = (error.name if name.startswith("contact.") and error.name else name).partition(".")[0]

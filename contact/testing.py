@@ -14,7 +14,6 @@ from math import ceil, log2
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import ContactError, SceneError, shown
 from contact.model.profiles.base import Profile
@@ -23,8 +22,7 @@ from contact.model.profiles.derive import by_ladder
 from contact.model.profiles.one_sided import Seen, jumps_at
 from contact.model.substrates.base import Substrate
 from contact.model.substrates.declared import require_body
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _POINTS = 400
 _SAME = 1e-9  # of the largest value met: two evaluations of one quantity

@@ -5,9 +5,11 @@ from typing import TYPE_CHECKING, Any
 from sie.fast import lazy
 
 if TYPE_CHECKING:
+    from sie.basis.arrays import Array, Complex, Index, Mask
     from sie.basis.ends import BOUNDED, FREE, SINGULAR, End, free_with_intensity
     from sie.basis.kept import Kept
     from sie.basis.kernels import Kernel, Smooth, cauchy, hilbert, images
+    from sie.basis.places import nearest_image, wrapped
     from sie.basis.zones import Zones
     from sie.collocation.fixed import SingularSystem, State, solve_fixed
     from sie.density.density import Density
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
         moment,
     )
     from sie.equation.equation import CountError, Equation, Forcing
+    from sie.fast.lazy import uncollected
     from sie.fast.piecewise import PiecewiseTransform
     from sie.free_ends.end_rates import EndRates, end_motions, end_rates
     from sie.free_ends.newton import Free, find_ends
@@ -34,24 +37,28 @@ if TYPE_CHECKING:
     from sie.solver import NotConverged, Solution, solve
 
 __all__ = [
-    "Amplitude", "Answers", "AnyDensity", "AnyState", "BOUNDED", "Condition", "CountError", "Density", "End", "EndRates",
-    "EqualPotential", "Equation", "FREE", "Forcing", "Free", "Kept", "Kernel", "Level", "NotConverged",
+    "Amplitude", "Answers", "AnyDensity", "AnyState", "Array", "BOUNDED", "Complex", "Condition", "CountError", "Density", "End",
+    "EndRates", "EqualPotential", "Equation", "FREE", "Forcing", "Free", "Index", "Kept", "Kernel", "Level", "Mask", "NotConverged",
     "PiecewiseTransform", "Rows", "SINGULAR", "SingularSystem", "SlitDensity", "Smooth", "Solution", "State", "Total",
     "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_motions", "end_rates",
-    "find_ends", "free_with_intensity", "hilbert", "images", "moment", "solve", "solve_fixed", "solve_zones",
+    "find_ends", "free_with_intensity", "hilbert", "images", "moment", "nearest_image", "solve", "solve_fixed",
+    "solve_zones", "uncollected", "wrapped",
 ]
 
 # Loaded when they are first asked for: a program that needs a zone does not load the search for ends. The imports above, for readers and
 # type checkers, say the same.
 _HOMES = {
+    "sie.basis.arrays": "Array Complex Index Mask",
     "sie.basis.ends": "BOUNDED FREE SINGULAR End free_with_intensity",
     "sie.basis.kept": "Kept",
     "sie.basis.kernels": "Kernel Smooth cauchy hilbert images",
+    "sie.basis.places": "nearest_image wrapped",
     "sie.basis.zones": "Zones",
     "sie.collocation.fixed": "SingularSystem State solve_fixed",
     "sie.density.density": "Density",
     "sie.equation.conditions": "Amplitude Condition EqualPotential Level Rows Total TotalWidth Weighted ZoneMoments ZoneTotals moment",
     "sie.equation.equation": "CountError Equation Forcing",
+    "sie.fast.lazy": "uncollected",
     "sie.fast.piecewise": "PiecewiseTransform",
     "sie.free_ends.end_rates": "EndRates end_motions end_rates",
     "sie.free_ends.newton": "Free find_ends",

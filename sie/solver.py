@@ -6,16 +6,14 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem
 from sie.equation.equation import Equation
 from sie.free_ends.newton import Free, find_ends
 from sie.slits.system import AnyDensity, AnyState, solve_zones
-
-Array = NDArray[np.float64]
 
 _EPS = float(np.finfo(float).eps)
 # What the coefficients are asked for at least, over the tolerance; and what the ends are asked for in turn, until the error is met.

@@ -15,17 +15,16 @@ from math import inf, isinf, log, pi, sqrt
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
-from contact.axisymmetric.derived import interpolated
+from contact.axisymmetric.lattices import own_radius
 from contact.axisymmetric.profiles import AxisymmetricProfile
 from contact.axisymmetric.quadrature import panels
 from contact.axisymmetric.system import Surface
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite_array
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _ROWS = 64  # radii taken together: bounds the memory of a field
 _SAMPLES = 48
@@ -125,7 +124,7 @@ class Spot(sie.Kept):
     @property
     def circle(self) -> float:
         """A = (pi N)^(-1/2) [m], the circle whose area is a spot's share; inf for a spot alone."""
-        return 1.0 / sqrt(pi * self.density) if self.density > 0 else inf
+        return own_radius(self.density) if self.density > 0 else inf
 
     def pressure(self, r: ArrayLike) -> Array:
         """p(r) [Pa], 0 outside the spot."""
@@ -158,7 +157,7 @@ class Spot(sie.Kept):
             x = self.radius * np.sqrt(0.5 * (1.0 + z))
             return self.surface.kept_slope(x) / x
 
-        return interpolated(bend, degree)
+        return np.asarray(chebyshev.chebinterpolate(bend, degree))  # type: ignore[type-var]
 
     @cached_property
     def _gauss(self) -> tuple[Array, Array]:

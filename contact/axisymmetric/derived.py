@@ -7,30 +7,19 @@ function takes complex numbers; one more derivative is the series' own.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 
-from contact.model.profiles.derive import by_ladder
-
-Array = NDArray[np.float64]
+from contact.model.profiles.derive import by_ladder, imaginary
+from sie import Array
 
 _DEGREES = (24, 96, 384)
 _RESOLVED = 1e-12  # of the largest coefficient, where the series may end
 _LOWEST = -1000
 _STEP = 1e-30  # relative; its square is far below rounding, and no product underflows
-
-
-def interpolated(function: Callable[[Array], Array], degree: int) -> Array:
-    """Chebyshev coefficients on [-1, 1] of that degree."""
-    nodes = chebyshev.chebpts1(degree + 1)
-    fit = np.array(chebyshev.chebvander(nodes, degree).T @ function(nodes), dtype=np.float64) * (2.0 / (degree + 1))
-    fit[0] *= 0.5
-    return fit
 
 
 class LogDerivative:
@@ -59,16 +48,8 @@ class LogDerivative:
         return by_step
 
     def _complex_step(self, r: Array) -> Array | None:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("error")  # a cast that discards the imaginary part is a warning of numpy
-            try:
-                value = np.asarray(self._function(r * complex(1.0, _STEP)))
-            except Exception:  # an author's function may refuse complex numbers in any way it likes
-                return None
-        if value.dtype.kind != "c" or value.shape != r.shape:
-            return None
-        slope = np.asarray(value.imag / _STEP, dtype=np.float64)
-        return slope if np.isfinite(slope).all() else None
+        value = imaginary(self._function, r * complex(1.0, _STEP))
+        return None if value is None else value / _STEP
 
 
 class Octaves:
@@ -104,7 +85,7 @@ class Octaves:
                 return self._r_slope(0.25 * half * (t + 3.0))
 
             for degree in _DEGREES:
-                series = interpolated(at, degree)
+                series: Array = np.asarray(chebyshev.chebinterpolate(at, degree))  # type: ignore[type-var]
                 size = np.max(np.abs(series))
                 if not np.max(np.abs(series[-4:])) > _RESOLVED * size:
                     break

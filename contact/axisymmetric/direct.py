@@ -13,14 +13,13 @@ from math import pi
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.axisymmetric.profiles import as_profile
 from contact.axisymmetric.quadrature import FROM_LEFT, FROM_RIGHT, WEIGHT, panels
 from contact.errors import SceneError
 from contact.model.checks import finite_array, positive
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 def direct_kernel(r: ArrayLike, s: ArrayLike, a: float, apart: ArrayLike | None = None) -> Array:

@@ -26,8 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.axisymmetric.lattice_sums import epstein
 from contact.axisymmetric.lattices import Lattice, Site, group
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _NEAR = 3.5  # spacings: beyond, (x - t)^2/D^2 < 1/12
 _TERMS = 16  # 12^-16 is below rounding
@@ -114,7 +113,7 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
         whole = np.array([sum(epstein(lattice, s, -int(p)) for s in shifts) for p in powers])
         sums = whole - np.sum(counts * radii ** powers[:, None], axis=1)
     else:
-        own = any(_on_lattice(lattice, s) for s in shifts)
+        own = any(lattice.holds(s) for s in shifts)
         circle = sqrt((kept.size + own) / (pi * density))
         if not kept.size:
             return Surroundings(None, circle, density)
@@ -124,8 +123,3 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
     return Surroundings(
         NeighbourKernel(radii[near] * lattice.spacing, counts[near], _BINOMIAL * sums, lattice.spacing), circle, density
     )
-
-
-def _on_lattice(lattice: Lattice, shift: Site) -> bool:
-    rest = np.array([shift[0] - round(shift[0]), shift[1] - round(shift[1])])
-    return float(np.hypot(*(rest @ lattice.unit_basis))) < 1e-9

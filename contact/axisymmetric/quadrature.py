@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from sie import Array
 
 _STEP = 0.08
 

@@ -301,24 +301,22 @@ def _outputs(
 ) -> dict[Path, Write]:
     """The files asked for and how each is written; what cannot be written is refused before anything is solved."""
     outputs: dict[Path, Write] = {}
-    if save is not None:
-        outputs[checked("--save", save, (".nc", ".json"), overwrite)] = write_json if save.suffix.lower() == ".json" else write_netcdf
-        if save.suffix.lower() == ".nc":
-            for needed in ("xarray", "h5netcdf", "h5py"):
-                require(needed)
-    if table is not None:
-        outputs[checked("--csv", table, (".csv",), overwrite)] = write_csv
-    if fields is not None:
-        _distinct("--fields", fields, outputs)
-        outputs[checked("--fields", fields, (".csv",), overwrite)] = write_fields
+    asked: tuple[tuple[str, Path | None, dict[str, Write]], ...] = (
+        ("--save", save, {".nc": write_netcdf, ".json": write_json}), ("--csv", table, {".csv": write_csv}),
+        ("--fields", fields, {".csv": write_fields}),
+    )
+    for option, path, writers in asked:
+        if path is None:
+            continue
+        if path in outputs:
+            raise SceneError.of(option, str(path), "another file than the other options name")
+        ending = path.suffix.lower()
+        outputs[checked(option, path, writers, overwrite)] = writers[ending]
+        for needed in ("xarray", "h5netcdf", "h5py") if ending == ".nc" else ():
+            require(needed)
     if figure is not None:
         outputs[checked_figure(figure)] = _write_figure
     return outputs
-
-
-def _distinct(option: str, path: Path, outputs: Mapping[Path, Write]) -> None:
-    if path in outputs:
-        raise SceneError.of(option, str(path), "another file than the other options name")
 
 
 def _write_figure(solution: Answer, path: Path, overwrite: bool) -> None:

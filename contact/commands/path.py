@@ -8,7 +8,6 @@ from pathlib import Path
 
 import click
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.commands.options import QUIET, SCENE, TOL, scene_of
 from contact.commands.outputs import OVERWRITE, checked, checked_figure
@@ -24,6 +23,7 @@ from contact.sweeps.path import path
 from contact.sweeps.path_table import columns
 from contact.sweeps.paths import Path as LoadPath
 from contact.sweeps.points import NUMBERS
+from sie import Array
 
 # Columns of the table, with digits: what an 80-column screen holds.
 _SHOWN = {
@@ -84,7 +84,7 @@ def path_command(
             click.echo(f"written: {written}")
 
 
-def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[str, NDArray[np.float64]]:
+def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[str, Array]:
     """The control, and its values."""
     names = [name for name, text in given.items() if text is not None]
     if len(names) != 1:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from math import isfinite
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import SceneError
+from sie import Array
 
 _MOST = 100_000
 
 
-def values_of(option: str, text: str) -> NDArray[np.float64]:
+def values_of(option: str, text: str) -> Array:
     """N even values from A to B, evenly spaced in their logarithm with `:log`; both ends are among them."""
     try:
         values = _between(text.split(":")) if ":" in text else np.array([float(part) for part in text.split(",")])
@@ -25,7 +25,7 @@ def values_of(option: str, text: str) -> NDArray[np.float64]:
     return values
 
 
-def _between(parts: list[str]) -> NDArray[np.float64]:
+def _between(parts: list[str]) -> Array:
     """Of the parts between colons; none where they make no sense."""
     logarithmic = len(parts) == 4 and parts[3] == "log"
     first, last, count = float(parts[0]), float(parts[1]), int(parts[2]) if len(parts) > 2 else 0

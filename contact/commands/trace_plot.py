@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.model.traces.prepare import Trace
 from contact.model.traces.roughness import Roughness
 from contact.model.units import prefix, quantity
 from contact.solution.panels import new_figure
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _BEFORE, _AFTER, _LOST = "#9a9a9a", "#1f5a92", "#b3261e"
 _LONGEST = 90  # letters of a title

@@ -8,7 +8,6 @@ from html import escape
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import ContactError, NotConverged, unwarned
 from contact.model.scene import Scene
@@ -16,8 +15,7 @@ from contact.model.units import prefix, quantity
 from contact.solution.sampling import positions, surfaces, window, zones_within
 from contact.solution.solution import Solution
 from contact.solver import solve
-
-Array = NDArray[np.float64]
+from sie import Array
 
 POINTS = 4000  # of a stretch: a few on each pixel column of a screen
 FEW = 500  # while a hand moves: one on every second column, and those at the ends of the zones

@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.formulation.fields import NoZones, mean_shape
 from contact.formulation.problem import Problem
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 @dataclass(frozen=True, eq=False)

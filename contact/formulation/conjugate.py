@@ -18,15 +18,15 @@ from functools import cached_property, partial
 from math import pi
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.polynomial.polynomial import polyval
+from numpy.typing import ArrayLike
 from scipy import fft
 from scipy.special import zeta
 
 import sie
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _LARGEST = 2**18
 _LEAST = 256
@@ -68,7 +68,7 @@ class Conjugate(sie.Kept):
         profile, length = self.profile, self.period
         if len(profile.bodies) > 1:
             # Of a sum the sum, each by the way that is its own: logarithms that repeat within the period are one of the shorter period.
-            parts = {place: conjugate_of(body).smooth for place, body in profile.bodies.items()}
+            parts = {place: Conjugate(body).smooth for place, body in profile.bodies.items()}
             return lambda x: np.asarray(sum(parts[place](at) for place, at in profile.facing(x).items()))
         given = profile.slope_conjugate(np.array([profile.x0 + 0.4142 * length])) is not None
         if given and len(self.kinks) == 0:
@@ -84,11 +84,6 @@ class Conjugate(sie.Kept):
 def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
     """sum of (J / pi) ln|2 sin(pi (x - s) / L)|."""
     return _over_jumps(x, at, heights / pi, period, log_sine)
-
-
-def conjugate_of(profile: Profile) -> Conjugate:
-    """H f' of a periodic profile."""
-    return Conjugate(profile)
 
 
 def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], bool]:
@@ -191,7 +186,7 @@ def clausen2(u: Array) -> Array:
     square = angle * angle
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(angle == 0, 0.0, angle * (1 - np.log(np.abs(angle))))
-    return np.asarray(own + angle * square * _horner(_SECOND, square))
+    return np.asarray(own + angle * square * polyval(square, _SECOND))
 
 
 def clausen3(u: Array) -> Array:
@@ -200,11 +195,4 @@ def clausen3(u: Array) -> Array:
     square = angle * angle
     with np.errstate(divide="ignore", invalid="ignore"):
         own = np.where(angle == 0, 0.0, 0.5 * square * (np.log(np.abs(angle)) - 1.5))
-    return np.asarray(_ZETA3 + own - square * square * _horner(_THIRD, square))
-
-
-def _horner(coefficients: Array, x: Array) -> Array:
-    out = np.zeros_like(x)
-    for c in coefficients[::-1]:
-        out = out * x + c
-    return out
+    return np.asarray(_ZETA3 + own - square * square * polyval(square, _THIRD))

@@ -19,15 +19,14 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import OutOfRange
 from contact.formulation.units import Units
 from contact.model.controls import Quantity
 from contact.model.scene import Scene
+from sie import Array
 
-Array = NDArray[np.float64]
 Conditions = tuple[tuple[sie.Condition, ...], tuple[sie.TotalWidth, ...]]
 
 
@@ -37,22 +36,26 @@ class Control:
 
     value: float
     name: ClassVar[str]
+    quantity: ClassVar[Quantity | None] = None
+
+    def _if(self, quantity: Quantity) -> float | None:
+        return self.value if self.quantity is quantity else None
 
     @property
     def load(self) -> float | None:
-        return None
+        return self._if(Quantity.LOAD)
 
     @property
     def approach(self) -> float | None:
-        return None
+        return self._if(Quantity.APPROACH)
 
     @property
     def half_width(self) -> float | None:
-        return None
+        return self._if(Quantity.HALF_WIDTH)
 
     @property
     def width(self) -> float | None:
-        return None
+        return self._if(Quantity.WIDTH)
 
     @property
     def yields(self) -> float | None:
@@ -82,10 +85,7 @@ class Load(Control):
     """The load, per period where there is one."""
 
     name: ClassVar[str] = "load"
-
-    @property
-    def load(self) -> float:
-        return self.value
+    quantity = Quantity.LOAD
 
     def conditions(self) -> Conditions:
         return (sie.Total(self.value), sie.EqualPotential()), ()
@@ -102,10 +102,7 @@ class Approach(Control):
     """The approach: minus the level of the zones."""
 
     name: ClassVar[str] = "approach"
-
-    @property
-    def approach(self) -> float:
-        return self.value
+    quantity = Quantity.APPROACH
 
     @property
     def yields(self) -> float:
@@ -146,10 +143,7 @@ class HalfWidth(Control):
     """The half width of one zone about the origin; its ends stand where they are given."""
 
     name: ClassVar[str] = "half_width"
-
-    @property
-    def half_width(self) -> float:
-        return self.value
+    quantity = Quantity.HALF_WIDTH
 
     def conditions(self) -> Conditions:
         return (), ()
@@ -163,10 +157,7 @@ class Width(Control):
     """The width of all zones together; the load is unknown."""
 
     name: ClassVar[str] = "width"
-
-    @property
-    def width(self) -> float:
-        return self.value
+    quantity = Quantity.WIDTH
 
     def conditions(self) -> Conditions:
         return (sie.Total(None), sie.EqualPotential()), (sie.TotalWidth(self.value),)
@@ -212,9 +203,7 @@ class _OpenedAndSunk(sie.Condition):
         return matrix + self.depth * row, constants + self.depth * constant, value
 
 
-_KINDS: dict[Quantity, type[Control]] = {
-    Quantity.LOAD: Load, Quantity.APPROACH: Approach, Quantity.HALF_WIDTH: HalfWidth, Quantity.WIDTH: Width,
-}
+_KINDS: dict[Quantity, type[Control]] = {kind.quantity: kind for kind in (Load, Approach, HalfWidth, Width)}
 
 
 def scaled_control(scene: Scene, units: Units) -> Control:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.apart import ApartFields
 from contact.formulation.fields import Fields, ZoneFields
@@ -18,8 +17,8 @@ from contact.formulation.full import FullFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import panels
 from contact.formulation.tension.loose import LooseFields
+from sie import Array
 
-Array = NDArray[np.float64]
 # Of distances from the left and the right end of an interval, over its half width: a function's values there.
 Function = Callable[[Array, Array], Array]
 

@@ -11,15 +11,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
 _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
-
-Array = NDArray[np.float64]
+from contact.formulation.quadrature import over_period
+from sie import Array, Mask, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
 _PEAKS = 16
@@ -44,6 +45,8 @@ class Fields(Protocol):
     @property
     def max_pressure(self) -> float: ...
     @property
+    def pressure_bound(self) -> float: ...
+    @property
     def approach(self) -> float | None: ...
     @property
     def contact_fraction(self) -> float: ...
@@ -61,6 +64,7 @@ class NoZones(sie.Kept):
     starts = loads = np.zeros(0)
     cohesive = np.zeros((0, 2))
     widening_rate = 0.0
+    pressure_bound = math.inf
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         raise IndexError("there are no zones: use pressure(x)")
@@ -69,21 +73,12 @@ class NoZones(sie.Kept):
 def moved_ends(state: sie.AnyState, condition: int = 0) -> Array:
     """How far each end (2, Z) moves outward by a unit of a condition's value, the first one's if none is named: 2 K / A, as in a step of
     Newton's, or as the rates of prescribed intensities have it; 0 for ends that are held."""
-    values = np.zeros(len(state.condition_scale))
-    values[state.condition_index[condition]] = 1.0
     zones = state.density.zones
-    moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
-    k, a = np.array(state.response(values).intensities), np.array(state.density.edge_slopes)
-    if follows(state):
+    k, a = np.array(state.response(state.values(condition)).intensities), np.array(state.density.edge_slopes)
+    if zones.follow_ends:
         return sie.end_motions(state.whole, -k)[0]
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(moves, 2 * k / a, 0.0)
-
-
-def follows(state: sie.AnyState) -> bool:
-    """Whether moved ends change the density at first order: intensities are prescribed there."""
-    zones = state.density.zones
-    return any(end.moves and end.intensity != 0.0 for end in (*zones.left, *zones.right))
+        return np.where(zones.moves, 2 * k / a, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +93,7 @@ class ZoneFields(sie.Kept):
     amplitude_rate: float = 0.0
     centring: float = 0.0
     relief = None
+    pressure_bound = math.inf
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {"problem": self.problem, "amplitude_rate": self.amplitude_rate, "centring": self.centring, "density": self.density}
@@ -137,17 +133,13 @@ class ZoneFields(sie.Kept):
         """
         if self.approach is None:
             return None
-        values = np.zeros(len(self.state.condition_scale))
-        index = self.state.condition_index
-        values[index[0]] = 1.0
+        state, values = self.state, self.state.values()
         if self.amplitude_rate:
-            values[index[2]] = self.amplitude_rate
-        rate = self.centring - float(self.state.level_rates(values).mean())
-        if follows(self.state):
-            loaded = np.zeros(len(self.state.condition_scale))
-            loaded[index[0]] = 1.0
-            k = np.array(self.state.response(loaded).intensities)
-            rate -= float(sie.end_motions(self.state.whole, -k)[1].mean())
+            values += state.values(2, self.amplitude_rate)
+        rate = self.centring - float(state.level_rates(values).mean())
+        if self.density.zones.follow_ends:
+            k = np.array(state.response(state.values()).intensities)
+            rate -= float(sie.end_motions(state.whole, -k)[1].mean())
         units = self.problem.units
         return units.load / (units.height * rate)
 
@@ -175,10 +167,8 @@ class ZoneFields(sie.Kept):
         rates = sie.end_rates(state)
         matrix = rates.intensities
         if yields is not None:
-            values = np.zeros(len(state.condition_scale))
-            values[state.condition_index[0]] = 1.0
-            by_load = np.concatenate(state.response(values).intensities)
-            matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / (float(state.level_rates(values).mean()) - yields)
+            by_load = np.concatenate(state.response(state.values()).intensities)
+            matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / (float(state.level_rates(state.values()).mean()) - yields)
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
         return np.asarray(root[:, None] * matrix * root / wanted)
 
@@ -233,7 +223,7 @@ class ZoneFields(sie.Kept):
         return np.unique(np.concatenate((np.linspace(lo, hi, count + 1), inner)))
 
     # scaled -----------------------------------------------------------------------------------------------------------
-    def inside(self, x: Array) -> NDArray[np.bool_]:
+    def inside(self, x: Array) -> Mask:
         """Whether scaled points lie in a zone."""
         return self.density.locate(x)[2]
 
@@ -290,8 +280,8 @@ class ZoneFields(sie.Kept):
         kinks, heights = self.problem.forcing.kinks
         at = kinks[heights > 0]
         period = self.problem.period
-        if period is not None and len(at):
-            at = at - np.floor((at - self.density.zones.a[0]) / period) * period
+        if period is not None:
+            at = wrapped(at, self.density.zones.a[0], period)
             at = np.concatenate((at - period, at, at + period))
         return np.sort(at)
 
@@ -359,14 +349,8 @@ class ZoneFields(sie.Kept):
 
     # SI ---------------------------------------------------------------------------------------------------------------
     def _scaled(self, x: ArrayLike) -> Array:
-        problem = self.problem
-        scaled = problem.units.scaled(np.asarray(x, dtype=float))
-        if problem.period is not None:
-            # Into the period about the zones, so that the density, the strip and the kinks are met where they were solved.
-            zones = self.density.zones
-            middle = 0.5 * float(zones.a[0] + zones.b[-1])
-            scaled = scaled - np.floor((scaled - middle) / problem.period + 0.5) * problem.period
-        return np.asarray(scaled)
+        # Into the period about the zones, so that the density, the strip and the kinks are met where they were solved.
+        return self.density.into_period(self.problem.units.scaled(np.asarray(x, dtype=float)))
 
     @property
     def cohesive(self) -> Array:
@@ -470,7 +454,7 @@ class ZoneFields(sie.Kept):
     def pressure(self, x: ArrayLike) -> Array:
         return self.density(self._scaled(x)) * self.problem.units.pressure
 
-    def _beyond(self, x: Array) -> NDArray[np.bool_]:
+    def _beyond(self, x: Array) -> Mask:
         lo, hi = self.problem.borders
         return (x < lo) | (x > hi)
 
@@ -490,16 +474,5 @@ class ZoneFields(sie.Kept):
 
 def mean_shape(problem: Problem) -> float:
     """Mean of F over the profile's period: Gauss-Legendre between its breakpoints, panels as short as its resolution."""
-    profile, units = problem.profile, problem.units
-    length = profile.period
-    assert length is not None
-    panels = int(np.clip(np.ceil(2 * length / (profile.resolution or length / 8)), 8, 2**16))
-    inner = np.asarray(profile.breakpoints)
-    cuts = np.unique(np.concatenate((
-        profile.x0 + length * np.arange(panels + 1) / panels, inner[(inner > profile.x0) & (inner < profile.x0 + length)]
-    )))
-    t, weights = np.polynomial.legendre.leggauss(12)
-    half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
-    x = middle[:, None] + half[:, None] * t
-    values = problem.shape(np.asarray(units.scaled(x.ravel()))).reshape(x.shape)
-    return float(half @ (values @ weights)) / length
+    x, _, weights = over_period(problem.profile)
+    return float(problem.shape(problem.units.scaled(x)) @ weights)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation.fields import NoZones
@@ -21,8 +21,7 @@ from contact.formulation.relief import Relief, period_samples
 from contact.model.laws.base import Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 def has_kinked_valley(profile: Profile) -> bool:

@@ -16,12 +16,13 @@ w = (l/pi) exp(-pi (2 pbar/E* - C)/|J|): it never closes, and is narrower than a
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation import zone_loads
@@ -29,8 +30,7 @@ from contact.formulation.fields import mean_shape, moved_ends
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
-
-Array = NDArray[np.float64]
+from sie import Array, Index
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +45,7 @@ class GapFields(sie.Kept):
     state: sie.AnyState = field(repr=False)
     mean: float
     relief: ScaledRelief
+    pressure_bound = math.inf
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {"problem": self.problem, "mean": self.mean, "relief": self.relief}
@@ -85,7 +86,7 @@ class GapFields(sie.Kept):
         """pbar - R + G s wherever it is asked for."""
         return np.asarray(self.mean - self.relief(x) + self.density.transform(x))
 
-    def pressure_in(self, zone: int | NDArray[np.intp], left: Array, right: Array) -> Array:
+    def pressure_in(self, zone: int | Index, left: Array, right: Array) -> Array:
         """Scaled pressure at distances over the half width from the ends of contact zones."""
         a, b = self.zones[zone].T
         half = 0.5 * (b - a)
@@ -162,22 +163,26 @@ class GapFields(sie.Kept):
         tips = self.relief.at[self.relief.heights > 0]
         if not np.all(self.density.locate(tips)[2]):
             return np.inf
-        x, value = self._samples
+        x, value = self.samples
         return maximum(self.scaled_pressure, x, value=value)[1] * self.problem.units.pressure
 
     @cached_property
-    def _samples(self) -> tuple[Array, Array]:
-        """(places over the period, closer than the profile varies, the scaled pressure there)."""
-        resolution = self.problem.profile.resolution or self.problem.units.length * self.period / 16
-        n = int(np.clip(16 * self.period * self.problem.units.length / resolution, 256, 2**17))
-        x = self.period * (np.arange(n + 1) / n) + self.density.zones.a[0]
-        return x, self.scaled_pressure(x)
+    def samples(self) -> tuple[Array, Array]:
+        """(even places over the period from the first gap on, closer than the profile varies, the scaled pressure there)."""
+        x, relief = self.relief.samples
+        start = self.density.zones.a[0]
+        turns = np.ceil((start - x) / self.period)
+        first = int(np.argmin(x + turns * self.period))
+        x, relief = (np.concatenate((part[first:], part[:first])) for part in (x + turns * self.period, relief))
+        with np.errstate(invalid="ignore"):
+            bears = self.mean - relief + self.density.transform(x)
+        return x, np.where(self.density.locate(x)[2], 0.0, bears)
 
     @cached_property
     def steepest(self) -> float:
         """Largest slope of the scaled pressure between samples, but for those beside the ends of zones, where it is a root that moves
         with the end, and those of tips, where it is infinite."""
-        x, value = self._samples
+        x, value = self.samples
         bears = value > 0
         inner = bears[:-3] & bears[1:-2] & bears[2:-1] & bears[3:]
         with np.errstate(invalid="ignore"):
@@ -204,8 +209,6 @@ class GapFields(sie.Kept):
     @cached_property
     def stiffness(self) -> float:
         """d load / d approach [N/m^2]: the gap's response to the mean pressure, ends held, and the compression's."""
-        values = np.zeros(len(self.state.condition_scale))
-        values[self.state.condition_index[0]] = 1.0
-        response = self.state.response(values)
+        response = self.state.response(self.state.values())
         rate = (response.moment() / self.period + self.problem.compression) * self.problem.units.height
         return self.period * self.problem.units.load / rate

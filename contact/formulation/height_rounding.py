@@ -9,11 +9,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.problem import Problem
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(12)
 # Intervals in the zones that are looked at, and how much wider ones.

@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.formulation.controls import Control
@@ -26,8 +25,7 @@ from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.substrates.base import Substrate
-
-Array = NDArray[np.float64]
+from sie import Array, nearest_image
 
 
 def minus_one(x: Array) -> Array:
@@ -115,10 +113,7 @@ class Problem(sie.Kept):
         # A jump of f^(n) is one of the slope's derivative of order n - 1.
         orders = np.concatenate((np.zeros(len(kinks), dtype=np.intp), jumps[:, 1].astype(np.intp) - 1))
         heights = np.concatenate((kinks[:, 1], jumps[:, 2])) * units.length**orders / units.slope
-        repeat = self.cell if self.reference else self.period
-        if repeat is not None and len(at):
-            at = at - np.round((at - self.centre) / repeat) * repeat
-
+        at = nearest_image(at, self.centre, self.cell if self.reference else self.period)
         resolution = None if profile.resolution is None else profile.resolution / units.length
         return sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed)
 

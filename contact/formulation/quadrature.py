@@ -1,13 +1,13 @@
-"""Gauss's rule whose nodes crowd at both ends of a panel, so that logarithms and powers there cost no digits."""
+"""Gauss's rule over a period, and with nodes that crowd at both ends of a panel, so that logarithms and powers there cost no digits."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from contact.model.profiles.base import Profile
+from sie import Array
 
 # Nodes of a panel.
 IN_PANEL = 32
@@ -32,3 +32,17 @@ def panels(cuts: Array, count: int = 1) -> tuple[Array, Array]:
     # From the nearer cut, so that nodes beside it keep their distance.
     nodes = np.where(u <= 0.5, cuts[:-1, None] + width * u, cuts[1:, None] - width * (1 - u))
     return nodes.ravel(), (width * weight).ravel()
+
+
+def over_period(profile: Profile, least: int = 8) -> tuple[Array, Array, Array]:
+    """Nodes [m], the same in periods from the beginning of the cell, and weights that add up to one: between breakpoints, panels as short
+    as the resolution, and `least` of them."""
+    length = profile.period
+    assert length is not None
+    panels = int(np.clip(np.ceil(2 * length / (profile.resolution or length / 8)), max(8, least), 2**16))
+    inner = (np.asarray(profile.breakpoints) - profile.x0) / length
+    cuts = np.unique(np.concatenate((np.arange(panels + 1) / panels, inner[(inner > 0) & (inner < 1)])))
+    t, weights = np.polynomial.legendre.leggauss(12)
+    half, middle = 0.5 * np.diff(cuts)[:, None], 0.5 * (cuts[1:] + cuts[:-1])[:, None]
+    turns = (middle + half * t).ravel()
+    return profile.x0 + length * turns, turns, (half * weights).ravel()

@@ -7,56 +7,37 @@ there (infinite pressure), a concave one, a valley with a kink, +inf: the logari
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 import sie
-from contact.formulation.conjugate import Conjugate, conjugate_of, log_sine, logarithms
+from contact.formulation.conjugate import Conjugate, log_sine, logarithms
 from contact.formulation.problem import Problem
+from contact.formulation.quadrature import over_period
 from contact.formulation.units import Units
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum
+from sie import Array, Complex, Index
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+# Samples of R a shortest length of the profile.
+_CLOSE = 20
 
 
 @dataclass(frozen=True, eq=False)
-class Relief(sie.Kept):
+class Relief(Conjugate):
     """R of x [m] of a periodic profile, with its kinks (k, 2) as it declares them; breakpoints: the profile's others."""
 
-    profile: Profile
     operator: Operator
 
     @cached_property
-    def conjugate(self) -> Conjugate:
-        """H f' of x [m]."""
-        return conjugate_of(self.profile)
-
-    @property
-    def kinks(self) -> Array:
-        return self.conjugate.kinks
-
-    @property
-    def breakpoints(self) -> Array:
-        return self.conjugate.breakpoints
-
-    @property
-    def period(self) -> float:
-        return self.conjugate.period
-
-    def __call__(self, x: ArrayLike) -> Array:
-        x = np.asarray(x, dtype=np.float64)
-        return np.asarray(self.smooth(x) + logarithms(x, self.kinks[:, 0], self.kinks[:, 1], self.period))
-
-    def smooth(self, x: Array) -> Array:
+    def smooth(self) -> Callable[[Array], Array]:
         """All of R but the logarithms of the kinks."""
-        out = self.conjugate.smooth(x)
-        return out if self._sum is None else np.asarray(out + self._at(x, self._sum))
+        conjugate, waves = Conjugate(self.profile).smooth, self._sum
+        return conjugate if waves is None else lambda x: np.asarray(conjugate(x) + self._at(x, waves))
 
     def of_waves(self, x: Array) -> Array:
         """What the kinks add to R through the waves in which the body is no half-plane: (J/pi) times the smooth part of the inverse
@@ -102,7 +83,7 @@ class Relief(sie.Kept):
 
 
 @dataclass(frozen=True, eq=False)
-class ScaledRelief:
+class ScaledRelief(sie.Kept):
     """R over the unit of slope, of scaled x; the kinks' places are those of the problem, bit for bit."""
 
     relief: Relief
@@ -127,12 +108,25 @@ class ScaledRelief:
     def rounding(self) -> float:
         return self.relief.rounding / self.units.slope
 
-    def without_own(self, kinks: NDArray[np.intp]) -> Array:
+    def without_own(self, kinks: Index) -> Array:
         """R at some of the kinks themselves, less the logarithm of each."""
         at, turns = self.at[kinks], (self.at[kinks, None] - self.at) / self.period
         logs = log_sine(turns - np.round(turns))
         logs[np.arange(len(kinks)), kinks] = 0.0
         return np.asarray(self.smooth(at) + logs @ (self.heights / np.pi))
+
+    @property
+    def spacing(self) -> float:
+        """The scaled length on which the profile varies."""
+        return (self.relief.profile.resolution or self.relief.period / 16) / self.units.length
+
+    @cached_property
+    def samples(self) -> tuple[Array, Array]:
+        """(even places over a period, closer than the profile varies, R there): the same under all loads."""
+        n = int(np.clip(_CLOSE * self.period / self.spacing, 256, 2**18))
+        # Off the borders of the cell and of its halves and thirds, where kinks like to be.
+        x = float(self.units.scaled(np.array(self.relief.profile.x0))) + self.period * (np.arange(n) + 0.4142) / n
+        return x, self(x)
 
     def smooth(self, x: Array) -> Array:
         """All of R but the logarithms of the kinks."""
@@ -149,16 +143,9 @@ class ScaledRelief:
 def harmonics(profile: Profile, count: int) -> Complex:
     """f_n = (1/l) int f exp(-2 pi i n (x - x0)/l) dx, n = 1 ... count: Gauss-Legendre between breakpoints, panels as short as the
     resolution and as the waves."""
-    length = profile.period
-    assert length is not None
-    panels = int(np.clip(np.ceil(2 * length / (profile.resolution or length / 8)), max(8, 2 * count), 2**16))
-    inner = (np.asarray(profile.breakpoints) - profile.x0) / length
-    cuts = np.unique(np.concatenate((np.arange(panels + 1) / panels, inner[(inner > 0) & (inner < 1)])))
-    t, weights = np.polynomial.legendre.leggauss(12)
-    half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
-    turns = (middle[:, None] + half[:, None] * t).ravel()
-    heights = np.asarray(profile.height(profile.x0 + length * turns), dtype=np.float64)
-    heights = (heights - heights.min()) * (half[:, None] * weights).ravel()
+    x, turns, weights = over_period(profile, 2 * count)
+    heights = np.asarray(profile.height(x), dtype=np.float64)
+    heights = (heights - heights.min()) * weights
     step = np.exp(-2j * np.pi * turns)
     wave, out = np.ones_like(step), np.zeros(count, dtype=np.complex128)
     for n in range(count):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from sie import Mask
 
 
-def runs_of(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def runs_of(flags: Mask) -> list[tuple[int, int]]:
     """First and last index of every run of True."""
     change = np.flatnonzero(np.diff(np.concatenate(([False], flags, [False])).astype(np.int8)))
     return [(int(s), int(e) - 1) for s, e in zip(change[::2], change[1::2], strict=True)]

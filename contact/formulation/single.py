@@ -14,15 +14,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import OutOfRange
 from contact.extras import require
 from contact.formulation.controls import Control, HalfWidth
 from contact.formulation.problem import Problem
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _T = np.cos((np.arange(8) + 0.5) * np.pi / 16)  # the positive half of 16 Gauss nodes
 _SCAN = 40

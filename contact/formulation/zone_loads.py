@@ -19,12 +19,10 @@ from __future__ import annotations
 from math import pi
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.conjugate import clausen2
 from contact.formulation.relief import ScaledRelief
-
-Array = NDArray[np.float64]
+from sie import Array, wrapped
 
 _NODES = 16
 # Of the largest R on a panel's length: what the last coefficients may be. Gauss's rule is good to about the square.
@@ -44,7 +42,7 @@ def integrals(relief: ScaledRelief, zones: Array) -> Array:
     """int R over each zone."""
     start, period = float(zones[0, 0]), relief.period
     breaks = np.concatenate((relief.breakpoints, start + period * np.arange(_LEAST) / _LEAST))
-    cuts = np.unique(np.concatenate((breaks - np.floor((breaks - start) / period) * period, zones.ravel())))
+    cuts = np.unique(np.concatenate((wrapped(breaks, start, period), zones.ravel())))
     lo, hi = cuts[:-1], cuts[1:]
     zone = np.searchsorted(zones[:, 0], lo, side="right") - 1
     inside = lo < zones[zone, 1]

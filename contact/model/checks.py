@@ -8,9 +8,9 @@ from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import SceneError
+from sie import Array
 
 
 def finite(field: str, value: Any, allowed: str = "a finite real number") -> float:
@@ -26,13 +26,17 @@ def finite(field: str, value: Any, allowed: str = "a finite real number") -> flo
     return number
 
 
-def positive(field: str, value: Any) -> float:
-    """A finite number > 0."""
-    allowed = "a finite number > 0"
+def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -> float:
+    """A finite number of which something holds, told by what is allowed."""
     number = finite(field, value, allowed)
-    if number <= 0:
+    if not holds(number):
         raise SceneError.of(field, value, allowed)
     return number
+
+
+def positive(field: str, value: Any) -> float:
+    """A finite number > 0."""
+    return such(field, value, "a finite number > 0", lambda number: number > 0)
 
 
 def keep(part: Any, check: Callable[[str, Any], Any], *names: str) -> None:
@@ -43,20 +47,12 @@ def keep(part: Any, check: Callable[[str, Any], Any], *names: str) -> None:
 
 def non_negative(field: str, value: Any) -> float:
     """A finite number >= 0."""
-    allowed = "a finite number >= 0"
-    number = finite(field, value, allowed)
-    if number < 0:
-        raise SceneError.of(field, value, allowed)
-    return number
+    return such(field, value, "a finite number >= 0", lambda number: number >= 0)
 
 
 def between(field: str, value: Any, low: float, high: float) -> float:
     """A finite number strictly between low and high."""
-    allowed = f"a finite number above {low:.17g} and below {high:.17g}"
-    number = finite(field, value, allowed)
-    if not low < number < high:
-        raise SceneError.of(field, value, allowed)
-    return number
+    return such(field, value, f"a finite number above {low:.17g} and below {high:.17g}", lambda number: low < number < high)
 
 
 def positive_or_none(field: str, value: Any) -> float | None:
@@ -91,7 +87,7 @@ def one_of(field: str, value: Any, choices: Iterable[str]) -> str:
     return value
 
 
-def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -> NDArray[np.float64]:
+def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -> Array:
     """A read-only float copy of at least `least` finite real numbers with `ndim` axes (None: any)."""
     shape = {None: "an array", 0: "a number", 1: "a one-dimensional array"}.get(
         ndim, f"an array with {ndim} axes"
@@ -121,7 +117,7 @@ def finite_array(field: str, value: Any, ndim: int | None = 1, least: int = 1) -
     return array
 
 
-def real(field: str, value: Any) -> NDArray[np.float64]:
+def real(field: str, value: Any) -> Array:
     """Real numbers of any shape as an array of floats; NaN stays NaN, and infinite ones become NaN: nothing is known there."""
     try:
         raw = np.asarray(value)
@@ -133,7 +129,7 @@ def real(field: str, value: Any) -> NDArray[np.float64]:
     return array if np.isfinite(array).all() else np.where(np.isinf(array), np.nan, array)
 
 
-def increasing(field: str, value: Any, least: int = 1) -> NDArray[np.float64]:
+def increasing(field: str, value: Any, least: int = 1) -> Array:
     """A finite one-dimensional array, strictly increasing; the first place where it is not is named."""
     array = finite_array(field, value, 1, least)
     wrong = np.flatnonzero(np.diff(array) <= 0)

@@ -20,9 +20,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sie import Array
+
 Symbol = Callable[[Array], Array]
 
 # Waves [1/m] at which a symbol is looked at, and what is taken for L = 1.

@@ -22,7 +22,6 @@ from functools import cache, cached_property
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import SceneError
@@ -31,8 +30,8 @@ from contact.model.line_kernel import SmoothPart
 from contact.model.spectrum import checked, excess, kernel_of
 from contact.model.strip import BeyondStrip
 from contact.model.substrates.base import Substrate
+from sie import Array
 
-Array = NDArray[np.float64]
 Potential = Callable[[Array, Array], Array]
 Symbol = Callable[[Array], Array]
 # Of lags and the width of a cell.
@@ -300,7 +299,7 @@ class _Rest:
     def _at(self, lag: Array) -> Array:
         if self.period is None:
             return smooth_potential(self.kernel, lag)
-        lag = lag - np.round(lag / self.period) * self.period
+        lag = sie.nearest_image(lag, 0.0, self.period)
         return np.asarray(smooth_potential(self.kernel, lag) - smooth_potential(sie.hilbert(self.period), lag))
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError
-from contact.model.checks import finite, finite_or_none, keep, positive
+from contact.model.checks import finite, finite_or_none, keep, positive, such
 from contact.model.controls import CONTROLS, TURNING, Control, Quantity, fields_under
 from contact.model.interactions.base import Interaction
 from contact.model.interactions.declared import require_elastic
@@ -72,9 +72,7 @@ def E_star(E1: float, nu1: float, E2: float | None = None, nu2: float | None = N
 def _plane_compliance(modulus_name: str, modulus: float, ratio_name: str, ratio: float) -> float:
     """(1 - nu^2)/E of one body."""
     modulus = positive(modulus_name, modulus)
-    ratio = finite(ratio_name, ratio)
-    if not -1.0 < ratio <= 0.5:
-        raise SceneError.of(ratio_name, ratio, "a Poisson ratio, more than -1 and at most 0.5")
+    ratio = such(ratio_name, ratio, "a Poisson ratio, more than -1 and at most 0.5", lambda nu: -1.0 < nu <= 0.5)
     return (1.0 - ratio**2) / modulus
 
 
@@ -171,6 +169,8 @@ class Scene(sie.Kept):
 
         self._check_admitted(control)
         control.check(self)
+        if name not in CONTROLS:
+            self._check_held(control)
         self._check_law()
         if self.interaction.follows_isolated and self.is_flat:
             # The isolated load of the same width is that of zones with ends that move.
@@ -199,11 +199,23 @@ class Scene(sie.Kept):
         control: Control = REGISTERED.find(name)(getattr(self, name))
         return control
 
+    def held(self, quantity: Quantity) -> float | None:
+        """The value [SI] of a quantity that the solver is to hold, as the control says; None if it is not this one."""
+        held = self.control_object.held(self)
+        return held.value if held is not None and held.quantity is quantity else None
+
     @property
     def given_load(self) -> float | None:
         """The load [N/m] that the control gives, as such or by the mean pressure; None if it gives none."""
-        held = self.control_object.held(self)
-        return held.value if held is not None and held.quantity is Quantity.LOAD else None
+        return self.held(Quantity.LOAD)
+
+    @property
+    def given_fraction(self) -> float | None:
+        """The part of the period in contact that the control gives, as such or by its width [m]; None if it gives none."""
+        width, period = self.held(Quantity.WIDTH), self.profile.period
+        if width is None or period is None:
+            return None
+        return width / period if self.contact_fraction is None else self.contact_fraction
 
     @property
     def turned(self) -> bool:
@@ -236,6 +248,20 @@ class Scene(sie.Kept):
                 raise SceneError.of(control.name, control.value, allowed)
         if asked != control.name and not self.law.convex:
             raise SceneError.of(control.name, control.value, f"left out: under {self.law.name} a load may have several contacts")
+
+    def _check_held(self, control: Control) -> None:
+        """What a control of one's own has the solver hold, as if it were given under its name."""
+        held = control.held(self)
+        if held is None:
+            return
+        name, value = held.quantity.name.lower(), held.value
+        if held.quantity is Quantity.WIDTH:
+            if self.profile.period is None:
+                return
+            name, value = "contact_fraction", value / self.profile.period
+        named: Control = REGISTERED.find(name)(value)
+        (finite if named.signed(self) else positive)(f"{control.name}, which holds {name}", named.value)
+        named.check(self)
 
     def _check_body(self) -> None:
         """The substrate, and the interaction on it: each by itself, and whether they go together."""

@@ -14,13 +14,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import SceneError
 from contact.model.profiles.trigonometric import Sum
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Harmonics looked at, first and at the most, and what is taken for L = 1.
 _FIRST, _MOST = 2**12, 2**16

@@ -14,11 +14,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.model.line_kernel import SmoothPart
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _INSIDE = 1 - 1e-15
 

@@ -13,15 +13,14 @@ not given, some tilt must do: f must not fall faster than all straight lines on 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
 from contact.formulation.full import period_samples
 from contact.formulation.runs import runs_of
+from contact.model.controls import Quantity
 from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
-
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 _EPS = np.finfo(np.float64).eps
 # Edges are known to this part of a period.
@@ -37,8 +36,8 @@ _REMEDY = (
 
 
 def refuse_below_plateau(scene: Scene) -> None:
-    """OutOfRange for a contact fraction or a half width that the flat top of the profile does not leave to any load."""
-    profile, fraction, half_width = scene.profile, scene.contact_fraction, scene.half_width
+    """OutOfRange for a width or a half width that the flat top of the profile does not leave to any load."""
+    profile, fraction, half_width = scene.profile, scene.given_fraction, scene.held(Quantity.HALF_WIDTH)
     if fraction is not None and profile.period is not None:
         width = float(np.diff(lowest_stretches(profile)).sum())
         if width > 0.0 and fraction * profile.period <= width + _HAIR * profile.period:
@@ -62,7 +61,7 @@ def lowest_stretches(profile: Profile) -> Array:
     size = np.abs(height[np.isfinite(height)]).max(initial=0.0)
     highest = float(height.min()) + 8 * _EPS * float(size)
 
-    def lies_low(x: Array) -> NDArray[np.bool_]:
+    def lies_low(x: Array) -> Mask:
         return np.asarray((np.asarray(profile.height(x)) <= highest) & (np.asarray(profile.slope(x)) == 0))
 
     low = lies_low(x)
@@ -88,7 +87,7 @@ def _edge(holds, inside: float, outside: float) -> float:  # type: ignore[no-unt
 def _level_from(profile: Profile, half_width: float) -> float:
     """How far a symmetric profile has no slope about x = 0, if that is a half width or more; else 0. [m]"""
 
-    def is_level(x: Array) -> NDArray[np.bool_]:
+    def is_level(x: Array) -> Mask:
         return np.asarray(np.asarray(profile.slope(x)) == 0)
 
     # The left side has the mirror image's slopes; at an edge itself the slope may be either side's.

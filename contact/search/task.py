@@ -8,7 +8,6 @@ from contextlib import nullcontext
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import ContactError, NotConverged, OutOfRange, SceneError
 from contact.formulation import height_rounding
@@ -16,6 +15,7 @@ from contact.formulation.controls import Control, Machine, scaled_control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full import FullLimit
 from contact.formulation.problem import Problem
+from contact.model.controls import Quantity
 from contact.model.operator import Operator
 from contact.model.scene import Scene
 from contact.search.shared import Shared
@@ -28,8 +28,8 @@ from contact.solution.solution import Solution
 from contact.testing import check_profile
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
+from sie import Array
 
-Array = NDArray[np.float64]
 Solver = Callable[[Scene, float, Progress | None, Solution | None], Solution]
 
 # The smallest tolerance that is asked of the engine.
@@ -78,7 +78,7 @@ class Task:
     @property
     def follows_branch(self) -> bool:
         """Whether there are several equilibria, of which a branch is followed."""
-        return self.scene.law.bare is not None and self.scene.half_width is None
+        return self.scene.law.bare is not None and self.scene.held(Quantity.HALF_WIDTH) is None
 
     def to(self, tolerance: float) -> Task:
         """The same, more or less tightly."""

@@ -24,6 +24,7 @@ from contact.model.controls import TURNING
 from contact.model.scene import Scene
 from contact.solution.answer import Answer
 from contact.solution.sampling import positions, window
+from contact.solution.validity import everything
 
 ZONE_COLUMNS = ("left", "right", "width", "load", "mean_pressure", "max_pressure")
 ZONE_UNITS = ("m", "m", "m", "N/m", "Pa", "Pa")
@@ -54,7 +55,7 @@ def to_dict(solution: Answer) -> dict[str, Any]:
         "rotational_stiffness": solution.rotational_stiffness if _is_about_turning(solution.scene) else None,
         "certificate": solution.certificate.to_dict(),
         "plan": solution.plan.to_dict(),
-        "warnings": solution.warnings,
+        "warnings": everything(solution),
         "scene": describe(solution.scene),
         "trace": solution.scene.profile.trace_summary(),
         "units": UNITS,

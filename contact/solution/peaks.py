@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.maxima import maximum
 from contact.model.scene import Scene
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Even angles of a zone that is smooth, for each length over which the profile varies, and at the most.
 _ANGLES, _PER_FEATURE, _MOST = 48, 12, 2**14

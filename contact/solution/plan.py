@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contact.errors import SceneError
+from contact.model.controls import Quantity
 from contact.model.scene import Scene
 
 
@@ -84,13 +85,7 @@ class Plan:
         return None if part.seconds is None or not self.seconds else part.seconds / self.seconds
 
     def to_dict(self) -> dict[str, Any]:
-        parts = [
-            {
-                "name": p.name, "used": p.used, "reason": p.reason, "detail": p.detail, "seconds": p.seconds,
-                "share": self.share(p),
-            }
-            for p in self.parts
-        ]
+        parts = [{**vars(part), "share": self.share(part)} for part in self.parts]
         return {"parts": parts, "counts": dict(self.counts), "tried": list(self.tried), "seconds": self.seconds}
 
     def __str__(self) -> str:
@@ -126,49 +121,32 @@ def plan(scene: Scene) -> Plan:
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
     profile, model = scene.profile, scene.interaction
-    given = scene.half_width is not None
-    single = starts_from_one_zone(scene)
-    derived = profile.slope_is_derived
-    kinks = len(profile.kinks)
-    closure = model.follows_isolated
-    parts = [
-        Part("numerical slope", derived, "the profile gives no slope" if derived else "the profile gives its slope"),
-        Part(
-            "coarse search",
-            not (given or single),
-            "zones are given" if given else "one symmetric asperity" if single else "number of zones unknown",
-        ),
+    given, single, kinks = scene.held(Quantity.HALF_WIDTH) is not None, starts_from_one_zone(scene), len(profile.kinks)
+    why_no_search = "zones are given" if given else "one symmetric asperity"
+    only_images = f"{model.name}: nothing repeats beyond its images"
+    return Plan([
+        _part("numerical slope", profile.slope_is_derived, "the profile gives no slope", "the profile gives its slope"),
+        _part("coarse search", not (given or single), "number of zones unknown", why_no_search),
         _branch(scene),
         _symmetry(scene),
         _tilt(scene),
-        Part(
-            "periodic kernel",
-            scene.operator.is_periodic,
-            "the whole period repeats" if scene.operator.is_periodic else f"{model.name}: nothing repeats beyond its images",
-        ),
+        _part("periodic kernel", scene.operator.is_periodic, "the whole period repeats", only_images),
         _inverse(scene),
-        Part(
-            "localization term",
-            bool(model.strip),
-            "nominal pressure beyond the strip" if model.strip else f"{model.name} has none",
+        _part("localization term", bool(model.strip), "nominal pressure beyond the strip", f"{model.name} has none"),
+        _part(
+            "isolated reference", model.follows_isolated, "the first-order closure needs the isolated load", "no closure that needs it"
         ),
-        Part(
-            "isolated reference",
-            closure,
-            "the first-order closure needs the isolated load" if closure else "no closure that needs it",
-        ),
-        Part("kinks", kinks > 0, f"{kinks} declared" if kinks else "none declared"),
-        Part(
-            "zone ends",
-            not given,
-            "half width given" if given else "unknown: Newton",
-        ),
+        _part("kinks", kinks > 0, f"{kinks} declared", "none declared"),
+        _part("zone ends", not given, "unknown: Newton", "half width given"),
         Part("slits", False, "no zones beside narrow gaps known"),
         Part("fast sums", False, "few zones: sums are direct"),
         Part("certificate", True, "always"),
         Part("fields", False, "computed when asked"),
-    ]
-    return Plan(parts)
+    ])
+
+
+def _part(name: str, used: bool, why: str, why_not: str) -> Part:
+    return Part(name, used, why if used else why_not)
 
 
 def _inverse(scene: Scene) -> Part:
@@ -186,7 +164,7 @@ def _branch(scene: Scene) -> Part:
     """Which of several equilibria: filled in as it is followed."""
     if scene.law.bare is None:
         return Part("branch", False, f"{scene.law.name}: one equilibrium" if scene.law.convex else f"{scene.law.name}: followed by none")
-    if scene.half_width is not None:
+    if scene.held(Quantity.HALF_WIDTH) is not None:
         return Part("branch", False, "half width given")
     return Part("branch", True, f"{scene.law.name}: several equilibria")
 
@@ -194,8 +172,7 @@ def _branch(scene: Scene) -> Part:
 def _symmetry(scene: Scene) -> Part:
     if scene.turned:
         return Part("symmetry", False, "the body is turned")
-    symmetric = bool(scene.profile.symmetric)
-    return Part("symmetry", symmetric, "profile symmetric" if symmetric else "profile not symmetric")
+    return _part("symmetry", bool(scene.profile.symmetric), "profile symmetric", "profile not symmetric")
 
 
 def _tilt(scene: Scene) -> Part:

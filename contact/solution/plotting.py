@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from contact.model.units import prefix, quantity
-from contact.solution.answer import Answer, Array
+from contact.solution.answer import Answer
 from contact.solution.panels import new_figure
 from contact.solution.sampling import peak_position, positions, surfaces, window, zones_within
+from sie import Array
 
 _BODY, _SURFACE, _PRESSURE, _ZONE, _CLOSE = "#7a7a7a", "#1f5a92", "#b3261e", "#f2c14e", "#3d7a4a"
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from contact.errors import SceneError
-from contact.solution.answer import Answer, Array
+from contact.solution.answer import Answer
+from sie import Array
 
 _EVEN_POINTS = 1000
 _MOST_POINTS = 20_000

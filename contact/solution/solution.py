@@ -1,37 +1,24 @@
-"""The solution of a scene: zones, fields and numbers in SI units, with its error, certificate and plan."""
+"""The solution of a scene: its numbers and fields, and its ways out as tables, files and pictures."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from numbers import Integral
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-import sie
 from contact.errors import SceneError
-from contact.formulation.energy import elastic_energy
-from contact.formulation.fields import Fields, ZoneFields
-from contact.model.checks import real
-from contact.model.scene import Scene
+from contact.model.controls import Quantity
 from contact.solution import export, html, plotting
-from contact.solution.energy import Energy
-from contact.solution.peaks import peaks
-from contact.solution.plan import Plan
-from contact.solution.pull_off import PullOff
+from contact.solution.answer import Answer
 from contact.solution.validity import everything
-from contact.verify.certificate import Certificate
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Solution(sie.Kept):
+class Solution(Answer):
     """Zones (n, 2) [m], pressure and gap anywhere, loads per unit thickness [N/m]; made by `contact.solve`.
 
     What follows from `error` for each number is stated with it, p being the peak pressure (the mean contact pressure where the peak is
@@ -70,182 +57,6 @@ class Solution(sie.Kept):
     >>> solution.pressure([0.0, 1.0]).round(-3).tolist(), solution.gap(0.0).tolist()
     ([1784000.0, 0.0], 0.0)
     """
-
-    scene: Scene
-    zones: Array
-    fields: Fields = field(repr=False)
-    error: float
-    certificate: Certificate = field(repr=False)
-    plan: Plan = field(repr=False)
-    trace: tuple[Any, ...] = field(default=(), repr=False)
-    branch: str | None = None
-    parting: Callable[[ZoneFields], PullOff] | None = field(default=None, repr=False)
-
-    @classmethod
-    def unfolding(cls, scene: Scene, zones: Array, fields: Fields, error: float, made: Mapping[str, Callable[[], Any]]) -> Solution:
-        """A solution whose certificate and plan are written down when they are asked for. made: how, by name."""
-        self = cls.__new__(cls)
-        self.__dict__.update(scene=scene, zones=zones, fields=fields, error=error, trace=(), _made=made)
-        return self
-
-    def __getattr__(self, name: str) -> Any:
-        # Reached by what is not there yet.
-        made = self.__dict__.get("_made")
-        if made is None or name not in made:
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        self.__dict__[name] = made[name]()
-        return self.__dict__[name]
-
-    def __getstate__(self) -> Any:
-        for name in self.__dict__.get("_made", ()):
-            getattr(self, name)
-        kept = super().__getstate__()
-        kept.pop("_made", None)
-        return kept
-
-    # fields -----------------------------------------------------------------------------------------------------------
-    def pressure(self, x: ArrayLike) -> Array:
-        """Contact pressure [Pa] at x [m], any shape; 0 outside the zones."""
-        return self.fields.pressure(real("x", x))
-
-    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
-        """Contact pressure [Pa] at normalised positions t in [-1, 1] of one zone, without loss of digits at its ends."""
-        if len(self.zones) == 0:
-            raise SceneError.of("zone", zone, "left alone: full contact, or surfaces apart, have no zones, use pressure(x)")
-        count = len(self.zones)
-        if not isinstance(zone, Integral) or not -count <= zone < count:
-            raise SceneError.of("zone", zone, f"a whole number from 0 to {count - 1}, there being {count} zone{'s' * (count > 1)}")
-        t = real("t", t)
-        if np.any(np.abs(t) > 1):
-            raise SceneError.of("t", t, "from -1 to 1, the ends of the zone")
-        return self.fields.pressure_at(int(self._order[zone]), t)
-
-    def gap(self, x: ArrayLike) -> Array:
-        """Gap [m] at x [m], any shape; 0 inside the zones, inf where there is no profile."""
-        return self.fields.gap(real("x", x))
-
-    def displacement(self, x: ArrayLike) -> Array:
-        """Displacement into the body [m]; for an isolated punch without a datum, less the approach."""
-        return self.fields.displacement(real("x", x))
-
-    # numbers ----------------------------------------------------------------------------------------------------------
-    @cached_property
-    def _order(self) -> NDArray[np.intp]:
-        """Place among the fields' own zones of each zone of `zones`."""
-        starts, period = self.fields.starts, self.scene.period
-        if period is not None:
-            starts = starts - np.floor((starts - self.scene.profile.x0) / period) * period
-        return np.argsort(starts)
-
-    @property
-    def load(self) -> float:
-        """Load [N/m], per period where there is one: as given, else off by at most 3 error p times the width in contact."""
-        return self.fields.load
-
-    @property
-    def mean_pressure(self) -> float | None:
-        """Load per period over the period [Pa]; None without a period."""
-        period = self.scene.profile.period
-        return None if period is None else self.load / period
-
-    @property
-    def zone_loads(self) -> Array:
-        """Load of each zone (n,) [N/m], off by at most 3 error p times its width; their sum is the load to rounding."""
-        return np.asarray(self.fields.loads[self._order])
-
-    @property
-    def zone_widths(self) -> Array:
-        """Width of each zone (n,) [m], off by at most 2 error of itself."""
-        return np.asarray(self.zones[:, 1] - self.zones[:, 0])
-
-    @cached_property
-    def zone_peaks(self) -> Array:
-        """Highest pressure of each zone (n,) [Pa], off by at most error p; inf under a sharp corner or a tip with a kink."""
-        return peaks(self.scene, self.zones, self.pressure_at)
-
-    @property
-    def max_pressure(self) -> float:
-        """Highest pressure [Pa], off by at most error of itself; inf under a sharp corner or a tip with a kink."""
-        return self.fields.max_pressure
-
-    @property
-    def approach(self) -> float | None:
-        """Approach [m], off by at most about 3 error p L / E* (L: the period); None for an isolated punch without a datum."""
-        return self.fields.approach
-
-    @property
-    def contact_fraction(self) -> float | None:
-        """Width in contact over the period, off by at most 2 error of itself; None without a period."""
-        if self.scene.period is None:
-            return None
-        return self.fields.contact_fraction
-
-    @cached_property
-    def energy(self) -> Energy | None:
-        """Elastic energy and that of the interface [J/m], per period where there is one; None where there is no approach, and for localized
-        contact, whose strip is not all of the body."""
-        elastic, period = elastic_energy(self.fields), self.scene.period
-        if elastic is None:
-            return None
-        width = float(np.sum(self.zone_widths)) if period is None else self.fields.contact_fraction * period
-        return Energy(elastic, self.scene.law.surface_energy(self.fields, width) + 0.0)
-
-    @property
-    def stiffness(self) -> float | None:
-        """d load / d approach [N/m^2], at the given moment where one is given, else at the tilt; inf in full contact, None where
-        there is no approach. Its inverse is off by about 4 error / E*, times the width of zones over that of narrower gaps beside them."""
-        return self.fields.stiffness
-
-    @cached_property
-    def pull_off(self) -> PullOff | None:
-        """Where the contact comes apart as its load (or its approach, where that is given) falls, under a law that bears tension; None
-        for full contact, which does not open, and for surfaces apart. Parts of it may come apart before: it is where the last do."""
-        law = self.scene.law
-        if law.bare is None or self.scene.half_width is not None:
-            what = f"the law {law.name}" if law.bare is None else "a given half width"
-            raise SceneError(f"there is no pull-off under {what}: it is that of adhesion under a load or an approach", "pull_off")
-        if not isinstance(self.fields, ZoneFields):
-            if law.tension:
-                raise SceneError("pull-off is told of contact that is not nearly full: ask for it under a smaller load", "pull_off")
-            return None
-        if self.parting is None:
-            raise SceneError("there is no pull-off of a state that did not converge", "pull_off")
-        return self.parting(self.fields)
-
-    @property
-    def cohesive(self) -> Array:
-        """Intervals [m], (m, 2), in which the gap is below the reach of the law's tension, contact within them included: all of it is
-        pulled, and the pressure beside the contact is minus that tension. (0, 2) under laws that do nothing beside the contact."""
-        table, period = self.fields.cohesive, self.scene.period
-        if period is None or len(table) == 0:
-            return table
-        table = table - np.floor((table[:, :1] - self.scene.profile.x0) / period) * period
-        return np.asarray(table[np.argsort(table[:, 0])])
-
-    @property
-    def tilt(self) -> float | None:
-        """By how much the body is turned [rad]: the gap at zero load is f(x) - tilt x; None for what repeats."""
-        return None if self._lone is None else self._lone.tilt
-
-    @property
-    def moment(self) -> float | None:
-        """int p x dx, about x = 0 [N], off as the loads of the zones are at their distances; None for what repeats."""
-        return None if self._lone is None else self._lone.moment
-
-    @property
-    def rotational_stiffness(self) -> float | None:
-        """d moment / d tilt at the given load [N]; None for what repeats."""
-        return None if self._lone is None else self._lone.rotational_stiffness
-
-    @property
-    def _lone(self) -> ZoneFields | None:
-        """The fields of a body that may turn."""
-        return self.fields if self.scene.interaction.turns and isinstance(self.fields, ZoneFields) else None
-
-    @property
-    def mean_gap(self) -> float | None:
-        """Mean of the gap over a period [m], off by at most about 3 error p L / E* (L: the period); None without one."""
-        return None if self.scene.period is None else self.fields.mean_gap
 
     @cached_property
     def warnings(self) -> list[str]:
@@ -301,7 +112,7 @@ def limit_of_approach(solution: Solution, tol: float) -> str:
     Near full contact the approach is the mean of the profile less a mean gap that goes with the square of narrow gaps over kinks, with
     the fourth power of others: the load hangs on the last digits of what is given.
     """
-    approach, stiffness = solution.scene.approach, solution.stiffness
+    approach, stiffness = solution.scene.held(Quantity.APPROACH), solution.stiffness
     if approach is None or stiffness is None or not np.isfinite(stiffness):
         return ""
     condition = abs(approach * stiffness / solution.load)

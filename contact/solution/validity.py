@@ -6,14 +6,14 @@ in any system of units; lengths only of files, whose numbers have a unit, and th
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.model.scene import Scene
 from contact.model.units import quantity
 from contact.solution.answer import Answer
-
-Array = NDArray[np.float64]
+from sie import Array
 
 STEEPEST = 0.3
 HIGHEST = 0.1  # of E*
@@ -23,7 +23,9 @@ _SOFTEST, _STIFFEST = 1e3, 2e12
 _OF_NO_UNIT = 1e-2
 # Places a period in full contact, and in a zone.
 _PLACES = 1024
+# Of the left and the right end of a zone, at Chebyshev's nodes.
 _T = np.cos((np.arange(8) + 0.5) * np.pi / 8)
+_SHARES = 0.5 * np.stack((1.0 - _T, 1.0 + _T))
 # In a few zones the pressure is nowhere so many times its mean over them, but at what is sharp.
 _FEW, _PEAK = 4, 10.0
 
@@ -41,10 +43,15 @@ def of_scene(scene: Scene) -> tuple[str, ...]:
     return ()
 
 
+def of_answer(solution: Answer) -> tuple[str, ...]:
+    """What can be said of the answer."""
+    inside = _inside(solution)
+    return (*_of_slopes(solution, inside), *_of_pressure(solution, inside))
+
+
 def of_solution(solution: Answer) -> tuple[str, ...]:
     """What can be said of the answer, and of its scene."""
-    inside = _inside(solution)
-    return (*of_scene(solution.scene), *_of_slopes(solution, inside), *_of_pressure(solution, inside))
+    return (*of_scene(solution.scene), *of_answer(solution))
 
 
 def everything(solution: Answer) -> list[str]:
@@ -55,8 +62,12 @@ def everything(solution: Answer) -> list[str]:
 def _of_slopes(solution: Answer, places: Array) -> tuple[str, ...]:
     profile, tilt = solution.scene.profile, solution.tilt or 0.0
     with np.errstate(all="ignore"):
-        inside = np.abs(np.asarray(profile.slope(places), dtype=float) - tilt)
-    steepest = float(inside.max(initial=0.0, where=np.isfinite(inside)))
+        slopes = np.asarray(profile.slope(places), dtype=float)
+        inside = np.abs(slopes - tilt if tilt else slopes)
+    # The place is found faster than the number.
+    steepest = inside.item(inside.argmax()) if inside.size else 0.0
+    if not math.isfinite(steepest):
+        steepest = float(inside.max(initial=0.0, where=np.isfinite(inside)))
     largest, rms = profile.slope_sizes
     if tilt and profile.slopes_seen.size:
         whole = profile.slopes_seen - tilt
@@ -70,13 +81,15 @@ def _of_slopes(solution: Answer, places: Array) -> tuple[str, ...]:
 def _of_pressure(solution: Answer, places: Array) -> tuple[str, ...]:
     scene = solution.scene
     widths = np.asarray(solution.zone_widths)
-    width = float(widths.sum()) if widths.size else scene.profile.period
+    width = sum(widths.tolist()) if widths.size else scene.profile.period
     if width is None or not width > 0.0:
         return ()
     highest, what = solution.load / width, "mean contact pressure"
-    kinks = np.reshape(scene.profile.kinks, (-1, 2))
-    sharp = scene.profile.support is not None or bool(np.any(kinks[:, 1] > 0))
-    if not sharp and (widths.size > _FEW or _PEAK * highest > HIGHEST * scene.E_star):
+    bound = _PEAK * highest if widths.size <= _FEW else math.inf
+    if min(bound, solution.fields.pressure_bound) <= HIGHEST * scene.E_star:
+        return ()
+    sharp = scene.profile.support is not None or any(jump > 0.0 for _, jump in np.reshape(scene.profile.kinks, (-1, 2)).tolist())
+    if not sharp:
         highest, what = float(np.max(solution.pressure(places))), "pressure"
     if highest <= HIGHEST * scene.E_star:
         return ()
@@ -91,5 +104,4 @@ def _inside(solution: Answer) -> Array:
         if profile.period is None:  # surfaces apart
             return np.zeros(0)
         return profile.x0 + profile.period * (np.arange(_PLACES) + 0.25) / _PLACES
-    middle, half = zones.mean(axis=1), 0.5 * (zones[:, 1] - zones[:, 0])
-    return np.asarray((middle[:, None] + half[:, None] * _T).ravel())
+    return np.asarray(zones.dot(_SHARES).ravel())

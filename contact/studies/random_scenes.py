@@ -30,7 +30,7 @@ import contact
 from contact.search.grid.coarse import grid_height, propose
 from contact.search.grid.conjugate_gradient import Response
 from contact.studies import own_models
-from contact.studies.scene_families import FAMILIES
+from contact.studies.scene_families import FAMILIES, faced
 
 Array = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ def draw(seed: int) -> Drawn | contact.ContactError:
     length, modulus = 10.0 ** rng.uniform(-6, 1), 10.0 ** rng.uniform(5, 12)
     family = str(rng.choice(list(FAMILIES)))
     try:
-        profile = FAMILIES[family](rng, length)
+        family, profile = faced(seed, family, FAMILIES[family](rng, length), length)
         interaction = own_models.instead(seed, _interaction(rng, profile, length), length)
         kind = str(rng.choice([k for k in interaction.allows if k != "half_width" or profile.symmetric]))
         if kind in ("mean_pressure", "contact_fraction") and profile.period is None:

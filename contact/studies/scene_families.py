@@ -206,3 +206,20 @@ FAMILIES: dict[str, Family] = {
         sinusoid, fourier, polynomial, sampled, trace, biquadratic, wedge, parabola, flat, piecewise, mixed, designed,
     )
 }
+# The part of random scenes that get a rough counter body.
+_PAIRS = 0.12
+
+
+def faced(seed: int, family: str, profile: contact.Profile, length: float) -> tuple[str, contact.Profile]:
+    """For a part of the seeds, the profile with that of a counter body; drawn apart, so that the other seeds stay.
+
+    The counter body comes from any family, stands anywhere and either way round; where it repeats, in the same cells, in two or in
+    three of its own to one, or to two, of the profile's.
+    """
+    rng = np.random.default_rng([seed, 2])
+    if rng.random() >= _PAIRS:
+        return family, profile
+    other = str(rng.choice(list(FAMILIES)))
+    counter = FAMILIES[other](rng, length * float(rng.choice([1.0, 1.0, 0.5, 1 / 3, 2 / 3, 2.0])))
+    pair = contact.Combined(profile, counter, shift=length * float(rng.uniform(-1, 1)), mirrored=bool(rng.random() < 0.5))
+    return f"{family} on {other}", pair

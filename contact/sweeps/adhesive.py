@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange, unwarned, warn
 from contact.formulation.energy import elastic_energy
@@ -38,8 +38,7 @@ from contact.solution.validity import of_solution
 from contact.solver import solved_at, task_of
 from contact.sweeps.adhesive_plot import Drawn, draw
 from contact.sweeps.paths import Event, Path
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Of a figure: points, and how much is shown beside the zones, over what they span.
 _PLACES, _AROUND = 601, 1.5

@@ -11,12 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.model.units import prefix
 from contact.solution.panels import finish, panels
-
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 _UP, _DOWN, _BODY, _CONTACT = "#1f5a92", "#b3261e", "#7a7a7a", "#b3261e"
 # Of the heights of the deformed surface, what is shown above its lowest place.
@@ -31,7 +29,7 @@ class Drawn:
 
     across: Array
     load: Array
-    rises: NDArray[np.bool_]
+    rises: Mask
     jumps: Sequence[tuple[str, tuple[float, float], tuple[float, float]]]
     label: str
     unit: str

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.errors import SceneError, unwarned, warn
 from contact.model.checks import finite_array
@@ -15,8 +15,7 @@ from contact.search.ways.direct import all_directly
 from contact.solution.solution import Solution
 from contact.solution.validity import of_solution
 from contact.solver import solved_along, tolerance
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Zones are carried on from so many solutions.
 _MOST = 4

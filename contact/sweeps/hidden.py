@@ -7,13 +7,11 @@ to that of the other: the way it went is more than its rates make of it. So wher
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.solution.solution import Solution
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Of a way that the rates at both loads leave open: smooth ends leave several times less between loads that are near one another.
 _OPEN = 0.1

@@ -10,14 +10,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.model.units import prefix
-from contact.solution.answer import Answer
 from contact.solution.panels import finish, panels
+from contact.solution.solution import Solution
 from contact.sweeps.path_table import Passed, columns
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _FRACTION = "contact fraction"
 _CURVE, _EVENT = "#1f5a92", "#555555"
@@ -31,7 +29,7 @@ _MOSTLY_LOW = 0.1
 _LINES = 40
 
 
-def plot_path(solutions: Sequence[Answer], passed: Passed, ax: Any = None) -> Any:
+def plot_path(solutions: Sequence[Solution], passed: Passed, ax: Any = None) -> Any:
     """A matplotlib Figure: contact over the load, and where there is one the approach over the load."""
     known = columns(solutions)
     table = {name: np.array(values, dtype=float) for name, values in known.items()}

@@ -11,8 +11,8 @@ from typing import Any, ClassVar, Protocol
 from numpy.typing import NDArray
 
 from contact.extras import version
-from contact.solution.answer import Answer
 from contact.solution.export import describe, plain
+from contact.solution.solution import Solution
 from contact.sweeps.points import NUMBERS, numbers
 
 
@@ -36,13 +36,13 @@ class Change(Protocol):
 Passed = Sequence[Sequence[Change]]
 
 
-def columns(solutions: Sequence[Answer]) -> dict[str, list[float]]:
+def columns(solutions: Sequence[Solution]) -> dict[str, list[float]]:
     """A list for each of NUMBERS, nan for what the scene does not define."""
     rows = [numbers(solution) for solution in solutions]
     return {name: [row[name] for row in rows] for name in NUMBERS}
 
 
-def to_dict(solutions: Sequence[Answer], passed: Passed) -> dict[str, Any]:
+def to_dict(solutions: Sequence[Solution], passed: Passed) -> dict[str, Any]:
     """Columns, events, scene and units; None for what is not defined, or infinite."""
     scene = solutions[0].scene
     events = [{**_event(e), "point": point} for point, since in enumerate(passed) for e in since]
@@ -66,7 +66,7 @@ def _event(event: Change) -> dict[str, Any]:
     return {**said, **zones}
 
 
-def to_csv(solutions: Sequence[Answer], passed: Passed) -> str:
+def to_csv(solutions: Sequence[Solution], passed: Passed) -> str:
     """A row a load, in full precision, `nan` for what is not defined; `events` since the row before are kind, load and position each."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

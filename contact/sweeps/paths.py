@@ -24,7 +24,6 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged, OutOfRange, SceneError, unwarned, warn
 from contact.formulation.maxima import maximum
@@ -42,8 +41,7 @@ from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
 from contact.sweeps.hidden import may_hide
 from contact.sweeps.path_plot import plot_path
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Loads closer than this part of themselves are one: events within it are reported at their own loads but not separated.
 _CLOSE = 1e-7

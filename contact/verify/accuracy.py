@@ -11,15 +11,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.verify.certificate import ROUNDING
 from contact.verify.solved import Solved
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Beside a singular end the pressure is several times the mean, to which its error is referred.
 _SINGULAR = 8
@@ -28,7 +26,7 @@ _EPS = 2.2e-16
 _LOOKS = 64
 # Half widths of a zone over the length of the kernel's smooth part, up to which the modes of a zone show it to rounding, and from which on
 # not at all.
-RESOLVED, HOPELESS = 40.0, 150.0
+RESOLVED, HOPELESS = 40.0, 300.0
 # Of neglected modes what they may make of the pressure, and of rounding over the compliance that is left: several times what layers of
 # known contact have.
 _MODES, _CANCELLED = 5.0, 4e-15

@@ -11,14 +11,12 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.runs import runs_of
 from contact.verify.minima import DIP_ROUNDING, Signs, signs_on
-
-Array = NDArray[np.float64]
+from sie import Array, Index, Mask
 
 # Each zoom into a minimum narrows its bracket to a quarter at least.
 _ZOOMS = 7
@@ -135,8 +133,7 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None)
         missed = _missed(fields)
         name = "load" if held is None else held.name
         if held is None or held.half_width is None:
-            matrix = fields.second_variation(None if held is None else held.yields)
-            stability = float(np.linalg.eigvalsh(_symmetric(matrix)).min())
+            stability = least_eigenvalue(fields.second_variation(None if held is None else held.yields))
         if missed > _INTENSITY * max(1.0, fields.bending):
             holds, note = False, f"an end misses its intensity by {missed:.1e}"
         elif stability is not None and not stability > 0.0:
@@ -173,8 +170,9 @@ def _missed(fields: ZoneFields) -> float:
     return float(np.abs(np.concatenate(fields.density.intensities) / wanted - 1.0).max())
 
 
-def _symmetric(matrix: Array) -> Array:
-    return 0.5 * (matrix + matrix.T)
+def least_eigenvalue(matrix: Array) -> float:
+    """Of its symmetric part: a second variation is symmetric but for rounding."""
+    return float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min())
 
 
 def _moment_balance(fields: ZoneFields) -> float | None:
@@ -191,11 +189,11 @@ def _pressures(fields: ZoneFields) -> Signs:
     """p / sqrt(1 - t^2) on the zones, in scaled units."""
     density, noise = fields.density, fields.state.noise
 
-    def over_root(zone: NDArray[np.intp], angle: Array) -> Array:
+    def over_root(zone: Index, angle: Array) -> Array:
         right, left = 2 * np.sin(angle / 2) ** 2, 2 * np.cos(angle / 2) ** 2
         return np.asarray(density.at(zone, left, right) / np.sqrt(left * right))
 
-    def sampled(group: NDArray[np.intp], theta: Array) -> tuple[Array, Array, Array]:
+    def sampled(group: Index, theta: Array) -> tuple[Array, Array, Array]:
         value = over_root(group[:, None], theta)
         finite = np.isfinite(value)
         scale = np.abs(np.where(finite, value, 0.0)).max(axis=1)
@@ -275,7 +273,7 @@ def _on_zones(fields: ZoneFields) -> Array:
     return np.asarray((zones.middle[:, None] + zones.half[:, None] * _ON_ZONES).ravel())
 
 
-def _closing(gap: Array, place: NDArray[np.intp], rounding: float) -> NDArray[np.bool_]:
+def _closing(gap: Array, place: Index, rounding: float) -> Mask:
     """Samples, by interval and from left to right, that lie between the end of a zone and the first one where the gap is above
     its rounding: there it closes as d^(3/2), and its sign is that of the pressure's slope."""
     index, first_of = np.arange(len(gap)), np.flatnonzero(np.diff(place, prepend=-1))
@@ -290,7 +288,7 @@ def _finite(gap: Array) -> Array:
     return np.where(np.isfinite(gap), gap, np.inf)
 
 
-def _overlaps(x: Array, fails: NDArray[np.bool_], lo: float, hi: float) -> list[tuple[float, float]]:
+def _overlaps(x: Array, fails: Mask, lo: float, hi: float) -> list[tuple[float, float]]:
     """From the last good sample to the next one, for every run of bad samples in (lo, hi)."""
     return [
         (float(x[max(s - 1, 0)]) if s else lo, float(x[min(e + 1, len(x) - 1)]) if e < len(x) - 1 else hi)

@@ -9,15 +9,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import look_at
 from contact.formulation.tension.fields import PulledFields, scaled_second_variation
 from contact.verify.accuracy import Found
-from contact.verify.certificate import Certificate
-
-Array = NDArray[np.float64]
+from contact.verify.certificate import Certificate, least_eigenvalue
+from sie import wrapped
 
 # A miss of the reach, over it, and what rounding of heights may make of it.
 _REACH = 1e-7
@@ -52,7 +50,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
         note = "the gap is below the reach of the tension everywhere: the frictionless contact, less the tension, and as stable"
         return replace(plain, smallest_pressure=least, holds=held and inside, note=note if inside else "the gap is above the reach")
     (x, gap), table, period = here.look, here.table, curve.problem.period
-    place = x if period is None else x - np.floor((x - table[0, 0]) / period) * period
+    place = wrapped(x, table[0, 0], period)
     i = np.maximum(np.searchsorted(table[:, 0], place, side="right") - 1, 0)
     within = (place > table[i, 0]) & (place < table[i, 1])
     next_one = np.append(table[1:, 0], np.inf if period is None else table[0, 0] + period)
@@ -62,8 +60,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
     rounding = here.q.gap_rounding
     wrong = told & np.where(within, gap > curve.reach + rounding, gap < curve.reach - rounding)
     missed = float(np.abs(here.residual).max())
-    matrix = scaled_second_variation(here)
-    stability = float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min())
+    stability = least_eigenvalue(scaled_second_variation(here))
     if not held:
         note = plain.note or "a sign or the balance fails"
     elif missed > _REACH + 4 * rounding / curve.reach:

@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.fields import moved_ends
 from contact.formulation.gaps import GapFields
 from contact.verify.certificate import ROUNDING
 from contact.verify.solved import Solved
-
-Array = NDArray[np.float64]
+from sie import Array, wrapped
 
 # Pressures closer to a gap than this part of the period are as uncertain as the rounding of their own position makes them:
 # what is stated is not about them.
@@ -89,8 +87,7 @@ class FoundByGaps(Solved):
         fields = self.fields
         zones, convex = fields.zones, fields.relief.heights > 0
         at, heights = fields.relief.at[convex], fields.relief.heights[convex]
-        at = at - np.floor((at - zones[0, 0]) / fields.period) * fields.period
-        zone = np.maximum(np.searchsorted(zones[:, 0], at, side="right") - 1, 0)
+        zone = np.maximum(np.searchsorted(zones[:, 0], wrapped(at, zones[0, 0], fields.period), side="right") - 1, 0)
         count, largest = np.bincount(zone, minlength=len(zones)), np.zeros(len(zones))
         np.maximum.at(largest, zone, heights)
         nearest = np.minimum(_BESIDE_TIPS, 0.25 / np.maximum(count, 1)) * 0.5 * (zones[:, 1] - zones[:, 0])

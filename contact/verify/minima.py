@@ -7,13 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.formulation.runs import runs_of
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from sie import Array, Index, Mask
 
 # Each zoom into a minimum narrows its bracket to an eighth.
 _ZOOMS = 7
@@ -34,7 +31,7 @@ class Dips:
     lowest: float = np.inf
 
 
-def may_be_negative(before: Array, here: Array, after: Array) -> NDArray[np.bool_]:
+def may_be_negative(before: Array, here: Array, after: Array) -> Mask:
     """Whether a minimum sampled at three even places may lie below zero between them: a parabola through them falls below the
     middle one by an eighth of their second difference at most."""
     with np.errstate(invalid="ignore"):

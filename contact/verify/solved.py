@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 import sie
 from contact.formulation.controls import Control
 from contact.verify.certificate import Certificate
+from sie import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +22,7 @@ class Solved:
     rounds: int
     control: Control
     tolerance: float = 0.0
-    off: float | NDArray[np.float64] = 0.0
+    off: float | Array = 0.0
 
     @property
     def error(self) -> float:

@@ -10,10 +10,9 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
-Array = NDArray[np.float64]
+from sie.basis.arrays import Array
 
 # Below this size a product with a stored matrix is faster than the call of a fast transform.
 LARGEST_MATRIX = 96
@@ -115,9 +114,13 @@ def t_values(c: Array, n: int) -> Array:
     return np.asarray(fft.dct(halved, type=3, n=n, axis=-1))
 
 
-def t_means(values: Array) -> Array:
-    """Means of f T_l, l = 0 ... n - 1, with the weight 1 / sqrt(1 - t^2), from f at the n nodes of `gauss`."""
-    return np.asarray(fft.dct(values, type=2) / (2 * len(values)))
+def t_means(values: Array, count: int | None = None) -> Array:
+    """Means of f T_l, l = 0 ... count - 1 (or n - 1), with the weight 1 / sqrt(1 - t^2), from f at the n nodes of `gauss` (last axis)."""
+    n = values.shape[-1]
+    count = n if count is None else count
+    if n <= LARGEST_MATRIX:
+        return np.asarray(values @ (t_matrix(n, count) / n))
+    return np.asarray(fft.dct(values, type=2, axis=-1)[..., :count] / (2 * n))
 
 
 def bounded_part(c: Array) -> tuple[Array, Array, Array]:

@@ -16,13 +16,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import gammaln, loggamma, psi
 
+from sie.basis.arrays import Array
 from sie.basis.interval import fall
 from sie.basis.kept import Kept
 
-Array = NDArray[np.float64]
 Regular = Callable[[Array, Array], Array]
 
 

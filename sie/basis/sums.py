@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-Mask = NDArray[np.bool_]
+from sie.basis.arrays import Array, Index, Mask
 
 # Below this number of multiplications all pairs are summed to the same order; of few pairs, all powers are formed at once.
 _SMALL, _FEW = 200_000, 256
 # (point, jump) pairs handled at once.
 PAIRS = 1 << 19
+# Sines of multiples that are all taken.
+_FEW_SINES = 256
 # Sines and cosines held at once.
 _BLOCK = 800_000
 # Zones that are named less often are summed together, by numbers of terms that are rounded up to a multiple.
@@ -97,9 +97,10 @@ def sine_sum(u: Array, zone: Index, angle: Array, flip: Mask) -> Array:
         if len(row) == 0:
             continue
         k = np.arange(1, len(row) + 1)
+        # In both directions: seen from the left end, t changes sign.
         both = np.column_stack((row, row * (2.0 * (k % 2) - 1.0)))
         for part in _blocks(here, len(row)):
-            sums = np.sin(flat_angle[part][:, None] * k) @ both
+            sums = _sines(flat_angle[part], both)
             flat_out[part] = np.where(flat_flip[part], sums[:, 1], sums[:, 0])
     return out
 
@@ -114,9 +115,25 @@ def _same_places(u: Array, zones: Index, angle: Array, flip: Mask) -> Array:
     turned = rows * (2.0 * (k % 2) - 1.0)
     out = np.empty((len(zones), len(angle)))
     for here in _blocks(np.arange(len(angle)), len(k)):
-        sines = np.sin(angle[here, None] * k).T
-        out[:, here] = np.where(flip[here], turned @ sines, rows @ sines) if flip[here].any() else rows @ sines
+        some = flip[here].any()
+        sums = _sines(angle[here], np.concatenate((rows, turned) if some else (rows,)).T).T
+        out[:, here] = np.where(flip[here], sums[len(rows) :], sums[: len(rows)]) if some else sums
     return out
+
+
+def _sines(angle: Array, columns: Array) -> Array:
+    """sum_k columns[k - 1] sin(k angle), (points, columns). Of many terms k = m a + b, by sin(m a angle + b angle): few sines are taken."""
+    count = len(columns) + 1
+    if count <= _FEW_SINES:
+        return np.asarray(np.sin(angle[:, None] * np.arange(1, count)) @ columns)
+    m = 2 ** round(0.5 * np.log2(count))
+    terms = np.zeros((-(-count // m), m, columns.shape[1]))
+    terms.reshape(-1, columns.shape[1])[1:count] = columns
+    near, far = angle[:, None] * np.arange(m), angle[:, None] * (m * np.arange(len(terms)))
+    by_near = terms.transpose(1, 0, 2).reshape(m, -1)
+    shape = (len(angle), *terms.shape[::2])
+    cosines, sines = (np.reshape(wave @ by_near, shape) for wave in (np.cos(near), np.sin(near)))
+    return np.asarray(np.einsum("pa,pac->pc", np.sin(far), cosines) + np.einsum("pa,pac->pc", np.cos(far), sines))
 
 
 def cosine_sum(c: Array, zone: Index, theta: Array) -> Array:

@@ -7,12 +7,11 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.ends import FREE, End
 from sie.basis.kept import Kept
-
-Array = NDArray[np.float64]
 
 # Rounding that symmetric zones may differ by from their mirror images, over their width.
 _MIRROR_TOLERANCE = 1e-6
@@ -103,11 +102,11 @@ class Zones(Kept):
         rest = (ends - (there - back)) + (by - back)
         return replace(self, a=there[0], b=there[1], rest=rest if exactly else np.zeros_like(rest))
 
-    def beyond_a(self, x: Array, zone: NDArray[np.intp]) -> Array:
+    def beyond_a(self, x: Array, zone: Index) -> Array:
         """How far x lies to the right of the left ends of zones."""
         return np.asarray((x - self.a[zone]) - self.rest[0][zone])
 
-    def before_b(self, x: Array, zone: NDArray[np.intp]) -> Array:
+    def before_b(self, x: Array, zone: Index) -> Array:
         """How far x lies to the left of the right ends of zones."""
         return np.asarray((self.b[zone] - x) + self.rest[1][zone])
 
@@ -130,7 +129,7 @@ class Zones(Kept):
         return 0.5 * (self.a + self.b)
 
     @cached_property
-    def solved(self) -> NDArray[np.intp]:
+    def solved(self) -> Index:
         """Indices of the zones whose equations are solved: all, or the right half of a symmetric set."""
         return np.arange(len(self) // 2, len(self)) if self.symmetric else np.arange(len(self))
 
@@ -143,6 +142,16 @@ class Zones(Kept):
         )
         # Of a zone about the centre the left end is the mirror image of the right one.
         return [p for p in left if not (self.central and p == 0)], right
+
+    @cached_property
+    def moves(self) -> Mask:
+        """Which left and which right ends move (2, n)."""
+        return np.array([[end.moves for end in ends] for ends in (self.left, self.right)])
+
+    @property
+    def follow_ends(self) -> bool:
+        """Whether moved ends change the density at first order: intensities are prescribed there."""
+        return any(end.moves and end.intensity != 0.0 for end in (*self.left, *self.right))
 
     @property
     def central(self) -> bool:

@@ -6,12 +6,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lapack, lu_factor, lu_solve
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
@@ -26,10 +25,6 @@ from sie.equation.conditions import asked
 from sie.equation.equation import Equation
 from sie.fast.panels import panels_over
 from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-
 
 # With the last coupled coefficients above this part of the largest, zones lie too close to what is singular beside them.
 UNRESOLVED = 1e-6
@@ -114,22 +109,6 @@ class Carried:
         return y if system.symmetry.keep is None else y[system.symmetry.keep]
 
 
-class Solver(Protocol):
-    """Solves the assembled rows for further right sides. size: of the unknowns that are kept; direct, iteration: itself, where it has a
-    matrix, and where it iterates."""
-
-    @property
-    def size(self) -> int: ...
-
-    @property
-    def direct(self) -> Factored | None: ...
-
-    @property
-    def iteration(self) -> Iterative | None: ...
-
-    def __call__(self, right: Array) -> Array: ...
-
-
 @dataclass(frozen=True, eq=False)
 class Factored:
     """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
@@ -156,6 +135,10 @@ class Factored:
     def transposed(self, right: Array) -> Array:
         """Solves with the transposed matrix."""
         return np.asarray(lu_solve((self.lu, self.pivots), right, trans=1, check_finite=False))
+
+
+# What solves the assembled rows for further right sides: by their factors, or by iteration. direct, iteration: itself, where it does so.
+Solver = Factored | Iterative
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,12 +199,16 @@ class State(Kept):
         iteration = self.iteration
         return self.symmetry.unfold(self.solver(right) if iteration is None else iteration(right, None, tolerance))
 
+    def values(self, condition: int = 0, change: float = 1.0) -> Array:
+        """A change of the value of one side condition, the first one if none is named, among those of all."""
+        out = np.zeros(len(self.condition_scale))
+        out[self.condition_index[condition]] = change
+        return out
+
     def with_value(self, condition: int, change: float) -> State:
         """The state after the value of one side condition has changed."""
-        values = np.zeros(len(self.condition_scale))
-        values[self.condition_index[condition]] = change
         right = np.zeros(self.solver.size)
-        right[self.conditions_from :] = values / self.condition_scale
+        right[self.conditions_from :] = self.values(condition, change) / self.condition_scale
         folded = self.folded_unknowns + self.solver(right)
         unknowns = self.symmetry.unfold(folded)
         return replace(self, folded_unknowns=folded, unknowns=unknowns, density=density_of(self.system, unknowns))
@@ -343,8 +330,7 @@ class State(Kept):
         missing = self._missing + self._missing_fields
         rounding = 2e-15 * self.zone_sizes + self.jumps_rounding
         missing[solved] += 3 * np.maximum(self._residual - rounding[solved], 0.0)
-        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
-        slopes = np.where(moves, np.abs(self.density.edge_slopes), np.inf)
+        slopes = np.where(zones.moves, np.abs(self.density.edge_slopes), np.inf)
         return np.asarray(edge_scale(zones.half) * missing / np.maximum(slopes, 1e-300) / zones.half).T
 
     @cached_property
@@ -441,7 +427,7 @@ class State(Kept):
         return np.cumsum([0, *counts], dtype=np.intp)[:-1]
 
 
-def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, separated: NDArray[np.bool_] | bool = True) -> float:
+def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, separated: Mask | bool = True) -> float:
     """Error of the density over its size for residuals of the equation at _THETA on zones (n, LOOKS), which rounding of the jumps'
     parts has its share in; separated: where these tell the first modes from the rest, of which only the largest value is known, and that
     the density is off by up to as many times as there are modes."""
@@ -465,6 +451,13 @@ def first_sizes(equation: Equation, zones: Zones) -> Sizes:
     else:
         least = max((column.modes or 0 for column in equation.columns), default=0)
     return Sizes(np.full(len(zones), 16), least)
+
+
+def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
+    """Modes to begin with, from those of a solution on about the same zones; of no more than the first ones, if these are others."""
+    if len(sizes.own) != len(zones):
+        return first_sizes(equation, zones)
+    return Sizes(sizes.own, sizes.least, primitive_rounding=sizes.primitive_rounding, wide=sizes.wide and replace(sizes.wide, carried=None))
 
 
 def solve_fixed(
@@ -554,8 +547,7 @@ def _solve_once(
     if lapack.dgecon(lu, np.abs(matrix).sum(axis=0).max(initial=0.0))[0] < _DEPENDENT:
         raise SingularSystem("the system is singular: the side conditions depend on each other")
     folded = np.asarray(lu_solve((lu, pivots), right, check_finite=False))
-    prescribed = any(end.moves and end.intensity != 0.0 for end in (*zones.left, *zones.right))
-    solver = Factored(lu, pivots, _size_of_rows(system, np.sqrt(matrix**2 @ folded**2 + right**2)), matrix if prescribed else None)
+    solver = Factored(lu, pivots, _size_of_rows(system, np.sqrt(matrix**2 @ folded**2 + right**2)), matrix if zones.follow_ends else None)
     sizes.kernel_evaluations += matrix.size
     return _state(system, solver, folded, matrix.shape[0] - len(scale), scale, samples, sizes)
 

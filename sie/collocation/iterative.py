@@ -14,10 +14,11 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, edge_scale, mean_potential
+from sie.basis.places import numbered
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import felt
@@ -30,9 +31,6 @@ from sie.fast.far import reaches
 from sie.fast.hierarchical import Inverse
 from sie.fast.krylov import gmres
 from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # To what the coarse problem is inverted: below the bending that it leaves out.
 _COARSE = 1e-4
@@ -212,7 +210,7 @@ class IterativeSystem(System):
         start, length = self._gaps
         panels = np.ceil(length / forcing.resolution).astype(np.intp)
         gap = np.repeat(np.arange(len(length)), panels)
-        number = np.arange(len(gap)) - np.repeat(np.cumsum(panels) - panels, panels)
+        number = numbered(panels)
         size = (length / panels)[gap]
         t, weights, slope_of = _gauss_legendre()
         from_start = (number * size)[:, None] + size[:, None] * (0.5 * (1 + t))

@@ -10,17 +10,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import fall
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 OWN_SIZES = np.array(
     [8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 6144, 8192]
@@ -34,10 +31,13 @@ _ALONE = 690.0
 # Coefficients among which the largest of a jump's part is.
 _LEADING = 8
 COUPLED_SIZES = np.array(
-    [0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768, 1024, 1280, 1536]
+    [
+        0, 4, 6, 8, 10, 12, 16, 20, 24, 32, 40, 48, 64, 80, 96, 128, 160, 192, 256, 320, 384, 512, 640, 768,
+        1024, 1280, 1536, 2048, 2560, 3072,
+    ]
 )
 # Modes at the most: as a rule, and of a regular kernel that is known to ask for more.
-_MOST, _MOST_KNOWN = 768, 1536
+_MOST, _MOST_KNOWN = 768, 3072
 # Modes to begin with to a half width over the length of a regular kernel: exp(-12) of it is left.
 _PER_LENGTH = 12.0
 

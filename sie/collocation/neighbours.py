@@ -9,9 +9,8 @@ measure 1/2 - asin(s) / pi, s = (g - g') / (g + g').
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sie.basis.arrays import Array
 
 
 def conformal_radius(left: Array, right: Array) -> Array:

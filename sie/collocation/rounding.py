@@ -11,8 +11,8 @@ from __future__ import annotations
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index
 from sie.basis.chebyshev import bounded_part
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
@@ -23,8 +23,6 @@ from sie.collocation.system import System
 from sie.density.density import Density
 from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.equation.equation import Forcing
-
-Array = NDArray[np.float64]
 
 EPS = 2.2e-16
 # The largest of some hundred roundings over their mean square: what is stated is to be exceeded nowhere.
@@ -53,7 +51,7 @@ class Solved(Protocol):
     @property
     def conditions_from(self) -> int: ...
     @property
-    def condition_index(self) -> NDArray[np.intp]: ...
+    def condition_index(self) -> Index: ...
     @property
     def condition_scale(self) -> Array: ...
     @property

@@ -15,14 +15,12 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index
+from sie.basis.places import numbered
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # From this number of jumps on in a zone: the powers are then some ten times the right side.
 MANY_JUMPS = 32
@@ -56,7 +54,7 @@ class Stretches:
             cuts = np.concatenate(([0.0], np.sort(jumps.angles(int(zone))), [np.pi]))
             length = np.diff(cuts)
             parts = np.maximum(np.ceil(length * (k / _TURN)), 1.0).astype(np.intp)
-            number = np.arange(int(parts.sum())) - np.repeat(np.cumsum(parts) - parts, parts)
+            number = numbered(parts)
             size = np.repeat(length / parts, parts)
             starts.append(np.repeat(cuts[:-1], parts) + number * size)
             sizes.append(size)

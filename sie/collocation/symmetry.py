@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index
+from sie.basis.places import numbered
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +34,7 @@ class MirrorSymmetry:
             middle = zones.solved[0]
             keep.append(layout.offset[middle] + np.arange(0, layout.m[middle] + 1, 2))
         size = layout.m[pairs] + 1
-        k = np.arange(int(size.sum())) - np.repeat(np.cumsum(size) - size, size)
+        k = numbered(size)
         source = np.repeat(layout.offset[pairs], size) + k
         follow = np.repeat(layout.offset[count - 1 - pairs], size) + k
         keep += [source, layout.coefficients + np.arange(layout.columns)]

@@ -16,22 +16,20 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
+from sie.basis.places import numbered
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
-from sie.density.field import moments_of
+from sie.density.moments import moments_of
 from sie.equation.conditions import Linear, multiplicity
 from sie.equation.equation import Equation
 from sie.fast.panels import TERMS, Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Most quadrature nodes a zone spends on the weight of a side condition.
 _LARGEST_WEIGHT = 8192
@@ -170,7 +168,7 @@ def add_regular(
             xi = zones.middle[sources][:, None] + zones.half[sources][:, None] * chebyshev.gauss(int(q))
             values = regular(x[:, None, None], xi)
             count = min(int(m), int(q) - 1) + 1
-            block = values @ (chebyshev.t_matrix(int(q), count) / q)
+            block = chebyshev.t_means(values, count)
             if not potential:
                 block *= zones.half[sources][:, None]
             columns = layout.offset[sources][:, None] + np.arange(count)
@@ -199,7 +197,7 @@ class System:
     def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps) -> None:
         self.equation, self.zones, self.jumps, self.g = equation, zones, jumps, coefficients
         self.layout = Layout(m, len(equation.columns))
-        self.known = jumps.t_coefficients(zones, int(m.max()) + 1)
+        self.known = jumps.first_coefficients(zones, m + 1)
         # In zones by moments the jumps' parts are among the unknowns, as far as those go.
         self.by_moments = many_jumps(equation.forcing, zones, jumps)
         self.taken = np.zeros_like(self.known)
@@ -303,7 +301,7 @@ class System:
         """Unknown c_k of each row of the equation."""
         solved = self.zones.solved
         count = self.layout.m[solved]
-        k = np.arange(int(count.sum())) - np.repeat(np.cumsum(count) - count, count) + 1
+        k = numbered(count) + 1
         unknown = np.repeat(self.layout.offset[solved], count) + k
         if not self.zones.central:
             return unknown

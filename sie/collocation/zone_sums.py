@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array
 from sie.basis.interval import Outside, fall
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
@@ -27,9 +27,6 @@ from sie.fast import lazy
 from sie.fast.far import FarSum, Nested
 from sie.fast.panels import Panels, Spread, panels_over
 from sie.fast.tree import TERMS, Pairs, Tree
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Powers below e^-_VANISHED are left out of near sums.
 _VANISHED = 40.0

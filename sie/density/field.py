@@ -10,25 +10,16 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import OnLine, potential_of, transform_of
-from sie.basis.kernels import Kernel, Regular, regular_size
+from sie.basis.kernels import Kernel, Regular
 from sie.basis.zones import Zones
-from sie.density.series import Evaluated, Series
-from sie.fast.panels import Panels, Spread, panels_over
-from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from sie.density.series import Series
+from sie.fast.panels import Spread
 
 # Largest number of (point, source) pairs handled at once: bounds the memory of an evaluation.
 CHUNK = 16_000
-# From this number of (point, source) pairs on, far sources are summed fast.
-MANY_PAIRS = 500_000
-# The same once the series of the far ones are at hand.
-SOME_PAIRS = 10_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +29,7 @@ class Sources:
     zone: Index
     a: Array
     b: Array
-    own: NDArray[np.bool_]
+    own: Mask
     rest: Array
 
     @classmethod
@@ -49,7 +40,7 @@ class Sources:
         own = np.repeat(shift[:, 0] == 0.0, len(zones))
         return cls(zone, (zones.a + shift).ravel(), (zones.b + shift).ravel(), own, zones.rest[:, zone])
 
-    def chosen(self, which: NDArray[np.bool_]) -> Sources:
+    def chosen(self, which: Mask) -> Sources:
         return Sources(self.zone[which], self.a[which], self.b[which], self.own[which], self.rest[:, which])
 
     def __len__(self) -> int:
@@ -63,40 +54,8 @@ def seen_from(sources: Sources, x: Array, half: Array) -> OnLine:
     return OnLine.of(left, right)
 
 
-def transform_at(density: Evaluated, x: Array, sources: Sources) -> Array:
-    """(1/pi) PV int phi K dxi at points x (n,), by blocks."""
-    return _by_blocks(density, x, sources, _transform, density.kernel.regular)
-
-
-def potential_at(density: Evaluated, x: Array, sources: Sources) -> Array:
-    """(1/pi) int phi Lambda dxi at points x (n,), by blocks."""
-    return _by_blocks(density, x, sources, _potential, density.kernel.regular_potential)
-
-
 def transform_from(density: Series, x: Array, sources: Sources) -> Array:
-    """What some sources add to the transform at points x (n,)."""
-    return _transform(density, x, sources)
-
-
-def potential_from(density: Series, x: Array, sources: Sources) -> Array:
-    """What some sources add to the potential at points x (n,)."""
-    return _potential(density, x, sources)
-
-
-def _by_blocks(density: Evaluated, x: Array, sources: Sources, what, regular: Regular | None) -> Array:  # type: ignore[no-untyped-def]
-    if len(x) * len(sources) > (SOME_PAIRS if density.has_series else MANY_PAIRS) and density.treecode is not None:
-        here = density.treecode
-        value = here.potential(x) if what is _potential else here.transform(x)
-        return value if regular is None or density.kernel.sure else np.asarray(value + regular_at(density, x, regular))
-    out = np.zeros(x.shape) if regular is None else regular_at(density, x, regular)
-    block = max(1, CHUNK // len(sources))
-    for s in range(0, len(x), block):
-        part = x[s : s + block]
-        out[s : s + block] += what(density, part, sources)
-    return out
-
-
-def _transform(density: Series, x: Array, sources: Sources) -> Array:
+    """What sources add to (1/pi) PV int phi K dxi at points x (n,)."""
     zone = sources.zone
     seen = seen_from(sources, x, density.zones.half[zone])
     value, rho = transform_of(*density.bounded, seen, zone), seen.rho
@@ -112,7 +71,8 @@ def _transform(density: Series, x: Array, sources: Sources) -> Array:
     return np.asarray(value.sum(axis=1))
 
 
-def _potential(density: Series, x: Array, sources: Sources) -> Array:
+def potential_from(density: Series, x: Array, sources: Sources) -> Array:
+    """What sources add to (1/pi) int phi Lambda dxi at points x (n,)."""
     zone, datum = sources.zone, density.kernel.datum
     w = density.zones.half[zone]
     seen = seen_from(sources, x, w)
@@ -127,7 +87,7 @@ def _potential(density: Series, x: Array, sources: Sources) -> Array:
     return np.asarray(value.sum(axis=1))
 
 
-def regular_at(density: Evaluated, x: Array, regular: Regular) -> Array:
+def regular_at(density: Series, x: Array, regular: Regular) -> Array:
     """The regular part of the kernel (or of its potential): through its panels, where it has some, else by Gauss-Chebyshev quadrature on
     every zone."""
     if density.panel_moments is not None:
@@ -139,28 +99,3 @@ def regular_at(density: Evaluated, x: Array, regular: Regular) -> Array:
         for s in range(0, len(x), block):
             out[s : s + block] += regular(x[s : s + block, None], xi[None, :]) @ weights
     return out
-
-
-def moments_of(panels: Panels, zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> Array:
-    """Moments of the panels of a density, see `quadrature`."""
-    nodes, weights = (np.concatenate(parts) for parts in zip(*quadrature(zones, kernel, table, jumps), strict=True))
-    return panels.moments(Spread.of(panels, nodes), weights)
-
-
-def quadrature(zones: Zones, kernel: Kernel, table: Array, jumps: ForcingJumps) -> list[tuple[Array, Array]]:
-    """(nodes, weights times density) for the regular part, of T coefficients (zones, n + 1) and jumps; zones of equal size together."""
-    m, panels = table.shape[1] - 1, panels_over(kernel, zones)
-    sizes = np.array([regular_size(kernel, w, m) for w in zones.half]) if panels is None else panels.modes(zones.half) + 2
-    found = []
-    for q in np.unique(sizes):
-        group = np.flatnonzero(sizes == q)
-        count = min(int(q), m + 1)
-        xi = zones.middle[group][:, None] + zones.half[group][:, None] * chebyshev.gauss(int(q))
-        c = table[group, :count]
-        if len(jumps):
-            count = int(q)
-            c = np.pad(c, ((0, 0), (0, count - c.shape[1]))) + jumps.t_coefficients(zones, count)[group]
-        weights = chebyshev.t_values(c, int(q)) * (zones.half[group] / q)[:, None]
-        found.append((xi.ravel(), weights.ravel()))
-    return found
-

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from sie.basis.arrays import Array, Complex, Index, Mask
 from sie.basis.interval import What
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
+from sie.basis.places import nearest_image, wrapped
 from sie.basis.zones import Zones
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 
 class Located(Kept):
@@ -28,7 +27,7 @@ class Located(Kept):
         @property
         def kernel(self) -> Kernel: ...
         @property
-        def plane(self) -> Callable[[NDArray[np.complex128], What], NDArray[np.complex128]]:
+        def plane(self) -> Callable[[Complex, What], Complex]:
             """The density at complex points."""
 
     def with_bounded_ends(self) -> Self:
@@ -49,14 +48,17 @@ class Located(Kept):
         t = real_of(t)
         return self.at(zone, 1 + t, 1 - t)
 
-    def locate(self, x: ArrayLike) -> tuple[Array, Index, NDArray[np.bool_]]:
+    def locate(self, x: ArrayLike) -> tuple[Array, Index, Mask]:
         """(x moved by periods to lie right of the first zone's left end, index of the last zone that starts before it,
         whether it is inside that zone)."""
-        place, zones, period = real_of(x), self.zones, self.kernel.period
-        if period is not None:
-            place = place - np.floor((place - zones.a[0]) / period) * period
+        zones = self.zones
+        place = wrapped(real_of(x), zones.a[0], self.kernel.period)
         i = np.asarray(np.maximum(np.searchsorted(zones.a, place, side="right") - 1, 0))
         return place, i, np.asarray((place >= zones.a[i]) & (place <= zones.b[i]))
+
+    def into_period(self, x: Array) -> Array:
+        """x moved by periods to within half of one of the zones' middle, where the kernel's poles are the near ones."""
+        return nearest_image(x, 0.5 * (self.zones.a[0] + self.zones.b[-1]), self.kernel.period)
 
     def __call__(self, x: ArrayLike) -> Array:
         """Density at x (any shape), zero off the zones."""
@@ -66,7 +68,7 @@ class Located(Kept):
         out[inside] = self.at(z, (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w)
         return out
 
-    def transform_slope(self, z: ArrayLike) -> NDArray[np.complex128]:
+    def transform_slope(self, z: ArrayLike) -> Complex:
         """F'(z), the derivative of `transform` at complex z (any shape)."""
         return self._in_plane(z, "derivative")
 

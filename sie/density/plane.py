@@ -18,20 +18,17 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Complex, InPlane, Outside, What, complex_of, of_t, transform_of, transform_slope_of
 from sie.basis.kernels import Regular
 from sie.basis.sums import of_zones, pair_blocks
-from sie.density.series import Evaluated
+from sie.density.series import Series
 from sie.fast.far import Nested
 from sie.fast.tree import SEPARATION, TERMS, Tree
 from sie.jumps.exterior import ExteriorLogarithms
 from sie.jumps.forcing import ForcingJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # InPlane with a rho below this, a node is its first TERMS moments; jumps are their first coefficients below the other one.
 _FAR = float(Outside(1.0, np.array(SEPARATION)).rho)
@@ -45,15 +42,11 @@ _PAIRS = 1 << 18
 class Plane:
     """A density at complex points."""
 
-    def __init__(self, density: Evaluated) -> None:
+    def __init__(self, density: Series) -> None:
         self.density = density
         zones = density.zones
         self.nested = Nested(Tree.over(zones.a, zones.b), kept=False)
-        c = np.zeros((len(zones), TERMS))
-        count = min(TERMS, density.coefficients.shape[1])
-        c[:, :count] = density.coefficients[:, :count]
-        if len(density.jumps):
-            c += density.jumps.t_coefficients(zones, TERMS)
+        c = density.first(TERMS)
         twice = np.where(np.arange(TERMS), 2.0, 1.0)
         tree = self.nested.tree
         self.series = self.nested.upward(c * zones.half[:, None] / twice) * twice / tree.half[:, None]

@@ -1,75 +1,263 @@
-"""What sums over the zones read of a density, whatever it is made of."""
+"""A density zone by zone: its coefficients and jumps, what they make of it on its zones, and what sums over zones read of it."""
 
 from __future__ import annotations
 
-from typing import Protocol
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
-from sie.basis.interval import OnLine
+from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index, Mask
+from sie.basis.interval import (
+    OnLine,
+    edge_slopes,
+    integral_on,
+    intensities,
+    own_potential,
+    own_transform,
+    potential_of,
+    slope_scale,
+    theta,
+    values_on,
+)
 from sie.basis.kernels import Kernel
+from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
-from sie.fast.panels import Panels
-from sie.jumps.forcing import ForcingJumps
+from sie.density.located import Located, real_of
+from sie.density.moments import moments_of, quadrature
+from sie.fast.panels import Panels, panels_over
+from sie.jumps.forcing import SERIES_REACH, ForcingJumps
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-Mask = NDArray[np.bool_]
-
-
-class Evaluator(Protocol):
-    """Transform and potential at many points (n,) at once."""
-
-    def transform(self, x: Array) -> Array: ...
-
-    def potential(self, x: Array) -> Array: ...
+# Distance from a singular end, over the half width, within which errors of the density are not asked for.
+_BESIDE = 0.01
+# Most even angles of one zone that `sampling` asks for.
+_MOST_PLACES = 2**14
+# Most angles of a zone at which it is looked how the density follows the ends.
+LOOKS = 128
 
 
-class Series(Protocol):
-    """sum_j c_j T_j(t) / sqrt(1 - t^2) and the jumps of the right side, on each zone; see `density.Density` for each member."""
+@dataclass(frozen=True, eq=False)
+class Series(Located):
+    """sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the jumps, on each zone: see `sie.Density`."""
+
+    zones: Zones
+    kernel: Kernel
+    coefficients: Array
+    jumps: ForcingJumps
+    amplitudes: Array
+    bounded_ends: bool = False
+    parts: tuple[Array, Array, Array] | None = None
+
+    # per zone -------------------------------------------------------------------------------------------------------
+    @cached_property
+    def bounded(self) -> tuple[Array, Array, Array]:
+        alpha, beta, u = self.parts or chebyshev.bounded_part(self.coefficients)
+        if not self.bounded_ends:
+            return alpha, beta, u
+        zones = self.zones
+        left = np.array([end.moves and end.intensity == 0.0 for end in zones.left])
+        right = np.array([end.moves and end.intensity == 0.0 for end in zones.right])
+        k_left, k_right = np.where(left, 0.0, alpha - beta), np.where(right, 0.0, alpha + beta)
+        return 0.5 * (k_left + k_right), 0.5 * (k_right - k_left), u
+
+    @cached_property
+    def _bounded_ends(self) -> tuple[Mask, Mask]:
+        """Whether the density vanishes at the left and at the right end of each zone, by the kind of the end."""
+        zones = self.zones
+        return np.array([e.intensity == 0.0 for e in zones.left]), np.array([e.intensity == 0.0 for e in zones.right])
+
+    @cached_property
+    def sampling(self) -> Index:
+        """Even angles per zone (Z,) that show all of the density: twice its modes and a few for every jump."""
+        modes = np.count_nonzero(self.coefficients, axis=1)
+        jumps = np.zeros(len(self.zones), dtype=np.intp)
+        jumps[: len(self.jumps.count)] = self.jumps.count
+        return np.clip(2 * modes + 4 * jumps, 24, _MOST_PLACES)
+
+    def first(self, count: int) -> Array:
+        """The first coefficients of all of it, jumps among it (Z, count)."""
+        out = np.zeros((len(self.zones), count))
+        known = self.coefficients[:, :count]
+        out[:, : known.shape[1]] = known
+        return out + self.jumps.t_coefficients(self.zones, count) if len(self.jumps) else out
+
+    @cached_property
+    def totals(self) -> Array:
+        """Integral over each zone (Z,)."""
+        return np.asarray(np.pi * self.zones.half * self.first(1)[:, 0])
 
     @property
-    def zones(self) -> Zones: ...
+    def total(self) -> float:
+        """Integral over all zones."""
+        return float(self.totals.sum())
 
-    @property
-    def kernel(self) -> Kernel: ...
+    def moment(self, about: float = 0.0) -> float:
+        """Integral of (x - about) times the density."""
+        w = self.zones.half
+        return float(np.sum((self.zones.middle - about) * self.totals + np.pi * w * w * self.first(2)[:, 1] / 2))
 
-    @property
-    def coefficients(self) -> Array: ...
+    @cached_property
+    def intensities(self) -> tuple[Array, Array]:
+        """K at the left and the right end of each zone: density ~ K / sqrt(d) at distance d from the end."""
+        alpha, beta, _ = self.bounded
+        return intensities(alpha, beta, self.zones.half)
 
-    @property
-    def jumps(self) -> ForcingJumps: ...
+    @cached_property
+    def edge_slopes(self) -> tuple[Array, Array]:
+        """A at the left and the right end of each zone: density ~ K / sqrt(d) + A sqrt(d)."""
+        left, right = edge_slopes(*self.bounded, self.zones.half)
+        jump_left, jump_right = self.jumps.edge_slopes(self.zones)
+        scale = slope_scale(self.zones.half)
+        return left + scale * jump_left, right + scale * jump_right
 
-    @property
-    def bounded(self) -> tuple[Array, Array, Array]: ...
+    @cached_property
+    def sensitivity(self) -> tuple[Array, Array, Array]:
+        """(Z,) each: the largest density of a zone, and the largest change of its density at equal normalised position by a
+        motion of its left end, of its right end, per motion over width; infinite pressures, at singular ends and kinks, count no
+        nearer than _BESIDE.
 
-    @property
-    def potential_coefficients(self) -> Array: ...
+        To first order the motion of an end leaves a bounded density as it is at fixed places, but for K / sqrt(d), which the
+        density at the new ends does not have. At equal t = cos(theta), a motion of the right end by eps widths makes that
 
-    @property
-    def sharp_totals(self) -> Array: ...
+            eps (1 + t) phi'(t) + K's part = -eps cot(theta/2) (phi_theta(theta) - phi_theta(0)).
+        """
+        peak, by_left, by_right = np.zeros((3, len(self.zones)))
+        alpha, beta, u = self.bounded
+        counts = np.minimum(self.sampling, LOOKS)
+        edge_left, edge_right = self.jumps.edge_slopes(self.zones)
+        for n in np.unique(counts):
+            group = np.flatnonzero(counts == n)
+            theta = (np.arange(n) + 0.5) * np.pi / n
+            used = np.flatnonzero(np.any(u[group] != 0, axis=0))
+            k = np.arange(1, used[-1] + 2 if len(used) else 1)
+            angle, sums = theta[:, None] * k, u[group][:, : len(k)].T
+            value, slope = np.sin(angle) @ sums, np.cos(angle) @ (k[:, None] * sums)
+            at_left = -(k * (1.0 - 2.0 * (k % 2))) @ sums + edge_left[group]
+            at_right = k @ sums + edge_right[group]
+            half = np.tan(0.5 * theta)[:, None]
+            peak[group] = np.abs(value).max(axis=0)
+            by_right[group] = np.abs((slope - at_right) / half).max(axis=0)
+            by_left[group] = np.abs((slope + at_left) * half).max(axis=0)
+            for column, i in enumerate(group.tolist()):
+                if i not in self.jumps.by_zone:
+                    continue
+                peak[i] = np.abs(value[:, column] + self.jumps.density(i, 1 + np.cos(theta), 1 - np.cos(theta))).max()
+                beside = self.jumps.beside_kinks(i, _BESIDE, theta)
+                left, right = 2 * np.cos(0.5 * beside) ** 2, 2 * np.sin(0.5 * beside) ** 2
+                bent = np.cos(beside[:, None] * k) @ (k * sums[:, column]) + self.jumps.angular_slope(i, left, right)
+                tangent = np.tan(0.5 * beside)
+                by_right[i] = np.abs((bent - at_right[column]) / tangent).max(initial=0.0)
+                by_left[i] = np.abs((bent + at_left[column]) * tangent).max(initial=0.0)
+        # A zone held at one end spreads its load over another width as the other end moves.
+        edge = (np.abs(alpha) + np.abs(beta)) / np.sqrt(_BESIDE * (2 - _BESIDE))
+        return peak, by_left + edge, by_right + edge
 
-    def own_transform(self, zone: Index, left: Array, right: Array) -> Array: ...
+    # evaluation -----------------------------------------------------------------------------------------------------
+    def at(self, zone: ArrayLike, left: ArrayLike, right: ArrayLike) -> Array:
+        """Density at points given by zone index and the distances from the zone's ends over its half width
+        (left + right = 2): no digit is lost near the ends."""
+        zone, left, right = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), *map(real_of, (left, right)))
+        # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
+        out = values_on(*self.bounded, zone, left, right, self._bounded_ends)
+        if len(self.jumps):
+            out = out.copy()
+            flat, flat_zone, flat_left, flat_right = out.reshape(-1), zone.ravel(), left.ravel(), right.ravel()
+            few = self.jumps.few.holds(flat_zone)
+            some, rest = np.flatnonzero(few), np.flatnonzero(~few)
+            flat[some] += self.jumps.few.density(flat_zone[some], flat_left[some], flat_right[some])
+            for i, there in of_zones(flat_zone[rest]):
+                if i in self.jumps.by_zone:
+                    here = rest[there]
+                    flat[here] += self.jumps.density(i, flat_left[here], flat_right[here])
+        return np.asarray(out)
 
-    def near_potential(self, zone: Index, seen: OnLine) -> Array: ...
+    def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
+        """Integral of the density from a zone's left end to the angle theta (t = cos theta), of densities with jumps of their own or
+        none."""
+        zone, angle = np.broadcast_arrays(np.asarray(zone, dtype=np.intp), real_of(angle))
+        w, out = self.zones.half[zone], integral_on(self.coefficients, zone, angle)
+        if len(self.jumps):
+            flat_out, flat = out.reshape(-1), angle.ravel()
+            for i, here in of_zones(zone.ravel()):
+                if i in self.jumps.by_zone:
+                    left, right = 2 * np.cos(flat[here] / 2) ** 2, 2 * np.sin(flat[here] / 2) ** 2
+                    flat_out[here] += self.jumps.integral(i, left, right)
+        return np.asarray(w * out)
 
-    def is_near(self, zone: Index, rho: Array, on: Mask) -> Mask: ...
+    def integral(self, x: ArrayLike) -> Array:
+        """Integral of the density from the left end of its zone to x, zero off the zones."""
+        x, i, inside = self.locate(x)
+        out = np.zeros(x.shape)
+        z, w = i[inside], self.zones.half[i[inside]]
+        left, right = (x[inside] - self.zones.a[z]) / w, (self.zones.b[z] - x[inside]) / w
+        out[inside] = self.integral_at(z, theta(left, right))
+        return out
 
+    # what sums over zones read ----------------------------------------------------------------------------------------
+    @cached_property
+    def quadrature(self) -> list[tuple[Array, Array]]:
+        """Nodes and weighted density for the regular part of the kernel."""
+        return quadrature(self.zones, self.kernel, self.coefficients, self.jumps)
 
-class Evaluated(Series, Protocol):
-    """A series with what has been worked out for sums over all of its zones."""
+    @cached_property
+    def panel_moments(self) -> tuple[Panels, Array] | None:
+        """The panels of the regular part and this density's moments on them; None where it has none."""
+        panels = panels_over(self.kernel, self.zones)
+        return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.jumps))
 
-    @property
-    def treecode(self) -> Evaluator | None: ...
+    def own_transform(self, zone: Index, left: Array, right: Array) -> Array:
+        """What the series of zones are transformed to on these, pair by pair."""
+        return own_transform(self.coefficients, zone, left, right)
 
-    @property
-    def has_series(self) -> bool: ...
+    @cached_property
+    def potential_coefficients(self) -> Array:
+        """Coefficients of all but `ForcingJumps.sharp_potential`, those over l = 1, 2, ... divided by l: for potentials."""
+        c, high = self.coefficients, self.jumps.high_coefficients(self.zones)
+        table = np.zeros((len(c), max(c.shape[1], high.shape[1])))
+        table[:, : c.shape[1]] = c
+        table[:, : high.shape[1]] += high
+        table[:, 1:] /= np.arange(1, table.shape[1])
+        return table
 
-    @property
-    def quadrature(self) -> list[tuple[Array, Array]]: ...
+    def near_potential(self, zone: Index, seen: OnLine) -> Array:
+        """Potential of zones at points on them and beside their ends, all but `ForcingJumps.sharp_potential`, pair by pair."""
+        series, value, on, datum = self._own_series, np.empty(len(zone)), seen.on, self.kernel.datum
+        w = self.zones.half[zone]
+        value[on] = w[on] * own_potential(series, zone[on], seen.left[on], seen.right[on], w[on] / datum)
+        value[~on] = potential_of(series, seen[~on], w[~on], datum, zone[~on])
+        for place, here in of_zones(zone) if self.jumps.summed else ():
+            if place in self.jumps.summed:
+                jumps = self.jumps.summed_potential(place, seen.left[here], seen.right[here], seen.rho[here])
+                value[here] += w[here] * (jumps + self.summed_totals[place] * np.log(w[here] / datum))
+        return value
 
-    @property
-    def panel_moments(self) -> tuple[Panels, Array] | None: ...
+    def is_near(self, zone: Index, rho: Array, on: Mask) -> Mask:
+        """Where `near_potential` is to be asked: on the zones, and where series of jumps end too soon."""
+        if not self.jumps.summed:
+            return on
+        summed = np.zeros(len(self.zones), dtype=bool)
+        summed[list(self.jumps.summed)] = True
+        return np.asarray(on | (summed[zone] & (np.abs(rho) > SERIES_REACH)))
 
-    def into_period(self, x: Array) -> Array: ...
+    @cached_property
+    def _own_series(self) -> Array:
+        """`potential_coefficients` without the jumps that have closed forms there."""
+        if not self.jumps.summed:
+            return self.potential_coefficients
+        table = self.coefficients.copy()
+        table[:, 1:] /= np.arange(1, table.shape[1])
+        return table
+
+    @cached_property
+    def summed_totals(self) -> Array:
+        """c_0 of the jumps whose potential is a series, per zone."""
+        high = self.jumps.high_coefficients(self.zones)
+        return np.asarray(high[:, :1].sum(axis=1))
+
+    @cached_property
+    def sharp_totals(self) -> Array:
+        """c_0 of the jumps of `ForcingJumps.sharp_potential`, per zone."""
+        jumps = self.jumps.t_coefficients(self.zones, 1)[:, 0]
+        return np.asarray(jumps - self.summed_totals)

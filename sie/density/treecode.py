@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import OnLine, Outside, of_t, potential_of, transform_of
 from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
@@ -19,9 +19,6 @@ from sie.density.series import Series
 from sie.fast.far import FarSum, Nested
 from sie.fast.piecewise import clenshaw
 from sie.fast.tree import SEPARATION, TERMS, Tree
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Largest number of (point, near zone) pairs handled at once.
 _BLOCK = 400_000
@@ -44,12 +41,7 @@ class Treecode:
         near = far.near
         self.source, self.shift = near.source, near.shift
         self.start = np.searchsorted(near.target, np.arange(len(self.middle) + 1))
-        c = np.zeros((len(zones), TERMS))
-        count = min(TERMS, density.coefficients.shape[1])
-        c[:, :count] = density.coefficients[:, :count]
-        if len(density.jumps):
-            c += density.jumps.t_coefficients(zones, TERMS)
-        self.moments = c * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
+        self.moments = density.first(TERMS) * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
         self.series, value, rest = far(self.moments)
         self.value = value + rest
         twice = np.where(np.arange(TERMS), 2.0, 1.0)

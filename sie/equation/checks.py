@@ -10,14 +10,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.equation.conditions import speaks_of_levels
 from sie.equation.equation import Equation, Forcing
-
-Array = NDArray[np.float64]
 
 # Places that are looked at on each of at most three zones.
 _T = np.array([-0.7, 0.1, 0.6])

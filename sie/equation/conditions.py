@@ -12,13 +12,12 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 
-Array = NDArray[np.float64]
 Linear = tuple[Array, Array]
 """(matrix, constants): the quantities are matrix @ unknowns + constants."""
 
@@ -137,51 +136,18 @@ def asked(condition: Condition, system: Rows, size: int) -> tuple[Array, Array, 
     return matrix, constants, values
 
 
-@dataclass(frozen=True, eq=False)
-class Levels:
-    """What conditions may ask of a system whose unknowns are the levels themselves, all else being nothing: their rows then tell
-    what each makes of the levels."""
-
-    zones: Zones
-
-    def _nothing(self, count: int) -> Linear:
-        return np.zeros((count, len(self.zones.solved))), np.zeros(count)
-
-    def totals(self) -> Linear:
-        return self._nothing(len(self.zones.solved))
-
-    def levels(self) -> Linear:
-        count = len(self.zones.solved)
-        return np.eye(count), np.zeros(count)
-
-    def level_steps(self) -> Linear:
-        matrix, constants = self.levels()
-        return np.diff(matrix, axis=0), np.diff(constants)
-
-    def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        return self.totals()
-
-    def intensities(self) -> tuple[Linear, Linear]:
-        return self.totals(), self.totals()
-
-    def amplitude(self, k: int) -> Linear:
-        return self._nothing(1)
-
-    def multiplicity(self) -> Array:
-        return multiplicity(self.zones)
-
-
 def of_levels(condition: Condition, zones: Zones) -> Array:
     """(rows of the condition, solved zones): what its rows make of the levels."""
-    return asked(condition, Levels(zones), len(zones.solved))[0]
+    count = len(zones.solved)
+    return asked(condition, Trial(zones, np.zeros((count, count)), np.eye(count)), count)[0]
 
 
 def speaks_of_levels(condition: Condition, zones: Zones) -> bool:
     """Whether potentials are asked for, said or not."""
     if condition.levels or type(condition).rows in _SILENT:
         return condition.levels
-    count = len(zones.solved)
-    tried = Trial(zones, np.zeros(count), np.random.default_rng(0).uniform(0.5, 1.5, count))
+    level = np.random.default_rng(0).uniform(0.5, 1.5, (len(zones.solved), 1))
+    tried = Trial(zones, np.zeros_like(level), level)
     return bool(asked(condition, tried, 1)[0].any())
 
 
@@ -211,39 +177,39 @@ class ByZone:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """What conditions may ask of c_0 / sqrt(1 - t^2) on every solved zone, and of levels that have nothing to do with it: one column."""
+    """What conditions may ask of c_0 / sqrt(1 - t^2) on every solved zone, and of levels that have nothing to do with it, all else being
+    nothing; first, level: what unknowns make of both (solved zones, unknowns)."""
 
     zones: Zones
     first: Array
     level: Array
 
     @property
-    def _half(self) -> Array:
-        return self.zones.half[self.zones.solved]
-
-    def _column(self, values: Array) -> Linear:
-        return values[:, None], np.zeros(len(values))
+    def _scaled(self) -> Array:
+        """First unknowns times pi w."""
+        return np.asarray(np.pi * self.zones.half[self.zones.solved][:, None] * self.first)
 
     def totals(self) -> Linear:
-        return self._column(np.pi * self._half * self.first)
+        return self._scaled, np.zeros(len(self.first))
 
     def levels(self) -> Linear:
-        return self._column(self.level)
+        return self.level, np.zeros(len(self.level))
 
     def level_steps(self) -> Linear:
-        return self._column(np.diff(self.level))
+        return np.diff(self.level, axis=0), np.zeros(len(self.level) - 1)
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        x = self.zones.middle[self.zones.solved][:, None] + self._half[:, None] * chebyshev.gauss(_TRIED)
+        solved = self.zones.solved
+        x = self.zones.middle[solved][:, None] + self.zones.half[solved][:, None] * chebyshev.gauss(_TRIED)
         values = np.broadcast_to(np.asarray(weight(x.ravel()), dtype=float), (x.size,)).reshape(x.shape)
-        return self._column(np.pi * self._half * self.first * values.mean(axis=1))
+        return self._scaled * values.mean(axis=1, keepdims=True), np.zeros(len(solved))
 
     def intensities(self) -> tuple[Linear, Linear]:
-        k = edge_scale(self._half) * self.first
-        return self._column(k), self._column(k)
+        k = edge_scale(self.zones.half[self.zones.solved])[:, None] * self.first, np.zeros(len(self.first))
+        return k, k
 
     def amplitude(self, k: int) -> Linear:
-        return self._column(np.zeros(1))
+        return np.zeros((1, self.first.shape[1])), np.zeros(1)
 
     def multiplicity(self) -> Array:
         return multiplicity(self.zones)
@@ -262,7 +228,7 @@ def by_zone(condition: Condition, zones: Zones) -> ByZone | None:
     none, chance = np.zeros(n), np.random.default_rng(0).uniform(0.5, 1.5, (2, n))
 
     def made(first: Array, level: Array) -> Array:
-        return asked(condition, Trial(zones, first, level), 1)[0][:, 0]
+        return asked(condition, Trial(zones, first[:, None], level[:, None]), 1)[0][:, 0]
 
     of_first, same, rising = made(np.ones(n), none), made(none, np.ones(n)), made(none, np.arange(n, dtype=float))
     differences = count == n - 1
@@ -284,6 +250,12 @@ def multiplicity(zones: Zones) -> Array:
     if zones.symmetric:
         weight[1 if zones.central else 0 :] = 2.0
     return weight
+
+
+def summed(system: Rows, of_zones: Linear, value: float) -> tuple[Array, Array, Array]:
+    """One row: something of every solved zone, added up over all zones."""
+    weight = system.multiplicity()
+    return (weight @ of_zones[0])[None], np.array([weight @ of_zones[1]]), np.array([value])
 
 
 @dataclass(frozen=True)
@@ -313,9 +285,7 @@ class Total(Condition):
         return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
-        matrix, constants = system.totals()
-        weight = system.multiplicity()
-        return (weight @ matrix)[None], np.array([weight @ constants]), np.array([self.value or 0.0])
+        return summed(system, system.totals(), self.value or 0.0)
 
 
 @dataclass(frozen=True)
@@ -353,9 +323,7 @@ class Weighted(Condition):
         return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
-        matrix, constants = system.integrals(self._even if system.zones.symmetric else self.weight, self.degree)
-        weight = system.multiplicity()
-        return (weight @ matrix)[None], np.array([weight @ constants]), np.array([self.value])
+        return summed(system, system.integrals(self._even if system.zones.symmetric else self.weight, self.degree), self.value)
 
     def _even(self, x: Array) -> Array:
         return np.asarray(0.5 * (self.weight(x) + self.weight(-x)))
@@ -431,9 +399,7 @@ class ZoneMoments(Condition):
         def about_middle(x: Array) -> Array:
             return np.asarray(x - zones.middle[np.searchsorted(zones.a, x, side="right") - 1])
 
-        matrix, constants = system.integrals(about_middle, degree=1)
-        weight = system.multiplicity()
-        return (weight @ matrix)[None], np.array([weight @ constants]), np.array([self.value])
+        return summed(system, system.integrals(about_middle, degree=1), self.value)
 
 
 @dataclass(frozen=True)
@@ -569,10 +535,8 @@ class Amplitude(Condition):
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         matrix, constants = system.amplitude(self.k)
         if self.per_total:
-            totals, known = system.totals()
-            weight = system.multiplicity()
-            matrix = matrix - self.per_total * (weight @ totals)[None]
-            constants = constants - self.per_total * (weight @ known)
+            totals, known, _ = summed(system, system.totals(), 0.0)
+            matrix, constants = matrix - self.per_total * totals, constants - self.per_total * known
         return matrix, constants, np.array([self.value or 0.0])
 
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
@@ -22,7 +22,6 @@ from sie.equation.conditions import Condition, EndCondition
 from sie.jumps.density import DensityJumps
 from sie.jumps.forcing import ForcingJumps
 
-Array = NDArray[np.float64]
 Function = Callable[[Array], Array]
 
 
@@ -93,10 +92,10 @@ class Forcing(Kept):
     primitive: Function | None = None
     jumps_at: Array = field(default_factory=lambda: np.zeros(0))
     jumps: Array = field(default_factory=lambda: np.zeros(0))
-    orders: NDArray[np.intp] | None = None
+    orders: Index | None = None
     density_jumps_at: Array = field(default_factory=lambda: np.zeros(0))
     density_jumps: Array = field(default_factory=lambda: np.zeros(0))
-    density_orders: NDArray[np.intp] | None = None
+    density_orders: Index | None = None
     spline: Function | None = None
     modes: int | None = None
     between: bool = False
@@ -141,7 +140,7 @@ class Forcing(Kept):
         return ForcingJumps.within(zones, self.jumps_at, self.jumps, orders, kernel.period, self.spline or self.value)
 
 
-def _of_order_zero(at: Array, heights: Array, orders: NDArray[np.intp] | None) -> tuple[Array, Array]:
+def _of_order_zero(at: Array, heights: Array, orders: Index | None) -> tuple[Array, Array]:
     which = np.ones(len(at), dtype=bool) if orders is None else np.asarray(orders) == 0
     return np.asarray(at)[which], np.asarray(heights)[which]
 

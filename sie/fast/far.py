@@ -10,16 +10,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.fast.panels import panels_over
 from sie.fast.tree import TERMS, Tree, interactions
-
-Array = NDArray[np.float64]
 
 # Pairs handled at once: their powers stay in the cache.
 _BLOCK = 512

@@ -10,10 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from sie.basis.arrays import Array, Index
+
 Entries = Callable[[Index, Index], Array]
 """entries(rows, columns): the block, broadcast."""
 

@@ -18,16 +18,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Complex, Index
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 Function = Callable[[Array, Array], Array]
 
 TERMS = 24
@@ -127,7 +125,7 @@ class Panels(Kept):
         waves = np.matmul(kernel, fft.rfft(moments, length, axis=0))
         return np.asarray(fft.irfft(waves, length, axis=0)[: high - low + 1])
 
-    def _waves(self, potential: bool, low: int, high: int) -> tuple[NDArray[np.complex128], int]:
+    def _waves(self, potential: bool, low: int, high: int) -> tuple[Complex, int]:
         """(transform of K^(d) over the lags between all panels and low ... high, its length)."""
         key = potential, low, high
         if key not in self._transforms:
@@ -142,7 +140,7 @@ class Panels(Kept):
         return self._transforms[key]
 
     @cached_property
-    def _transforms(self) -> dict[tuple[bool, int, int], tuple[NDArray[np.complex128], int]]:
+    def _transforms(self) -> dict[tuple[bool, int, int], tuple[Complex, int]]:
         return {}
 
     def moments(self, spread: Spread, weights: Array) -> Array:
@@ -157,15 +155,16 @@ class Panels(Kept):
         """Transform or potential at the points of `spread`, (n, ...), from moments (count TERMS, ...)."""
         out = np.empty((len(spread.x), *moments.shape[1:]))
         looked_at = self.first + self.count - 1 - self.farthest, self.first + self.farthest
-        inner = [panel for panel, _ in spread.groups if looked_at[0] <= panel <= looked_at[1]]
-        if inner:
-            low = min(inner)
-            series = self._series(moments, low, max(inner), potential).reshape(-1, TERMS, *moments.shape[1:])
-        for panel, here in spread.groups:
-            if looked_at[0] <= panel <= looked_at[1]:
+        near = [(panel, here) for panel, here in spread.groups if looked_at[0] <= panel <= looked_at[1]]
+        if near:
+            low = min(panel for panel, _ in near)
+            series = self._series(moments, low, max(panel for panel, _ in near), potential).reshape(-1, TERMS, *moments.shape[1:])
+            for panel, here in near:
                 out[here] = spread.table[here] @ series[panel - low]
-            else:
-                out[here] = self._far_off(spread.x[here], moments, potential)
+        far = [here for panel, here in spread.groups if not looked_at[0] <= panel <= looked_at[1]]
+        if far:
+            off = np.concatenate(far)
+            out[off] = self._far_off(spread.x[off], moments, potential)
         return out
 
     def _far_off(self, x: Array, moments: Array, potential: bool) -> Array:

@@ -12,16 +12,14 @@ So no number is larger than f itself, where truncated powers of n jumps grow to 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.fast.far import FarSum, Nested
 from sie.fast.tree import SEPARATION, TERMS, Tree
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Jumps nearer to a cell than this part of its length are closed forms: series of TERMS terms hold what the others do.
 _MARGIN = 0.5 * SEPARATION

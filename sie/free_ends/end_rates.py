@@ -18,15 +18,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lu_factor
 
+from sie.basis.arrays import Array
 from sie.collocation.fixed import Factored, SingularSystem, State, rows_of
 from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.free_ends.iterated import IteratedMotions
 from sie.free_ends.motions import Moved, free_ends, spread
-
-Array = NDArray[np.float64]
 
 # Condition of the rates of K from which on they are rounding.
 NEUTRAL_FROM = 1e14

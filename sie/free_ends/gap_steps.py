@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sie.basis.arrays import Array, Mask
 
 
 def facing(of_ends: NDArray[Any]) -> NDArray[Any]:
@@ -35,8 +35,8 @@ def facing(of_ends: NDArray[Any]) -> NDArray[Any]:
 
 
 def gap_steps(
-    gaps: Array, widths: Array, moves: NDArray[np.bool_], k: Array, slopes: Array, alike: bool, tips: Array | float = 0.0
-) -> tuple[Array, NDArray[np.bool_]]:
+    gaps: Array, widths: Array, moves: Mask, k: Array, slopes: Array, alike: bool, tips: Array | float = 0.0
+) -> tuple[Array, Mask]:
     """(outward steps (2, Z), where they hold): for moving pairs across gaps (2, Z) narrower than both zones.
 
     k, slopes: K less its target and A, positive where a density of the right sign pushes outward. alike: whether the

@@ -14,15 +14,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array
 from sie.collocation.fixed import State
 from sie.collocation.iterative import Applied, Iterative, IterativeSystem
 from sie.equation.conditions import Linear, asked
 from sie.fast.krylov import gmres
 from sie.free_ends.motions import Moved, free_ends, spread
-
-Array = NDArray[np.float64]
 
 # Steps of Arnoldi's method for the growth of a push, between two looks and at the most; it is known when it changes by less than a part.
 _LOOK, _MOST, _KNOWN = 8, 64, 0.02

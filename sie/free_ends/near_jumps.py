@@ -18,12 +18,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array
+from sie.basis.places import wrapped
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
-
-Array = NDArray[np.float64]
 
 # A jump farther than this many plain steps away does not bend K noticeably: the plain step is quadratic there.
 _FAR = 20.0
@@ -101,9 +100,7 @@ def _beside_logarithms(
 def tips_between(forcing: Forcing, zones: Zones, period: float | None) -> Array:
     """Heights J > 0 of the logarithms of the right side that lie between zones, added up, on both sides (2, Z) of each."""
     at, heights = forcing.logarithms
-    at, heights = at[heights > 0], heights[heights > 0]
-    if period is not None:
-        at = at - np.floor((at - zones.a[0]) / period) * period
+    at, heights = wrapped(at[heights > 0], zones.a[0], period), heights[heights > 0]
     i = np.searchsorted(zones.a, at, side="right") - 1
     between = (i >= 0) & (at > zones.b[i])
     after = np.bincount(i[between], heights[between], minlength=len(zones))

@@ -14,12 +14,12 @@ import math
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.ends import FREE, SINGULAR, End
 from sie.basis.zones import Zones
 from sie.collocation import modes
-from sie.collocation.fixed import SingularSystem, Sizes, State, first_sizes
+from sie.collocation.fixed import SingularSystem, Sizes, State, first_sizes, sizes_of
 from sie.density.density import Density
 from sie.equation.equation import Equation
 from sie.free_ends.end_rates import NEUTRAL_FROM, end_rates
@@ -30,9 +30,6 @@ from sie.free_ends.near_jumps import bent_steps, corner_distances, tips_between
 from sie.free_ends.progress import Motion, Progress, Rest, Step, Turn
 from sie.free_ends.single import far_off, moved_singly
 from sie.slits.system import AnyDensity, AnyState, solve_zones
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
@@ -128,6 +125,7 @@ def find_ends(
     decay: float | None = None,
     bounded_ends: bool = True,
     off: float = 1.0,
+    like: AnyState | None = None,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -158,6 +156,8 @@ def find_ends(
     off : float
         What the ends are off by over their zones' widths, as far as that is known: the better they are, the tighter is the first solution
         by iteration.
+    like : State or None
+        A solution on about the same zones, with as many modes to begin with.
 
     Returns
     -------
@@ -180,7 +180,7 @@ def find_ends(
     opened = equation.open_condition
     off = min(off, _STEP_NEAR) if near else off
     progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off)
-    sizes = first_sizes(equation, zones)
+    sizes = first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
     unit: Unit | None = None
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
@@ -229,6 +229,8 @@ def find_ends(
             return Free(
                 state, False, rest.error, rest.rounding, tuple(progress.trace), value, abs(motion.change), lost, met, reason=reason
             )
+        # Of many zones its sums take as much memory as those of the next one.
+        del state
 
 
 def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, value: float, bounded_ends: bool) -> Free:
@@ -267,7 +269,7 @@ def _limited(state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, 
     return limited
 
 
-def _closes(zones: Zones, equation: Equation, delta: Array) -> NDArray[np.bool_]:
+def _closes(zones: Zones, equation: Equation, delta: Array) -> Mask:
     """Whether the steps of both ends at the gap right of each zone would leave nothing of it."""
     gap = modes.gaps(zones, equation.kernel)[1]
     return np.asarray(delta[1] + np.roll(delta[0], -1) >= (1 - 1e-9) * gap)
@@ -280,7 +282,7 @@ def _alone(density: AnyDensity, natural: Array, signs: tuple[float, float]) -> A
     return np.clip(2 * np.array(density.intensities) / safe, -INWARD * width, OUTWARD * width)
 
 
-def _safe_slopes(density: AnyDensity, natural: Array, signs: tuple[float, float]) -> tuple[Array, NDArray[np.bool_]]:
+def _safe_slopes(density: AnyDensity, natural: Array, signs: tuple[float, float]) -> tuple[Array, Mask]:
     """(A to divide by, where it is no guide). The bounded solution's slope at an end has the sign of the density; where the
     guess is far off, only K tells. natural: size of the coefficients beyond the first."""
     a, root = np.array(density.edge_slopes), np.sqrt(density.zones.half)
@@ -353,7 +355,7 @@ def _newton(
     state: AnyState, zones: Zones, signs: tuple[float, float], unit: Unit | None
 ) -> Motion:
     """The next step of ends of these kinds."""
-    moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+    moves = zones.moves
     target = np.array([[_intensity(end) for end in zones.left], [_intensity(end) for end in zones.right]])
     equation = state.equation
     density = state.density
@@ -414,9 +416,7 @@ class Unit:
         """An error of them is one of a step: as good as the square of the next is enough."""
         index = state.equation.open_condition
         assert index is not None
-        values = np.zeros(len(state.condition_scale))
-        values[state.condition_index[index]] = 1.0
-        response = state.response(values, np.sqrt(sizes.linear))
+        response = state.response(state.values(index), np.sqrt(sizes.linear))
         zones = state.density.zones
         return cls(np.array(response.intensities), np.array(response.edge_slopes), zones.table, response.whole)
 

@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.zones import Zones
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # A zone alone that has shrunk to this part of its first width has vanished; one of several is then reported as lost, or a gap as closed, at
 # this part of its first size.
@@ -51,7 +48,7 @@ class Motion:
     """What a Newton step asks for. delta: outward moves (2, Z), of the ends that move; noise: their roundoff; change: of the open
     condition's value; certain: whether it can be trusted; turn: what is seen of other roots where intensities are prescribed."""
 
-    moves: NDArray[np.bool_]
+    moves: Mask
     delta: Array
     noise: Array
     change: float
@@ -91,8 +88,9 @@ class Progress:
 
     @property
     def linear(self) -> float:
-        """Tolerance of a solution by iteration: the next move is about the square of the last one, and it need not be much better."""
-        return min(_LOOSE, max(1e-3 * self.last**2, self.tightest))
+        """Tolerance of a solution by iteration: the next move is about the square of the last one and the one after it about the fourth
+        power, which what this solution leaves must not outweigh: another solution takes longer than a few digits more of this one."""
+        return min(_LOOSE, max(1e-3 * self.last**3, self.tightest))
 
     @property
     def tightest(self) -> float:
@@ -133,7 +131,7 @@ class Progress:
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
         return bool(np.all((before / 3 < now) & (now < 3 * before))) and self.trace[-1].move > 0.7 * self.trace[-5].move
 
-    def vanished(self, zones: Zones, gap: Array, vanishes: NDArray[np.bool_], closes: NDArray[np.bool_]) -> tuple[Index, Index]:
+    def vanished(self, zones: Zones, gap: Array, vanishes: Mask, closes: Mask) -> tuple[Index, Index]:
         """Zones that have shrunk away, and gaps, by the zone left of them, that have closed. vanishes, closes: whether the last step
         asked for nothing to be left of them."""
         self.closing = np.where(closes, (self.closing if len(self.closing) else 0) + 1, 0)

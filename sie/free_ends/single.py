@@ -20,9 +20,9 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import mean_potential
 from sie.basis.zones import Zones
 from sie.collocation import modes
@@ -31,8 +31,6 @@ from sie.density.density import Density
 from sie.jumps.forcing import ForcingJumps
 from sie.slits.system import AnyState
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 Step = Callable[[Density, Array], Array]
 """Outward steps (2, n) of the ends of a density's zones, given their coefficients' size, cut to their widths."""
 Added: TypeAlias = tuple[Density, float]
@@ -53,7 +51,7 @@ _LEAST = 2
 _ORDER = np.arange(1.0, _NODES + 1)
 
 
-def far_off(state: AnyState, moves: NDArray[np.bool_], delta: Array) -> Index:
+def far_off(state: AnyState, moves: Mask, delta: Array) -> Index:
     """Zones that want to move far and can be moved alone; none if they are many."""
     zones, kernel = state.density.zones, state.equation.kernel
     width = zones.b - zones.a
@@ -168,7 +166,7 @@ class Moving:
         return Density(here, self.equation.kernel, np.column_stack((first, -self.h)), ForcingJumps.none(), np.zeros(0))
 
 
-def moved_singly(state: AnyState, chosen: Index, step: Step, added: Added | None = None) -> tuple[Array, Array, NDArray[np.bool_]]:
+def moved_singly(state: AnyState, chosen: Index, step: Step, added: Added | None = None) -> tuple[Array, Array, Mask]:
     """(new ends a, b, whether they came to rest) of the chosen zones, after what is added to the density, if anything is."""
     moving = Moving(state, chosen, added)
     if any(c.levels for c in state.equation.conditions):

@@ -13,16 +13,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, edge_scale
 from sie.basis.kernels import Kernel
 from sie.collocation.fixed import State
 from sie.collocation.system import Layout, add_regular
 from sie.equation.conditions import of_levels, speaks_of_levels
-
-Array = NDArray[np.float64]
 
 # A power of rho below this is nothing.
 _NOTHING = 1e-18
@@ -203,7 +201,7 @@ def _potentials(zones, kernel: Kernel, layout: Layout, x: Array) -> Array:  # ty
     return out
 
 
-def _beyond_potential(zones, seen: Array, up: Array, m: NDArray[np.intp]) -> Array:  # type: ignore[no-untyped-def]
+def _beyond_potential(zones, seen: Array, up: Array, m: Index) -> Array:  # type: ignore[no-untyped-def]
     """Potential of (2/(pi w)) rho^l, l > m, of unit sources (Z, S, poles) at places (Z, P, poles): -(2/pi) sum_{l > m} (rho rho')^l / l."""
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(zones)):

@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import LOG2 as _LOG2
 from sie.basis.interval import Complex, InPlane, Outside, theta
 from sie.basis.kernels import Kernel
@@ -38,9 +39,6 @@ from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.forcing import SERIES, ForcingJumps, of_sines, power
 from sie.jumps.local_spline import LocalSpline
 from sie.jumps.pairs import FewDensityJumps, FewJumps
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # From this number of jumps of order 2 on a spline takes their place. What the powers of n of them lose, n^2 units in the last digit, the
 # zones beside this one see; those of the right side need not tell these, since what is seen of them is found from g itself.
@@ -232,6 +230,12 @@ class DensityJumps(ForcingJumps):
             np.add.at(out, near.zone, of_sines(near.sine_coefficients(count + 1))[:, :count])
         return out
 
+    def first_coefficients(self, zones: Zones, counts: Index) -> Array:
+        if self.logarithms is None or not len(self.logarithms.near):
+            return super().first_coefficients(zones, counts)
+        count = int(counts.max(initial=0))
+        return np.where(np.arange(count) < counts[:, None], self.t_coefficients(zones, count), 0.0)
+
     def high_coefficients(self, zones: Zones) -> Array:
         out = super().high_coefficients(zones)
         if self.splines and out.shape[1] == 0:
@@ -308,7 +312,7 @@ class DensityJumps(ForcingJumps):
                 out = out + weight * (own - np.real(potential_series(up, turned)))
         return np.asarray(out)
 
-    def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
+    def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: Mask) -> Array:
         """The primitive of the transform that goes with -c_0 ln(2 |rho|) far away, with L = ln(1 - 2 rho cos(phi) + rho^2),
 
             (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz + C_q,

@@ -14,14 +14,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Complex, InPlane, Outside, theta
 from sie.basis.kept import Kept
+from sie.basis.places import numbered, wrapped
 from sie.basis.zones import Zones
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Logarithms nearer than this part of a zone's half width are carried; farther ones are smooth enough.
 _NEAR = 0.5
@@ -41,7 +39,7 @@ class ExteriorLogarithms(Kept):
         """Those of the logarithms at `at` (repeated with the period) that lie outside a zone, but near."""
         which = np.arange(len(at))
         if period is not None:
-            at = at - np.floor((at - zones.a[0]) / period) * period
+            at = wrapped(at, zones.a[0], period)
             at, which = np.concatenate((at - period, at, at + period)), np.tile(which, 3)
         order = np.argsort(at, kind="stable")
         at, which = at[order], which[order]
@@ -55,7 +53,7 @@ class ExteriorLogarithms(Kept):
             first, last = np.searchsorted(at, lo, side="left"), np.searchsorted(at, hi, side="right")
             count = last - first
             zone = np.repeat(np.arange(len(zones)), count)
-            place = np.arange(len(zone)) - np.repeat(np.cumsum(count) - count, count) + np.repeat(first, count)
+            place = numbered(count) + np.repeat(first, count)
             # An end on the logarithm itself has rho = 1.
             e = np.abs(at[place] - ends[zone]) / zones.half[zone]
             found.append((zone, which[place], Outside(sign, e).rho))

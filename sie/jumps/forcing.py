@@ -32,20 +32,20 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.interval import LOG2, Complex, InPlane, Outside, theta
+from sie.basis.arrays import Array, Index, Mask
+from sie.basis.interval import Complex, InPlane, Outside, theta
 from sie.basis.kept import Kept
 from sie.basis.sums import PAIRS as _PAIRS
 from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms
-from sie.jumps.local_spline import MANY
-from sie.jumps.pairs import FewJumps
-from sie.jumps.spline import Spline
+from sie.jumps.local_spline import MANY, LocalSpline
+from sie.jumps.pairs import FewJumps, far_potential, far_transform, kappa, potential_rest
 from sie.jumps.zone_spline import ZoneSpline
 
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
-
+# What takes the place of very many jumps of order 2 in one zone, of the right side's or of the density's own: with the same methods, of
+# which each refuses those that have no use for its kind.
+Spline = LocalSpline | ZoneSpline
 MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
 HIGHEST = 2
@@ -99,7 +99,7 @@ class ForcingJumps(Kept):
         return found if g is None else found._with_splines(zones, g, ZoneSpline.inside)
 
     @staticmethod
-    def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, NDArray[np.bool_]]:
+    def located(zones: Zones, at: Array, period: float | None) -> tuple[Array, Index, Mask]:
         """(positions moved by periods to lie right of the first zone's left end, the last zone that starts before each,
         whether they lie inside it)."""
         if period is not None:
@@ -192,7 +192,8 @@ class ForcingJumps(Kept):
         """See `by_zone`."""
         order = np.argsort(self.zone, kind="stable")
         zones, first = np.unique(self.zone[order], return_index=True)
-        found = dict(zip(zones.tolist(), np.split(order, first[1:]), strict=False))
+        bounds = [*first.tolist(), len(order)]
+        found = {zone: order[start:end] for zone, start, end in zip(zones.tolist(), bounds[:-1], bounds[1:], strict=True)}
         return {zone: np.zeros(0, np.intp) for zone in self.splines} | found
 
     def _polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
@@ -263,6 +264,19 @@ class ForcingJumps(Kept):
             out[zone] += spline.t_coefficients(count)
         return out
 
+    def first_coefficients(self, zones: Zones, counts: Index) -> Array:
+        """The same, of each zone so many (Z,), zeros after them."""
+        out = np.zeros((len(zones), int(counts.max(initial=0))))
+        row = np.zeros(len(zones), dtype=np.intp)
+        for count in np.unique(counts):
+            some = np.flatnonzero(counts == count)
+            k = np.flatnonzero(counts[self.zone] == count)
+            row[some] = np.arange(len(some))
+            out[some, :count] = self._coefficients(k, row[self.zone[k]], len(some), int(count))
+        for zone, spline in self.splines.items():
+            out[zone, : counts[zone]] += spline.t_coefficients(int(counts[zone]))
+        return out
+
     def _sine_weights(self, k: Index, j: Array) -> Array:
         """b_j of jumps k where their function is sum_j (2/j) b_j sin(j theta)."""
         from_left = (self.psi < self.phi)[k][:, None]
@@ -315,9 +329,9 @@ class ForcingJumps(Kept):
         k = self.by_zone[zone]
         out = np.empty(len(left))
         for here in pair_blocks(len(left), len(k)):
-            away, kappa = self._kappa(k, left[here], right[here])
+            away, own = self._kappa(k, left[here], right[here])
             with np.errstate(invalid="ignore"):
-                value = np.where(self.order[k] == 0, kappa, np.where(away == 0, 0.0, power(away, self.order[k]) * kappa))
+                value = np.where(self.order[k] == 0, own, np.where(away == 0, 0.0, power(away, self.order[k]) * own))
             out[here] = value @ (self.height[k] / np.pi)
         if zone in self.splines:
             out += self.splines[zone].density(left, right)
@@ -328,10 +342,10 @@ class ForcingJumps(Kept):
         k = self.by_zone[zone]
         out = np.empty(len(left))
         for here in pair_blocks(len(left), len(k)):
-            away, kappa = self._kappa(k, left[here], right[here])
+            away, own = self._kappa(k, left[here], right[here])
             q, sine = self.order[k], np.sqrt(left[here] * right[here])[:, None]
             with np.errstate(divide="ignore", invalid="ignore"):
-                value = away ** (q - 1.0) * (self.sine[k] - q * sine * np.minimum(kappa, -np.log(_TINY)))
+                value = away ** (q - 1.0) * (self.sine[k] - q * sine * np.minimum(own, -np.log(_TINY)))
             out[here] = value @ (self.height[k] / np.pi)
         if zone in self.splines:
             out += self.splines[zone].angular_slope(left, right)
@@ -341,12 +355,7 @@ class ForcingJumps(Kept):
         """t - s and kappa of jumps k at points (n,), (n, jumps) each."""
         up, vp = np.sqrt(right[:, None] * self.left[k]), np.sqrt(left[:, None] * self.right[k])
         away = left[:, None] - self.left[k]
-        # sin((theta +- phi)/2) = (sqrt(r l_s) +- sqrt(l r_s)) / 2; their product is (s - t)/2 without cancellation. A jump beside
-        # an end, or a point, has little of kappa: then it is 2 artanh of the roots' ratio, to all digits.
-        small, large = np.minimum(up, vp), np.maximum(up, vp)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            far = 2 * np.arctanh(np.minimum(small / large, 0.5))
-            return away, np.where(small < 0.5 * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away))))
+        return away, kappa(up, vp, away)
 
     def beside_kinks(self, zone: int, nearest: float, theta: Array) -> Array:
         """Angles of a zone at which its density is asked for: those given, and right beside the largest kinks, but none nearer
@@ -376,10 +385,7 @@ class ForcingJumps(Kept):
         out[near] = self._closed_transform(k, z[near], rho[near])
         for count in np.unique(terms[terms > 0]):
             here = np.flatnonzero(terms == count)
-            r, total = rho[here], np.zeros(len(here))
-            for c in self._summed(zone)[count - 1 :: -1]:
-                total = total * r + c
-            out[here] = total * (2 * r / (1 - r * r))
+            out[here] = far_transform(self._summed(zone)[:count], rho[here])
         if zone in self.splines:
             out += self.splines[zone].transform_off(z, rho)
         return out
@@ -425,7 +431,7 @@ class ForcingJumps(Kept):
         """What the right side has at points x beyond the values that the caller gives: nothing."""
         return np.zeros(x.shape)
 
-    def chosen(self, which: NDArray[np.bool_] | Index) -> ForcingJumps:
+    def chosen(self, which: Mask | Index) -> ForcingJumps:
         """Those of the jumps alone."""
         return ForcingJumps(self.zone[which], self.left[which], self.right[which], self.height[which], self.order[which])
 
@@ -435,9 +441,9 @@ class ForcingJumps(Kept):
         k = self.by_zone[zone]
         if np.any(self.order[k] > 0):
             raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
-        away, kappa = self._kappa(k, left, right)
+        away, own = self._kappa(k, left, right)
         behind = theta(right, left)
-        parts = np.where(away == 0, 0.0, away) * np.where(away == 0, 0.0, kappa) + self.sine[k] * behind[:, None]
+        parts = np.where(away == 0, 0.0, away) * np.where(away == 0, 0.0, own) + self.sine[k] * behind[:, None]
         return np.asarray(parts @ (self.height[k] / np.pi))
 
     def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
@@ -469,10 +475,7 @@ class ForcingJumps(Kept):
             whole = zone in self.by_zone and len(k) == len(self.by_zone[zone])
             count = _SERIES_TO[0][1]
             c = self._summed(zone)[:count] if whole else self._coefficients(k, np.zeros_like(k), 1, count)[0]
-            r, total = rho[far], np.zeros(int(far.sum()))
-            for l in range(len(c) - 1, 0, -1):
-                total = (total + c[l] / l) * r
-            out[far] = -c[0] * np.log(2 * np.abs(r)) - total
+            out[far] = far_potential(c, rho[far])
         near = np.flatnonzero(~far)
         block = max(1, _PAIRS // max(1, len(k)))
         for start in range(0, len(near), block):
@@ -480,7 +483,7 @@ class ForcingJumps(Kept):
             out[here] = self._near_potential(k, left[here], right[here], rho[here], on[here])
         return out
 
-    def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: NDArray[np.bool_]) -> Array:
+    def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: Mask) -> Array:
         z, seen = 0.5 * (left - right), Outside(np.where(left > 0, 1.0, -1.0), np.where(on, 0.0, np.maximum(-left, -right)))
         away = left[:, None] - self.left[k]
         turn = np.where(away > 0, self.psi[k], -self.phi[k])
@@ -494,15 +497,8 @@ class ForcingJumps(Kept):
             of = np.flatnonzero(self.order[k] == q)
             if len(of) == 0:
                 continue
-            sine, s = self.sine[k[of]], self.s[k[of]]
-            square = sine**2
-            if q == 0:
-                rest = grown - LOG2 - 1
-            elif q == 1:
-                rest = 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * LOG2)
-            else:
-                rest = (grown * (0.5 + s * s) + root * (0.5 * z - 2 * s)) / 3 - z * (0.5 * z - 1.5 * s)
-                rest += square / 9 - s * s / 2 - 1 / 12 - LOG2 * (square / 6 + s * s / 2)
+            sine = self.sine[k[of]]
+            rest = potential_rest(q, self.s[k[of]], sine, z, grown, root)
             out += (away[:, of] ** (q + 1) * turn[:, of] / (q + 1) + sine * rest) @ (self.height[k[of]] / np.pi)
         return out
 
@@ -536,7 +532,7 @@ class ForcingJumps(Kept):
         return sorted({*self.zone[self.closed].tolist(), *self.splines})
 
     @cached_property
-    def closed(self) -> NDArray[np.bool_]:
+    def closed(self) -> Mask:
         """Jumps whose potential is a closed form: all but the knots of a spline, where a zone has so many that their series is
         shorter, and falls fast enough."""
         if len(self) == 0:

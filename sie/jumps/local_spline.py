@@ -13,16 +13,15 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Complex, InPlane, Outside, What, of_t, root_on
 from sie.basis.kept import Kept
 from sie.basis.kernels import cauchy
+from sie.basis.places import numbered
 from sie.basis.sums import pair_blocks
 from sie.fast.piecewise import PiecewiseTransform
 from sie.fast.tree import TERMS
-
-Array = NDArray[np.float64]
 
 # From this number of jumps on: below, their powers lose few digits, and the closed forms of all of them are as fast.
 MANY = 400
@@ -80,7 +79,7 @@ class LocalSpline(Kept):
         left[within[3:-3]] = 0.0
         return spline, left, np.zeros((2, 0))
 
-    def _locate(self, x: Array) -> tuple[NDArray[np.intp], Array, NDArray[np.bool_]]:
+    def _locate(self, x: Array) -> tuple[Index, Array, Mask]:
         i = np.searchsorted(self.knots, x, side="right") - 1
         inside = (i >= 0) & (i < len(self.pieces))
         i = np.clip(i, 0, len(self.pieces) - 1)
@@ -147,7 +146,7 @@ class LocalSpline(Kept):
         """First `count` coefficients of the spline as a sum of T_l / sqrt(1 - t^2): (2/pi) int f T_l dt, half of it for l = 0."""
         angle = np.arccos(np.clip(self.knots - 1, -1.0, 1.0))
         parts = np.maximum(np.ceil(-np.diff(angle) * (count / _TURN)), 1.0).astype(np.intp)
-        number = np.arange(int(parts.sum())) - np.repeat(np.cumsum(parts) - parts, parts)
+        number = numbered(parts)
         size = np.repeat(np.diff(angle) / parts, parts)
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
         theta = ((np.repeat(angle[:-1], parts) + number * size)[:, None] + 0.5 * size[:, None] * (1 + nodes)).ravel()

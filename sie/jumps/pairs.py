@@ -7,16 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import LOG2, theta
 from sie.basis.kept import Kept
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+from sie.basis.places import numbered
 
 # Jumps of a zone at the most: of more the series of all of them is shorter beside the zone.
 MOST = 9
@@ -28,6 +26,43 @@ FAR, TERMS = 0.25, 32
 _PAIRS = 1 << 15
 # Part of the distance over which one root outweighs the other: kappa is then taken from their ratio.
 _FAR_APART = 0.5
+
+
+def kappa(up: Array, vp: Array, away: Array) -> Array:
+    """log(sin((theta + phi)/2) / |sin((theta - phi)/2)|) at points t = cos(theta), away = t - s, of jumps s = cos(phi), by the roots
+    sin((theta +- phi)/2) = (up +- vp) / 2, whose product is (s - t)/2 without cancellation."""
+    small, large = np.minimum(up, vp), np.maximum(up, vp)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # A jump beside an end, or a point, has little of it: then it is 2 artanh of the roots' ratio, to all digits.
+        far = 2 * np.arctanh(np.minimum(small / large, _FAR_APART))
+        return np.where(small < _FAR_APART * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away))))
+
+
+def far_transform(c: Array, rho: Array) -> Array:
+    """sum_l c_l rho^l / R, c_l a number or one for each point."""
+    total = np.zeros(len(rho))
+    for one in c[::-1]:
+        total = total * rho + one
+    return total * (2 * rho / (1 - rho * rho))
+
+
+def far_potential(c: Array, rho: Array) -> Array:
+    """-c_0 log(2 |rho|) - sum_l c_l rho^l / l."""
+    total = np.zeros(len(rho))
+    for l in range(len(c) - 1, 0, -1):
+        total = (total + c[l] / l) * rho
+    return np.asarray(-c[0] * np.log(2 * np.abs(rho)) - total)
+
+
+def potential_rest(q: int, s: Array, sine: Array, z: Any, grown: Any, root: Any) -> Any:
+    """R_q of the potentials of jumps of order q (see `forcing`), at real or complex points."""
+    if q == 0:
+        return grown - LOG2 - 1
+    if q == 1:
+        return 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * LOG2)
+    square = sine * sine
+    rest = (grown * (0.5 + s * s) + root * (0.5 * z - 2 * s)) / 3 - z * (0.5 * z - 1.5 * s)
+    return rest + (square / 9 - s * s / 2 - 1 / 12 - LOG2 * (square / 6 + s * s / 2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +103,7 @@ class FewJumps(Kept):
         left, right, phi, psi, sine, weight = (part[k] for part in parts)
         return cls(count, np.cumsum(count) - count, left, right, phi, psi, sine, weight, order[k], series)
 
-    def holds(self, zone: Index) -> NDArray[np.bool_]:
+    def holds(self, zone: Index) -> Mask:
         """Whether the jumps of these zones are here, and there are any."""
         if len(self.count) == 0:
             return np.zeros(len(zone), dtype=bool)
@@ -83,7 +118,7 @@ class FewJumps(Kept):
             end = max(begin + 1, int(np.searchsorted(total, done + _PAIRS)))
             here = count[begin:end]
             row = np.repeat(np.arange(end - begin), here)
-            jump = np.arange(len(row)) - np.repeat(np.cumsum(here) - here, here) + np.repeat(self.first[zone[begin:end]], here)
+            jump = numbered(here) + np.repeat(self.first[zone[begin:end]], here)
             out.append((slice(begin, end), row, jump))
             begin = end
         return out
@@ -125,20 +160,13 @@ class FewJumps(Kept):
 
     def _shape(self, k: Index, away: Array, left: Array, right: Array) -> Array:
         """kappa, see `ForcingJumps`."""
-        up, vp = np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k])
-        small, large = np.minimum(up, vp), np.maximum(up, vp)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            far = 2 * np.arctanh(np.minimum(small / large, _FAR_APART))
-            return np.where(small < _FAR_APART * large, far, np.log((up + vp) ** 2 / (2 * np.abs(away))))
+        return kappa(np.sqrt(right * self.left[k]), np.sqrt(left * self.right[k]), away)
 
     def transform(self, zone: Index, z: Array, rho: Array) -> Array:
         """Transform of the parts of zones at points off them."""
         out = np.empty(len(z))
         far = np.abs(rho) < FAR
-        r, total, c = rho[far], np.zeros(int(far.sum())), self.series[zone[far]].T
-        for l in range(TERMS - 1, -1, -1):
-            total = total * r + c[l]
-        out[far] = total * (2 * r / (1 - r * r))
+        out[far] = far_transform(self.series[zone[far]].T, rho[far])
         near = np.flatnonzero(~far)
         z, rho, found = z[near], rho[near], np.empty(len(near))
         for here, row, k in self._blocks(zone[near]):
@@ -157,10 +185,7 @@ class FewJumps(Kept):
         out = np.empty(len(left))
         on = (left >= 0) & (right >= 0)
         far = ~on & (np.abs(rho) < FAR)
-        r, total, c = rho[far], np.zeros(int(far.sum())), self.series[zone[far]].T
-        for l in range(TERMS - 1, 0, -1):
-            total = (total + c[l] / l) * r
-        out[far] = -c[0] * np.log(2 * np.abs(r)) - total
+        out[far] = far_potential(self.series[zone[far]].T, rho[far])
         near = np.flatnonzero(~far)
         left, right, rho, on = left[near], right[near], rho[near], on[near]
         beyond = np.where(on, 0.0, np.maximum(-left, -right))
@@ -181,13 +206,8 @@ class FewJumps(Kept):
     def _rest(self, k: Index, z: Array, grown: Array, root: Array) -> Array:
         """R_q."""
         q, s, sine = self.order[k], self.left[k] - 1, self.sine[k]
-        square = sine * sine
-        second = (grown * (0.5 + s * s) + root * (0.5 * z - 2 * s)) / 3 - z * (0.5 * z - 1.5 * s)
-        second += square / 9 - s * s / 2 - 1 / 12 - LOG2 * (square / 6 + s * s / 2)
-        if np.all(q == 2):
-            return np.asarray(second)
-        first = 0.5 * (root - s * grown) - z + s * (0.75 + 0.5 * LOG2)
-        return np.where(q == 2, second, np.where(q == 1, first, grown - LOG2 - 1))
+        zeroth, first, second = (lambda q=q: potential_rest(q, s, sine, z, grown, root) for q in range(3))
+        return second() if np.all(q == 2) else np.where(q == 2, second(), np.where(q == 1, first(), zeroth()))
 
 
 class FewDensityJumps(FewJumps):

@@ -20,15 +20,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Complex, InPlane, What, theta
 from sie.basis.kept import Kept
 from sie.fast.piecewise import clenshaw
 from sie.jumps.local_spline import NEAREST, LocalSpline, same_jumps
-
-Array = NDArray[np.float64]
 
 # Moments of a panel: it is seen from no nearer than twice its half width beyond its middle.
 _TERMS = 24
@@ -285,7 +283,7 @@ def _two_pieces(cut: float, left: float, left_slope: float, right: float, right_
     return pieces, bends[1] - bends[0]
 
 
-def _blocks(points: NDArray[np.intp], nodes: int) -> list[NDArray[np.intp]]:
+def _blocks(points: Index, nodes: int) -> list[Index]:
     if len(points) == 0:
         return []
     return np.array_split(points, -(-len(points) * nodes // _PAIRS))

@@ -11,20 +11,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Outside, edge_scale, slope_scale
 from sie.basis.kernels import Kernel, cauchy
+from sie.basis.places import wrapped
 from sie.basis.zones import Zones
-from sie.density.density import LOOKS, Density
+from sie.density.density import Density
 from sie.density.field import Sources, potential_from, transform_from
 from sie.density.located import Located
+from sie.density.series import LOOKS
 from sie.jumps.forcing import ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 from sie.slits.plane import SlitPlane
 from sie.slits.slits import Slit, Slits, off_slit
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Points looked at together.
 _BLOCK = 4096
@@ -155,7 +155,7 @@ class SlitDensity(Located):
         return replace(self.smooth, parts=(alpha, beta, u), bounded_ends=self.bounded_ends)
 
     @cached_property
-    def _beside_slits(self) -> NDArray[np.bool_]:
+    def _beside_slits(self) -> Mask:
         """Pieces of wide zones with slits."""
         zone = self.merged.piece_zone
         return np.asarray(np.bincount(zone)[zone] > 1)
@@ -325,18 +325,14 @@ class SlitDensity(Located):
     # the line ---------------------------------------------------------------------------------------------------------
     def _into_wide(self, x: Array) -> Array:
         """x moved by periods to lie right of the first wide zone's left end."""
-        period = self.kernel.period
-        if period is None:
-            return x
-        first = self.merged.wide.a[0]
-        return np.asarray(x - np.floor((x - first) / period) * period)
+        return wrapped(x, self.merged.wide.a[0], self.kernel.period)
 
     @property
     def slit_count(self) -> int:
         """How many narrow gaps between the zones are taken as slits of wider ones."""
         return len(self.merged.slits)
 
-    def opening(self, x: ArrayLike) -> tuple[NDArray[np.bool_], Array]:
+    def opening(self, x: ArrayLike) -> tuple[Mask, Array]:
         """(whether x lies in a slit, integral of s from the slit's left end to x)."""
         place = self._into_wide(np.asarray(x, dtype=float))
         slack = self._slack
@@ -353,7 +349,7 @@ class SlitDensity(Located):
             out[some] += kink.slope(left, right)
         return out
 
-    def _in_kinks(self, place: Array) -> Iterator[tuple[SlitKink, float, NDArray[np.bool_], Array, Array]]:
+    def _in_kinks(self, place: Array) -> Iterator[tuple[SlitKink, float, Mask, Array, Array]]:
         """For each jump in a slit: itself, the slit's half width, which places lie in it, and how far from its ends over that."""
         for here in self.slits:
             for k, kink in self.kinks_of(here):

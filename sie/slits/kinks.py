@@ -26,12 +26,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Mask
 from sie.basis.interval import Outside, theta
 from sie.basis.kept import Kept
-
-Array = NDArray[np.float64]
 
 # Orders q that are carried.
 HIGHEST = 2
@@ -170,7 +168,7 @@ class SlitKink(Kept):
         value = self.jump / np.pi * self._spread(from_left, from_right, z) - self._turn(from_left, from_right) * root
         return np.asarray(root * value + a_0 + a_1 * 0.5 * (from_left - from_right))
 
-    def beside(self, from_left: Array, from_right: Array, outside: Array, past: NDArray[np.bool_]) -> Array:
+    def beside(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
         """P[psi] less (a_0 + a_1 t)/X, off the slit by `outside` of its half width. past: on its right."""
         if self.order == HIGHEST and np.any(outside > _BEYOND):
             out, far = np.empty(outside.shape), outside > _BEYOND
@@ -184,7 +182,7 @@ class SlitKink(Kept):
         spread = self._spread(from_left, from_right, z)
         return np.asarray(-self.jump / np.pi * (own - spread) - self._turn(from_left, from_right) * np.sqrt(from_left * from_right))
 
-    def _summed(self, from_left: Array, from_right: Array, outside: Array, past: NDArray[np.bool_]) -> Array:
+    def _summed(self, from_left: Array, from_right: Array, outside: Array, past: Mask) -> Array:
         """The same as X times (1/pi) int psi / (X (t - tau))."""
         lefts, rights, _, weight = self.seen
         over = weight / np.sqrt(lefts * rights) / np.pi

@@ -11,16 +11,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.kept import Kept
+from sie.basis.places import wrapped
 from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
 from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals, for_every_zone
 from sie.equation.equation import Equation
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Gaps narrower than this part of the wider zone beside them may be slits.
 NARROW = 0.02
@@ -121,18 +119,17 @@ def _plain(pieces: Zones) -> bool:
     return all(end.intensity is None or (end.moves and end.intensity == 0.0) for end in (*pieces.left, *pieces.right))
 
 
-def _free(pieces: Zones) -> NDArray[np.bool_]:
+def _free(pieces: Zones) -> Mask:
     """Whether the right end of each piece and the left end of the next one move."""
     left, right = np.array([end.moves for end in pieces.left]), np.array([end.moves for end in pieces.right])
     return np.asarray(right & np.roll(left, -1))
 
 
-def _bent(equation: Equation, pieces: Zones, after: Array) -> NDArray[np.bool_]:
+def _bent(equation: Equation, pieces: Zones, after: Array) -> Mask:
     """Gaps with a jump of a higher derivative of the right side in them than the first."""
-    forcing, period = equation.forcing, equation.kernel.period
+    forcing = equation.forcing
     at = forcing.jumps_at[forcing.orders > 1] if forcing.orders is not None else np.zeros(0)
-    if period is not None:
-        at = at - np.floor((at - pieces.a[0]) / period) * period
+    at = wrapped(at, pieces.a[0], equation.kernel.period)
     i = np.searchsorted(pieces.a, at, side="right") - 1
     within = (i >= 0) & (at >= pieces.b[i]) & (at <= pieces.b[i] + after[i])
     found = np.zeros(len(pieces), dtype=bool)

@@ -21,17 +21,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array
 from sie.basis.interval import Complex, InPlane, What, complex_of, transform_of, transform_slope_of
 from sie.density.density import Density
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 from sie.slits.slits import Slits
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 # Where |rho| is below this, as many coefficients as wide zones are told of their slits tell all of them.
 _TELLS = 0.44

@@ -20,18 +20,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 
 from sie.basis import chebyshev
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Outside, fall, root_on, theta, transform_of
 from sie.basis.kept import Kept
 from sie.jumps.forcing import HIGHEST, ForcingJumps
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 LEAST, MOST = 12, 512
 # Modes at most for a jump of g, of g' or of g'' beside a slit: of those in it nothing is left.
@@ -82,7 +79,7 @@ class Slit(Kept):
 
     def means(self, values: Array) -> Array:
         """Means of values (..., nodes) times T_l, l = 0 ... modes, with the weight 1 / sqrt(1 - z^2)."""
-        return np.asarray(values @ chebyshev.t_matrix(self.nodes, self.modes + 1) / self.nodes)
+        return chebyshev.t_means(values, self.modes + 1)
 
     def at_gauss(self, d: Array) -> Array:
         """sum d_l T_l at the Gauss nodes."""
@@ -125,7 +122,7 @@ def off_slit_rows(excess: Array, sign: float, count: int) -> Array:
 def _within(jumps: ForcingJumps, zone: int, start: Array, length: Array) -> tuple[Index, ForcingJumps]:
     """(the jumps of a zone that lie in slits with these starts and lengths, by number; those of its spline's knots there)."""
 
-    def inside(left: Array) -> NDArray[np.bool_]:
+    def inside(left: Array) -> Mask:
         slit = np.maximum(np.searchsorted(start, left, side="right") - 1, 0)
         return np.asarray((left > start[slit]) & (left < start[slit] + length[slit]))
 
@@ -204,7 +201,8 @@ class Slits(Kept):
         """Right sides of the slits' rows by the jumps; those in a slit with the slack they ask for."""
         if self.zone not in jumps.by_zone:
             return np.zeros(self.offset[-1])
-        keep = np.delete(np.arange(len(jumps.zone)), self._inside)
+        # Those of other zones have no part in it.
+        keep = np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True)
         rest = replace(
             jumps, zone=jumps.zone[keep], left=jumps.left[keep], right=jumps.right[keep], height=jumps.height[keep],
             order=jumps.order[keep],

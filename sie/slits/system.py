@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
@@ -39,9 +39,6 @@ from sie.jumps.forcing import ForcingJumps
 from sie.slits.density import SlitDensity
 from sie.slits.merged import Merged, merge
 from sie.slits.slits import TOLD, Slits
-
-Array = NDArray[np.float64]
-Index = NDArray[np.intp]
 
 _ALTERNATIONS = 60
 # Alternations that shrink by less than this are given up.
@@ -309,6 +306,9 @@ class SlitState(Kept):
     def condition_index(self) -> Index:
         return self.wide.condition_index
 
+    def values(self, condition: int = 0, change: float = 1.0) -> Array:
+        return self.wide.values(condition, change)
+
     @property
     def linear_error(self) -> Array:
         return self.wide.linear_error[self.merged.piece_zone]
@@ -346,9 +346,7 @@ class SlitState(Kept):
 
     def with_value(self, condition: int, change: float) -> SlitState:
         """See `State.with_value`."""
-        values = np.zeros(len(self.condition_scale))
-        values[self.condition_index[condition]] = change
-        folded, series = self._answer(values)
+        folded, series = self._answer(self.values(condition, change))
         both = tuple(one + other for one, other in zip(self.series, series, strict=True))
         wide, density = self.slit_system.density(self.wide.folded_unknowns + folded, both)
         return replace(self, wide=wide, density=density, series=both)
@@ -464,8 +462,7 @@ class SlitState(Kept):
     def end_truncation(self) -> Array:
         """See `State.end_truncation`, of the pieces."""
         zones = self.density.zones
-        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
-        slopes = np.where(moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
+        slopes = np.where(zones.moves, np.abs(np.array(self.density.edge_slopes)), np.inf)
         return np.asarray(self._intensities_of(self.missing) / np.maximum(slopes, 1e-300) / zones.half).T
 
 

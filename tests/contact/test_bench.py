@@ -283,7 +283,7 @@ class TestRequired:
         return made + [Row(self.NAME, "tamaas", 0, t, e, e, None, None, 0, True) for t, e in peer]
 
     def told(self, rows, peers=("tamaas",)):
-        table = required.table(rows, self.CASES, [], peers)
+        table = required.table(rows, self.CASES, [], 1.0, peers)
         return {row[0].split(",")[0]: row[1:] for row in table.rows}
 
     def test_a_hundred_times_faster_is_met_and_ninety_times_is_missed_with_its_reason(self):

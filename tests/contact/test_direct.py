@@ -11,6 +11,7 @@ import contact
 import contact.solver
 from contact.formulation.direct.fields import DirectFields
 from contact.reference.exact import IsolatedBiquadratic, PeriodicParabola, PeriodicWedge, Westergaard
+from contact.search.ways.direct import all_directly, directly
 
 PERIODIC, ISOLATED = contact.Periodic(), contact.Isolated(datum=3.0)
 
@@ -123,6 +124,7 @@ def test_the_direct_way_has_the_answer_of_the_general_one_over_ten_decades_of_lo
         assert np.abs(one.zone_loads - other.zone_loads).max() <= 3 * error * unit * width.max()
         assert abs(one.approach - other.approach) <= slack + other.certificate.gap_rounding
         assert abs(1 / one.stiffness - 1 / other.stiffness) <= 4 * error / scene.E_star + 1e-14 / abs(other.stiffness)
+        assert one.max_pressure <= one.fields.pressure_bound * (1 + 1e-12)
         assert (one.max_pressure == other.max_pressure) or abs(one.max_pressure - other.max_pressure) <= error * unit
         x = other.zones[-1, 1] + width[-1] * np.array([0.01, 0.3, 2.0])
         here, there = one.gap(x), other.gap(x)
@@ -241,6 +243,84 @@ def test_a_curve_of_one_interval_is_solved_without_the_engine(monkeypatch):
     assert all(s.certificate.holds and s.error < 1e-12 for s in found)
     assert np.allclose([np.sin(np.pi * s.zones[0, 1]) ** 2 for s in found], pressures / (np.pi * 1e-3), rtol=1e-12)
     assert contact.path(wave, pressures).events == ()
+
+
+@pytest.mark.filterwarnings("ignore::contact.ModelWarning")
+@pytest.mark.parametrize("name", SHAPES)
+def test_one_load_and_several_at_once_have_the_same_answer(name):
+    rng = np.random.default_rng(list(map(ord, name)))
+    for _ in range(4):
+        scene = drawn(name, rng)
+        loads = scene.load * np.array([1.0, 1.3, 0.01])
+        alone = [directly(scene.under("load", load), 1e-8) for load in loads]
+        several = all_directly([scene.under("load", load) for load in loads], 1e-8)
+        for a, b in zip(alone, several, strict=True):
+            assert (a is None) == (b is None)
+            assert a is None or np.abs(a.zones - b.zones).max() <= (a.error + b.error) * a.zone_widths.min()
+
+
+def bounded(k, middle, half, a):
+    """Phi at middle + half cos(a) of G = T_k on an interval beside [-1, 1]."""
+    inside = np.polynomial.Chebyshev.basis(k)(np.polynomial.Chebyshev([middle, half]))
+    return np.sin(np.outer(a, np.arange(k + 1))) @ inside.coef
+
+
+@pytest.mark.parametrize("k", range(1, 12))
+def test_pressures_follow_the_ends_no_faster_than_the_stated_error_has_it(k):
+    a, d = np.linspace(1e-3, np.pi - 1e-3, 2001), 1e-6
+    t, flat = np.cos(a), (1 - np.cos(k * a)) / np.sin(a)
+    uneven = (1 - t * np.cos(k * a)) / np.sin(a), (t - np.cos(k * a)) / np.sin(a)
+    by_half, by_middle = uneven if k % 2 else (t * flat, flat)
+    assert max(np.abs(by_half).max(), np.abs(by_middle).max()) <= k * (1 + 1e-12)
+    some = slice(200, 1900, 100)
+    grown = (bounded(k, 0.0, 1 + d, a[some]) - bounded(k, 0.0, 1 - d, a[some])) / (2 * d)
+    moved = (bounded(k, d, 1.0, a[some]) - bounded(k, -d, 1.0, a[some])) / (2 * d)
+    assert grown == pytest.approx(k * by_half[some], rel=1e-6, abs=1e-6)
+    assert moved == pytest.approx(k * by_middle[some], rel=1e-6, abs=1e-6)
+
+
+def test_one_zone_costs_a_few_looks_at_its_shape(monkeypatch):
+    looks, plain = [], contact.Sinusoid.slope
+    monkeypatch.setattr(contact.Sinusoid, "slope", lambda self, x: looks.append(np.size(x)) or plain(self, x))
+    wave = contact.Sinusoid(1e-3, 1.0)
+    wave.slope_sizes  # noqa: B018
+    looks.clear()
+    solution = contact.solve(contact.Scene(wave, 1.0, PERIODIC, load=1e-3), 1e-12)
+    # Two of Newton's steps, the gap outside, and how steep it is where it touches.
+    assert looks == [8, 8, 32, 8]
+    assert solution.certificate.holds and solution.plan.counts["profile_evaluations"] <= 48 and len(looks) == 4
+
+
+@dataclass(frozen=True)
+class Plateau(contact.Profile):
+    """A flat top between round shoulders: a narrow zone on it carries nothing."""
+
+    period: float = 1.0
+    symmetric = property(lambda self: True)
+    summits = property(lambda self: np.zeros(1))
+
+    def height(self, x):
+        return np.maximum(np.abs(self.wrap(x)) - 0.3, 0.0) ** 2
+
+    def slope(self, x):
+        return 2 * np.sign(self.wrap(x)) * np.maximum(np.abs(self.wrap(x)) - 0.3, 0.0)
+
+
+@pytest.mark.parametrize("load", [5e-324, 1e-300, 1e-200, 1e30, 1e200, 1e300])
+def test_loads_that_numbers_hardly_hold_are_answered_or_left(load):
+    for profile in (contact.Sinusoid(1e-3, 1.0), contact.Parabola(1e300), contact.Wedge(0.1, 1.0), contact.Biquadratic(1.0, 0.1, 0.3)):
+        for model in (PERIODIC, ISOLATED) if profile.period else (ISOLATED,):
+            for E_star in (1e-300, 1.0, 1e300):
+                scene = contact.Scene(profile, E_star, model, load=load)
+                alone, several = directly(scene, 1e-8), all_directly([scene, scene], 1e-8)
+                assert (alone is None) == (several[0] is None) == (several[1] is None)
+                assert alone is None or (alone.certificate.holds and np.isfinite(alone.zones).all() and alone.zone_widths.min() > 0)
+
+
+def test_a_flat_top_is_left_to_the_general_ways():
+    scene = contact.Scene(Plateau(), 1.0, PERIODIC, load=1e-3)
+    assert directly(scene, 1e-2) is None
+    assert 0.3 < contact.solve(scene, 0.05).zones[0, 1] < 0.35
 
 
 @pytest.mark.parametrize("name", ["wave", "wedge", "pair", "parabolas"])

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import contact
+from contact.formulation.conjugate import Conjugate, clausen2
 from contact.reference import exact
 from tests.contact.judge import relative, solve
 
@@ -145,3 +146,35 @@ class TestNumbers:
                 solve(WAVE, model, E, mean_pressure=10 * star)
         strip = solve(WAVE, contact.Localized("self-consistent"), E, tol=1e-8, mean_pressure=10 * star)
         assert 0.9 < strip.contact_fraction < 1
+
+
+class Rough(contact.Profile):
+    """f' = u - 1/2 + c sum cos(2 pi k u) / k^2, u = x mod 1: a valley with a kink, and a bend there that is not declared."""
+
+    period, c = 1.0, 0.1
+
+    def height(self, x):
+        u = np.asarray(x, dtype=float) % 1.0
+        return u * (u - 1) / 2 + self.c * np.pi**2 * u * (1 - 3 * u + 2 * u * u) / 6
+
+    def slope(self, x):
+        u = np.asarray(x, dtype=float) % 1.0
+        return u - 0.5 + self.c * np.pi**2 * (1 / 6 - u * (1 - u))
+
+    def slope_conjugate(self, x):
+        u = np.asarray(x, dtype=float)
+        u = u - np.round(u)
+        return -np.log(np.abs(2 * np.sin(np.pi * u))) / np.pi + self.c * clausen2(u)
+
+    @property
+    def kinks(self):
+        return np.array([[0.0, -1.0]])
+
+
+def test_a_conjugate_in_closed_form_is_taken_where_the_series_does_not_end():
+    conjugate = Conjugate(Rough())
+    x = np.concatenate((np.geomspace(1e-4, 0.5, 50), -np.geomspace(1e-4, 0.5, 50)))
+    assert np.max(np.abs(conjugate.smooth(x) - Rough.c * clausen2(x))) < 1e-13
+    # Beside the kink it is straight: Clausen's function turns there as u ln u does.
+    beside = np.array([-1e-6, 0.0, 1e-9, 1e-6])
+    assert np.max(np.abs(conjugate.smooth(beside) - Rough.c * clausen2(beside))) < 1e-4 * Rough.c

@@ -30,7 +30,7 @@ from contact import (
 )
 from contact.commands import cli
 from contact.explorer.handles import handles, turned
-from contact.formulation.conjugate import conjugate_of
+from contact.formulation.conjugate import Conjugate
 from contact.model.scene_file import scene_from_tables
 from contact.model.scene_text import to_toml
 from contact.solution.sampling import surfaces
@@ -170,7 +170,7 @@ class Alone(contact.Profile):
 def test_what_pressure_closes_both_faces_is_that_of_each_and_of_their_sum_by_itself(mirrored: bool) -> None:
     pair = Combined(Sampled(KNOTS / 2, TRACE.heights[[*range(48), 0]], period=L / 2), Wedge(0.01, L / 3), 1e-4, mirrored)
     x = np.linspace(0.0, L, 101) + 1e-6
-    one, other = conjugate_of(pair)(x), conjugate_of(Alone(pair))(x)
+    one, other = Conjugate(pair)(x), Conjugate(Alone(pair))(x)
     assert one == pytest.approx(other, abs=1e-10 * np.abs(other).max())
     assert one == pytest.approx(pair.slope_conjugate(x), abs=1e-10 * np.abs(other).max())
 

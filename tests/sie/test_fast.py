@@ -9,7 +9,6 @@ from sie.collocation.iterative import IterativeSystem
 from sie.collocation.symmetry import MirrorSymmetry
 from sie.collocation.system import System
 from sie.collocation.zone_sums import Nested, ZoneSums
-from sie.density.field import potential_at, transform_at
 from sie.density.treecode import Treecode
 from sie.fast.hierarchical import Inverse, cross
 from sie.fast.krylov import gmres
@@ -108,8 +107,8 @@ def test_fields_anywhere_are_those_summed_zone_by_zone(kernel):
     x = np.concatenate(((zones.middle[:, None] + zones.half[:, None] * t).ravel(), rng.uniform(-0.5, 0.5, 400)))
     if kernel.period is None:
         x = np.concatenate((x, [-40.0, -1.7, -0.6, 0.7, 1.19, 90.0]))
-    assert treecode.transform(x) == pytest.approx(transform_at(density, x, density.sources), abs=2e-13)
-    assert treecode.potential(x) == pytest.approx(potential_at(density, x, density.sources), abs=2e-14)
+    assert treecode.transform(x) == pytest.approx(density.transform(x), abs=2e-13)
+    assert treecode.potential(x) == pytest.approx(density.potential(x), abs=2e-14)
 
 
 @pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
@@ -124,7 +123,7 @@ def test_few_zones_are_near_to_any_point_beside_a_cluster(kernel):
     assert np.diff(treecode.start).max() <= 5
     assert np.all(np.diff(ends) > 0) and np.all(np.isin(density.zones.table, ends))
     x = np.concatenate((np.geomspace(1e-9, 0.2, 40) + density.zones.b[-1], -np.geomspace(1e-9, 0.2, 40)))
-    assert treecode.transform(x) == pytest.approx(transform_at(density, x, density.sources), rel=1e-13, abs=2e-13)
+    assert treecode.transform(x) == pytest.approx(density.transform(x), rel=1e-13, abs=2e-13)
 
 
 def test_closed_forms_evaluated_grow_with_the_zones_and_no_faster():

@@ -144,6 +144,24 @@ def test_a_kernel_is_asked_no_more_often_for_more_zones():
     assert asked[1] <= 2 * asked[0]
 
 
+def test_a_kernel_is_asked_no_more_often_for_points_that_lie_farther_apart():
+    of, calls = kernel(0.8, 0.3), [0]
+    regular = of.regular_potential
+
+    def potential(x, xi):
+        calls[0] += 1
+        return regular(x, xi)
+
+    density = sie.solve_fixed(equation(replace(of, regular_potential=potential)), sie.Zones.of(scattered(5))).density
+
+    def asked(x):
+        calls[0] = 0
+        density.potential(x)
+        return calls[0]
+
+    assert asked(np.geomspace(10.0, 1e3, 400)) <= asked(np.linspace(10.0, 10.5, 400)) + 2
+
+
 @pytest.mark.parametrize("of", [VARIED, kernel(0.8, 0.3, of_lag=False), kernel(0.8, 0.3, PERIOD, of_lag=False)])
 def test_a_kernel_of_both_places_is_of_low_rank_over_many_zones(of, monkeypatch):
     zones, x = sie.Zones.of(scattered(34)), np.linspace(-1.1, 1.1, 201)

@@ -13,17 +13,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.direct.maps import Map
-from contact.formulation.direct.series import Table, table
+from contact.formulation.direct.numbers import Value, largest
+from contact.formulation.direct.series import Table, orders, powers, table
 from contact.model.profiles.base import Profile
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-Index = NDArray[np.intp]
+from sie import Array, Index, Mask
 
 _EPS = float(np.finfo(float).eps)
 # Nodes at first and at the most.
@@ -56,69 +54,102 @@ class Sheet:
     limit: float
     tip: float = 0.0
 
+    @cached_property
+    def top(self) -> float:
+        """The limit in y."""
+        return float(self.map.y(self.limit)) if math.isfinite(self.limit) else math.inf
+
+    @cached_property
+    def tip_at(self) -> float:
+        """The tip in y."""
+        return float(self.map.y(self.tip))
+
 
 @dataclass(frozen=True, eq=False)
 class Ends:
-    """One row a load. inner, outer: ends of the right zone [m], of one zone -a and a; middle, half: of the interval in y; g: coefficients
-    (rows, orders); tail: the largest of the last ones, what was left off, over the largest value; off: what d ln(half) is off by; punch:
-    load over E*/2 and pi times the half length of a flat punch; found: whether a row came out."""
+    """Numbers of one load, or rows of several. inner, outer: ends of the right zone [m], of one zone -a and a; middle, half: of the
+    interval in y; g: coefficients (..., orders); tail: the largest of the last ones, what was left off, over the largest value; off: what
+    d ln(half) is off by; punch: load over E*/2 and pi times the half length of a flat punch; found: whether they came out."""
 
     sheet: Sheet
-    inner: Array
-    outer: Array
-    middle: Array
-    half: Array
+    inner: Value
+    outer: Value
+    middle: Value
+    half: Value
     g: Array
-    orders: Index
-    tail: Array
-    off: Array
-    steps: NDArray[np.intp]
-    nodes: NDArray[np.intp]
-    punch: Array
-    found: Mask
+    tail: Value
+    off: Value
+    steps: Value
+    nodes: Value
+    punch: Value
+    found: Value
 
-    def rows(self, chosen: Mask | slice) -> Ends:
-        """Some of the rows."""
+    def rows(self, chosen: Mask | int) -> Ends:
+        """Some of the loads, or one."""
         return replace(self, **{name: getattr(self, name)[chosen] for name in _ROWS})
 
     @property
-    def widths(self) -> Array:
+    def odd(self) -> bool:
+        """Whether the series has no even orders."""
+        return not self.sheet.map.pair
+
+    @property
+    def first(self) -> Value:
+        """g_1."""
+        return self.g[..., 0] if self.g.shape[-1] else 0.0
+
+    @cached_property
+    def sums(self) -> tuple[Value, Value, Value]:
+        """Of |g_k|, of k |g_k|, which no |q| exceeds, and of k^2 |g_k|."""
+        plain, once, twice = np.abs(self.g).dot(powers(self.g.shape[-1], self.odd)).T
+        return plain, once, twice
+
+    @property
+    def bound(self) -> Value:
+        """What no pressure exceeds, over E*/2, but for kinks and corners."""
+        return (self.outer if self.sheet.map.pair and self.sheet.map.period is None else 1.0) * self.sums[1]
+
+    @property
+    def zones(self) -> int:
+        return 2 if self.sheet.map.pair else 1
+
+    @property
+    def widths(self) -> Value:
         """Of one zone [m]."""
         return self.outer - self.inner
 
     @property
-    def spreading(self) -> tuple[Array, Array]:
+    def spreading(self) -> tuple[Value, Value]:
         """How far the inner and the outer end move outward in y as the load grows by a factor of e; zero at corners."""
         if self.sheet.corner is not None:
             return 0.0 * self.half, 0.0 * self.half
-        way, total = self.sheet.map, self.totals
+        way, total, k = self.sheet.map, self.totals, orders(self.g.shape[-1], self.odd)
         if way.pair:
             # By Newton's own matrix: each end by a half of the load over what q is there.
-            upper, lower = self.g @ self.orders, self.g @ (self.orders * (2 * (self.orders % 2) - 1))
+            upper, lower = self.g @ k, self.g @ (k * (2 * (k % 2) - 1))
             share = total / (way.load_factor * math.pi * self.half)
             return share * self.half / lower, share * self.half / upper
-        rate = way.load_factor * math.pi * (self.g @ self.orders) + _kink_load(self.sheet, self.half)[1]
+        rate = way.load_factor * math.pi * (self.g @ k) + _kink_load(self.sheet, self.half)[1]
         return total / rate, total / rate
 
     @property
-    def rises(self) -> tuple[Array, Array]:
+    def rises(self) -> tuple[Value, Value]:
         """dy/dx at the inner and the outer end."""
         way = self.sheet.map
-        inner, outer = np.abs(self.inner), self.outer
-        return tuple(np.asarray(way.weight(x, way.y(x)) / way.rise_factor + 0.0 * x) for x in (inner, outer))  # type: ignore[return-value]
+        inner, outer = (way.weight(np.abs(x)) / way.rise_factor for x in (self.inner, self.outer))
+        return inner, outer
 
     @property
-    def totals(self) -> Array:
+    def totals(self) -> Value:
         """Loads over E*/2, of all zones together [m]."""
-        smooth = 0.5 * math.pi * self.half * (self.g[:, 0] if self.g.shape[1] else 0.0)
-        total = self.sheet.map.load_factor * (smooth + math.pi * self.half * self.punch)
-        return np.asarray(total + _kink_load(self.sheet, self.half)[0])
+        smooth = math.pi * self.half * (0.5 * self.first + self.punch)
+        return self.sheet.map.load_factor * smooth + _kink_load(self.sheet, self.half)[0]
 
 
 _ROWS = ("inner", "outer", "middle", "half", "g", "tail", "off", "steps", "nodes", "punch", "found")
 
 
-def _kink_load(sheet: Sheet, half: Array) -> tuple[Array | float, Array | float]:
+def _kink_load(sheet: Sheet, half: Value) -> tuple[Value, Value]:
     """(load over E*/2 of the kink, its rate with the half length in y)."""
     if sheet.kink == 0.0:
         return 0.0, 0.0
@@ -130,108 +161,143 @@ def _kink_load(sheet: Sheet, half: Array) -> tuple[Array | float, Array | float]
 
 
 def arcosh_over(ends: Ends, y: Array, over: Array, weight: Array | float) -> Array:
-    """arcosh(tan A / tan u) at y, of one row; over: sqrt(1 - (tan u / tan A)^2), which is known to more digits next to the ends."""
-    half = float(ends.half[0])
+    """arcosh(tan A / tan u) at y, of one load; over: sqrt(1 - (tan u / tan A)^2), which is known to more digits next to the ends."""
+    half = ends.half
     tangent = half if ends.sheet.map.period is None else half / math.sqrt((1.0 - half) * (1.0 + half))
     ratio = np.abs(y) / weight / tangent
     return np.where(over < 0.5, np.arctanh(np.minimum(over, 0.5)), np.log((1.0 + over) / ratio))
 
 
-def ends_under(sheet: Sheet, loads: Array) -> Ends:
-    """Loads over E*/2 [m]."""
-    with np.errstate(all="ignore"):
-        if sheet.corner is not None:
-            return _cornered(sheet, loads)
-        if sheet.map.pair:
-            return _pair_load(sheet, float(loads[0])) if len(loads) == 1 else _pair(sheet, loads)
-        return _one_load(sheet, float(loads[0])) if len(loads) == 1 else _one(sheet, loads)
+def ends_under(sheet: Sheet, loads: Value) -> Ends:
+    """Loads over E*/2 [m], one or several."""
+    if sheet.corner is not None:
+        return _cornered(sheet, loads)
+    if sheet.map.pair:
+        return _pair_load(sheet, loads) if isinstance(loads, float) else _pair(sheet, loads)
+    return _one_load(sheet, loads) if isinstance(loads, float) else _one(sheet, loads)
 
 
-def ends_at(sheet: Sheet, half_widths: Array) -> Ends:
-    """One zone of given half widths [m]."""
-    with np.errstate(all="ignore"):
-        return _one(sheet, np.full(len(half_widths), np.nan), sheet.map.y(half_widths), half_widths)
+def ends_at(sheet: Sheet, half_width: float) -> Ends:
+    """One zone of a given half width [m]."""
+    half = float(sheet.map.y(half_width))
+
+    def stands(middle: float, half: float, sums: list[float]) -> tuple[float, float, float, float]:
+        return 0.0, 4.0 * _EPS, middle, half
+
+    return replace(_settled(sheet, 0.0, half, stands), inner=-half_width, outer=half_width)
 
 
-def _cornered(sheet: Sheet, loads: Array) -> Ends:
-    rows = len(loads)
+def _cornered(sheet: Sheet, loads: Value) -> Ends:
     assert sheet.corner is not None
-    outer = np.full(rows, sheet.corner)
-    half = np.asarray(sheet.map.y(outer))
-    zero, none = np.zeros(rows), np.zeros(rows, dtype=np.intp)
+    zero = 0.0 * loads
+    outer = zero + sheet.corner
+    half = sheet.map.y(outer)
     punch = loads / (sheet.map.load_factor * math.pi * half)
+    none = np.zeros(np.shape(loads), dtype=np.intp)
     return Ends(
-        sheet, -outer, outer, zero, half, np.zeros((rows, 0)), np.zeros(0, dtype=np.intp), zero, zero, none, none + 1, punch,
-        np.isfinite(punch),
+        sheet, -outer, outer, zero, half, np.zeros((*np.shape(loads), 0)), zero, zero, none, none + 1, punch, np.isfinite(punch)
     )
 
 
 def _slopes(sheet: Sheet, y: Array) -> Array:
     """G at y, less the kink's part."""
-    x = sheet.map.x(y)
+    x, weight = sheet.map.at(y)
     slope = np.asarray(sheet.profile.slope(x), dtype=np.float64)
     if sheet.kink != 0.0:
         slope = slope - 0.5 * sheet.kink
-    return np.asarray(slope / sheet.map.weight(x, y))
+    return np.asarray(slope / weight)
 
 
-def _one(sheet: Sheet, loads: Array, given: Array | None = None, widths: Array | None = None) -> Ends:
-    """One zone: Newton on ln(half length), in which powers of the width are straight. given: half lengths, and widths, that stand."""
-    top, factor = float(sheet.map.y(np.array(sheet.limit))), sheet.map.load_factor * math.pi
-    book = _Book(len(loads), 0.25 * top if math.isfinite(top) else 1.0)
-    if given is not None:
-        book.half, book.rests = given, np.ones(len(loads), dtype=bool)
+# One load, in numbers: there calls take longer than what they do ------------------------------------------------------
+# Of an interval, its middle and half length in y, and of what `Table.sums` makes of G there: how far Newton's step goes over the half
+# length, what that is rounded to, and the next interval; None where there is no step.
+_Step = Callable[[float, float, list[float]], tuple[float, float, float, float] | None]
 
-    def step(rows: Index, nodal: Table) -> tuple[Array, Array, Array]:
-        half = book.half[rows]
-        values = _slopes(sheet, half[:, None] * nodal.t)
-        kinked, kinked_rate = _kink_load(sheet, half)
-        total = (0.5 * factor) * half * (values @ nodal.first) + kinked
-        rate = half * (factor * (values @ nodal.edge) + kinked_rate) / total
-        move = np.log(loads[rows] / total) / rate if given is None else np.zeros(len(rows))
-        # Not past the widest, nor by many decades at once where the load hardly grows.
-        moved = half * np.exp(np.clip(move, -40.0, 40.0))
-        book.next_half[rows] = np.where(moved >= top, 0.5 * (half + top), moved)
-        return values, move, 4.0 * _EPS * (1.0 + 1.0 / np.abs(rate))
 
-    book.settle(step, True, abs(sheet.kink), np.zeros(len(loads)))
-    half = book.half
-    outer = np.asarray(sheet.map.x(half)) if widths is None else widths
-    return book.ends(sheet, -outer, outer, np.zeros(len(loads)), book.came_out & (outer < sheet.limit), True)
+def _settled(sheet: Sheet, middle: float, half: float, step: _Step) -> Ends:
+    """Newton from a first interval: with few nodes first, and with as many as the series asks for where it has not come to its end."""
+    odd, kink, wide = not sheet.map.pair, abs(sheet.kink), 4.0 * sheet.tip_at
+    size, steps, rests = _FIRST if odd else 2 * _FIRST, 0, False
+    while size <= _LARGEST:
+        nodal, slowest = table(size, odd), None
+        for _ in range(_STEPS):
+            values = _slopes(sheet, half * nodal.t if odd else middle + half * nodal.t)
+            sums = values.dot(nodal.sums).tolist()
+            scale, last = largest(np.abs(values)) + kink, max(abs(sums[2]), abs(sums[3]))
+            taken = step(middle, half, sums)
+            if taken is None or not scale > 0.0:
+                return _not_found(sheet)
+            move, rounding, *to = taken
+            steps += 1
+            ended = last <= _EPS * (_RESOLVED + wide / half) * scale
+            if ended and (rests or abs(move) <= 4.0 * rounding):
+                return _of_series(sheet, middle, half, nodal.coefficients(values), last / scale, abs(move) + rounding, steps)
+            rests, (middle, half) = abs(move) <= _AT_REST, to
+            if not ended and not abs(move) > _ABOUT:
+                slowest = max(last / scale, _EPS)
+                break
+        if slowest is None:
+            break
+        size = _wider(size, slowest)
+    return _not_found(sheet)
 
 
 def _one_load(sheet: Sheet, load: float) -> Ends:
-    """The same of one load, in numbers: there calls take longer than what they do."""
-    way = sheet.map
-    top, factor, kink = float(way.y(np.array(sheet.limit))), way.load_factor * math.pi, abs(sheet.kink)
-    half, size, steps, rests = 0.25 * top if math.isfinite(top) else 1.0, _FIRST, 0, False
-    while size <= _LARGEST:
-        nodal, slowest, coarse = table(size, True), _EPS, False
-        for _ in range(_STEPS):
-            values = _slopes(sheet, half * nodal.t)
-            first, edge, *ending = (values @ nodal.sums[:, :4]).tolist()
-            kinked, kinked_rate = _kink_load(sheet, half)  # type: ignore[arg-type]
-            total = 0.5 * factor * half * first + float(kinked)
-            rate = half * (factor * edge + float(kinked_rate)) / total if total else math.nan
-            if not (load / total > 0.0 and abs(rate) > 0.0 and math.isfinite(rate)):
-                return _not_found(sheet)
-            move, rounding = math.log(load / total) / rate, 4.0 * _EPS * (1.0 + 1.0 / abs(rate))
-            scale, last = float(np.abs(values).max()) + kink, max(map(abs, ending))
-            steps += 1
-            ended = last <= _EPS * _RESOLVED * scale
-            if ended and (rests or abs(move) <= 4.0 * rounding):
-                return _of_series(sheet, half, nodal.coefficients(values[None]), last / scale, abs(move) + rounding, steps, 2 * size)
-            # As in the rows of a book: as many nodes as the series asks for, not past the widest, nor by many decades at once.
-            coarse = not ended and not abs(move) > _ABOUT
-            moved = half * math.exp(min(max(move, -40.0), 40.0))
-            half, rests = 0.5 * (half + top) if moved >= top else moved, abs(move) <= _AT_REST
-            if coarse:
-                slowest = max(last / scale, _EPS)
-                break
-        if not coarse:
-            return _not_found(sheet)
-        size = _wider(size, slowest)
-    return _not_found(sheet)
+    """One zone: Newton on ln(half length), in which powers of the width are straight, from the second step on by the last two totals."""
+    if not 0.0 < load < math.inf:
+        return _not_found(sheet)
+    top, factor = sheet.top, sheet.map.load_factor * math.pi
+    # The logarithms of a total over the load and of its half length, and how that goes with the total's.
+    before: tuple[float, float, float] | None = None
+
+    def step(middle: float, half: float, sums: list[float]) -> tuple[float, float, float, float] | None:
+        nonlocal before
+        kinked, kinked_rate = _kink_load(sheet, half)
+        total = 0.5 * factor * half * sums[0] + float(kinked)
+        if not (total > 0.0 and 0.0 < load / total < math.inf):
+            return None
+        rate = half * (factor * sums[1] + float(kinked_rate)) / total
+        if not 0.0 < abs(rate) < math.inf:
+            return None
+        here = -math.log(load / total), math.log(half), 1.0 / rate
+        move = -here[0] / rate
+        # Not past the widest, nor by many decades at once where the load hardly grows.
+        way = move if before is None or abs(here[0]) >= 0.5 * abs(before[0]) else _by_both(before, here)
+        moved = half * math.exp(min(max(way, -40.0), 40.0))
+        before = here
+        return move, 4.0 * _EPS * (1.0 + 1.0 / abs(rate)), 0.0, 0.5 * (half + top) if moved >= top else moved
+
+    return _settled(sheet, 0.0, 0.25 * top if math.isfinite(top) else 1.0, step)
+
+
+def _by_both(before: tuple[float, float, float], here: tuple[float, float, float]) -> float:
+    """How far it is in ln(half length) to the load that is asked for, by Hermite's cubic through two totals."""
+    (a, at_a, rate_a), (b, at_b, rate_b) = before, here
+    mean = (at_b - at_a) / (b - a)
+    square = (rate_b - mean) / (b - a)
+    cube = (square - (mean - rate_a) / (b - a)) / (b - a)
+    return b * (b * (square - cube * a) - rate_b)
+
+
+def _pair_load(sheet: Sheet, load: float) -> Ends:
+    """Two zones: Newton on the middle and the half length of their interval, from narrow zones about the tips."""
+    top, tip = sheet.top, sheet.tip_at
+    wanted = load / (sheet.map.load_factor * 0.5 * math.pi)
+
+    def step(middle: float, half: float, sums: list[float]) -> tuple[float, float, float, float] | None:
+        first, upper, _, _, lower, mean = sums
+        missed, odd, even = half * first - wanted, 0.5 * (upper + lower), 0.5 * (upper - lower)
+        if not (math.isfinite(missed) and upper * lower != 0.0 and 0.0 < half < middle):
+            return None
+        by_middle = (0.5 * even * missed - odd * mean * half) / (upper * lower)
+        by_half = (even * mean * half - 0.5 * odd * missed) / (upper * lower)
+        # Within the half of the period, and not past the middle.
+        ahead = max((by_half - by_middle) / (middle - half), (by_middle + by_half) / (top - middle - half), -by_half / half)
+        cut = min(1.0, 0.5 / max(ahead, 1e-300))
+        move, rounding = (abs(by_middle) + abs(by_half)) / half, _EPS * (_RESOLVED + 4.0 * middle / half)
+        return move, rounding, middle + cut * by_middle, half + cut * by_half
+
+    return _settled(sheet, tip, float(_first_halves(sheet, wanted)), step)
 
 
 def _wider(size: int, slowest: float) -> int:
@@ -240,22 +306,70 @@ def _wider(size: int, slowest: float) -> int:
     return size * int(2 ** max(1, math.ceil(math.log2(wanted) - _NEARLY)))
 
 
-def _of_series(sheet: Sheet, half: float, series: Array, tail: float, off: float, steps: int, nodes: int) -> Ends:
-    """One row of one zone."""
-    g, left = _without_last(series)
-    outer, zero = np.array([float(sheet.map.x(np.array(half)))]), np.zeros(1)
-    found = np.array([outer[0] < sheet.limit and off < 1e-6 and half > _SMALLEST])
-    return Ends(
-        sheet, -outer, outer, zero, np.array([half]), g, 2 * np.arange(g.shape[1]) + 1, tail + left, np.array([off]),
-        np.array([steps], dtype=np.intp), np.array([nodes], dtype=np.intp), zero, found,
-    )
+def _of_series(sheet: Sheet, middle: float, half: float, series: Array, tail: float, off: float, steps: int) -> Ends:
+    way = sheet.map
+    count, left = _without_last(np.abs(series).tolist())
+    outer = float(way.x(middle + half))
+    inner = float(way.x(middle - half)) if way.pair else -outer
+    found = outer < sheet.limit and off < 1e-6 and half > _SMALLEST and not (way.pair and half >= _MERGED * middle)
+    nodes = len(series) * (1 if way.pair else 2) + way.pair
+    return Ends(sheet, inner, outer, middle, half, series[:count], tail + left, off, steps, nodes, 0.0, found)
 
 
 def _not_found(sheet: Sheet) -> Ends:
-    zero, none = np.zeros(1), np.zeros(1, dtype=np.intp)
-    return Ends(
-        sheet, zero, zero, zero, zero, np.zeros((1, 0)), none[:0], zero, zero, none, none, zero, np.zeros(1, dtype=bool),
-    )
+    return Ends(sheet, 0.0, 0.0, 0.0, 0.0, np.zeros(0), 0.0, 0.0, 0, 0, 0.0, False)
+
+
+# Several loads at once ------------------------------------------------------------------------------------------------
+def _one(sheet: Sheet, loads: Array) -> Ends:
+    """One zone."""
+    top, factor = sheet.top, sheet.map.load_factor * math.pi
+    book = _Book(len(loads), 0.25 * top if math.isfinite(top) else 1.0)
+
+    def step(rows: Index, nodal: Table) -> tuple[Array, Array, Array]:
+        half = book.half[rows]
+        values = _slopes(sheet, half[:, None] * nodal.t)
+        kinked, kinked_rate = _kink_load(sheet, half)
+        total = (0.5 * factor) * half * (values @ nodal.first) + kinked
+        rate = half * (factor * (values @ nodal.edge) + kinked_rate) / total
+        move = np.log(loads[rows] / total) / rate
+        moved = half * np.exp(np.clip(move, -40.0, 40.0))
+        book.next_half[rows] = np.where(moved >= top, 0.5 * (half + top), moved)
+        return values, move, 4.0 * _EPS * (1.0 + 1.0 / np.abs(rate))
+
+    book.settle(step, True, abs(sheet.kink), np.zeros(len(loads)))
+    outer = np.asarray(sheet.map.x(book.half))
+    return book.ends(sheet, -outer, outer, np.zeros(len(loads)), book.came_out & (outer < sheet.limit))
+
+
+def _pair(sheet: Sheet, loads: Array) -> Ends:
+    """Two zones."""
+    tip, top = sheet.tip_at, sheet.top
+    wanted_of = loads / (sheet.map.load_factor * 0.5 * math.pi)
+    book = _Book(len(loads), _first_halves(sheet, wanted_of))
+    book.middle, book.next_middle = np.full(len(loads), tip), np.full(len(loads), tip)
+
+    def step(rows: Index, nodal: Table) -> tuple[Array, Array, Array]:
+        middle, half = book.middle[rows], book.half[rows]
+        values = _slopes(sheet, middle[:, None] + half[:, None] * nodal.t)
+        mean = values.mean(axis=1)
+        missed = half * (values @ nodal.first) - wanted_of[rows]
+        upper, lower = values @ nodal.edge, values @ nodal.far_edge
+        odd, even = 0.5 * (upper + lower), 0.5 * (upper - lower)
+        # [odd / h, even / h; 2 even, 2 odd] (dm, dh) = -(mean, missed)
+        scale = upper * lower
+        by_middle = (0.5 * even * missed - odd * mean * half) / scale
+        by_half = (even * mean * half - 0.5 * odd * missed) / scale
+        up, down = by_middle + by_half, by_half - by_middle
+        ahead = np.maximum(np.maximum(down / (middle - half), up / (top - middle - half)), -by_half / half)
+        cut = np.minimum(1.0, 0.5 / np.maximum(ahead, 1e-300))
+        book.next_middle[rows], book.next_half[rows] = middle + cut * by_middle, half + cut * by_half
+        return values, (np.abs(by_middle) + np.abs(by_half)) / half, _EPS * (_RESOLVED + 4.0 * middle / half)
+
+    book.settle(step, False, 0.0, np.full(len(loads), 4.0 * tip))
+    low, middle, half = book.middle - book.half, book.middle, book.half
+    inner, outer = np.asarray(sheet.map.x(low)), np.asarray(sheet.map.x(middle + half))
+    return book.ends(sheet, inner, outer, middle, book.came_out & (outer < sheet.limit) & (half < _MERGED * middle) & (low > 0.0))
 
 
 class _Book:
@@ -302,112 +416,34 @@ class _Book:
                     break
             pending, size = np.concatenate(wider), _wider(size, slowest)
 
-    def ends(self, sheet: Sheet, inner: Array, outer: Array, middle: Array, found: Mask, odd: bool) -> Ends:
+    def ends(self, sheet: Sheet, inner: Array, outer: Array, middle: Array, found: Mask) -> Ends:
         most = max((block.shape[1] for _, block in self.series), default=0)
         series = np.zeros((len(self.half), most))
         for rows, block in self.series:
             series[rows, : block.shape[1]] = block
-        g, left = _without_last(series)
-        orders = 2 * np.arange(g.shape[1]) + 1 if odd else np.arange(1, g.shape[1] + 1)
+        # As many as some load needs.
+        size = np.abs(series)
+        size /= np.maximum(size.max(axis=1, initial=0.0), _SMALLEST)[:, None]
+        count, _ = _without_last(size.max(axis=0, initial=0.0).tolist())
+        tail = self.tail + size[:, count:].sum(axis=1)
         found = found & np.isfinite(self.tail) & (self.off < 1e-6) & (self.half > _SMALLEST)
         none = np.zeros(len(self.half))
-        return Ends(sheet, inner, outer, middle, self.half, g, orders, self.tail + left, self.off, self.steps, self.nodes, none, found)
+        return Ends(sheet, inner, outer, middle, self.half, series[:, :count], tail, self.off, self.steps, self.nodes, none, found)
 
 
-def _without_last(series: Array) -> tuple[Array, Array]:
-    """Coefficients without the last columns that are rounding alone, and what was left off over the largest."""
-    size = np.abs(series)
-    scale = size.max(axis=1, initial=0.0)
-    kept = np.flatnonzero((size > _NOTHING * _EPS * scale[:, None]).any(axis=0))
-    count = int(kept[-1]) + 1 if len(kept) else 0
-    left = size[:, count:].sum(axis=1) / np.where(scale > 0, scale, 1.0)
-    return np.ascontiguousarray(series[:, :count]), left
+def _without_last(size: list[float]) -> tuple[int, float]:
+    """(how many of these sizes of coefficients are kept, without the last ones that are rounding alone; what is left off over the largest
+    of them)."""
+    scale = max(size, default=0.0)
+    count = len(size)
+    while count and not size[count - 1] > _NOTHING * _EPS * scale:
+        count -= 1
+    return count, sum(size[count:]) / scale if scale > 0.0 else 0.0
 
 
-def _pair(sheet: Sheet, loads: Array) -> Ends:
-    """Two zones: Newton on the middle and the half length of their interval, from narrow zones about the tips."""
-    tip, top = float(sheet.map.y(np.array(sheet.tip))), float(sheet.map.y(np.array(sheet.limit)))
-    wanted_of = loads / (sheet.map.load_factor * 0.5 * math.pi)
-    book = _Book(len(loads), _first_halves(sheet, wanted_of, tip, top))
-    book.middle, book.next_middle = np.full(len(loads), tip), np.full(len(loads), tip)
-
-    def step(rows: Index, nodal: Table) -> tuple[Array, Array, Array]:
-        middle, half = book.middle[rows], book.half[rows]
-        values = _slopes(sheet, middle[:, None] + half[:, None] * nodal.t)
-        mean = values.mean(axis=1)
-        missed = half * (values @ nodal.first) - wanted_of[rows]
-        upper, lower = values @ nodal.edge, values @ nodal.far_edge
-        odd, even = 0.5 * (upper + lower), 0.5 * (upper - lower)
-        # [odd / h, even / h; 2 even, 2 odd] (dm, dh) = -(mean, missed)
-        scale = upper * lower
-        by_middle = (0.5 * even * missed - odd * mean * half) / scale
-        by_half = (even * mean * half - 0.5 * odd * missed) / scale
-        # Within the half of the period, and not past the middle.
-        up, down = by_middle + by_half, by_half - by_middle
-        ahead = np.maximum(np.maximum(down / (middle - half), up / (top - middle - half)), -by_half / half)
-        cut = np.minimum(1.0, 0.5 / np.maximum(ahead, 1e-300))
-        book.next_middle[rows], book.next_half[rows] = middle + cut * by_middle, half + cut * by_half
-        return values, (np.abs(by_middle) + np.abs(by_half)) / half, _EPS * (_RESOLVED + 4.0 * middle / half)
-
-    book.settle(step, False, 0.0, np.full(len(loads), 4.0 * tip))
-    low, middle, half = book.middle - book.half, book.middle, book.half
-    inner, outer = np.asarray(sheet.map.x(low)), np.asarray(sheet.map.x(middle + half))
-    return book.ends(sheet, inner, outer, middle, book.came_out & (outer < sheet.limit) & (half < _MERGED * middle) & (low > 0.0), False)
-
-
-def _pair_load(sheet: Sheet, load: float) -> Ends:
-    """The same of one load, in numbers."""
-    way = sheet.map
-    tip, top = float(way.y(np.array(sheet.tip))), float(way.y(np.array(sheet.limit)))
-    wanted = load / (way.load_factor * 0.5 * math.pi)
-    middle, half = tip, float(_first_halves(sheet, np.array(wanted), tip, top))
-    size, steps, rests = 2 * _FIRST, 0, False
-    while size <= _LARGEST:
-        nodal, slowest, coarse = table(size, False), _EPS, False
-        for _ in range(_STEPS):
-            values = _slopes(sheet, middle + half * nodal.t)
-            first, upper, *ending, lower, mean = (values @ nodal.sums).tolist()
-            missed, odd, even = half * first - wanted, 0.5 * (upper + lower), 0.5 * (upper - lower)
-            if not (math.isfinite(missed) and upper * lower != 0.0 and 0.0 < half < middle):
-                return _not_found(sheet)
-            by_middle = (0.5 * even * missed - odd * mean * half) / (upper * lower)
-            by_half = (even * mean * half - 0.5 * odd * missed) / (upper * lower)
-            move, rounding = (abs(by_middle) + abs(by_half)) / half, _EPS * (_RESOLVED + 4.0 * middle / half)
-            scale, last = float(np.abs(values).max()), max(map(abs, ending))
-            steps += 1
-            ended = last <= _EPS * (_RESOLVED + 4.0 * tip / half) * scale
-            if ended and (rests or move <= 4.0 * rounding):
-                return _of_pair(sheet, middle, half, nodal.coefficients(values[None]), last / scale, move + rounding, steps, size)
-            coarse = not ended and not move > _ABOUT
-            # Within the half of the period, and not past the middle.
-            ahead = max((by_half - by_middle) / (middle - half), (by_middle + by_half) / (top - middle - half), -by_half / half)
-            cut = min(1.0, 0.5 / max(ahead, 1e-300))
-            middle, half, rests = middle + cut * by_middle, half + cut * by_half, move <= _AT_REST
-            if coarse:
-                slowest = max(last / scale, _EPS)
-                break
-        if not coarse:
-            return _not_found(sheet)
-        size = _wider(size, slowest)
-    return _not_found(sheet)
-
-
-def _of_pair(
-    sheet: Sheet, middle: float, half: float, series: Array, tail: float, off: float, steps: int, nodes: int
-) -> Ends:
-    """One row of a pair."""
-    g, left = _without_last(series)
-    inner, outer = np.asarray(sheet.map.x(np.array([[middle - half], [middle + half]])))
-    found = np.array([outer[0] < sheet.limit and half < _MERGED * middle and off < 1e-6 and half > _SMALLEST])
-    return Ends(
-        sheet, inner, outer, np.array([middle]), np.array([half]), g, np.arange(1, g.shape[1] + 1), tail + left, np.array([off]),
-        np.array([steps], dtype=np.intp), np.array([nodes], dtype=np.intp), np.zeros(1), found,
-    )
-
-
-def _first_halves(sheet: Sheet, wanted: Array, tip: float, top: float) -> Array:
+def _first_halves(sheet: Sheet, wanted: Value) -> Value:
     """Half lengths of narrow zones, whose load goes with the square of their width; not so wide that they would meet."""
-    room = min(tip, top - tip)
+    room = min(sheet.tip_at, sheet.top - sheet.tip_at)
     near, nodal = 0.01 * room, table(_FIRST, False)
-    slope = float(_slopes(sheet, np.array([tip + near * nodal.t])) [0] @ nodal.first) / near
-    return np.asarray(np.minimum(np.sqrt(wanted / slope), 0.9 * room))
+    slope = float(_slopes(sheet, sheet.tip_at + near * nodal.t).dot(nodal.first)) / near
+    return np.minimum(np.sqrt(wanted / slope), 0.9 * room)

@@ -7,7 +7,7 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation.controls import Load
@@ -19,8 +19,7 @@ from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
 from contact.model.scene import Scene
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Angles at which the highest pressure is looked for.
 _LOOKS = 64
@@ -32,7 +31,7 @@ _DECAY = 1e-13
 
 
 class DirectFields(ZoneFields):
-    """ends: one row; the zones are -outer to -inner and inner to outer, or -outer to outer."""
+    """ends: of one load; the zones are -outer to -inner and inner to outer, or -outer to outer."""
 
     scene: Scene
     ends: Ends
@@ -48,7 +47,7 @@ class DirectFields(ZoneFields):
     def problem(self) -> Problem:  # type: ignore[override]
         """The scene in scaled variables."""
         scene, profile = self.scene, self.scene.profile
-        outer = float(self.ends.outer[0])
+        outer = self.ends.outer
         reach = 2 * outer if profile.period is None else 0.5 * profile.period
         slope = float(np.abs(profile.slope(reach * (np.arange(_SIZES) + 0.4142) / _SIZES)).max())
         length = 2.0 ** round(math.log2(outer if profile.period is None else profile.period))
@@ -70,14 +69,14 @@ class DirectFields(ZoneFields):
     @cached_property
     def zone_table(self) -> Array:
         """Zones [m], (1, 2) or (2, 2)."""
-        inner, outer = float(self.ends.inner[0]), float(self.ends.outer[0])
+        inner, outer = self.ends.inner, self.ends.outer
         return np.array([[-outer, -inner], [inner, outer]] if self._pair else [[inner, outer]])
 
     @property
     def spreading(self) -> Array:
         # Of the ends in y, by the rates of the load and, of a pair, of the mean of G, which stays zero.
         outward, rate = self.ends.spreading, self.ends.rises
-        inner, outer = (float(a[0] / b[0]) for a, b in zip(outward, rate, strict=True))
+        inner, outer = (float(a / b) for a, b in zip(outward, rate, strict=True))
         return np.array([[outer, inner], [inner, outer]] if self._pair else [[inner, outer]])
 
     @property
@@ -96,7 +95,7 @@ class DirectFields(ZoneFields):
     @cached_property
     def load(self) -> float:  # type: ignore[override]
         given = self.scene.given_load
-        return self._unit * float(self.ends.totals[0]) if given is None else given
+        return self._unit * float(self.ends.totals) if given is None else given
 
     @cached_property
     def loads(self) -> Array:
@@ -111,12 +110,12 @@ class DirectFields(ZoneFields):
     def _between(self, x: Array, from_inner: Array, to_outer: Array) -> Array:
         """Pressure [Pa] at places of the right zone, and their distances from its ends."""
         ends = self.ends
-        way, kink, punch = ends.sheet.map, ends.sheet.kink, float(ends.punch[0])
-        middle, half = float(ends.middle[0]), float(ends.half[0])
+        way, kink, punch = ends.sheet.map, ends.sheet.kink, ends.punch
+        middle, half = ends.middle, ends.half
         y = way.y(x)
-        weight = way.weight(x, y)
-        root = np.sqrt(np.maximum(way.rise(ends.inner[0], from_inner) * way.rise(x, to_outer), 0.0)) / half
-        out = root * summed(ends.g[0], ends.orders, (y - middle) / half)
+        weight = way.weight(x)
+        root = np.sqrt(np.maximum(way.rise(ends.inner, from_inner) * way.rise(x, to_outer), 0.0)) / half
+        out = root * summed(ends.g, ends.odd, (y - middle) / half)
         with np.errstate(divide="ignore"):
             if punch:
                 out = out + punch / root
@@ -131,7 +130,7 @@ class DirectFields(ZoneFields):
         if period is not None:
             with np.errstate(invalid="ignore"):
                 x = x - np.round(x / period) * period
-        inner, outer = float(self.ends.inner[0]), float(self.ends.outer[0])
+        inner, outer = self.ends.inner, self.ends.outer
         place = np.abs(x)
         inside = (place <= outer) & (place >= inner)
         at = np.where(inside, place, outer)
@@ -142,21 +141,25 @@ class DirectFields(ZoneFields):
         t = np.asarray(t, dtype=float)
         if self._pair and zone == 0:
             t = -t
-        inner, outer = float(self.ends.inner[0]), float(self.ends.outer[0])
+        inner, outer = self.ends.inner, self.ends.outer
         half = 0.5 * (outer - inner)
         return self._between(0.5 * (inner + outer) + half * t, half * (1.0 + t), half * (1.0 - t))
 
     @cached_property
     def max_pressure(self) -> float:
-        if self.ends.sheet.kink or self.ends.punch[0]:
+        if self.ends.sheet.kink or self.ends.punch:
             return math.inf
         return maximum(lambda angle: self.pressure_at(-1, np.cos(angle)), np.linspace(0.0, math.pi, _LOOKS + 1), levels=7)[1]
+
+    @property
+    def pressure_bound(self) -> float:  # type: ignore[override]
+        return math.inf if self.ends.sheet.kink or self.ends.punch else self._unit * float(self.ends.bound)
 
     # Levels -----------------------------------------------------------------------------------------------------------
     @property
     def _logarithm(self) -> float:
         """-d approach / d load at fixed ends, times pi E*/2: the potential of a unit of load that presses the zones evenly."""
-        way, half = self.ends.sheet.map, float(self.ends.half[0])
+        way, half = self.ends.sheet.map, self.ends.half
         if way.period is not None:
             return 0.5 * math.log(2.0 * half) if way.pair else math.log(half)
         datum = self.scene.operator.datum
@@ -168,7 +171,7 @@ class DirectFields(ZoneFields):
         """The mean height of the profile under the pressure of an even level, less what the load sinks under its own."""
         if not self.scene.operator.has_approach:
             return None
-        return self._mean_height - float(self.ends.totals[0]) / math.pi * self._logarithm
+        return self._mean_height - float(self.ends.totals) / math.pi * self._logarithm
 
     @property
     def _mean_height(self) -> float:
@@ -177,11 +180,11 @@ class DirectFields(ZoneFields):
         if ends.sheet.corner is not None:
             return 0.0
         if self._pair:
-            t = table(2 * int(ends.nodes[0]), False).t
+            t = table(2 * int(ends.nodes), False).t
             weights = np.full(len(t), 1.0 / len(t))
         else:
             t, weights = _quarter()
-        height = np.asarray(profile.height(ends.sheet.map.x(ends.middle[0] + ends.half[0] * t)))
+        height = np.asarray(profile.height(ends.sheet.map.x(ends.middle + ends.half * t)))
         return float((height - lowest(profile)) @ weights)
 
     @cached_property

@@ -19,9 +19,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from contact.formulation.direct.numbers import Value
 
 
 @dataclass(frozen=True)
@@ -43,30 +42,36 @@ class Map:
         """int w dx per unit of y."""
         return self.load_factor / (2.0 if self.pair else 1.0) if self.period is not None else (0.5 if self.pair else 1.0)
 
-    def y(self, x: Array) -> Array:
+    def y(self, x: Value) -> Value:
         if self.period is None:
             return x * x if self.pair else x
         sine = np.sin(x * (math.pi / self.period))
         return sine * sine if self.pair else sine
 
-    def x(self, y: Array) -> Array:
+    def x(self, y: Value) -> Value:
         """The place at y, of the right half where there are two."""
-        root = np.sqrt(y) if self.pair else y
-        return root if self.period is None else np.arcsin(root) * (self.period / math.pi)
+        return self.at(y)[0]
 
-    def weight(self, x: Array, y: Array) -> Array | float:
-        """w at x, of which y is known."""
+    def at(self, y: Value) -> tuple[Value, Value]:
+        """(the place at y, w there)."""
+        root = np.sqrt(y) if self.pair else y
+        if self.period is None:
+            return root, root if self.pair else 1.0
+        turn = np.arcsin(root)
+        return turn * (self.period / math.pi), np.sin(2.0 * turn) if self.pair else np.cos(turn)
+
+    def weight(self, x: Value) -> Value:
+        """w at x."""
         if self.period is None:
             return x if self.pair else 1.0
-        if self.pair:
-            return 2.0 * np.sqrt(y * (1.0 - y))
-        return np.sqrt(1.0 - y * y)
+        turn = x * (math.pi / self.period)
+        return np.sin(2.0 * turn) if self.pair else np.cos(turn)
 
-    def rise(self, start: Array, distance: Array) -> Array:
+    def rise(self, start: Value, distance: Value) -> Value:
         """y(start + distance) - y(start), without loss of digits for short distances."""
         if self.period is None:
             return distance * (2.0 * start + distance) if self.pair else distance
         k = math.pi / self.period
         if self.pair:
-            return np.asarray(np.sin(k * distance) * np.sin(k * (2.0 * start + distance)))
-        return np.asarray(2.0 * np.cos(k * (start + 0.5 * distance)) * np.sin(0.5 * k * distance))
+            return np.sin(k * distance) * np.sin(k * (2.0 * start + distance))
+        return 2.0 * np.cos(k * (start + 0.5 * distance)) * np.sin(0.5 * k * distance)

@@ -98,8 +98,7 @@ class Cohesive(Equilibria):
     """Those of a problem whose law has a tension and a reach, both scaled here.
 
     recent: the last state, of which curve, and how tightly solved; loose: surfaces that pull without touching are states, too, where the
-    load is not held; formal: the number of zones stays as it is,
-    whatever the signs of q and of the gap."""
+    load is not held; formal: the number of zones stays as it is, whatever the signs of q and of the gap."""
 
     problem: Problem
     held: Control

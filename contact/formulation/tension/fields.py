@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.formulation.controls import Approach, Load, Machine
 from contact.formulation.equilibria import Point
@@ -17,8 +17,7 @@ from contact.formulation.problem import Problem
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.loose import LooseFields, beside, on_zones
 from contact.formulation.tension.pulled import Pulled, Tension
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 @dataclass(frozen=True, eq=False)

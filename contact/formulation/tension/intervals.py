@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
 from contact.formulation.equilibria import Closed
 from contact.formulation.runs import runs_of
-
-Array = NDArray[np.float64]
+from sie import Array, Index, Mask
 
 # Points between two zones, or in a part of an interval, at the least, and at the most.
 _FEWEST, _MOST = 24, 20000
@@ -21,7 +19,7 @@ def places(a: float, b: float, spacing: float) -> Array:
     return a + (b - a) * np.sin(0.5 * np.pi * (np.arange(count) + 0.5) / count) ** 2
 
 
-def within(x: Array, a: float, b: float, period: float | None) -> NDArray[np.intp]:
+def within(x: Array, a: float, b: float, period: float | None) -> Index:
     """Which places lie in (a, b), from left to right."""
     place = unwrapped(x, a, b, period)
     inner = np.flatnonzero((place > a) & (place < b))
@@ -32,7 +30,7 @@ def unwrapped(x: Array, a: float, b: float, period: float | None) -> Array:
     return x if period is None else x - np.floor((x - a) / period) * period
 
 
-def interval_of(zones: Array, table: Array) -> NDArray[np.intp]:
+def interval_of(zones: Array, table: Array) -> Index:
     """The interval that each zone lies in."""
     return np.maximum(np.searchsorted(table[:, 0], zones.mean(axis=1), side="right") - 1, 0)
 
@@ -83,7 +81,7 @@ def below(zones: Array, look: tuple[Array, Array], reach: float, period: float |
     return np.array(out)
 
 
-def joined(table: Array, joins: NDArray[np.bool_], new: list[tuple[float, float]], period: float | None) -> Array:
+def joined(table: Array, joins: Mask, new: list[tuple[float, float]], period: float | None) -> Array:
     """The intervals, those after which joins is set as one with the next, and the new ones."""
     joins = joins.copy()
     if period is None:

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation.fields import mean_shape
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import panels
 from contact.formulation.tension.pulled import Pulled, Tension
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 def beside(function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float) -> float:
@@ -69,6 +68,7 @@ class LooseFields(sie.Kept):
     problem: Problem
     pulled: Pulled
     level: float
+    pressure_bound = 0.0
 
     @property
     def tension(self) -> Tension:

@@ -16,13 +16,11 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import zeta
 
 import sie
 from contact.formulation.problem import Problem
-
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 # Nodes on a panel of the quadrature of a kernel's regular potential, and panels to the length over which it varies.
 _NODES, _PER_LENGTH = 16, 4.0
@@ -60,7 +58,7 @@ class Tension(sie.Kept):
     def total(self) -> float:
         return self.stress * self.width
 
-    def holds(self, x: Array) -> NDArray[np.bool_]:
+    def holds(self, x: Array) -> Mask:
         """Whether points lie in an interval."""
         if self.everywhere:
             return np.ones(np.shape(x), dtype=bool)

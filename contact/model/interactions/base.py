@@ -10,13 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 import sie
 from contact.model.controls.base import CONTROLS
-
-Array = NDArray[np.float64]
+from sie import Array
 
 Scaled = Callable[[Array], Array]
 

@@ -8,13 +8,11 @@ a symbol must be that of the kernel. Each is held at a few places, and what is w
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import SceneError, shown
 from contact.model.operator import Operator, smooth_potential
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Lags over the length that sets the scale, the width of the steps of the potential over it, and how far values that agree may be off.
 _LAGS = np.array([0.0137, 0.113, 0.239, 0.318, 0.461])

@@ -15,13 +15,12 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.model.profiles.derive import slope_of
 from contact.model.registry import construct
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Places a period at which slopes are read.
 _PLACES = 1024
@@ -156,7 +155,8 @@ class Profile(sie.Kept):
         if self.period is None:
             return given
         lo = self.x0
-        if given.dtype == np.float64 and given.size and lo <= given.min() and given.max() < lo + self.period:
+        # By their places, which few numbers are searched for faster than for themselves.
+        if given.dtype == np.float64 and given.size and lo <= given.item(given.argmin()) and given.item(given.argmax()) < lo + self.period:
             return given
         # The real part alone decides: complex arguments come from the complex-step derivative.
         turns = np.floor((given.real - lo) / self.period)

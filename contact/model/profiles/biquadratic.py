@@ -6,6 +6,7 @@ Goryacheva & Tsukanov 2020, eq. (31), raised so that the tips are at height 0.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -65,16 +66,18 @@ class Biquadratic(Profile):
         return np.asarray(((w - c) * (w + c) / c) ** 2 / (8 * self.radius))
 
     def slope(self, x: ArrayLike) -> Array:
+        return np.asarray(self._slope_in_cell(np.asarray(self.wrap(x), dtype=np.float64)))
+
+    def _slope_in_cell(self, w: Any) -> Any:
         c = self.spacing / 2
-        w = np.asarray(self.wrap(x), dtype=np.float64)
-        return np.asarray(w / c * (w - c) / c * (w + c) / (2 * self.radius))
+        return w * (w - c) * (w + c) * (0.5 / self.radius / c / c)
 
     @property
     def kinks(self) -> Array:
         if self.period is None:
             return np.empty((0, 2))
         # By symmetry the slope changes sign at the border: the jump is twice its value on the right of it.
-        return np.array([[self.x0, 2 * float(self.slope(self.x0))]])
+        return np.array([[self.x0, 2 * self._slope_in_cell(self.x0)]])
 
     @property
     def jumps(self) -> Array:

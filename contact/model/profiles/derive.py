@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 _TINY = 1e-100  # its square vanishes beside any length met, so the step has no truncation error
 _APART = (1e2, 1e4, 1e6)  # how many times farther apart to look again
@@ -58,17 +58,22 @@ def _agree(by_step: Array, by_differences: Array, doubt: Array) -> bool:
     return bool(2 * np.sum(sure) > sure.size and np.all(np.abs(by_step - by_differences)[sure] <= 1e-6 * scale))
 
 
-def _complex_step(height: Callable[[Any], Any], x: Array) -> Array | None:
+def imaginary(function: Callable[[Any], Any], z: NDArray[Any]) -> Array | None:
+    """Imaginary part of an author's function of complex numbers; None where it takes none, or is not finite."""
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("error")  # a cast that discards the imaginary part is a warning of numpy
         try:
-            value = np.asarray(height(x + 1j * _TINY))
-        except Exception:  # an author's height may refuse complex numbers in any way it likes
+            value = np.asarray(function(z))
+        except Exception:  # it may refuse them in any way it likes
             return None
-    if value.dtype.kind != "c" or value.shape != x.shape:
+    if value.dtype.kind != "c" or value.shape != z.shape:
         return None
-    slope = value.imag / _TINY
-    return slope if np.isfinite(slope).all() else None
+    return np.asarray(value.imag, dtype=np.float64) if np.isfinite(value.imag).all() else None
+
+
+def _complex_step(height: Callable[[Any], Any], x: Array) -> Array | None:
+    value = imaginary(height, x + 1j * _TINY)
+    return None if value is None else value / _TINY
 
 
 def by_ladder(height: Callable[[Any], Any], x: Array, length: float | None) -> tuple[Array, Array]:
@@ -99,7 +104,7 @@ def by_ladder(height: Callable[[Any], Any], x: Array, length: float | None) -> t
     return best, doubt
 
 
-def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _difference(height: Callable[[Any], Any], x: Array, h: float, here: Array) -> tuple[Array, Array, Mask]:
     """(the quotient, the size of f, whether its sixth difference is small beside its changes); here: f(x)."""
     total, size, sixth = np.zeros(x.shape), np.abs(here), -20.0 * here
     low = high = here

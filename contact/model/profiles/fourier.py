@@ -7,13 +7,14 @@ from functools import cached_property
 from math import ceil, pi, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive
 from contact.model.profiles.base import Array, Profile
 from contact.model.profiles.trigonometric import Sum, in_turns
 from contact.model.registry import register_profile
+from sie import Complex, Mask
 
 _LONG = 256  # harmonics from which on sums go through a grid
 _BLOCK = 1 << 20  # entries of the largest table of powers held at a time (16 MB)
@@ -90,7 +91,7 @@ class Fourier(Profile):
         return self.period / self._amplitudes.size
 
     @cached_property
-    def _amplitudes(self) -> NDArray[np.complex128]:
+    def _amplitudes(self) -> Complex:
         # f = Re sum c_k exp(2 pi i k x/L)
         return np.asarray(self.cosine) - 1j * np.asarray(self.sine)
 
@@ -114,7 +115,7 @@ class Fourier(Profile):
         wrapped = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
         return series(*in_turns(wrapped.ravel(), self.period)).reshape(wrapped.shape)
 
-    def _series(self, x: ArrayLike, c: NDArray[np.complex128]) -> Array:
+    def _series(self, x: ArrayLike, c: Complex) -> Array:
         """Re sum_k c_k z^k, z = exp(2 pi i x/L), by k = r + s q: a matrix product and sqrt(N) terms more.
 
         Each power is an exponential of its own, so no rounding builds up as in a recurrence.
@@ -135,7 +136,7 @@ class Fourier(Profile):
         return out.reshape(turns.shape)
 
 
-def _used(a: Array, b: Array) -> NDArray[np.bool_]:
+def _used(a: Array, b: Array) -> Mask:
     """Where either list has an amplitude that is not zero."""
     any_ = np.zeros(max(a.size, b.size), dtype=bool)
     any_[: a.size] |= a != 0

@@ -11,11 +11,9 @@ from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.model.profiles.base import Profile
-
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 _POINTS = 6  # a side
 _STEPS = 30  # each half of the one before
@@ -30,7 +28,7 @@ class Seen:
 
     height: Array
     doubt: Array
-    sharp: NDArray[np.bool_]
+    sharp: Mask
 
 
 def jumps_at(profile: Profile, places: Array, reach: Array, nearest: float = 0.0) -> Seen:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
@@ -55,8 +55,8 @@ class Polynomial(Profile):
         if self.period is None:
             return
         half = self.period / 2
-        step = _horner(c, half) - _horner(c, -half)
-        if abs(step) > _ROUNDING * float(_horner(np.abs(c) * (np.arange(c.size) > 0), half)):
+        step = polyval(half, c) - polyval(-half, c)
+        if abs(step) > _ROUNDING * float(polyval(half, np.abs(c) * (np.arange(c.size) > 0))):
             raise SceneError.of(
                 "coefficients",
                 self.coefficients,
@@ -64,12 +64,10 @@ class Polynomial(Profile):
             )
 
     def height(self, x: ArrayLike) -> Array:
-        return np.asarray(_horner(self._c, self.wrap(x)))
+        return np.asarray(polyval(self.wrap(x), self._c))
 
     def slope(self, x: ArrayLike) -> Array:
-        return np.asarray(
-            _horner(self._c[1:] * np.arange(1, self._c.size), np.asarray(self.wrap(x), dtype=np.float64))
-        )
+        return np.asarray(polyval(np.asarray(self.wrap(x), dtype=np.float64), polyder(self._c)))
 
     @property
     def _c(self) -> Array:
@@ -83,9 +81,9 @@ class Polynomial(Profile):
     def kinks(self) -> Array:
         if self.period is None:
             return np.empty((0, 2))
-        d = self._c[1:] * np.arange(1, self._c.size)
-        jump = float(_horner(d, self.x0) - _horner(d, -self.x0))
-        size = float(_horner(np.abs(d), -self.x0))
+        d = polyder(self._c)
+        jump = float(polyval(self.x0, d) - polyval(-self.x0, d))
+        size = float(polyval(-self.x0, np.abs(d)))
         return np.array([[self.x0, jump]]) if abs(jump) > _ROUNDING * size else np.empty((0, 2))
 
     @property
@@ -93,11 +91,11 @@ class Polynomial(Profile):
         """Where the cells meet, the second and the third derivative jump too."""
         if self.period is None:
             return np.empty((0, 3))
-        found, d = [], self._c[1:] * np.arange(1, self._c.size)
+        found, d = [], polyder(self._c)
         for order in (2, 3):
-            d = d[1:] * np.arange(1, d.size)
-            jump = float(_horner(d, self.x0) - _horner(d, -self.x0))
-            if abs(jump) > _ROUNDING * float(_horner(np.abs(d), -self.x0)):
+            d = polyder(d)
+            jump = float(polyval(self.x0, d) - polyval(-self.x0, d))
+            if abs(jump) > _ROUNDING * float(polyval(-self.x0, np.abs(d))):
                 found.append((self.x0, order, jump))
         return np.array(found, dtype=np.float64).reshape(-1, 3)
 
@@ -109,10 +107,3 @@ class Polynomial(Profile):
     @property
     def resolution(self) -> float | None:
         return None if self.period is None else self.period / int(np.flatnonzero(self._c)[-1])
-
-
-def _horner(c: Array, x: Any) -> Any:
-    total = np.zeros_like(x, dtype=np.result_type(x, np.float64))
-    for coefficient in c[::-1]:
-        total = total * x + coefficient
-    return total

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contact.errors import SceneError
-from contact.model.checks import finite, integer, positive
+from contact.model.checks import integer, positive, such
 from contact.model.profiles.fourier import Fourier
 
 # Relative: a wave so near a cut-off counts as within it, as 1/(1/49) is 49.
@@ -66,9 +66,7 @@ def self_affine(
     >>> float(np.sqrt(np.mean(slope**2)).round(12)), rough.period
     (0.1, 0.001)
     """
-    exponent = finite("hurst", hurst, "a number above 0 and at most 1")
-    if not 0 < exponent <= 1:
-        raise SceneError.of("hurst", hurst, "a number above 0 and at most 1")
+    exponent = such("hurst", hurst, "a number above 0 and at most 1", lambda exponent: 0 < exponent <= 1)
     length, steepness = positive("period", period), positive("rms_slope", rms_slope)
     least = _wavelength("shortest", shortest, 0.0, length)
     most = length if longest is None else _wavelength("longest", longest, least, length)

@@ -13,9 +13,8 @@ from typing import Any
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sie import Array, Complex
 
 _WIDTH = 16
 _HALF = 0.5 * _WIDTH
@@ -47,7 +46,7 @@ class Sum:
     n: int
 
     @classmethod
-    def of(cls, c: NDArray[np.complex128]) -> Sum:
+    def of(cls, c: Complex) -> Sum:
         # A power of two: then the place on the grid is exact.
         n = 1 << int(np.ceil(np.log2(4 * (c.size + 1))))
         spectrum = np.zeros(n // 2 + 1, dtype=np.complex128)

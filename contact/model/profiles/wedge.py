@@ -63,7 +63,8 @@ class Wedge(Profile):
         return np.asarray(self.tangent * np.abs(self.wrap(x)), dtype=np.float64)
 
     def slope(self, x: ArrayLike) -> Array:
-        return np.where(self.wrap(x) < 0, -self.tangent, self.tangent)
+        # The sign of -0.0 is that of 0.0.
+        return np.asarray(np.copysign(self.tangent, np.asarray(self.wrap(x), dtype=np.float64) + 0.0))
 
     def slope_conjugate(self, x: ArrayLike) -> Array | None:
         """(2 slope/pi) ln|tan(pi x/L)|: -inf at the tip, +inf at the valley."""

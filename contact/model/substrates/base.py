@@ -11,13 +11,9 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 import sie
 from contact.model.line_kernel import SmoothPart
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 class Substrate(sie.Kept):

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.model.registry import register_substrate
 from contact.model.substrates.base import Substrate
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 @register_substrate("half-plane")

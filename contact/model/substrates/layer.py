@@ -15,14 +15,12 @@ from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import SceneError
 from contact.model.checks import finite, keep, one_of, positive
 from contact.model.registry import register_substrate
 from contact.model.substrates.base import Substrate
-
-Array = NDArray[np.float64]
+from sie import Array
 
 BASES = ("bonded", "smooth")
 # sinh x - x by its series, x^3/3! + x^5/5! + ..., below this x.

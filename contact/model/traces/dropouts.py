@@ -12,8 +12,7 @@ from contact.errors import SceneError
 from contact.model.checks import one_of
 from contact.model.traces.text import at
 from contact.model.units import quantity
-
-Array = NDArray[np.float64]
+from sie import Array
 
 FILLS = ("linear", "drop")
 FEWEST = 4

@@ -23,8 +23,7 @@ from contact.model.traces.header import bare_name, header_fields, unit_of
 from contact.model.traces.readings import Data, refuse_unclear_columns, refuse_unclear_commas
 from contact.model.traces.text import Layout, Row, at, rows_of
 from contact.model.traces.units import UNITS, known, scales, written
-
-Array = NDArray[np.float64]
+from sie import Array
 
 FEWEST = 4  # points
 _HEAD = 500  # rows in which nearly all files have begun

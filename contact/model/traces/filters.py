@@ -11,13 +11,11 @@ from math import ceil, log, pi, sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import SceneError
 from contact.model.checks import positive
 from contact.model.units import quantity
-
-Array = NDArray[np.float64]
+from sie import Array
 
 ALPHA = sqrt(log(2) / pi)
 # In cut-offs: so far away a weight is below 1e-17 of the largest.

@@ -11,13 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import SceneError
 from contact.extras import require
 from contact.model.checks import finite_array, integer, one_of
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Endings of formats that the package reads, but those of tables of text.
 FORMATS = (

@@ -8,7 +8,6 @@ taper (bring both ends to one height, so that one length is a period). What was 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, log10
 from numbers import Integral
@@ -19,15 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import SceneError
-from contact.model.checks import finite, integer, one_of, positive
+from contact.model.checks import finite, integer, one_of, positive, such
 from contact.model.traces.dropouts import checked_fill, checked_sort, filled, in_order, marks, too_many
 from contact.model.traces.file import FEWEST, in_metres, read_table
 from contact.model.traces.filters import cut_offs, low_pass
 from contact.model.traces.instruments import is_instrument_file, read_instrument
 from contact.model.traces.text import at
 from contact.model.units import quantity
-
-Array = NDArray[np.float64]
+from sie import Array
 
 _TRENDS = {"none": -1, "line": 1, "quadratic": 2}
 _HIGHEST_TREND = 12  # degree of a form; more is a filter
@@ -92,41 +90,23 @@ class Trace:
     source: tuple[Reading, Preparation] | None = None
 
 
-def load_trace(
-    path: str | Path,
-    columns: Sequence[int | str] = (),
-    units: str | Sequence[str] | None = None,
-    detrend: str | int = "none",
-    regrid: bool | int | None = None,
-    taper: float | None = None,
-    period: bool | float | None = None,
-    *,
-    pitch: float | None = None,
-    decimal: str | None = None,
-    delimiter: str | None = None,
-    fill: str | None = None,
-    missing: str | float | None = None,
-    sort: bool = False,
-    lambda_s: float | None = None,
-    lambda_c: float | None = None,
-    channel: str | int | None = None,
-    line: int | Sequence[Sequence[float]] | None = None,
-    along: str | None = None,
-) -> Trace:
-    """Read a file and prepare it; `contact.read_trace` says what each argument does."""
-    preparation = Preparation(sort, fill, regrid, lambda_s, detrend, lambda_c, taper, period)
+# Keys that say how a table of text is laid out, and where in a map of an instrument's file a trace is, with what they are if left out.
+_LAYOUT = {"columns": (), **dict.fromkeys(("units", "pitch", "decimal", "delimiter", "missing"))}
+_PLACE = dict.fromkeys(("channel", "line", "along"))
+
+
+def load_trace(path: str | Path, **keys: Any) -> Trace:
+    """Read a file and prepare it. keys: the arguments of `contact.read_trace`, which says what each does."""
+    layout, place = ({name: keys.pop(name, usual) for name, usual in known.items()} for known in (_LAYOUT, _PLACE))
+    preparation = Preparation(**keys)
     read = _instrument if is_instrument_file(path) else _table
-    layout = {"columns": columns, "units": units, "pitch": pitch, "decimal": decimal, "delimiter": delimiter, "missing": missing}
-    return prepared(Reading(str(path), *read(path, layout, {"channel": channel, "line": line, "along": along})), preparation)
+    return prepared(Reading(str(path), *read(path, layout, place)), preparation)
 
 
 def prepared(reading: Reading, by: Preparation) -> Trace:
     """Points that were read, put in order, filled, filtered and levelled as asked."""
     path, x, height, lines, said = reading.path, reading.x, reading.height, reading.lines, reading.said
-    count, length = _count(by.regrid), _period(by.period)
-    short, long = cut_offs(by.lambda_s, by.lambda_c)
-    fill, detrend = by.fill, by.detrend
-    fraction = None if by.taper is None else _fraction(by.taper)
+    count, length = by.regrid or None, by.period or None
     history = [f"{x.size} points of {Path(path).name}, read in {said}"]
     stages: list[tuple[str, Array, Array]] = []
 
@@ -135,11 +115,11 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
             history.append(note)
             stages.append((note, x, height))
 
-    x, height, lines, note = in_order(path, x, height, lines, checked_sort(by.sort))
+    x, height, lines, note = in_order(path, x, height, lines, by.sort)
     stages.append(("as read", x, height))
     done(note)
     many = too_many(height)
-    x, height, lines, note = filled(path, x, height, lines, fill)
+    x, height, lines, note = filled(path, x, height, lines, by.fill)
     holes = _doubtful_heights(Path(path).name, height, note if many else "")
     done(note)
     if count is None:
@@ -149,22 +129,22 @@ def prepared(reading: Reading, by: Preparation) -> Trace:
             _refuse_repeated(path, x, lines)
         x, height, note = to_uniform(x, height, x.size if count is True else _bounded(count, x.size))
         done(note)
-    if short is not None:
-        height = low_pass(x, height, short, "lambda_s")
-        done(f"waves shorter than {quantity(short, 'm')} filtered out (Gaussian, lambda_s)")
+    if by.lambda_s is not None:
+        height = low_pass(x, height, by.lambda_s, "lambda_s")
+        done(f"waves shorter than {quantity(by.lambda_s, 'm')} filtered out (Gaussian, lambda_s)")
     size = float(np.max(np.abs(height)))
-    if detrend != "none":
-        height = subtract_trend(x, height, detrend)
-        done(f"least-squares {detrend if isinstance(detrend, str) else f'polynomial of degree {detrend}'} subtracted")
+    if by.detrend != "none":
+        height = subtract_trend(x, height, by.detrend)
+        done(f"least-squares {by.detrend if isinstance(by.detrend, str) else f'polynomial of degree {by.detrend}'} subtracted")
     if float(np.ptp(height)) <= _ROUNDING * size:
-        after = "" if detrend == "none" else f", once its {detrend} is subtracted"
+        after = "" if by.detrend == "none" else f", once its {by.detrend} is subtracted"
         raise SceneError(f"file {str(path)!r}: the heights are the same everywhere{after}", "file", str(path))
-    if long is not None:
-        height = height - low_pass(x, height, long, "lambda_c")
-        done(f"waves longer than {quantity(long, 'm')} filtered out (Gaussian, lambda_c)")
-    if fraction is not None:
-        height = taper_ends(x, height, fraction)
-        done(f"ends tapered to one height over {fraction:g} of the length each")
+    if by.lambda_c is not None:
+        height = height - low_pass(x, height, by.lambda_c, "lambda_c")
+        done(f"waves longer than {quantity(by.lambda_c, 'm')} filtered out (Gaussian, lambda_c)")
+    if by.taper is not None:
+        height = taper_ends(x, height, by.taper)
+        done(f"ends tapered to one height over {by.taper:g} of the length each")
     if length is True:
         length = _measured_length(x, height)
         history.append(f"period {length:.9g} m, the measured length")
@@ -334,11 +314,7 @@ def _bounded(count: int, points: int) -> int:
 
 
 def _fraction(taper: Any) -> float:
-    allowed = "a fraction of the length > 0 and <= 0.5"
-    fraction = finite("taper", taper, allowed)
-    if not 0 < fraction <= 0.5:
-        raise SceneError.of("taper", taper, allowed)
-    return fraction
+    return such("taper", taper, "a fraction of the length > 0 and <= 0.5", lambda fraction: 0 < fraction <= 0.5)
 
 
 def _period(period: Any) -> float | bool | None:

@@ -15,9 +15,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from sie import Array
 
 # Of Gauss's rule: exact to the degree 13; z^4 of a cubic has 12.
 _NODES = 7

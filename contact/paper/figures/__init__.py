@@ -9,12 +9,10 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from contact.errors import SceneError
+from contact.paper.figures.asperities import figure_7, figure_8, figure_9, figure_10, figure_11, figure_12
 from contact.paper.figures.base import Figure
-from contact.paper.figures.parabola import figure_11, figure_12
 from contact.paper.figures.spots import figure_2a, figure_2b
 from contact.paper.figures.two_zones import figure_13
-from contact.paper.figures.wave import figure_7, figure_8
-from contact.paper.figures.wedge import figure_9, figure_10
 
 __all__ = ["FIGURES", "Figure", "chosen", "write"]
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
@@ -17,8 +16,7 @@ from contact.model.scene import Scene
 from contact.solution.panels import new_figure
 from contact.solution.solution import Solution
 from contact.solver import solve
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Exact to the eye many times over; the closed forms are compared at the same tolerance.
 TOL = 1e-9

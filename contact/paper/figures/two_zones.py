@@ -8,7 +8,7 @@ import numpy as np
 
 from contact.model.profiles import Biquadratic
 from contact.paper import CubicPair, LocalizedPair, PrintedCubicPair
-from contact.paper.figures.base import SELF, Array, Figure, alone_or_period, label_panel, on_cell, pressures
+from contact.paper.figures.base import SELF, Figure, alone_or_period, label_panel, on_cell
 
 # E* = 1, R = 1; L = 2.4c is the paper's.
 RADIUS, HALF_SPACING, MEAN = 1.0, 0.05, 0.00109
@@ -34,29 +34,19 @@ def figure_13() -> Figure:
     exact, cut, alone = (alone_or_period(_PROFILE, m, MEAN) for m in ("exact", SELF, "isolated"))
     assert exact is not None and cut is not None and alone is not None
     x = on_cell([exact, cut, alone], 0.5 * PERIOD, 801)
-    values: dict[str, Array] = {
-        "exact": pressures(exact, x),
-        "printed (38)": printed.pressure(x),
-        "corrected cubic": cubic.pressure(x),
-        "full artanh": full.pressure(x),
-        "cut at the widest gap": pressures(cut, x),
-        "pair alone (32)": pressures(alone, x),
+    made: dict[str, Any] = {
+        "exact": exact, "printed (38)": printed, "corrected cubic": cubic, "full artanh": full, "cut at the widest gap": cut,
+        "pair alone (32)": alone,
     }
-    ends = {
-        "exact": exact.zones[1], "printed (38)": printed.zones[1], "corrected cubic": cubic.zones[1],
-        "full artanh": full.zones[1], "cut at the widest gap": cut.zones[1], "pair alone (32)": alone.zones[1],
-    }
-    peaks = {
-        "exact": exact.max_pressure, "printed (38)": printed.max_pressure, "corrected cubic": cubic.max_pressure,
-        "full artanh": full.max_pressure, "cut at the widest gap": cut.max_pressure, "pair alone (32)": alone.max_pressure,
-    }
+    values = {name: one.pressure(x) for name, one in made.items()}
+    ends = {name: one.zones[1] for name, one in made.items()}
     closed = {"exact": full.exact.zones[1], "cut at the widest gap": LocalizedPair(**shape, centre="valley").zones[1],
               "pair alone (32)": full.isolated.zones[1]}
     apart = max(float(np.max(np.abs(ends[name] - e)) / (e[1] - e[0])) for name, e in closed.items())
     said = [
         f"{name}: a/c = {e[0] / HALF_SPACING:.5f}, b/c = {e[1] / HALF_SPACING:.5f}, (b - a)/c = "
         f"{(e[1] - e[0]) / HALF_SPACING:.5f}, (a^2 + b^2)/2c^2 = {0.5 * np.sum(e**2) / HALF_SPACING**2:.4f}, "
-        f"peak = {peaks[name]:.7f} E*"
+        f"peak = {made[name].max_pressure:.7f} E*"
         for name, e in ends.items()
     ]
     columns = {"x/c": x / HALF_SPACING, **{f"p/E* {name}": p for name, p in values.items()}}

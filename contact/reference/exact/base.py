@@ -19,12 +19,11 @@ from math import asin, inf, log, log1p, pi, sin
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import between, positive, positive_or_none
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 def _tanh_sinh() -> tuple[Array, Array, Array]:

@@ -27,8 +27,7 @@ from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
 from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,15 +22,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.model.checks import keep, positive
 from contact.reference.exact.base import FROM_LEFT, WEIGHT
 from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,15 +7,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive_or_none
 from contact.reference.exact.base import Zoned
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 class GivenZones(Zoned):

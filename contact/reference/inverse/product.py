@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import NotConverged
+from sie import Index, Mask
 
 Array = NDArray[np.floating]
-Bool = NDArray[np.bool_]
 
 _NEWTON_STEPS = 60
 _PI = "3.14159265358979323846264338327950288"
@@ -82,7 +82,7 @@ class CutProduct:
             [[self._sum(j, i) if self.period or j <= i else np.nan for j in range(m)] for i in range(m)]
         )
 
-    def _factors(self, left: Array, right: Array, positive_side: NDArray[np.bool_]) -> Array:
+    def _factors(self, left: Array, right: Array, positive_side: Mask) -> Array:
         """Signed factors (x - e)/unit or 2 sin(pi (x - e)/L), cut at e + L: e is `left` behind x, or `right`
         ahead."""
         if self.period is None:
@@ -105,7 +105,7 @@ class CutProduct:
 
     def _root_distances(
         self, i: int, dl: Array, dr: Array, offsets: Array
-    ) -> tuple[Array, Array, NDArray[np.bool_]]:
+    ) -> tuple[Array, Array, Mask]:
         """Ways left and right to all roots, (..., roots), and whether each lies behind; `offsets` (roots, 2)
         from the ends of their gaps. For the root of the point's own gap both ways carry the sign of x - r."""
         m = 2 * len(self.zones)
@@ -244,7 +244,7 @@ class CutProduct:
         gaps = list(self.gaps)
         return np.where(dl < self.roots[gaps.index(i), 0], 1.0, -1.0) if i in gaps else np.ones_like(dl)
 
-    def locate(self, x: Array) -> tuple[NDArray[np.intp], Array, Array]:
+    def locate(self, x: Array) -> tuple[Index, Array, Array]:
         """Interval of every point (-1: left of all zones) and its distances to the ends of it."""
         ends = self.zones.ravel()
         if self.period is not None:

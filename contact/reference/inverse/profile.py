@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import SceneError
 from contact.model.profiles.base import Profile
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.reference.inverse.adhesive import AdhesiveDesign
 from contact.reference.inverse.designed import DesignedContact
 from contact.reference.inverse.stability import is_stable
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 def random_zones(

@@ -16,11 +16,9 @@ from math import pi
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.reference.inverse.adhesive import AdhesiveDesign
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 def second_variation(design: AdhesiveDesign) -> Array:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.maxima import maximum
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # A least gap or pressure is looked for at so many places.
 _PLACES = 33

@@ -16,12 +16,10 @@ of -J, D diagonal, mu above their growth.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, Equilibria, Point
-
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's resolution.
 _INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
@@ -122,7 +120,7 @@ def closing(curve: Equilibria, here: Point) -> Array | None:
     return np.column_stack((table[begins, 0], table[~closes, 1]))
 
 
-def _come_apart(here: Point, widths: Array, residual: Array) -> NDArray[np.bool_]:
+def _come_apart(here: Point, widths: Array, residual: Array) -> Mask:
     """Which zones have come apart that were so wide and so driven: the narrower they are the more they are driven."""
     driven = here.residual < np.minimum(-DRIVEN, 1.5 * residual)
     return np.logical_and(*np.split(driven & (here.widths < _OPENED * widths), 2))
@@ -162,7 +160,7 @@ def _damped_step(here: Point, sign: float, limit: Array) -> Array:
         above *= 2.0
 
 
-def passed(here: Point, ahead: Point, step: Array, sign: float) -> NDArray[np.bool_]:
+def passed(here: Point, ahead: Point, step: Array, sign: float) -> Mask:
     """Which ends have passed a place of rest in a step: they are driven the other way at its end or, by a cubic, on the way."""
     before, after = sign * here.residual, sign * ahead.residual
     allowed = np.minimum(-_OVERSHOT * np.minimum(np.abs(before), 1.0) - _SLIGHT, 1.1 * before - _SLIGHT)

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.equilibria import Closed, Equilibria, Point
 from contact.formulation.maxima import maximum
@@ -17,8 +16,7 @@ from contact.search.equilibria.arc import Step
 from contact.search.equilibria.flow import receded
 from contact.search.equilibria.growth import grown, touched
 from contact.verify.certificate import openings
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # A new zone over the overlap that was seen beyond its first touch; how narrow at the least; and what drives its ends that is nothing.
 NEW, LEAST, SLIGHT = 1e-2, 1e-12, 1e-6

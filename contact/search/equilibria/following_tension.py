@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, NoState, Point
@@ -27,8 +26,8 @@ from contact.search.equilibria.arc import Step
 from contact.search.equilibria.changes import Change, about, changes, condition, with_change
 from contact.search.equilibria.following import LEAST, NEW, SLIGHT, Following, Jump, Standing, first_of
 from contact.search.equilibria.growth import touched
+from sie import Array, Index
 
-Array = NDArray[np.float64]
 At = Callable[[float], CohesivePoint]
 
 # Steps by the value of the control, and how often one is halved; how often a stretch with several changes is.
@@ -187,7 +186,7 @@ class FollowingUnderTension(Following):
         after = self.shrunk(table, state.value)
         return Jump(self.kind(before, after, False), place, before, after)
 
-    def _without(self, here: CohesivePoint, gone: NDArray[np.intp]) -> tuple[Array, CohesivePoint] | None:
+    def _without(self, here: CohesivePoint, gone: Index) -> tuple[Array, CohesivePoint] | None:
         """(places, equilibrium) in which the surfaces just touch where zones are about to vanish; None if it was not found."""
         count, period = len(here.zones), self.curve.problem.period
         others = np.delete(here.zones, gone, axis=0)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.maxima import maximum
 from contact.search.equilibria.flow import advanced
 from contact.verify.certificate import openings
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # First touch over the width that adhesion makes of it, and a new zone over the overlap it begins in.
 _TOUCH, _NEW = 1e-3, 0.1

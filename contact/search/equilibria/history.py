@@ -17,14 +17,11 @@ from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Point
 from contact.search.equilibria.arc import beyond, steps
 from contact.search.equilibria.following import Following, Jump, Standing
-
-Array = NDArray[np.float64]
 
 # Of a step, from how near a value Newton's steps go there.
 _ROUGHLY = 1e-6

@@ -34,12 +34,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import scipy.fft
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange
+from sie import Array, Index, Mask
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Rest = Callable[[Array, float], Array]
 Symbol = Callable[[Array], Array]
 
@@ -152,7 +151,7 @@ class _Extension:
     Points are counted from the first one in contact, so that each is that far along from a point in contact to the next.
     """
 
-    def __init__(self, influence: Influence, inside: NDArray[np.intp]) -> None:
+    def __init__(self, influence: Influence, inside: Index) -> None:
         self.size, self.stiffness = influence._stiffness_size, influence._stiffness
         self.starts = inside - inside[0]
         self.lengths = np.diff(self.starts, append=self.size)

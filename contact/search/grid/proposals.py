@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
@@ -18,8 +17,7 @@ from contact.search.grid.conjugate_gradient import GridState, Response
 from contact.search.grid.scaling import ScaledScene
 from contact.search.grid.tilt import known_part
 from contact.search.grid.tilt_rate import AtTilt, balanced
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Cells by which the centre of the load may miss its place, tilts tried on one grid, and how often a window is doubled.
 _CELLS = 0.1

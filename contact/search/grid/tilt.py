@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
 from contact.model.profiles.base import Profile
@@ -20,8 +19,8 @@ from contact.model.scene import Scene
 from contact.search.grid.coarse import find_window, grid_height, propose
 from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.tilt_rate import AtTilt, balanced
+from sie import Array
 
-Array = NDArray[np.float64]
 Window = tuple[float, float]
 
 # Of the contact's extent: how near to its place the centre of the load is brought.

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.formulation.controls import Control, Load
@@ -21,8 +20,7 @@ from contact.verify.certificate import Certificate
 from contact.verify.gap_accuracy import FoundByGaps
 from contact.verify.gap_certificate import certify_gaps
 from contact.verify.solved import Solved
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 @dataclass(frozen=True)

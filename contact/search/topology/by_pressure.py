@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import SceneError
@@ -19,8 +18,7 @@ from contact.search.topology.missed import WrongTopology
 from contact.verify.accuracy import HOPELESS, Found, too_thin
 from contact.verify.certificate import Certificate, certify
 from contact.verify.solved import Solved
-
-Array = NDArray[np.float64]
+from sie import Array, wrapped
 
 # Gaps over kinks below this part of the zones beside them are not taken to close.
 _NARROW = 1e-3
@@ -48,7 +46,7 @@ class ByPressure:
         equation, problem = self.problem.equation(control), self.problem
         steps = how.steps or self.most_steps
         return sie.find_ends(
-            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, off=how.off
+            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, off=how.off, like=how.like
         )
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> ZoneFields:
@@ -160,11 +158,9 @@ def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | No
     """Width of a gap over the kink of a valley that the search has closed or taken off its kink: too narrow for it. Such gaps
     do not close, but narrow as exp(-pressure); None if there is none."""
     kinks, heights = problem.forcing.kinks
-    at = kinks[heights < 0]
-    if len(at) == 0 or len(table) < 2:
+    if not np.any(heights < 0) or len(table) < 2:
         return None
-    if problem.period is not None:
-        at = at - np.floor((at - table[0, 0]) / problem.period) * problem.period
+    at = wrapped(kinks[heights < 0], table[0, 0], problem.period)
     i = np.searchsorted(table[:, 0], at, side="right") - 1
     inner = (i >= 0) & (i < len(table) - 1)
     at, i = at[inner], i[inner]

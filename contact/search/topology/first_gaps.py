@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
@@ -14,8 +13,7 @@ from contact.formulation.relief import ScaledRelief
 from contact.search.topology.intervals import united
 from contact.search.topology.missed import WrongTopology
 from contact.verify.gap_certificate import NARROWEST
-
-Array = NDArray[np.float64]
+from sie import Array, Index, Mask
 
 # Samples a shortest length of the shape.
 _CLOSE = 32
@@ -123,12 +121,12 @@ class FirstGaps:
         return np.column_stack((at - half, at + half))[which]
 
     @cached_property
-    def _valleys(self) -> tuple[NDArray[np.intp], Array]:
+    def _valleys(self) -> tuple[Index, Array]:
         """The concave kinks, and R there less their own logarithm."""
         kinks = np.flatnonzero(self.relief.heights < 0)
         return kinks, self.relief.without_own(kinks)
 
-    def _runs(self, above: NDArray[np.bool_], mean: float) -> Array:
+    def _runs(self, above: Mask, mean: float) -> Array:
         """The runs of samples above the mean pressure, from crossing to crossing, widened by sqrt(2)."""
         shift = int(np.argmin(above))  # start in contact, so that no run crosses the border
         x = np.concatenate((self.x[shift:], self.x[:shift] + self.period))

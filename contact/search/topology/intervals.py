@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.search.topology.missed import WrongTopology
-
-Array = NDArray[np.float64]
+from sie import Array, Index
 
 
 def without(table: Array, parts: Array) -> Array:
@@ -24,7 +22,7 @@ def without(table: Array, parts: Array) -> Array:
     return np.array(rows).reshape(-1, 2)
 
 
-def merged(table: Array, met: NDArray[np.intp], period: float | None) -> Array:
+def merged(table: Array, met: Index, period: float | None) -> Array:
     """Each of the intervals `met` with the one after it; the last one with the first of the next period, if there is one."""
     rows = [row.copy() for row in table]
     for i in sorted(met, reverse=True):

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import ContactError, SceneError
@@ -25,8 +24,8 @@ from contact.search.topology.intervals import merged
 from contact.search.topology.missed import Missed, WrongTopology, same
 from contact.verify.certificate import NOT_CHECKED, Certificate
 from contact.verify.solved import Solved
+from sie import Array
 
-Array = NDArray[np.float64]
 Progress = Callable[[str, int, int | None], None]
 Timed = Callable[[str], AbstractContextManager[object]]
 Kind = TypeVar("Kind", bound=Solved, covariant=True)
@@ -82,13 +81,14 @@ class Formulation(Protocol[Kind]):
 class Newton:
     """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
     most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at
-    first, over the widths, as far as that is known."""
+    first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with."""
 
     tolerance: float
     value: float = 0.0
     steps: int = 0
     near: bool = False
     off: float = 1.0
+    like: sie.AnyState | None = None
 
 
 def refine_topology(
@@ -126,7 +126,10 @@ def _rounds(
     for done in range(1, rounds + 1):
         if progress is not None:
             progress(f"{form.what}s", done, None)
-        free = _ended(form, control, table, newton, free)
+        # Of many intervals the sums of the last round take as much memory as those of this one.
+        before = None if free is None or free.state.iterated else free
+        free = None
+        free = _ended(form, control, table, newton, before)
         newton = replace(newton, value=newton.value if free.value is None else free.value, off=1.0)
         ended = free.density.zones.table
         if len(free.lost) or len(free.met):
@@ -145,6 +148,7 @@ def _rounds(
             table, newton = ended, replace(newton, tolerance=TIGHT, near=False)
         else:
             table, newton = _again(form, control, free, fields.state, certificate, newton, tried)
+        del fields, certificate
     raise WrongTopology(f"the number of {form.what}s did not settle", free)
 
 

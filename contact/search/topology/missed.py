@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged, OutOfRange
-
-Array = NDArray[np.float64]
+from sie import Array
 
 
 class WrongTopology(Exception):

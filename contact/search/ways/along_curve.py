@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Approach
@@ -32,9 +31,7 @@ from contact.search.ways import cohesive
 from contact.search.ways.branches import advancing, frame, to_follow
 from contact.search.ways.guesses import Outcome
 from contact.solution import made
-
-Array = NDArray[np.float64]
-
+from sie import Array
 
 # How far an approach is lowered for surfaces to let go, over its size and the reach of the tension.
 _FAR = 1e6

@@ -14,7 +14,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged, OutOfRange, unwarned
 from contact.formulation.equilibria import Equilibria, Point
@@ -28,8 +27,7 @@ from contact.search.topology.missed import Missed
 from contact.search.ways.full_contact import Full, no_inverse
 from contact.search.ways.guesses import Outcome
 from contact.solution.solution import Solution
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Tolerance of solutions under the bare law, from which the branch is followed.
 _BARE = 1e-6

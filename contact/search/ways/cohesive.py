@@ -14,7 +14,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged, OutOfRange
@@ -51,8 +50,7 @@ from contact.solution.made import mean_height
 from contact.verify.accuracy import Found
 from contact.verify.certificate import certify
 from contact.verify.cohesive import FoundBeside, certified, uncertain
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Tolerance of solutions under the bare law, from which the branch is followed.
 _BARE = 1e-6

@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, HalfWidth, Load, Width
@@ -20,8 +19,8 @@ from contact.formulation.problem import Problem
 from contact.formulation.roots import bracketed
 from contact.model.interactions.isolated import Isolated
 from contact.verify.accuracy import Found
+from sie import Array
 
-Array = NDArray[np.float64]
 Search = Callable[[Problem, Control, Array | None], Found]
 
 _STEPS = 30
@@ -97,7 +96,8 @@ class FirstOrder:
             except (OutOfRange, NotConverged) as refusal:
                 limit, step, lost = high, 0.25 * (high - low), refusal
                 high, at_high = low, at_low
-                if step < 1e-7 * limit:
+                # Of zones from grids another search follows, which tells more than the last digits of a width do.
+                if step < (1e-7 if self.first is None or isinstance(refusal, OutOfRange) else 1e-2) * limit:
                     # That a search has failed does not show that there is no more to be carried.
                     raise lost if isinstance(lost, NotConverged) else self._refused(control, low, at_low) from None
                 continue

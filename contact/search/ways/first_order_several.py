@@ -25,9 +25,10 @@ from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields, moved_ends
 from contact.formulation.problem import Problem
 from contact.model.interactions.isolated import Isolated
+from contact.search.grid.centring import Unrest
 from contact.search.grid.closure import AtPressure, ClosureGrid
 from contact.search.grid.scaling import ScaledScene
-from contact.search.task import Task
+from contact.search.task import LEAST, Task
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
@@ -37,12 +38,14 @@ from contact.verify.accuracy import Found
 Array = NDArray[np.float64]
 
 # Steps towards a root, how often one is halved, and how often the signs are looked at there. After how large a step zones that are lost
-# are looked for; of a step what the next one leaves where rounding does.
-_STEPS, _HALVED, _LOOKS, _FAR, _SLOW = 40, 4, 4, 1e-4, 0.5
+# are looked for, and their rates are found anew; of a step what the next one leaves where rounding does.
+_STEPS, _HALVED, _LOOKS, _FAR, _BENT, _SLOW = 40, 4, 4, 1e-2, 1e-4, 0.5
 # Steps in a row of which none halves the misses: zones come and go with every one of them.
-_STALLED = 11
-# Miss of the centre over that of the width that does not matter.
-_OFF_CENTRE = 1e-3
+_STALLED, _STALLED_AT_TURN = 4, 1
+# The weakest influence of the unknowns over the strongest, below which solutions turn back.
+_WEAK = 1e-3
+# Miss of the centre over that of the width that does not matter; what is left of what it makes of that, over this, at the most.
+_OFF_CENTRE, _UNSURE = 1e-3, 4.0
 # Steps that tell how the misses follow the unknowns: those of smaller ones are rounding.
 _LEAST = 1e-9
 # How often zones of the profile alone are put right, and what part of their width does not matter on the way.
@@ -51,11 +54,13 @@ _CORRECTIONS, _MINOR = 3, 1e-4
 _LARGEST = 0.1
 # Loads tried for an approach; how near one is, over it, for Newton's steps on the load, and by what part it changes at the most before.
 _LOADS, _NEAR, _LEAST_PART = 12, 2e-2, 0.3
-# Cells of the grids that zones are taken from, to a shortest length of the profile, and their tolerance.
-_CELLS, _FEWEST, _MOST, _CLOSELY = 4, 2**9, 2**14, 1e-5
+# Tolerance of the grids that zones are taken from.
+_CLOSELY = 1e-5
 # Tolerance of the ends at first, and of later ones over the step of the unknowns, as long as that is not one of the last; part of a width
 # or a gap that is foreseen to go.
-_ROUGHLY, _FINER, _LAST, _PART = 1e-7, 1e-2, 1e-5, 0.1
+_ROUGHLY, _FINER, _FINER_THAN_MISSED, _LAST, _PART = 1e-6, 1e-2, 0.02, 1e-5, 0.1
+# How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
+_SHARPENED, _SHARPER = 2, 1e-3
 # By what part of the gap beside the border the centre is moved to see what that does.
 _SHIFT = 1e-3
 # What is left after the last step, over what it is estimated as.
@@ -93,9 +98,11 @@ class _At:
 
 @dataclass(frozen=True, eq=False)
 class Closed(Found):
-    """The zones of the strip, and at: the contacts that they and the nominal pressure are of."""
+    """The zones of the strip, and at: the contacts that they and the nominal pressure are of; rounded: whether rounding is what keeps these
+    from coming nearer to the root."""
 
     at: _At | None = None
+    rounded: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,11 +188,12 @@ class _Bracket:
     high: tuple[float, float] = (math.inf, math.nan)
     width: float = math.inf
 
-    def within(self, at: float, miss: float, step: float, falls: bool) -> float:
-        """A step from there, if it stays within the bracket, and that or the step falls; else one of false position, or to the middle."""
-        if miss > 0.0:
+    def within(self, at: float, miss: float, known: float, step: float, falls: bool) -> float:
+        """A step from there, if it stays within the bracket, and that or the step falls; else one of false position, or to the middle.
+        miss: of the width about a strip centred on its zones; known: to what."""
+        if miss > known:
             self.low = (at, miss)
-        elif miss < 0.0:
+        elif miss < -known:
             self.high = (at, miss)
         (low, at_low), (high, at_high) = self.low, self.high
         before, self.width = self.width, high - low
@@ -203,22 +211,26 @@ class FirstOrderOfSeveral:
         self.task, self.scaled, self.problem = task, scaled, scaled.problem
         assert self.problem.period is not None
         self.period = self.problem.period
+        self.sharpness, self.wanted, self.again, self.rounded = 1.0, task.tolerance, False, False
+        # The last contacts, of the strip and of its profile alone.
+        self.likes: dict[bool, sie.AnyState] = {}
 
     def found(self, grid: ClosureGrid, first: AtPressure) -> Found:
         """The zones that carry the control, from grids under about its load."""
         control = self.scaled.control
         if control.load is not None:
             rough = self._rough(grid, first)
-            if rough is None:
-                raise self._refused()
+            if rough.unrest is not None:
+                raise self._refused(rough.unrest)
             return self._exact(self._started(grid, rough))
         assert control.approach is not None
-        low, high, refused = 0.0, math.inf, False
+        low, high = 0.0, math.inf
+        refused: Unrest | None = None
         for _ in range(_LOADS):
             rough = self._rough(grid, first)
             step = math.nan
-            if rough is None:
-                high, refused = grid.load, True
+            if rough.unrest is not None:
+                high, refused = grid.load, rough.unrest
             else:
                 at = self._started(grid, rough)
                 rates = _Rates.of(at)
@@ -228,7 +240,7 @@ class FirstOrderOfSeveral:
                 if control.approach > -at.strip.fields.level:
                     low = grid.load
                 else:
-                    high, refused = grid.load, False
+                    high, refused = grid.load, None
             if high - low < _NEAR * high:
                 break
             load = grid.load + step
@@ -236,33 +248,28 @@ class FirstOrderOfSeveral:
             between = 0.5 * (low + high) if low > 0.0 and high < math.inf else 0.5 * grid.load if low == 0.0 else 2 * grid.load
             grid = ClosureGrid(self.scaled, self.problem, load if inside else between)
             first = grid.first()
-        if refused:
-            raise self._refused()
+        if refused is not None:
+            raise self._refused(refused)
         raise NotConverged(f"not converged: no load was found that has the {control.told(self.problem.units)}; {EXACT}")
 
     def closer(self, found: Closed) -> Found:
         """The same more tightly."""
         assert found.at is not None
         at = found.at
-        again = self._at(at.unknowns, at.table, _table(at.alone), self.task.tolerance, 0.0)
-        return self._exact(again)
+        self.wanted, self.again = self._wanted(at), True
+        return self._exact(self._at(at.unknowns, at.table, _table(at.alone), self.task.tolerance, 0.0))
 
-    def _rough(self, grid: ClosureGrid, first: AtPressure) -> AtPressure | None:
+    def _rough(self, grid: ClosureGrid, first: AtPressure) -> AtPressure:
         with self.task.plan.timed("coarse search"):
             return grid.root(first)
 
-    def _refused(self) -> OutOfRange:
-        return OutOfRange(
-            f"{self.scaled.control.told(self.problem.units)}: under the first-order closure a contact zone reaches the border of the "
-            f"strip, which is cut at the widest gap of the period; {EXACT}"
-        )
+    def _refused(self, why: Unrest) -> OutOfRange:
+        return OutOfRange(f"{self.scaled.control.told(self.problem.units)}: under the first-order closure {why.value}; {EXACT}")
 
     def _started(self, grid: ClosureGrid, rough: AtPressure) -> _At:
         """The contacts under the nominal pressure of the grids."""
-        part, profile = self.task.plan["coarse search"], self.problem.profile
+        part, points = self.task.plan["coarse search"], grid.points
         part.used = True
-        features = 0.0 if profile.feature is None else _CELLS * grid.length / profile.feature
-        points = max(grid.points, 2 ** int(np.clip(np.ceil(np.log2(max(features, 1.0))), math.log2(_FEWEST), math.log2(_MOST))))
         with self.task.plan.timed("coarse search"):
             fine = grid.closer(rough, points, _CLOSELY)
         assert fine.alone is not None
@@ -271,13 +278,22 @@ class FirstOrderOfSeveral:
         centre = fine.centre
         if self.problem.profile.symmetric and abs(centre) < 0.25 * float(np.diff(strip).min()):
             centre = 0.0
-        return self._at(np.array([centre, fine.amplitude, grid.load]), strip, alone, 1.0, _ROUGHLY)
+        at = self._at(np.array([centre, fine.amplitude, grid.load]), strip, alone, 1.0, _ROUGHLY)
+        self.wanted = self._wanted(at)
+        if fine.strip.resolved and fine.alone.resolved:
+            return at
+        return replace(at, strip=self._looked_at(at.strip), alone=self._looked_at(at.alone))
+
+    def _wanted(self, at: _At) -> float:
+        """Tolerance of the ends with which the pressure has that of the task: beside the border it is steep."""
+        peak, by_left, by_right = at.strip.free.density.sensitivity
+        return max(LEAST, self.task.tolerance / max(1.0, float(max(by_left.max(), by_right.max()) / peak.max())))
 
     def _at(self, unknowns: Array, strip: Array, alone: Array, off: float, tolerance: float) -> _At:
         """The contacts of the strip and of its profile alone from about their zones, whatever the signs. off: what ends are off by
         over the widths of their zones; tolerance: of the ends."""
         about, pressure, load = (float(unknown) for unknown in unknowns)
-        newton = Newton(max(self.task.tolerance, tolerance), off=off)
+        newton = Newton(max(self.wanted, tolerance), off=off)
         with self.task.plan.timed("zone ends"):
             of_strip = self._contact(self.problem.with_amplitude(pressure).about(about), load, strip, newton, True)
         with self.task.plan.timed("isolated reference"):
@@ -286,11 +302,22 @@ class FirstOrderOfSeveral:
 
     def _contact(self, problem: Problem, load: float, table: Array, newton: Newton, formal: bool) -> Found:
         task = self.task
-        found = refine_topology(ByPressure(problem), Load(load), table, newton, task.progress, formal, task.plan.timed)
-        if isinstance(found, Missed):
-            what = "its profile alone" if problem.reference else "the strip"
-            raise task.error(replace(found, beyond=False, reason=f"the contact of {what} was not found: {found.reason}; {EXACT}"), problem)
-        return found
+        sharpened = 0
+        while True:
+            # The nominal pressure goes to infinity so near to ends beside the border that coefficients fall slowly.
+            like = self.likes.get(problem.reference)
+            how = replace(newton, tolerance=max(LEAST, self.sharpness * newton.tolerance), like=like)
+            found = refine_topology(ByPressure(problem), Load(load), table, how, task.progress, formal, task.plan.timed)
+            if isinstance(found, Missed):
+                what = "its profile alone" if problem.reference else "the strip"
+                reason = f"the contact of {what} was not found: {found.reason}; {EXACT}"
+                raise task.error(replace(found, beyond=False, reason=reason), problem)
+            self.likes[problem.reference] = found.fields.state
+            cut_short = float(found.fields.state.end_truncation.max())
+            if cut_short <= newton.tolerance or how.tolerance == LEAST or sharpened == _SHARPENED:
+                return replace(found, tolerance=newton.tolerance)
+            self.sharpness *= _SHARPER
+            newton, table, sharpened = replace(newton, off=cut_short), _table(found), sharpened + 1
 
     def _looked_at(self, found: Found, closely: bool = False) -> Found:
         """With other zones where signs fail; closely: where so little tells their number that a tighter solution is asked for, too."""
@@ -325,7 +352,6 @@ class FirstOrderOfSeveral:
     def _exact(self, at: _At) -> Found:
         """From contacts near the root to those at it, with the zones that there are, under the load that has the approach."""
         approach, size, before = self.scaled.control.approach, float(at.unknowns[2]), math.inf
-        at = replace(at, strip=self._looked_at(at.strip), alone=self._looked_at(at.alone))
         for _ in range(_LOADS):
             at, rates, off = self._signed(at)
             follows = rates.following(self.period)
@@ -346,7 +372,8 @@ class FirstOrderOfSeveral:
         fields: ZoneFields = replace(
             at.strip.fields, amplitude_rate=float(follows[1]), centring=float(rates.approach[0] * follows[0])
         )
-        return Closed(**vars(replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed, at.table))), at=at)
+        found = replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed, at.table))
+        return Closed(**vars(found), at=at, rounded=self.rounded)
 
     def _signed(self, at: _At) -> tuple[_At, _Rates, Array]:
         """`_stepped`, with the signs of what it has come to."""
@@ -372,21 +399,25 @@ class FirstOrderOfSeveral:
         least, stalled = math.inf, 0
         for _ in range(_STEPS):
             least, stalled = (missed, 0) if (missed := float(np.abs(misses).max())) < _SLOW * least else (least, stalled + 1)
-            if stalled > _STALLED:
+            weak = self._weakness(matrix, size)
+            if stalled > (_STALLED if weak > _WEAK else _STALLED_AT_TURN):
                 break
             step = np.zeros(3)
             step[:2] = -np.linalg.solve(matrix, misses)
             asked = float(np.abs(step[:2] / size).max())
             off = rates.of_ends(step, at.table)
-            settled = off.max() <= self.task.tolerance or (asked > _SLOW * before and before < self.task.tol)
-            if settled and at.strip.tolerance <= self.task.tolerance:
+            settled = off.max() <= self.wanted or (asked > _SLOW * before and before < self.task.tol)
+            if settled and at.strip.tolerance <= self.wanted:
+                self.rounded = self.again and bool(off.max() > self.wanted)
                 return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
             step *= min(1.0, _LARGEST / max(asked, 1e-300))
             if watched and abs(misses[1]) > _OFF_CENTRE * abs(misses[0]):
                 # How wide the zones are under a nominal pressure is told where the strip is centred on them.
                 step[:] = -misses[1] / matrix[1, 0], 0.0, 0.0
             else:
-                step[1] = bracket.within(float(at.unknowns[1]), float(misses[0]), float(step[1]), asked <= _SLOW * before)
+                off_centre = float(matrix[0, 0] / matrix[1, 0] * misses[1])
+                centred, known = float(misses[0]) - off_centre, _UNSURE * abs(off_centre)
+                step[1] = bracket.within(float(at.unknowns[1]), centred, known, float(step[1]), asked <= _SLOW * before)
                 step[0] = -(misses[1] + matrix[1, 1] * step[1]) / matrix[1, 0]
             there, step = self._moved(at, rates, step, asked, watched)
             last, misses = misses, there.misses
@@ -395,11 +426,21 @@ class FirstOrderOfSeveral:
                 matrix = matrix + np.outer(misses - last - matrix @ by, by / size**2) / float(((by / size) ** 2).sum())
             same = there.same_zones(at)
             watched = watched or not same
-            if not same or (asked > _FAR and not there.strip.fields.state.iterated):
+            if not same or (asked > _BENT and not there.strip.fields.state.iterated):
                 rates = _Rates.of(there)
                 matrix = rates.matrix(self.period)[:, :2]
             at, before = there, asked if same else math.inf
+        if weak <= _WEAK:
+            raise self._unsettled(
+                f"the nominal pressure, whose solutions turn back about there (what tells it from the centre of the strip is {weak:.0e} of "
+                "what it does),", at,
+            )
         raise self._unsettled("the nominal pressure", at)
+
+    def _weakness(self, matrix: Array, size: Array) -> float:
+        """The smallest singular value of the misses by the unknowns over the largest: at a turning point of the solutions it is none."""
+        values = np.linalg.svd(matrix * size, compute_uv=False)
+        return float(values[1] / values[0])
 
     def _moved(self, at: _At, rates: _Rates, step: Array, asked: float, watched: bool) -> tuple[_At, Array]:
         """The contacts after a step, or after as much of it as they follow."""
@@ -409,7 +450,8 @@ class FirstOrderOfSeveral:
             alone.flat[[0, -1]] = np.where(at.cut_off, np.array(at.alone.fields.problem.corners) + step[0], alone.flat[[0, -1]])
             try:
                 # The ends need be no better known than what the next step will move them by.
-                tolerance = 0.0 if asked < _LAST else min(_FINER * asked, _ROUGHLY)
+                missed = float(np.abs(at.misses).max()) / _width(at.strip)
+                tolerance = 0.0 if asked < _LAST else min(_FINER * asked, _FINER_THAN_MISSED * missed, _ROUGHLY)
                 there = self._at(at.unknowns + step, strip, alone, asked, tolerance)
                 if asked < _FAR and not watched:
                     return there, step

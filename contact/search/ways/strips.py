@@ -7,7 +7,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control
@@ -25,8 +24,7 @@ from contact.search.ways.first_order import FirstOrder, Search
 from contact.search.ways.first_order_several import Closed, FirstOrderOfSeveral
 from contact.search.ways.guesses import EXACT, from_grid, search
 from contact.verify.accuracy import Found
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Steps of the centre of a strip, how much longer than its miss a secant's step may be, and how often one is shortened.
 _CENTRINGS, _LONGER, _SHORTENED = 30, 16.0, 3

@@ -9,7 +9,7 @@ from contact.model.units import quantity
 from contact.studies.bench.cases import Case
 from contact.studies.bench.peers import time_to
 from contact.studies.bench.precision import Row
-from contact.studies.bench.report import A_ZONE, OURS, Table, of
+from contact.studies.bench.report import FLOORS, OF_SOLVES, OURS, Table, of, within
 from contact.studies.bench.scaling import Scaled
 
 _PYTHON = "the time is that of calls from Python, not arithmetic: see the floor"
@@ -25,9 +25,9 @@ class Figure:
     why: str
 
 
-def table(rows: list[Row], cases: Sequence[Case], floors: list[Scaled], peers: Sequence[str]) -> Table:
+def table(rows: list[Row], cases: Sequence[Case], floors: list[Scaled], solves: float, peers: Sequence[str]) -> Table:
     single = [case.name for case in cases if case.single]
-    figures = [_millisecond(rows, single), _floor(floors), *_estimates(rows)]
+    figures = [_millisecond(rows, single), _floor(floors, solves), *_estimates(rows)]
     if peers:
         figures = [_hundredfold(rows, single, peers), *_rough(rows, peers), *figures]
     out: list[tuple[str, ...]] = [
@@ -74,10 +74,15 @@ def _rough(rows: list[Row], peers: Sequence[str]) -> list[Figure]:
     return out
 
 
-def _floor(floors: list[Scaled]) -> Figure:
-    told = "; ".join(f"{row.series}: {quantity(row.seconds, 's', 3)}" for row in floors)
-    met = all(row.seconds <= row.zones * A_ZONE for row in floors)
-    return Figure("single scenes to 1e-12 within half a millisecond, of two zones within twice that", told, met, _PYTHON)
+def _floor(floors: list[Scaled], solves: float) -> Figure:
+    told = "; ".join(
+        f"{row.series}: {quantity(row.seconds, 's', 3)}, {row.seconds / row.floor:.3g} floors, {row.seconds / solves:.2g}" for row in floors
+    )
+    asked = (
+        f"single scenes to 1e-12 within half a millisecond, {FLOORS:g} floors and {OF_SOLVES:g} of 100 dense solves of 33 unknowns, of two "
+        "zones within twice the first and the last"
+    )
+    return Figure(asked, told, all(within(row, solves) for row in floors), _PYTHON)
 
 
 def _estimates(rows: list[Row]) -> list[Figure]:

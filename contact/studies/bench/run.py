@@ -60,9 +60,10 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
             found.append(row)
             progress("measured", len(cases) + len(scaled) + len(single), total)
             progress.say(report.told_of_size(row))
-    tables += [report.scaling_table(scaled), report.exponents_table(scaled), report.single_table(single)]
+    solves = scaling.yardstick(0.2 if quick else 0.6)
+    tables += [report.scaling_table(scaled), report.exponents_table(scaled), report.single_table(single, solves)]
     tables += [curves.table(quick), imports.table()]
-    tables.append(required.table(rows, cases, single, [peer.name for peer in chosen]))
+    tables.append(required.table(rows, cases, single, solves, [peer.name for peer in chosen]))
     tables.append(machine.table([peer.name for peer in chosen]))
     report.write_csv(folder / "precision.csv", rows)
     report.write_csv(folder / "scaling.csv", [*scaled, *single])

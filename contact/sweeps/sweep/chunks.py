@@ -11,7 +11,6 @@ from math import ceil, nan
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import unwarned
 from contact.model.scene import Scene
@@ -20,6 +19,7 @@ from contact.solver import solve
 from contact.sweeps.curve import Curve
 from contact.sweeps.points import NUMBERS, numbers
 from contact.sweeps.sweep.keys import BRANCH, BRANCHES, Axis, Value, varied
+from sie import Mask
 
 # Numbers by name, `failed`, `reason` and `warning`.
 Row = dict[str, Any]
@@ -54,7 +54,7 @@ class Chunk:
         return [replace(self, places=self.places[done:], settings=self.settings[done:])] if done < len(self.places) else []
 
 
-def chunks_of(axes: Sequence[Axis], wanted: NDArray[np.bool_], solvers: int | None, branch: str = BRANCHES[0]) -> list[Chunk]:
+def chunks_of(axes: Sequence[Axis], wanted: Mask, solvers: int | None, branch: str = BRANCHES[0]) -> list[Chunk]:
     """What is wanted of the grid (flat), cut for so many solvers; None: each curve is one chunk. branch: where it is not varied."""
     at = next((place for place, axis in enumerate(axes) if axis.control), None)
     control = "" if at is None else axes[at].control

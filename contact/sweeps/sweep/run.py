@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import SceneError, warn
 from contact.extras import require
@@ -25,6 +24,7 @@ from contact.sweeps.sweep.keys import BRANCHES, Axis, axes_of, varied
 from contact.sweeps.sweep.lock import alone
 from contact.sweeps.sweep.processes import processors, solved_here, solved_in_processes
 from contact.sweeps.sweep.table import Table
+from sie import Mask
 
 # What is solved is written this often [s], or where writing takes long, so many times what it takes.
 _OFTEN, _SHARE = 2.0, 10.0
@@ -136,7 +136,7 @@ def _solving(scene: Scene, table: Table, cluster: Cluster | None, solvers: int, 
     return solved_in_processes(scene, chunks, table.tol, min(solvers, len(chunks)))
 
 
-def _wanted(table: Table, retry: bool) -> NDArray[np.bool_]:
+def _wanted(table: Table, retry: bool) -> Mask:
     """Points that are not solved yet."""
     return np.asarray(~table.solved & (~table.failed | retry))
 

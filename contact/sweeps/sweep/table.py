@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import SceneError, shown
 from contact.extras import require, version
@@ -21,6 +20,7 @@ from contact.sweeps.points import NUMBERS
 from contact.sweeps.sweep.chunks import Rows
 from contact.sweeps.sweep.keys import BRANCH, BRANCHES, MODULUS, Axis
 from contact.sweeps.sweep.keys import tables as tables_of
+from sie import Mask
 
 _WORDS = {"reason": "why a point failed", "warning": "what the model hardly covers"}
 # Of an array: what is told of it as it is; a longer one by its shape and its sum.
@@ -46,7 +46,7 @@ class Table:
         return int(self.failed.size)
 
     @property
-    def solved(self) -> NDArray[np.bool_]:
+    def solved(self) -> Mask:
         """Points whose stated error is within the tolerance."""
         with np.errstate(invalid="ignore"):
             return np.asarray(self.numbers["error"] <= self.tol)

@@ -1,27 +1,39 @@
-"""Layers from as thick as a half-plane to far thinner than the zone: the kernel (pi/2h) coth(pi r/2h), of symbol coth(q h), has a closed
-form on one zone.
+"""Layers from as thick as a half-plane to far thinner than the zone.
 
-With v = pi x/2h and the end at v = V, (1/2h) PV int p coth(pi (x - xi)/2h) dxi = sinh(2v)/2 for p = cosh(v) sqrt(sinh^2 V - sinh^2 v)
-(map sinh v to an interval), so the profile is f = (h/pi E*) cosh(2v) and the load h sinh^2 V.
+The kernel (pi/2h) coth(pi r/2h), of symbol coth(q h), has a closed form on one zone. With v = pi x/2h and the end at v = V,
+(1/2h) PV int p coth(pi (x - xi)/2h) dxi = sinh(2v)/2 for p = cosh(v) sqrt(sinh^2 V - sinh^2 v) (map sinh v to an interval), so the
+profile is f = (h/pi E*) cosh(2v) and the load h sinh^2 V.
+
+An elastic layer is met by design: the half ellipse p = E* sqrt(1 - x^2)/2 on (-1, 1), whose cosine transform is pi E* J1(q)/2q, is the
+pressure below f' = x + int_0^inf (L(q) - 1) J1(q) sin(q x)/q dq. Half-planes need the first term; as L - 1 falls like exp(-2qh), the
+second is smooth, and what the surface lies below f beyond the ends is int sqrt(x^2 - 1), as without a layer.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import j1
 
 from contact.model.interactions import Isolated
 from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
-from contact.model.substrates import Substrate
+from contact.model.substrates import Layer, Substrate
 from contact.studies.bench.extremes.base import Extreme
 from contact.studies.bench.truth import Exact
 
 Array = NDArray[np.float64]
+
+# Base, Poisson's ratio, half width over thickness.
+ELASTIC = (
+    ("smooth", 0.3, 0.01), ("smooth", 0.3, 1.0), ("smooth", 0.3, 10.0), ("smooth", 0.3, 100.0),
+    ("bonded", 0.0, 0.1), ("bonded", 0.3, 1.0), ("bonded", 0.3, 30.0), ("bonded", 0.3, 100.0), ("bonded", 0.49, 100.0),
+    ("bonded", 0.5, 1.0), ("bonded", 0.5, 10.0), ("bonded", 0.5, 30.0), ("bonded", 0.5, 100.0),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -83,6 +95,59 @@ class CothZone:
         return np.where(np.abs(t) < 1, self.pressure_at(np.clip(t, -1, 1)), 0.0)
 
 
+@dataclass(frozen=True)
+class UnderEllipse(Profile):
+    """The profile that presses half an ellipse over (-1, 1) on a layer, E* = 1."""
+
+    layer: Layer
+    symmetric = True
+    name = "under an ellipse"
+    # The quadrature resolves sin(q x) up to here.
+    extent = (-3.0, 3.0)
+
+    @cached_property
+    def _waves(self) -> tuple[Array, Array]:
+        """q, and (L - 1) J1/q times the weights of a quadrature: exp(-2 q h) is rounded away at the last q."""
+        last = 22 / self.layer.thickness
+        nodes, weights = np.polynomial.legendre.leggauss(16)
+        half = 0.5 * last / np.ceil(last / min(2.0, 0.5 / self.layer.thickness))
+        q = (np.arange(half, last, 2 * half)[:, None] + half * nodes).ravel()
+        return q, np.tile(half * weights, len(q) // len(nodes)) * (self.layer.symbol(q) - 1) * j1(q) / q
+
+    def height(self, x: ArrayLike) -> Array:
+        q, weights = self._waves
+        return self._summed(lambda x: 0.5 * x**2 + 2 * np.sin(0.5 * np.outer(x, q)) ** 2 @ (weights / q), x)
+
+    def slope(self, x: ArrayLike) -> Array:
+        q, weights = self._waves
+        return self._summed(lambda x: x + np.sin(np.outer(x, q)) @ weights, x)
+
+    def _summed(self, function: Callable[[Array], Array], x: ArrayLike) -> Array:
+        """A few places at a time, for the memory's sake."""
+        x = np.asarray(x, dtype=np.float64)
+        parts = np.array_split(x.ravel(), 1 + x.size * len(self._waves[0]) // 2_000_000)
+        return np.concatenate([function(part) for part in parts]).reshape(x.shape)
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """Its pressure."""
+
+    load = 0.25 * np.pi
+    max_pressure = 0.5
+
+    @property
+    def zones(self) -> Array:
+        return np.array([[-1.0, 1.0]])
+
+    def pressure_at(self, t: ArrayLike, zone: int = 0) -> Array:
+        t = np.asarray(t)
+        return np.asarray(0.5 * np.sqrt((1 - t) * (1 + t)))
+
+    def pressure(self, x: ArrayLike) -> Array:
+        return self.pressure_at(np.clip(x, -1, 1))
+
+
 def layers() -> Iterator[Extreme]:
     """d ln(load)/d ln(a) = 2V coth V at least 2: a is no worse determined than of a half-plane. The profile is as steep as sinh(2V)
     tells: at 30 thicknesses by 1e40, which no heights hold."""
@@ -90,6 +155,17 @@ def layers() -> Iterator[Extreme]:
         yield Extreme(
             "layer, kernel coth", f"half width {ratio:g} thicknesses", partial(_case, ratio), max(1.0, np.pi * ratio), "d ln p/d ln a"
         )
+    for base, nu, ratio in ELASTIC:
+        layer = Layer(1 / ratio, nu, base)
+        # Slopes are sums of terms of size one, and of the waves that the zone holds the longest are divided by the least L.
+        condition = max(1.0, 1 / float(layer.symbol(np.ones(1))[0]))
+        name = f"{base}, nu = {nu:g}, half width {ratio:g} thicknesses"
+        yield Extreme("elastic layer", name, partial(_elastic, layer), condition, "1/L of the zone's half width", heavy=ratio > 50)
+
+
+def _elastic(layer: Layer) -> tuple[Scene, Exact]:
+    exact = Ellipse()
+    return Scene(UnderEllipse(layer), 1.0, Isolated(), substrate=layer, load=exact.load), exact
 
 
 def _case(ratio: float) -> tuple[Scene, Exact]:
