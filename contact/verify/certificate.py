@@ -57,7 +57,8 @@ class Certificate:
     that place is below what double precision tells. moment_balance: relative to the load times the farthest end
     of a zone; None where no moment is given. intensity: largest miss at an end, over what the law asks for; stability: least eigenvalue
     of the second variation of the energy by the motions of the ends, over twice the work of adhesion and at equal motions over
-    roots of the widths, at the control held: positive where the contact is locally stable; both None under laws without.
+    roots of the widths, at the control held: positive where the contact is locally stable, infinite where all ends are held at sharp
+    corners; both None under laws without.
     """
 
     smallest_pressure: float
@@ -134,13 +135,14 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None)
         name = "load" if held is None else held.name
         if held is None or held.half_width is None:
             matrix = fields.second_variation(None if held is None else held.yields)
-            stability = float(np.linalg.eigvalsh(_symmetric(matrix)).min())
+            stability = float(np.linalg.eigvalsh(_symmetric(matrix)).min(initial=np.inf))
         if missed > _INTENSITY * max(1.0, fields.bending):
             holds, note = False, f"an end misses its intensity by {missed:.1e}"
         elif stability is not None and not stability > 0.0:
             holds, note = False, f"not stable under a held {name}: the second variation of the energy is not positive"
         else:
             told = "its ends are given" if stability is None else f"locally stable under a held {name}"
+            told = "all ends are held at sharp corners" if stability == np.inf else told
             note = f"one of several equilibria: intensities at the ends, no overlap, balance, {told}{'; ' + note if note else ''}"
     broken = law.fault(fields, load)
     if broken:
@@ -165,10 +167,12 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None)
 
 
 def _missed(fields: ZoneFields) -> float:
-    """Largest miss of the intensity that the law asks for at the ends, over it."""
-    wanted = fields.problem.end.intensity
+    """Largest miss of the intensity that the law asks for at the ends, over it; at an end that is held, of what it asks for at the least."""
+    wanted, zones = fields.problem.end.intensity, fields.density.zones
     assert wanted
-    return float(np.abs(np.concatenate(fields.density.intensities) / wanted - 1.0).max())
+    missed = np.array(fields.density.intensities) / wanted - 1.0
+    given = np.array([[end.intensity is not None for end in ends] for ends in (zones.left, zones.right)])
+    return float(np.where(given, np.abs(missed), missed).max(initial=0.0))
 
 
 def _symmetric(matrix: Array) -> Array:

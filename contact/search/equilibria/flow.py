@@ -93,6 +93,10 @@ def limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
     # An end may reach the border, and is told of it then.
     lo, hi = curve.problem.borders
     room[0], room[-1] = min(room[0], 1.1 * (here.table[0, 0] - lo)), min(room[-1], 1.1 * (hi - here.table[-1, 1]))
+    # At a sharp corner it rests; one that is held there asks for no step.
+    lo, hi = curve.problem.corners
+    beside = np.array([here.table[0, 0] - lo, hi - here.table[-1, 1]])
+    room[[0, -1]] = np.where(here.held[[0, -1]], room[[0, -1]], np.minimum(room[[0, -1]], np.maximum(beside, REST * here.widths[[0, -1]])))
     inward, outward = np.minimum(_INWARD * here.widths, known), np.minimum(np.minimum(_OUTWARD * here.widths, room), known)
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
     return onward, np.minimum(back, _NEAR * here.widths)
@@ -162,14 +166,17 @@ def _damped_step(here: Point, sign: float, limit: Array) -> Array:
 
 def passed(here: Point, ahead: Point, step: Array, sign: float) -> Mask:
     """Which ends have passed a place of rest in a step: they are driven the other way at its end or, by a cubic, on the way."""
-    before, after = sign * here.residual, sign * ahead.residual
+    first, last = here.whole, ahead.whole
+    before, after = sign * first.residual, sign * last.residual
     allowed = np.minimum(-_OVERSHOT * np.minimum(np.abs(before), 1.0) - _SLIGHT, 1.1 * before - _SLIGHT)
     # Beside a stable equilibrium an end that has gone a little too far comes back.
     far = (np.abs(step) > _NEAR * here.widths) | (here.growth < 0.0 <= ahead.growth) | (after < -_FAR)
+    # One that was held was at rest.
+    far &= ~first.held
     over = (after < allowed) & far
     if float(np.abs(step / here.widths).max()) < _NEAR:
         return np.asarray(over)
-    rise, fall = sign * (here.rates @ step), sign * (ahead.rates @ step)
+    rise, fall = sign * (first.rates @ step), sign * (last.rates @ step)
     u = _PLACES[:, None]
     way = (1 + 2 * u) * (1 - u) ** 2 * before + u * (1 - u) ** 2 * rise + u**2 * (3 - 2 * u) * after + u**2 * (u - 1) * fall
     return np.asarray(over | (far & np.any(way < np.minimum(allowed, after), axis=0)))
