@@ -181,17 +181,17 @@ def _pressed(task: Task, scaled: ScaledScene) -> Array:
 
 def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
     """A zone so wide that its ends are driven inward, and in wider ones still, as far as these feel the control as a body does: under an
-    approach from a datum, zones much wider than that are lowered by a load."""
+    approach from a datum, zones much wider than that are lowered by a load. Between sharp corners it is all that lies there."""
+    if curve.problem.profile.support is not None:
+        return np.array([curve.problem.corners])
     lo, hi = scaled.problem.units.scaled(np.array(scaled.cell))
     middle, half = 0.5 * (lo + hi), 0.25 * (hi - lo)
     def driven_inward(half: float) -> bool:
         here = curve.at(np.array([[middle - half, middle + half]]), value)
-        return bool(np.all((here.residual < 0.0) | (here.by_value < 0.0) | here.held))
+        return bool(np.all((here.residual < 0.0) | (here.by_value < 0.0)))
 
     for _ in range(_WIDENINGS):
         table = np.array([[middle - half, middle + half]])
-        if np.array_equal(curve.within(table)[0], curve.problem.corners):
-            return curve.within(table)
         if np.any(curve.at(table, value).by_value < 0.0):
             break
         if driven_inward(half) and all(driven_inward(half * wider) for wider in _WIDER):
