@@ -143,19 +143,21 @@ class Equilibria:
         level = -value if control.approach is not None else float(state.levels.mean())
         here = Point(table, value, residual, rates.intensities / size, unit / size, state.density.total, level)
         corners = problem.corners
-        if not np.isfinite(corners).any():
+        if not np.isfinite(corners).all():
             return here
         if held is None:
             held = (table == np.array(corners)).T.ravel() & (residual >= -_HELD)
         return here.holding(held)
 
     def within(self, table: Array) -> Array:
-        """The zones as far as sharp corners let them, and those so near to one up to it."""
+        """The zones as far as sharp corners let them, and those so near to one up to it; of a body that repeats, in its own period."""
         lo, hi = self.problem.corners
-        if not np.isfinite([lo, hi]).any():
+        if not np.isfinite([lo, hi]).all():
             return table
-        table = np.clip(table, lo, hi)
-        snap = _SNAP * (hi - lo if np.isfinite(hi - lo) else 1.0)
+        if (period := self.problem.period) is not None:
+            table = table - np.round((table.mean(axis=1) - 0.5 * (lo + hi)) / period)[:, None] * period
+            table = table[np.argsort(table[:, 0])]
+        table, snap = np.clip(table, lo, hi), _SNAP * (hi - lo)
         table[:, 0], table[:, 1] = np.where(table[:, 0] <= lo + snap, lo, table[:, 0]), np.where(table[:, 1] >= hi - snap, hi, table[:, 1])
         return np.asarray(table)
 

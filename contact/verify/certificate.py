@@ -167,7 +167,7 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None)
 
 
 def _missed(fields: ZoneFields) -> float:
-    """Largest miss of the intensity that the law asks for at the ends, over it; at an end that is held, of what it asks for at the least."""
+    """Largest miss of the intensity that the law asks for at the ends, over it; where one is held, of what it asks for at the least."""
     wanted, zones = fields.problem.end.intensity, fields.density.zones
     assert wanted
     missed = np.array(fields.density.intensities) / wanted - 1.0

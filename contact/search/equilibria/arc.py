@@ -3,8 +3,8 @@
 There J = dr/ds has a zero eigenvalue, and along the arc the control has an extreme (a turning point). Motions are counted in the widths of
 the zones, the control in what moves an end by as much, so that a unit tangent tells both.
 
-Where an end reaches a sharp corner, or one that is held there is driven no longer, the curve has a kink: a step ends there, and the next one
-begins with that end held, or free. If it is free but unstable it lets go, and the curve ends.
+Where an end reaches a sharp corner, or one that is held there is driven no longer, the curve has a kink: a step ends there, and the next
+one begins with that end held, or free. If it is free but unstable it lets go, and the curve ends.
 """
 
 from __future__ import annotations

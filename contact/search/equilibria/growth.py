@@ -23,7 +23,7 @@ def grown(curve: Equilibria, table: Array, value: float) -> Point:
     """The least equilibrium without overlap that holds these zones, of which all ends are driven outward; `Closed` if there is none."""
     for _ in range(_ROUNDS):
         here = advanced(curve, table, value)
-        new = openings(curve.fields(here)).overlaps
+        new = curve.within(openings(curve.fields(here)).overlaps)
         if len(new) == 0:
             return here
         table = with_new(here.table, new)
@@ -74,7 +74,8 @@ def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) ->
         places = [0.0 if abs(p) < 1e-6 * step else p for p in places]
     half = 0.25 * _TOUCH * (1.0 if period is None else min(period, step * 1e3))
     while True:
-        table = curve.within(np.array(sorted([[place - half, place + half] for place in places] + [[s - half, e + half] for s, e in level])))
+        narrow = [(place - half, place + half) for place in places]
+        table = curve.within(np.array(sorted(narrow + [(s - half, e + half) for s, e in level])))
         if np.all(curve.at(table, value).whole.residual > 0.0) or half < 1e-12:
             return table
         half *= 0.1
