@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 
 import sie
-from contact.errors import OutOfRange
+from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
@@ -28,6 +28,10 @@ _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
 
 # An end nearer to a sharp corner than this part of the body's width is there; and one that is driven inward by so little is still held.
 _SNAP, _HELD = 1e-14, 1e-10
+
+
+# Growth within rounding of none.
+NEUTRAL = 1e-12
 
 
 class Closed(Exception):
@@ -102,6 +106,11 @@ class Point:
         """Largest eigenvalue of J over D: negative where an equilibrium is stable."""
         return float(np.linalg.eigvals(self.rates / self.weight[:, None]).real.max())
 
+    def refuse_neutral(self) -> None:
+        """NotConverged where a motion of the ends drives none of them: there is not one contact, but a row of them."""
+        if abs(self.growth) <= NEUTRAL:
+            raise NotConverged("a zone on a level stretch may be anywhere along it, and no one place is that of the contact")
+
     @cached_property
     def newton(self) -> Array:
         """Newton's step of the ends, outward."""
@@ -164,6 +173,7 @@ class Equilibria:
     def settled(self, here: Point) -> Point:
         """The equilibrium near by, tightly."""
         here = self.at(here.table, here.value)
+        here.refuse_neutral()
         for _ in range(_STEPS):
             size = float(np.abs(here.newton / here.widths).max())
             if size < _TIGHT or size > _ANOTHER:

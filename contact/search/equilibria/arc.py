@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Equilibria, NoState, Point
+from contact.formulation.equilibria import NEUTRAL, Equilibria, NoState, Point
 from contact.formulation.roots import bracketed
 from contact.search.equilibria.flow import receded
 
@@ -82,7 +82,7 @@ class Step:
     @property
     def lets_go(self) -> bool:
         """Whether ends let go of sharp corners at its end, where the curve breaks off."""
-        return self.after is not None and self.after.growth >= 0.0
+        return self.after is not None and self.after.growth >= -NEUTRAL
 
     @property
     def turns(self) -> bool:
@@ -109,6 +109,7 @@ class Step:
 def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> Iterator[Step]:
     """From an equilibrium, steps along the curve, the control first rising (sense 1) or falling (-1). tight: whether their ends are
     states that are solved as tightly as there is."""
+    here.refuse_neutral()
     place, length, why, stands = _begun(here, sense), _FIRST, "the curve of equilibria was not followed on", 0
     for _ in range(_MOST_STEPS):
         reached = _corner_within(curve, place, length)

@@ -18,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Closed, Equilibria, Point
+from contact.formulation.equilibria import NEUTRAL, Closed, Equilibria, Point
 from sie import Array, Mask
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's resolution.
@@ -75,7 +75,7 @@ def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
         gone_past = passed(here, ahead, step, sign)
         if not gone_past.any():
             return ahead, float(np.abs(step / here.widths).max())
-        if here.growth >= 0.0:
+        if here.growth >= -NEUTRAL:
             # A damped step keeps its shape as it is shortened: all ends are limited alike, else those at rest hold up the others.
             limit = 0.5 * limit * float((np.abs(step) / limit).max())
             continue
@@ -134,7 +134,7 @@ def kept_step(here: Point, sign: float, limit: Array, most_back: Array) -> Array
     """Newton's step, in which ends go no farther than their limits, nor back but a little; where there are motions that run away,
     damped by as much as keeps these within the limits."""
     rates, residual = here.rates, here.residual
-    if here.growth >= 0.0:
+    if here.growth >= -NEUTRAL:
         return _damped_step(here, sign, limit)
     step = np.linalg.solve(-rates, residual)
     free = np.ones(len(residual), dtype=bool)
