@@ -189,11 +189,12 @@ def find_ends(
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
         sizes.linear, sizes.rough, sizes.value = progress.linear, progress.linear > max(_ROUGHLY, progress.tightest), value
-        state = solve_zones(equation, zones, decay, sizes)
+        state = _state(equation, zones, decay, sizes, value)
         loose = state.iterated and sizes.linear > progress.tightest
-        if opened is not None and value != 0.0 and not state.iterated:
-            state = state.with_value(opened, value)
         zones, let_go = _let_go(zones, limits, state.density, limited)
+        if let_go and zones.follow_ends:
+            # The rates are those of the ends that move now.
+            state = _state(equation, zones, decay, sizes, value)
         if opened is not None and (unit is None or unit.moved(zones) > _SAME_RESPONSE):
             unit = Unit.of(state, sizes)
         motion = _newton(state, zones, signs, unit)
@@ -233,6 +234,12 @@ def find_ends(
             return Free(
                 state, False, rest.error, rest.rounding, tuple(progress.trace), value, abs(motion.change), lost, met, reason=reason
             )
+
+
+def _state(equation: Equation, zones: Zones, decay: float, sizes: Sizes, value: float) -> AnyState:
+    """The density on these zones, at the open condition's value, if there is one."""
+    state, opened = solve_zones(equation, zones, decay, sizes), equation.open_condition
+    return state if opened is None or value == 0.0 or state.iterated else state.with_value(opened, value)
 
 
 def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, value: float, bounded_ends: bool) -> Free:
