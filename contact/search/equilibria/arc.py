@@ -82,7 +82,7 @@ class Step:
     @property
     def lets_go(self) -> bool:
         """Whether ends let go of sharp corners at its end, where the curve breaks off."""
-        return self.after is not None and self.after.growth >= -NEUTRAL
+        return self.after is not None and self.after.growth > NEUTRAL
 
     @property
     def turns(self) -> bool:
@@ -132,7 +132,11 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
         if stands > _MOST_STANDS:
             why = "ends at sharp corners are neither held nor free"
             break
-        place = step.end if step.after is None else _begun(step.after, step.end.rises)
+        if step.after is None:
+            place = step.end
+        else:
+            step.after.refuse_neutral()
+            place = _begun(step.after, step.end.rises)
         length = min(_LONGER * length, _LONGEST)
     raise NotConverged(why)
 

@@ -62,6 +62,8 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
         driven = float(np.abs(here.residual).max())
         if move <= REST and driven <= (DRIVEN if here.growth < 0.0 else _SLIGHT):
             return here
+        if move == 0.0:
+            break
     raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
 
 
