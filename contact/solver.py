@@ -16,10 +16,10 @@ from dataclasses import replace
 from numbers import Real
 
 from contact.errors import NotConverged, SceneError, warn
+from contact.extras import require
 from contact.formulation.fields import ZoneFields
 from contact.model.checks import one_of
 from contact.model.scene import Scene
-from contact.search.equilibria.parting import Parting, PartingUnderTension
 from contact.search.find import found
 from contact.search.refine import refined
 from contact.search.shared import Shared
@@ -160,8 +160,10 @@ def _run(task: Task) -> Solution:
 
 
 def _parting(task: Task, found: Found) -> Callable[[ZoneFields], PullOff]:
+    parting = require("contact.search.equilibria.parting")
     held = task.control(found.fields.problem)
-    return PartingUnderTension(held) if task.scene.law.tension else Parting(held)
+    told: Callable[[ZoneFields], PullOff] = parting.PartingUnderTension(held) if task.scene.law.tension else parting.Parting(held)
+    return told
 
 
 def _solution(task: Task, outcome: Outcome) -> Solution:

@@ -18,6 +18,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 import sie
+from contact.axisymmetric.lattices import own_radius
 from contact.axisymmetric.profiles import AxisymmetricProfile
 from contact.axisymmetric.quadrature import panels
 from contact.axisymmetric.system import Surface
@@ -123,7 +124,7 @@ class Spot(sie.Kept):
     @property
     def circle(self) -> float:
         """A = (pi N)^(-1/2) [m], the circle whose area is a spot's share; inf for a spot alone."""
-        return 1.0 / sqrt(pi * self.density) if self.density > 0 else inf
+        return own_radius(self.density) if self.density > 0 else inf
 
     def pressure(self, r: ArrayLike) -> Array:
         """p(r) [Pa], 0 outside the spot."""

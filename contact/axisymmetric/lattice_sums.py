@@ -26,9 +26,6 @@ _REACH = 4.0  # in roots of the cell area: exp(-pi 16) is below rounding
 def epstein(lattice: Lattice, shift: Site, s: int) -> float:
     """Z(s; shift) of the lattice in units of its spacing, s odd."""
     basis, cell = lattice.unit_basis, lattice.unit_area
-    whole = (shift[0] - round(shift[0]), shift[1] - round(shift[1]))
-    on_lattice = float(np.hypot(*(np.array(whole) @ basis))) < 1e-9
-
     near = lattice.distances(shift, _REACH * cell**0.5)
     direct = gammaincc(0.5 * s, pi * near**2 / cell) * gamma(0.5 * s) * (pi * near**2) ** (-0.5 * s)
 
@@ -40,7 +37,7 @@ def epstein(lattice: Lattice, shift: Site, s: int) -> float:
     phase = np.cos(2.0 * pi * (i[other] * shift[0] + j[other] * shift[1]))
     far = phase * square ** (0.5 * s - 1.0) * _upper_gamma(s, square * cell) / cell
 
-    loose = cell ** (-0.5 * s) * (1.0 / (0.5 * s - 1.0) - (1.0 / (0.5 * s) if on_lattice else 0.0))
+    loose = cell ** (-0.5 * s) * (1.0 / (0.5 * s - 1.0) - (1.0 / (0.5 * s) if lattice.holds(shift) else 0.0))
     return float(pi ** (0.5 * s) / gamma(0.5 * s) * (np.sum(direct) + np.sum(far) + loose))
 
 

@@ -6,7 +6,7 @@ A ring is all the spots at one distance from the spot looked at.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, pi, sqrt
+from math import inf, isinf, pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -156,6 +156,18 @@ class Lattice:
             if len(group(found)[0]) > rings:
                 return found
             reach *= 1.5
+
+    def cut(self, shifts: list[Site], rings: float) -> float:
+        """Distance/l of the last ring kept, rings counted over the lattice's points moved by all the shifts; inf: all are kept."""
+        if rings == 0 or isinf(rings):
+            return rings
+        radii, _ = group(self.reaching(shifts, int(rings)))
+        return float(radii[int(rings) - 1])
+
+    def holds(self, shift: Site) -> bool:
+        """Whether it is a point of the lattice, in fractions of the unit vectors."""
+        rest = np.array(shift) - np.round(shift)
+        return float(np.hypot(*(rest @ self.unit_basis))) < _SAME
 
 
 @dataclass(frozen=True)

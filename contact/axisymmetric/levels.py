@@ -18,12 +18,12 @@ from typing import Any
 import numpy as np
 
 from contact.axisymmetric.answer import Spot
-from contact.axisymmetric.lattices import Lattice, Site, as_lattice, group, own_radius
+from contact.axisymmetric.lattices import Lattice, Site, as_lattice, own_radius
 from contact.axisymmetric.neighbours import Surroundings, surroundings
 from contact.axisymmetric.profiles import AxisymmetricProfile, as_profile
-from contact.axisymmetric.refine import NODES, first_radius, refined, settled
+from contact.axisymmetric.refine import NODES, first_radius, refined, settled, spot_of
 from contact.axisymmetric.spot import one_control, ring_count
-from contact.axisymmetric.system import Kind, State, refine_topology, room, total_load, touching_tip
+from contact.axisymmetric.system import Kind, refine_topology, room, total_load, touching_tip
 from contact.axisymmetric.system import approach as given_approach
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite, keep, non_negative, positive
@@ -188,18 +188,14 @@ def solve_levels(
     """
     E, tol = positive("E_star", E_star), positive("tol", tol)
     name, value = one_control(nominal_pressure=nominal_pressure, approach=approach)
-    kinds, around, kept = _system(levels, lattice, rings)
+    kinds, kept = _system(levels, lattice, rings)
     condition = total_load(value / E) if name == "nominal_pressure" else given_approach(value)
 
-    contacts = list(_contacts(kinds, around, tol))
+    contacts = list(_contacts(kinds, tol))
     met = [c for c in contacts if (c.pressure * E if name == "nominal_pressure" else c.delta) < value]
     active = sorted(j for c in met for j in c.kinds)
-    start = _start(kinds, around, active, value / E if name == "nominal_pressure" else None, value)
-
-    def spots_of(state: State) -> list[Spot]:
-        return [_spot(j, kinds, around, state, E, kept) for j in active]
-
-    found = refined(settled(kinds, around, start, condition), spots_of, tol)
+    start = _start(kinds, active, value / E if name == "nominal_pressure" else None, value)
+    found = refined(settled(kinds, start, condition), lambda state: [spot_of(j, kinds, state, E, kept) for j in active], tol)
     spots = dict(zip(active, found, strict=True))
     pressures, deltas = np.full(len(kinds), inf), np.full(len(kinds), inf)
     for c in contacts:
@@ -254,9 +250,9 @@ def touch_pressures(
     [False, True]
     """
     E, tol = positive("E_star", E_star), positive("tol", tol)
-    kinds, around, _ = _system(levels, lattice, rings)
+    kinds, _ = _system(levels, lattice, rings)
     pressures = np.full(len(kinds), inf)
-    for c in _contacts(kinds, around, tol):
+    for c in _contacts(kinds, tol):
         pressures[c.kinds] = E * c.pressure
     return pressures
 
@@ -270,13 +266,13 @@ class _Contact:
     delta: float
 
 
-def _contacts(kinds: Sequence[Kind], around: Sequence[Sequence[Surroundings]], tol: float) -> Iterator[_Contact]:
+def _contacts(kinds: Sequence[Kind], tol: float) -> Iterator[_Contact]:
     """The levels in the order in which they touch."""
     active = [j for j, kind in enumerate(kinds) if kind.depth == 0.0]
     yield _Contact(list(active), 0.0, 0.0)
     while waiting := [j for j in range(len(kinds)) if j not in active]:
         # Each candidate as if no other came before it: the first is right, and the others are found anew.
-        found = [_first_touch(j, kinds, around, active, tol) for j in waiting]
+        found = [_first_touch(j, kinds, active, tol) for j in waiting]
         first = min(found, key=lambda c: c.pressure)
         if isinf(first.pressure):
             return
@@ -285,15 +281,13 @@ def _contacts(kinds: Sequence[Kind], around: Sequence[Sequence[Surroundings]], t
         active += together
 
 
-def _first_touch(
-    j: int, kinds: Sequence[Kind], around: Sequence[Sequence[Surroundings]], active: list[int], tol: float
-) -> _Contact:
+def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -> _Contact:
     """The state of the levels in contact whose surface just meets the tip of level j."""
-    start = _start(kinds, around, active, None, kinds[j].depth)
+    start = _start(kinds, active, None, kinds[j].depth)
     last = inf
     try:
         for n in NODES:
-            state = refine_topology(kinds, around, start, touching_tip(j), n)
+            state = refine_topology(kinds, start, touching_tip(j), n)
             pressure = sum(kind.density * float(force) for kind, force in zip(kinds, state.forces, strict=True))
             if not pressure > 0:
                 break
@@ -305,13 +299,7 @@ def _first_touch(
     return _Contact([j], inf, inf)
 
 
-def _start(
-    kinds: Sequence[Kind],
-    around: Sequence[Sequence[Surroundings]],
-    active: list[int],
-    pressure: float | None,
-    delta: float,
-) -> Array:
+def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, delta: float) -> Array:
     """Radii of spots that do not feel each other, at an approach or a nominal pressure over E*: a start for Newton."""
     scale = min(own_radius(kind.density) for kind in kinds)
 
@@ -340,7 +328,7 @@ def _start(
             low, high = (middle, high) if carried(middle) < pressure else (low, middle)
         delta = high
     radii = radii_at(delta)
-    while room(around, radii) < 0.1:
+    while room(kinds, radii) < 0.1:
         radii *= 0.9
     return radii
 
@@ -349,10 +337,8 @@ def _penetration(profile: AxisymmetricProfile) -> Callable[[float], float]:
     return lambda a: float(profile.line(a))
 
 
-def _system(
-    levels: Sequence[Level], lattice: Lattice | None, rings: float
-) -> tuple[list[Kind], list[list[Surroundings]], float]:
-    """Kinds of spots, how each sees each, and how many rings are kept."""
+def _system(levels: Sequence[Level], lattice: Lattice | None, rings: float) -> tuple[list[Kind], float]:
+    """Kinds of spots, and how many rings of neighbours are kept."""
     levels = list(levels)
     if not levels or not all(isinstance(level, Level) for level in levels):
         raise SceneError.of("levels", levels, "a sequence of one Level or more")
@@ -360,38 +346,26 @@ def _system(
         raise SceneError.of("depth", min(level.depth for level in levels), "0 for the highest level")
     kept = ring_count(rings, as_lattice(lattice))
     if lattice is None:
-        kinds = [Kind(level.profile, level.depth, _density(level)) for level in levels]
-        return kinds, _by_density(kinds), kept
+        return _kinds(levels, [_density(level) for level in levels]), kept
     if not isinstance(lattice, Lattice):
         raise SceneError.of("lattice", lattice, "a lattice, or None where the levels have densities")
     sites = [_placed(level) for level in levels]
-    kinds = [
-        Kind(level.profile, level.depth, lattice.density * len(s)) for level, s in zip(levels, sites, strict=True)
-    ]
     around = []
     for own in sites:
         views = [[_shifts(other, site) for other in sites] for site in own]
         _same_views(lattice, views)
         if kept:
-            cut = _cut(lattice, [s for view in views[0] for s in view], kept)
+            cut = lattice.cut([s for view in views[0] for s in view], kept)
             around.append([surroundings(lattice, view, cut) for view in views[0]])
-    return kinds, around or _by_density(kinds), kept
+    return _kinds(levels, [lattice.density * len(s) for s in sites], around), kept
 
 
-def _by_density(kinds: Sequence[Kind]) -> list[list[Surroundings]]:
-    """No neighbour kept: circles only."""
-    share = own_radius(sum(kind.density for kind in kinds))
-    return [
-        [Surroundings(None, own_radius(i.density) if i is j else share, i.density) for i in kinds] for j in kinds
-    ]
-
-
-def _cut(lattice: Lattice, shifts: list[Site], rings: float) -> float:
-    """Radius in spacings of the last ring kept, rings counted over all levels."""
-    if isinf(rings):
-        return inf
-    radii, _ = group(lattice.reaching(shifts, int(rings)))
-    return float(radii[int(rings) - 1])
+def _kinds(levels: Sequence[Level], densities: Sequence[float], around: Sequence[Sequence[Surroundings]] = ()) -> list[Kind]:
+    """The spots of each level; where no neighbour is kept, circles are around them only."""
+    share = own_radius(sum(densities))
+    each = range(len(densities))
+    around = around or [[Surroundings(None, own_radius(densities[i]) if i == j else share, densities[i]) for i in each] for j in each]
+    return [Kind(level.profile, level.depth, n, seen) for level, n, seen in zip(levels, densities, around, strict=True)]
 
 
 def _shifts(sites: Sequence[Site], origin: Site) -> list[Site]:
@@ -436,25 +410,3 @@ def _sites(value: Any) -> tuple[Site, ...]:
     if np.min(apart) < 1e-9:
         raise SceneError.of("sites", value, "different points of the cell")
     return tuple(sites)
-
-
-def _spot(
-    j: int,
-    kinds: Sequence[Kind],
-    around: Sequence[Sequence[Surroundings]],
-    state: State,
-    E_star: float,
-    rings: float,
-) -> Spot:
-    kind, surface = kinds[j], state.surfaces[j]
-    reach = inf
-    for i in np.flatnonzero(state.radii > 0):
-        seen = around[j][int(i)]
-        if seen.kernel is not None:
-            reach = min(reach, seen.kernel.nearest - float(state.radii[i]))
-        elif seen.circle > 0:
-            reach = min(reach, seen.circle)
-    return Spot(
-        kind.profile, E_star, float(state.radii[j]), E_star * float(state.forces[j]), kind.depth, state.delta,
-        kind.density, rings, surface, reach,
-    )

@@ -113,7 +113,7 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
         whole = np.array([sum(epstein(lattice, s, -int(p)) for s in shifts) for p in powers])
         sums = whole - np.sum(counts * radii ** powers[:, None], axis=1)
     else:
-        own = any(_on_lattice(lattice, s) for s in shifts)
+        own = any(lattice.holds(s) for s in shifts)
         circle = sqrt((kept.size + own) / (pi * density))
         if not kept.size:
             return Surroundings(None, circle, density)
@@ -123,8 +123,3 @@ def surroundings(lattice: Lattice, shifts: list[Site], cut: float) -> Surroundin
     return Surroundings(
         NeighbourKernel(radii[near] * lattice.spacing, counts[near], _BINOMIAL * sums, lattice.spacing), circle, density
     )
-
-
-def _on_lattice(lattice: Lattice, shift: Site) -> bool:
-    rest = np.array([shift[0] - round(shift[0]), shift[1] - round(shift[1])])
-    return float(np.hypot(*(rest @ lattice.unit_basis))) < 1e-9

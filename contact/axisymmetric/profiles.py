@@ -153,8 +153,46 @@ def abel_kernel(r: ArrayLike, s: ArrayLike, a: float) -> Array:
     return np.asarray(np.where((0 < far) & (far < a), value, 0.0))
 
 
+class Power(AxisymmetricProfile):
+    """f = scale r^exponent in closed form: g = k f(x), k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2); P = 2 E* n/(n + 1) a g(a)."""
+
+    @property
+    def _power(self) -> tuple[float, float]:
+        """(exponent n, scale)."""
+        raise NotImplementedError(f"{type(self).__name__} must define _power")
+
+    @property
+    def _stretch(self) -> float:
+        n, _ = self._power
+        return sqrt(pi) * gamma(0.5 * n + 1.0) / gamma(0.5 * (n + 1.0))
+
+    def height(self, r: ArrayLike) -> Array:
+        n, scale = self._power
+        return np.asarray(scale * np.asarray(r, dtype=np.float64) ** n)
+
+    def slope(self, r: ArrayLike) -> Array:
+        n, scale = self._power
+        return np.asarray(n * scale * np.asarray(r, dtype=np.float64) ** (n - 1.0))
+
+    def r_laplacian(self, r: ArrayLike) -> Array:
+        return self._power[0] * self.slope(r)
+
+    def pointed(self, a: float) -> bool:
+        return self._power[0] == 1.0
+
+    def line(self, x: ArrayLike) -> Array:
+        return self._stretch * self.height(x)
+
+    def line_slope(self, x: ArrayLike) -> Array:
+        return self._stretch * self.slope(x)
+
+    def load_integral(self, a: float) -> float:
+        n, _ = self._power
+        return float(2.0 * n / (n + 1.0) * a * self.line(a))
+
+
 @dataclass(frozen=True)
-class Sphere(AxisymmetricProfile):
+class Sphere(Power):
     """A paraboloid f = r^2/(2 radius), the contact of Hertz: g = x^2/R, P = 4 E* a^3/(3R), p = (2 E*/(pi R)) sqrt(a^2 - r^2).
 
     I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4.
@@ -187,26 +225,9 @@ class Sphere(AxisymmetricProfile):
     def __post_init__(self) -> None:
         keep(self, positive, "radius")
 
-    def height(self, r: ArrayLike) -> Array:
-        return np.asarray(r, dtype=np.float64) ** 2 / (2 * self.radius)
-
-    def slope(self, r: ArrayLike) -> Array:
-        return np.asarray(r, dtype=np.float64) / self.radius
-
-    def r_laplacian(self, r: ArrayLike) -> Array:
-        return 2.0 * np.asarray(r, dtype=np.float64) / self.radius
-
-    def pointed(self, a: float) -> bool:
-        return False
-
-    def line(self, x: ArrayLike) -> Array:
-        return np.asarray(x, dtype=np.float64) ** 2 / self.radius
-
-    def line_slope(self, x: ArrayLike) -> Array:
-        return 2.0 * np.asarray(x, dtype=np.float64) / self.radius
-
-    def load_integral(self, a: float) -> float:
-        return 4.0 * a**3 / (3.0 * self.radius)
+    @property
+    def _power(self) -> tuple[float, float]:
+        return 2.0, 0.5 / self.radius
 
     def pressure_shape(self, r: ArrayLike, a: float) -> Array:
         r = np.asarray(r, dtype=np.float64)
@@ -214,7 +235,7 @@ class Sphere(AxisymmetricProfile):
 
 
 @dataclass(frozen=True)
-class Cone(AxisymmetricProfile):
+class Cone(Power):
     """A cone f = slope r (Sneddon): g = pi slope x/2, P = pi E* slope a^2/2, p = (E* slope/2) arcosh(a/r).
 
     I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4.
@@ -250,23 +271,9 @@ class Cone(AxisymmetricProfile):
     def __post_init__(self) -> None:
         keep(self, positive, "steepness")
 
-    def height(self, r: ArrayLike) -> Array:
-        return self.steepness * np.asarray(r, dtype=np.float64)
-
-    def slope(self, r: ArrayLike) -> Array:
-        return np.full(np.shape(r), self.steepness)
-
-    def r_laplacian(self, r: ArrayLike) -> Array:
-        return self.slope(r)
-
-    def line(self, x: ArrayLike) -> Array:
-        return 0.5 * pi * self.height(x)
-
-    def line_slope(self, x: ArrayLike) -> Array:
-        return 0.5 * pi * self.slope(x)
-
-    def load_integral(self, a: float) -> float:
-        return 0.5 * pi * self.steepness * a**2
+    @property
+    def _power(self) -> tuple[float, float]:
+        return 1.0, self.steepness
 
     def pressure_shape(self, r: ArrayLike, a: float) -> Array:
         r = np.asarray(r, dtype=np.float64)
@@ -275,7 +282,7 @@ class Cone(AxisymmetricProfile):
 
 
 @dataclass(frozen=True)
-class PowerLaw(AxisymmetricProfile):
+class PowerLaw(Power):
     """A shape f = scale r^exponent, exponent n >= 1: g = k scale x^n, P = 2 E* n/(n+1) a g(a).
 
     k = sqrt(pi) Gamma(n/2 + 1)/Gamma((n + 1)/2). Galin; Popov 2013; I. N. Sneddon (1965), doi 10.1016/0020-7225(65)90019-4.
@@ -317,30 +324,8 @@ class PowerLaw(AxisymmetricProfile):
         keep(self, positive, "scale")
 
     @property
-    def _stretch(self) -> float:
-        n = self.exponent
-        return sqrt(pi) * gamma(0.5 * n + 1.0) / gamma(0.5 * (n + 1.0))
-
-    def height(self, r: ArrayLike) -> Array:
-        return np.asarray(self.scale * np.asarray(r, dtype=np.float64) ** self.exponent)
-
-    def slope(self, r: ArrayLike) -> Array:
-        return np.asarray(self.exponent * self.scale * np.asarray(r, dtype=np.float64) ** (self.exponent - 1.0))
-
-    def r_laplacian(self, r: ArrayLike) -> Array:
-        return self.exponent * self.slope(r)
-
-    def pointed(self, a: float) -> bool:
-        return self.exponent == 1.0
-
-    def line(self, x: ArrayLike) -> Array:
-        return self._stretch * self.height(x)
-
-    def line_slope(self, x: ArrayLike) -> Array:
-        return self._stretch * self.slope(x)
-
-    def load_integral(self, a: float) -> float:
-        return float(2.0 * self.exponent / (self.exponent + 1.0) * a * self.line(a))
+    def _power(self) -> tuple[float, float]:
+        return self.exponent, self.scale
 
 
 @dataclass(frozen=True)

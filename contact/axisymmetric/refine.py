@@ -9,7 +9,6 @@ from math import inf
 import numpy as np
 
 from contact.axisymmetric.answer import Spot
-from contact.axisymmetric.neighbours import Surroundings
 from contact.axisymmetric.system import Condition, Kind, State, refine_topology
 from contact.errors import NotConverged, OutOfRange
 from sie import Array
@@ -21,14 +20,27 @@ _EPS = 2.2e-16
 _GROW = 2.0**0.125
 
 
-def settled(
-    kinds: Sequence[Kind], around: Sequence[Sequence[Surroundings]], start: Array, condition: Condition
-) -> Iterator[State]:
+def settled(kinds: Sequence[Kind], start: Array, condition: Condition) -> Iterator[State]:
     """Newton's states on ever more nodes, each from the one before."""
     for n in NODES:
-        state = refine_topology(kinds, around, start, condition, n)
+        state = refine_topology(kinds, start, condition, n)
         start = state.radii
         yield state
+
+
+def spot_of(j: int, kinds: Sequence[Kind], state: State, E_star: float, rings: float) -> Spot:
+    """The spot of one kind in a solved system."""
+    kind, reach = kinds[j], inf
+    for i in np.flatnonzero(state.radii > 0).tolist():
+        seen = kind.around[i]
+        if seen.kernel is not None:
+            reach = min(reach, seen.kernel.nearest - float(state.radii[i]))
+        elif seen.circle > 0:
+            reach = min(reach, seen.circle)
+    return Spot(
+        kind.profile, E_star, float(state.radii[j]), E_star * float(state.forces[j]), kind.depth, state.delta,
+        kind.density, rings, state.surfaces[j], reach,
+    )
 
 
 def refined(states: Iterable[State], spots_of: Callable[[State], list[Spot]], tol: float) -> list[Spot]:

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 
 from contact.axisymmetric.answer import Spot
-from contact.axisymmetric.lattices import Density, Lattice, as_lattice, group, own_radius
+from contact.axisymmetric.lattices import Density, Lattice, as_lattice, own_radius
 from contact.axisymmetric.neighbours import Surroundings, surroundings
 from contact.axisymmetric.profiles import AxisymmetricProfile, as_profile
-from contact.axisymmetric.refine import NODES, first_radius, refined, settled
+from contact.axisymmetric.refine import NODES, first_radius, refined, settled, spot_of
 from contact.axisymmetric.system import Kind, Linear, State, closed_edge, force
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import integer, positive
@@ -84,24 +84,17 @@ def solve_spot(
             raise SceneError("nominal_pressure needs a lattice or a density", name, value, "left out for a spot alone")
         value /= density
 
-    kinds, seen = [Kind(shape, 0.0, density)], _seen(place, kept)
+    seen = _seen(place, kept)
+    kinds = [Kind(shape, 0.0, density, [seen])]
     limit = min(inf if seen.kernel is None else 0.5 * seen.kernel.nearest, seen.circle or inf)
     if name == "spot_radius":
         if not value < limit:
             raise OutOfRange(f"spot_radius = {value:.6g} m is out of range: it must be below {limit:.6g} m")
-        states: Iterable[State] = (Linear(kinds, [[seen]], np.array([value]), n).solve(closed_edge(0)) for n in NODES)
+        states: Iterable[State] = (Linear(kinds, np.array([value]), n).solve(closed_edge(0)) for n in NODES)
     else:
         start = first_radius(shape.load_integral, value / E, 1.0 if isinf(limit) else limit)
-        states = settled(kinds, [[seen]], np.array([min(start, 0.9 * limit)]), force(0, value / E))
-
-    def spots_of(state: State) -> list[Spot]:
-        a = float(state.radii[0])
-        reach = inf if place is None else seen.circle if seen.kernel is None else seen.kernel.nearest - a
-        return [
-            Spot(shape, E, a, E * float(state.forces[0]), 0.0, state.delta, density, kept, state.surfaces[0], reach)
-        ]
-
-    return refined(states, spots_of, tol)[0]
+        states = settled(kinds, np.array([min(start, 0.9 * limit)]), force(0, value / E))
+    return refined(states, lambda state: [spot_of(0, kinds, state, E, kept)], tol)[0]
 
 
 def correction_share(ratio: float) -> float:
@@ -203,7 +196,4 @@ def _seen(place: Lattice | Density | None, rings: float) -> Surroundings:
     if not isinstance(place, Lattice):
         return Surroundings(None, own_radius(place.density), place.density)
     origin = [(0.0, 0.0)]
-    if rings == 0 or isinf(rings):
-        return surroundings(place, origin, rings)
-    radii, _ = group(place.reaching(origin, int(rings)))
-    return surroundings(place, origin, float(radii[int(rings) - 1]))
+    return surroundings(place, origin, place.cut(origin, rings))

@@ -16,14 +16,14 @@ Newton's step, under any side condition.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.axisymmetric.neighbours import Surroundings
+from contact.axisymmetric.neighbours import NeighbourKernel, Surroundings
 from contact.axisymmetric.profiles import AxisymmetricProfile
 from contact.axisymmetric.quadrature import half_gauss, panels
 from contact.errors import NotConverged, OutOfRange
@@ -36,11 +36,12 @@ _ROUNDING = 1e-15  # of w at an edge, to the approach: a spot just born settles 
 
 @dataclass(frozen=True)
 class Kind:
-    """Spots of one profile, tip depth and density [1/m^2]."""
+    """Spots of one profile, tip depth and density [1/m^2]; around: the spots of every kind as seen from one of these."""
 
     profile: AxisymmetricProfile
     depth: float
     density: float
+    around: Sequence[Surroundings]
 
 
 @dataclass(frozen=True)
@@ -49,21 +50,17 @@ class Source:
 
     nodes: Array
     weighted: Array  # 2 x weight x w: summing it gives P/E*
-    around: Surroundings
+    kernel: NeighbourKernel
 
-    def value(self, x: ArrayLike) -> Array:
+    def value(self, x: Array) -> Array:
         """Its part of e(x)."""
-        x = np.asarray(x, dtype=np.float64)[..., None]
-        kernel = self.around.kernel
-        assert kernel is not None
-        both = kernel.value(x - self.nodes) + kernel.value(x + self.nodes)
-        return np.asarray(np.sum(self.weighted * both, axis=-1) / (2.0 * pi))
+        return self._sum(self.kernel.value, x)
 
-    def slope(self, x: ArrayLike) -> Array:
-        x = np.asarray(x, dtype=np.float64)[..., None]
-        kernel = self.around.kernel
-        assert kernel is not None
-        both = kernel.slope(x - self.nodes) + kernel.slope(x + self.nodes)
+    def slope(self, x: Array) -> Array:
+        return self._sum(self.kernel.slope, x)
+
+    def _sum(self, function: Callable[[Array], Array], x: Array) -> Array:
+        both = function(x[..., None] - self.nodes) + function(x[..., None] + self.nodes)
         return np.asarray(np.sum(self.weighted * both, axis=-1) / (2.0 * pi))
 
 
@@ -76,12 +73,8 @@ class Surface:
 
     def value(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=np.float64)
-        total = np.zeros(x.shape)
-        for source in self.sources:
-            total = total + source.value(x)
-        for strength, around in self.nominal:
-            total = total - strength * around.outside(x)
-        return total
+        kept = sum((source.value(x) for source in self.sources), np.zeros(x.shape))
+        return kept - sum((s * around.outside(x) for s, around in self.nominal), np.zeros(x.shape))
 
     def slope(self, x: ArrayLike) -> Array:
         x = np.asarray(x, dtype=np.float64)
@@ -111,10 +104,10 @@ Condition = Callable[["Linear"], tuple[Array, float]]
 class Linear:
     """The linear system at given radii; the unknowns are e at the nodes of every touching kind, P/E*, and delta."""
 
-    def __init__(self, kinds: Sequence[Kind], around: Sequence[Sequence[Surroundings]], radii: Array, n: int) -> None:
-        self.kinds, self.around, self.radii = kinds, around, radii
+    def __init__(self, kinds: Sequence[Kind], radii: Array, n: int) -> None:
+        self.kinds, self.radii = kinds, radii
         self.active = [j for j in range(len(kinds)) if radii[j] > 0]
-        coupled = any(row[i].kernel is not None for row in around for i in self.active)
+        coupled = any(kind.around[i].kernel is not None for kind in kinds for i in self.active)
         self.unit, self.weight = half_gauss(n) if coupled else (np.empty(0), np.empty(0))
         m = self.unit.size
         self.at_e = {j: slice(k * m, (k + 1) * m) for k, j in enumerate(self.active)}
@@ -135,8 +128,7 @@ class Linear:
         """e_j(x) as rows over the unknowns, and a constant."""
         rows, constant = np.zeros((x.size, self.size)), np.zeros(x.size)
         for i in self.active:
-            around = self.around[j][i]
-            kernel = around.kernel
+            kernel = self.kinds[j].around[i].kernel
             if kernel is None:
                 continue
             t = self.smooth[i]
@@ -146,11 +138,17 @@ class Linear:
             rows[:, self.at_delta] += np.sum(smooth, axis=1)
             for k in self.active:
                 strength = 2.0 * self.kinds[k].density
-                rows[:, self.at_force[k]] += strength * (smooth @ self.around[i][k].outside(t))
+                rows[:, self.at_force[k]] += strength * (smooth @ self.kinds[i].around[k].outside(t))
             s, w = self.rough[i]
             rough = w / (2.0 * pi) * (kernel.value(x[:, None] - s) + kernel.value(x[:, None] + s))
             constant -= rough @ self.kinds[i].profile.line(s) + self.kinds[i].depth * np.sum(smooth, axis=1)
         return rows, constant
+
+    def row(self, at: Mapping[int, float]) -> Array:
+        """A row over the unknowns, zero elsewhere."""
+        out = np.zeros(self.size)
+        out[list(at)] = list(at.values())
+        return out
 
     def edge_row(self, j: int, x: float) -> tuple[Array, float]:
         """delta - d_j - e_j(x) + nominal terms, as a row and a constant: w_j(x) but for g_j."""
@@ -158,7 +156,7 @@ class Linear:
         row = -rows[0]
         row[self.at_delta] += 1.0
         for k in self.active:
-            row[self.at_force[k]] += 2.0 * self.kinds[k].density * float(self.around[j][k].outside(x))
+            row[self.at_force[k]] += 2.0 * self.kinds[k].density * float(self.kinds[j].around[k].outside(x))
         return row, -float(constant[0]) - self.kinds[j].depth
 
     def solve(self, condition: Condition) -> State:
@@ -175,7 +173,7 @@ class Linear:
             matrix[row, at] = 2.0 * a * self.weight
             matrix[row, self.at_delta] = -2.0 * a
             for k in self.active:
-                matrix[row, self.at_force[k]] -= 2.0 * self.kinds[k].density * self.around[j][k].outside_integral(a)
+                matrix[row, self.at_force[k]] -= 2.0 * self.kinds[k].density * kind.around[k].outside_integral(a)
             right[row] = -2.0 * (a * kind.depth + kind.profile.line_integral(a))
         matrix[-1], right[-1] = condition(self)
         # Rows and columns have units; bring each row, then each column, to size one.
@@ -198,16 +196,16 @@ class Linear:
         for i in self.active if self.unit.size else []:
             t, (s, w) = self.smooth[i], self.rough[i]
             smooth = delta - self.kinds[i].depth - unknown[self.at_e[i]]
-            smooth = smooth + sum(strength[k] * self.around[i][k].outside(t) for k in self.active)
+            smooth = smooth + sum(strength[k] * self.kinds[i].around[k].outside(t) for k in self.active)
             sources[i] = (
                 np.concatenate([t, s]),
                 np.concatenate([2.0 * self.radii[i] * self.weight * smooth, -w * self.kinds[i].profile.line(s)]),
             )
         surfaces, edges = [], np.zeros(len(self.kinds))
         for j, kind in enumerate(self.kinds):
-            seen = self.around[j]
-            acting = tuple(Source(*sources[i], seen[i]) for i in self.active if seen[i].kernel is not None)
-            nominal = tuple((strength[i], seen[i]) for i in self.active if seen[i].circle > 0)
+            seen = {i: kind.around[i] for i in self.active}
+            acting = tuple(Source(*sources[i], around.kernel) for i, around in seen.items() if around.kernel is not None)
+            nominal = tuple((strength[i], around) for i, around in seen.items() if around.circle > 0)
             surfaces.append(Surface(acting, nominal))
             if j in self.active:
                 a = self.radii[j]
@@ -217,25 +215,12 @@ class Linear:
 
 def total_load(pressure_over_E: float) -> Condition:
     """sum_j N_j P_j = nominal pressure."""
-
-    def row(linear: Linear) -> tuple[Array, float]:
-        value = np.zeros(linear.size)
-        for j in linear.active:
-            value[linear.at_force[j]] = linear.kinds[j].density
-        return value, pressure_over_E
-
-    return row
+    return lambda linear: (linear.row({linear.at_force[j]: linear.kinds[j].density for j in linear.active}), pressure_over_E)
 
 
 def force(kind: int, force_over_E: float) -> Condition:
     """P_j given."""
-
-    def row(linear: Linear) -> tuple[Array, float]:
-        value = np.zeros(linear.size)
-        value[linear.at_force[kind]] = 1.0
-        return value, force_over_E
-
-    return row
+    return lambda linear: (linear.row({linear.at_force[kind]: 1.0}), force_over_E)
 
 
 def closed_edge(kind: int) -> Condition:
@@ -251,13 +236,7 @@ def closed_edge(kind: int) -> Condition:
 
 def approach(delta: float) -> Condition:
     """delta given."""
-
-    def row(linear: Linear) -> tuple[Array, float]:
-        value = np.zeros(linear.size)
-        value[linear.at_delta] = 1.0
-        return value, delta
-
-    return row
+    return lambda linear: (linear.row({linear.at_delta: 1.0}), delta)
 
 
 def touching_tip(kind: int) -> Condition:
@@ -270,15 +249,13 @@ def touching_tip(kind: int) -> Condition:
     return row
 
 
-def refine_topology(
-    kinds: Sequence[Kind], around: Sequence[Sequence[Surroundings]], start: Array, condition: Condition, n: int
-) -> State:
+def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n: int) -> State:
     """Newton's radii from a start; 0 marks a kind that does not touch."""
     radii = np.array(start, dtype=np.float64)
     active = [int(j) for j in np.flatnonzero(radii > 0)]
     trace = []
     for _ in range(_STEPS):
-        state = Linear(kinds, around, radii, n).solve(condition)
+        state = Linear(kinds, radii, n).solve(condition)
         steps, rounding = np.zeros_like(radii), True
         for j in active:
             a = radii[j]
@@ -291,24 +268,24 @@ def refine_topology(
         if trace[-1] <= _SETTLED or rounding:
             return state
         share = 1.0
-        while room(around, radii + share * steps) <= 0:
+        while room(kinds, radii + share * steps) <= 0:
             share *= 0.5
         # Not onto the limit itself: half of what is left, at most.
-        if room(around, radii + share * steps) < 0.25 * room(around, radii):
+        if room(kinds, radii + share * steps) < 0.25 * room(kinds, radii):
             share *= 0.5
         radii = radii + share * steps
-        if room(around, radii) < 1e-7:
+        if room(kinds, radii) < 1e-7:
             raise OutOfRange("out of range: the spots would grow into their neighbours before this is reached")
     raise NotConverged(f"the radii have not settled in {_STEPS} steps (last {trace[-1]:.2e})", trace)
 
 
-def room(around: Sequence[Sequence[Surroundings]], radii: Array) -> float:
+def room(kinds: Sequence[Kind], radii: Array) -> float:
     """What is left, relative, before spots meet their neighbours or their circle; <= 0: they do."""
     least = 1.0
     active = [int(j) for j in np.flatnonzero(radii > 0)]
     for j in active:
         for i in active:
-            seen = around[j][i]
+            seen = kinds[j].around[i]
             if seen.kernel is not None:
                 least = min(least, 1.0 - (radii[j] + radii[i]) / seen.kernel.nearest)
             if seen.circle > 0:

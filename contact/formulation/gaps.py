@@ -163,22 +163,26 @@ class GapFields(sie.Kept):
         tips = self.relief.at[self.relief.heights > 0]
         if not np.all(self.density.locate(tips)[2]):
             return np.inf
-        x, value = self._samples
+        x, value = self.samples
         return maximum(self.scaled_pressure, x, value=value)[1] * self.problem.units.pressure
 
     @cached_property
-    def _samples(self) -> tuple[Array, Array]:
-        """(places over the period, closer than the profile varies, the scaled pressure there)."""
-        resolution = self.problem.profile.resolution or self.problem.units.length * self.period / 16
-        n = int(np.clip(16 * self.period * self.problem.units.length / resolution, 256, 2**17))
-        x = self.period * (np.arange(n + 1) / n) + self.density.zones.a[0]
-        return x, self.scaled_pressure(x)
+    def samples(self) -> tuple[Array, Array]:
+        """(even places over the period from the first gap on, closer than the profile varies, the scaled pressure there)."""
+        x, relief = self.relief.samples
+        start = self.density.zones.a[0]
+        turns = np.ceil((start - x) / self.period)
+        first = int(np.argmin(x + turns * self.period))
+        x, relief = (np.concatenate((part[first:], part[:first])) for part in (x + turns * self.period, relief))
+        with np.errstate(invalid="ignore"):
+            bears = self.mean - relief + self.density.transform(x)
+        return x, np.where(self.density.locate(x)[2], 0.0, bears)
 
     @cached_property
     def steepest(self) -> float:
         """Largest slope of the scaled pressure between samples, but for those beside the ends of zones, where it is a root that moves
         with the end, and those of tips, where it is infinite."""
-        x, value = self._samples
+        x, value = self.samples
         bears = value > 0
         inner = bears[:-3] & bears[1:-2] & bears[2:-1] & bears[3:]
         with np.errstate(invalid="ignore"):

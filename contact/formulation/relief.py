@@ -13,6 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
+import sie
 from contact.formulation.conjugate import Conjugate, log_sine, logarithms
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import over_period
@@ -21,6 +22,9 @@ from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum
 from sie import Array, Complex, Index
+
+# Samples of R a shortest length of the profile.
+_CLOSE = 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +83,7 @@ class Relief(Conjugate):
 
 
 @dataclass(frozen=True, eq=False)
-class ScaledRelief:
+class ScaledRelief(sie.Kept):
     """R over the unit of slope, of scaled x; the kinks' places are those of the problem, bit for bit."""
 
     relief: Relief
@@ -110,6 +114,19 @@ class ScaledRelief:
         logs = log_sine(turns - np.round(turns))
         logs[np.arange(len(kinks)), kinks] = 0.0
         return np.asarray(self.smooth(at) + logs @ (self.heights / np.pi))
+
+    @property
+    def spacing(self) -> float:
+        """The scaled length on which the profile varies."""
+        return (self.relief.profile.resolution or self.relief.period / 16) / self.units.length
+
+    @cached_property
+    def samples(self) -> tuple[Array, Array]:
+        """(even places over a period, closer than the profile varies, R there): the same under all loads."""
+        n = int(np.clip(_CLOSE * self.period / self.spacing, 256, 2**18))
+        # Off the borders of the cell and of its halves and thirds, where kinks like to be.
+        x = float(self.units.scaled(np.array(self.relief.profile.x0))) + self.period * (np.arange(n) + 0.4142) / n
+        return x, self(x)
 
     def smooth(self, x: Array) -> Array:
         """All of R but the logarithms of the kinks."""

@@ -169,6 +169,8 @@ class Scene(sie.Kept):
 
         self._check_admitted(control)
         control.check(self)
+        if name not in CONTROLS:
+            self._check_held(control)
         self._check_law()
         if self.interaction.follows_isolated and self.is_flat:
             # The isolated load of the same width is that of zones with ends that move.
@@ -197,11 +199,23 @@ class Scene(sie.Kept):
         control: Control = REGISTERED.find(name)(getattr(self, name))
         return control
 
+    def held(self, quantity: Quantity) -> float | None:
+        """The value [SI] of a quantity that the solver is to hold, as the control says; None if it is not this one."""
+        held = self.control_object.held(self)
+        return held.value if held is not None and held.quantity is quantity else None
+
     @property
     def given_load(self) -> float | None:
         """The load [N/m] that the control gives, as such or by the mean pressure; None if it gives none."""
-        held = self.control_object.held(self)
-        return held.value if held is not None and held.quantity is Quantity.LOAD else None
+        return self.held(Quantity.LOAD)
+
+    @property
+    def given_fraction(self) -> float | None:
+        """The part of the period in contact that the control gives, as such or by its width [m]; None if it gives none."""
+        width, period = self.held(Quantity.WIDTH), self.profile.period
+        if width is None or period is None:
+            return None
+        return width / period if self.contact_fraction is None else self.contact_fraction
 
     @property
     def turned(self) -> bool:
@@ -234,6 +248,20 @@ class Scene(sie.Kept):
                 raise SceneError.of(control.name, control.value, allowed)
         if asked != control.name and not self.law.convex:
             raise SceneError.of(control.name, control.value, f"left out: under {self.law.name} a load may have several contacts")
+
+    def _check_held(self, control: Control) -> None:
+        """What a control of one's own has the solver hold, as if it were given under its name."""
+        held = control.held(self)
+        if held is None:
+            return
+        name, value = held.quantity.name.lower(), held.value
+        if held.quantity is Quantity.WIDTH:
+            if self.profile.period is None:
+                return
+            name, value = "contact_fraction", value / self.profile.period
+        named: Control = REGISTERED.find(name)(value)
+        (finite if named.signed(self) else positive)(f"{control.name}, which holds {name}", named.value)
+        named.check(self)
 
     def _check_body(self) -> None:
         """The substrate, and the interaction on it: each by itself, and whether they go together."""

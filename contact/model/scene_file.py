@@ -7,7 +7,6 @@ an interaction, a substrate or a law is readable from a file as soon as it is re
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Collection, Mapping
 from functools import partial
 from os import PathLike
@@ -15,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from contact.errors import SceneError
+from contact.extras import require
 from contact.model.checks import text
 from contact.model.controls import CONTROLS, TURNING, fields_under
 from contact.model.profiles.base import Profile
@@ -69,7 +69,7 @@ def load_scene(path: str | PathLike[str]) -> Scene:
     """
     if not isinstance(path, (str, PathLike)):
         raise SceneError.of("path", path, "the name of a scene file")
-    path = Path(path)
+    path, tomllib = Path(path), require("tomllib")
     try:
         with path.open("rb") as stream:
             tables = tomllib.load(stream)
@@ -90,7 +90,7 @@ def _if_a_trace(path: Path) -> str:
 def read_scene(text: bytes, name: str) -> Scene:
     """The scene of a TOML text that no file holds; faults are told under that name."""
     try:
-        tables = tomllib.loads(text.decode("utf-8"))
+        tables = require("tomllib").loads(text.decode("utf-8"))
     except ValueError as error:
         raise SceneError(f"{name}: is not a TOML file: {error}") from error
     return _under(f"{name}:", lambda: scene_from_tables(tables))

@@ -17,6 +17,7 @@ import numpy as np
 from contact.errors import OutOfRange
 from contact.formulation.full import period_samples
 from contact.formulation.runs import runs_of
+from contact.model.controls import Quantity
 from contact.model.profiles.base import Profile
 from contact.model.scene import Scene
 from sie import Array, Mask
@@ -35,8 +36,8 @@ _REMEDY = (
 
 
 def refuse_below_plateau(scene: Scene) -> None:
-    """OutOfRange for a contact fraction or a half width that the flat top of the profile does not leave to any load."""
-    profile, fraction, half_width = scene.profile, scene.contact_fraction, scene.half_width
+    """OutOfRange for a width or a half width that the flat top of the profile does not leave to any load."""
+    profile, fraction, half_width = scene.profile, scene.given_fraction, scene.held(Quantity.HALF_WIDTH)
     if fraction is not None and profile.period is not None:
         width = float(np.diff(lowest_stretches(profile)).sum())
         if width > 0.0 and fraction * profile.period <= width + _HAIR * profile.period:

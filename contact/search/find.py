@@ -14,24 +14,26 @@ there is no contact at all.
 from __future__ import annotations
 
 from contact.errors import OutOfRange
+from contact.extras import require
+from contact.model.controls import Quantity
 from contact.search.feasibility import refuse_below_plateau, refuse_unbounded
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
 from contact.search.task import Task
 from contact.search.topology.missed import NOT_MINE, Missed, attempted
 from contact.search.ways.along import from_last
-from contact.search.ways.branches import followed
-from contact.search.ways.cohesive import followed_under_tension
 from contact.search.ways.full_contact import smallest_full
 from contact.search.ways.guesses import Outcome, search
 from contact.search.ways.loads import NEAR_LOAD, at_approach, at_level
-from contact.search.ways.strips import centred, first_order
+
+# Loaded by the scenes that they are for.
+_TENSION, _BRANCHES, _STRIPS = "contact.search.ways.cohesive", "contact.search.ways.branches", "contact.search.ways.strips"
 
 
 def found(task: Task) -> Outcome:
     """The contact of the task's scene; raises OutOfRange where there is none, NotConverged where no way led to it."""
     scene = task.scene
-    if task.operator.is_plain and scene.law.convex and scene.contact_fraction != 1.0:
+    if task.operator.is_plain and scene.law.convex and scene.given_fraction != 1.0:
         refuse_below_plateau(scene)
     refuse_unbounded(scene)
     refused: Missed | None = None
@@ -53,14 +55,18 @@ def found(task: Task) -> Outcome:
 
 def _full(task: Task, refused: Missed | None) -> Outcome | Missed:
     """All of the period."""
-    return smallest_full(task) if task.scene.contact_fraction == 1.0 else NOT_MINE
+    return smallest_full(task) if task.scene.given_fraction == 1.0 else NOT_MINE
 
 
 def _branch(task: Task, refused: Missed | None) -> Outcome | Missed:
     """One of several equilibria."""
     if not task.follows_branch:
         return NOT_MINE
-    return (followed_under_tension if task.scene.law.tension else followed)(task)
+    if task.scene.law.tension:
+        outcome: Outcome | Missed = require(_TENSION).followed_under_tension(task)
+    else:
+        outcome = require(_BRANCHES).followed(task)
+    return outcome
 
 
 def _along(task: Task, refused: Missed | None) -> Outcome | Missed:
@@ -71,7 +77,7 @@ def _along(task: Task, refused: Missed | None) -> Outcome | Missed:
 def _at_known_tilt(task: Task, refused: Missed | None) -> Outcome | Missed:
     """A body of unknown tilt, from a solution at hand: its tilt need not be searched for."""
     near, scene = task.near, task.scene
-    if near is None or len(near.zones) == 0 or scene.moment is None or not scene.turned or scene.approach is not None:
+    if near is None or len(near.zones) == 0 or scene.moment is None or not scene.turned or scene.held(Quantity.APPROACH) is not None:
         return NOT_MINE
     scaled = scaled_scene_about(scene, near.tilt or 0.0, near.zones)
     return task.refine_topology(scaled.problem, scaled.control, placed(scaled.problem, near.zones))
@@ -118,24 +124,28 @@ WAYS = (
 def _of_unknown_tilt(task: Task) -> bool:
     """Whether neither tilt nor load is known."""
     scene = task.scene
-    return scene.turned and scene.moment is not None and scene.approach is not None
+    return scene.turned and scene.moment is not None and scene.held(Quantity.APPROACH) is not None
 
 
 def _loads_may_tell(task: Task) -> bool:
     """Whether loads may lead to an approach that the grid does not find: its lowest point may lie above the profile's by more than the
     approach of a lone body, and narrow gaps between its points."""
     scene = task.scene
-    return task.near is None and not scene.turned and scene.approach is not None and scene.interaction.exact
+    return task.near is None and not scene.turned and scene.held(Quantity.APPROACH) is not None and scene.interaction.exact
 
 
 def _of_scaled(task: Task, scaled: ScaledScene) -> Outcome:
     model, near, start = task.scene.interaction, task.near, None
     if model.follows_isolated:
-        return first_order(task, scaled)
+        outcome: Outcome = require(_STRIPS).first_order(task, scaled)
+        return outcome
     # Where one zone is to be found, that is known better in closed form.
     if near is not None and len(near.zones) and not task.single:
         start = placed(scaled.problem, near.zones)
-    return centred(task, scaled, start) if model.strip else search(task, scaled, start)
+    if not model.strip:
+        return search(task, scaled, start)
+    outcome = require(_STRIPS).centred(task, scaled, start)
+    return outcome
 
 
 def _under_loads(task: Task) -> Outcome:

@@ -7,14 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from contact.extras import require
 from contact.search.grid.proposals import about, placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.task import Task
 from contact.search.topology.missed import Missed, attempted
+from contact.search.ways.first_order_several import Closed
 from contact.search.ways.full_contact import Full
 from contact.search.ways.gaps import tightened_gaps
 from contact.search.ways.guesses import Outcome
-from contact.search.ways.strips import centred, first_order
 from contact.search.ways.tightened import tightened
 from contact.verify.accuracy import Found, limit, of_positions, too_thin
 from contact.verify.gap_accuracy import FoundByGaps
@@ -92,14 +93,18 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
         return better if isinstance(better, Found) else None
     assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
+    strips = require("contact.search.ways.strips")
+    closer: Found
     if not model.follows_isolated:
-        return centred(task, scaled, table)
-    return first_order(task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)), found)
+        closer = strips.centred(task, scaled, table)
+    else:
+        closer = strips.first_order(task, replace(scaled, problem=replace(problem, amplitude=None, centre=0.0)), found)
+    return closer
 
 
 def _is_rounding(task: Task, found: Found) -> bool:
     """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error, or what modes do not show."""
-    if too_thin(found.fields.problem, found.free.density.zones.table):
+    if too_thin(found.fields.problem, found.free.density.zones.table) or (isinstance(found, Closed) and found.rounded):
         return True
     end = found.fields.problem.end
     return not found.free.state.iterated and bool(limit(found.free, 4 * task.tol, "zone", 4 * of_positions(found), end))

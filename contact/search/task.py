@@ -15,6 +15,7 @@ from contact.formulation.controls import Control, Machine, scaled_control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.full import FullLimit
 from contact.formulation.problem import Problem
+from contact.model.controls import Quantity
 from contact.model.operator import Operator
 from contact.model.scene import Scene
 from contact.search.shared import Shared
@@ -77,7 +78,7 @@ class Task:
     @property
     def follows_branch(self) -> bool:
         """Whether there are several equilibria, of which a branch is followed."""
-        return self.scene.law.bare is not None and self.scene.half_width is None
+        return self.scene.law.bare is not None and self.scene.held(Quantity.HALF_WIDTH) is None
 
     def to(self, tolerance: float) -> Task:
         """The same, more or less tightly."""

@@ -16,6 +16,7 @@ from contact.errors import SceneError
 from contact.formulation.energy import elastic_energy
 from contact.formulation.fields import Fields, ZoneFields
 from contact.model.checks import real
+from contact.model.controls import Quantity
 from contact.model.scene import Scene
 from contact.solution.energy import Energy
 from contact.solution.peaks import peaks
@@ -156,7 +157,7 @@ class Answer(sie.Kept):
         """Where the contact comes apart as its load (or its approach, where that is given) falls, under a law that bears tension; None
         for full contact, which does not open, and for surfaces apart. Parts of it may come apart before: it is where the last do."""
         law = self.scene.law
-        if law.bare is None or self.scene.half_width is not None:
+        if law.bare is None or self.scene.held(Quantity.HALF_WIDTH) is not None:
             what = f"the law {law.name}" if law.bare is None else "a given half width"
             raise SceneError(f"there is no pull-off under {what}: it is that of adhesion under a load or an approach", "pull_off")
         if not isinstance(self.fields, ZoneFields):

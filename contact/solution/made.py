@@ -24,7 +24,7 @@ from contact.solution.plan import Plan
 from contact.solution.pull_off import PullOff
 from contact.solution.solution import Solution, limit_of_approach
 from contact.verify.accuracy import Found, limit, of_positions, too_thin
-from contact.verify.certificate import Certificate
+from contact.verify.certificate import Certificate, least_eigenvalue
 from contact.verify.gap_accuracy import FoundByGaps
 from sie import Array
 
@@ -107,10 +107,7 @@ def of_loose(scene: Scene, fields: LooseFields, here: CohesivePoint, plan: Plan,
     for name in ("zone ends", "coarse search"):
         plan[name].used, plan[name].reason = False, "the surfaces pull without touching"
     ends, least, missed = len(here.table) > 0, float(here.look[1].min()), float(np.abs(here.residual).max(initial=0.0))
-    stability = None
-    if ends:
-        matrix = scaled_second_variation(here)
-        stability = float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min())
+    stability = least_eigenvalue(scaled_second_variation(here)) if ends else None
     holds = least > 0.0 and missed <= _MISSED and (stability is None or stability > 0.0)
     certificate = Certificate(
         smallest_pressure=-scene.law.tension, smallest_gap=least * fields.problem.units.height, gap_rounding=0.0, load_balance=0.0,

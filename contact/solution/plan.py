@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contact.errors import SceneError
+from contact.model.controls import Quantity
 from contact.model.scene import Scene
 
 
@@ -120,7 +121,7 @@ def plan(scene: Scene) -> Plan:
     if not isinstance(scene, Scene):
         raise SceneError.of("scene", scene, "a contact.Scene")
     profile, model = scene.profile, scene.interaction
-    given, single, kinks = scene.half_width is not None, starts_from_one_zone(scene), len(profile.kinks)
+    given, single, kinks = scene.held(Quantity.HALF_WIDTH) is not None, starts_from_one_zone(scene), len(profile.kinks)
     why_no_search = "zones are given" if given else "one symmetric asperity"
     only_images = f"{model.name}: nothing repeats beyond its images"
     return Plan([
@@ -163,7 +164,7 @@ def _branch(scene: Scene) -> Part:
     """Which of several equilibria: filled in as it is followed."""
     if scene.law.bare is None:
         return Part("branch", False, f"{scene.law.name}: one equilibrium" if scene.law.convex else f"{scene.law.name}: followed by none")
-    if scene.half_width is not None:
+    if scene.held(Quantity.HALF_WIDTH) is not None:
         return Part("branch", False, "half width given")
     return Part("branch", True, f"{scene.law.name}: several equilibria")
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from contact.errors import SceneError
+from contact.model.controls import Quantity
 from contact.solution import export, html, plotting
 from contact.solution.answer import Answer
 from contact.solution.validity import everything
@@ -111,7 +112,7 @@ def limit_of_approach(solution: Solution, tol: float) -> str:
     Near full contact the approach is the mean of the profile less a mean gap that goes with the square of narrow gaps over kinks, with
     the fourth power of others: the load hangs on the last digits of what is given.
     """
-    approach, stiffness = solution.scene.approach, solution.stiffness
+    approach, stiffness = solution.scene.held(Quantity.APPROACH), solution.stiffness
     if approach is None or stiffness is None or not np.isfinite(stiffness):
         return ""
     condition = abs(approach * stiffness / solution.load)

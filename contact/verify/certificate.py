@@ -134,8 +134,7 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None)
         missed = _missed(fields)
         name = "load" if held is None else held.name
         if held is None or held.half_width is None:
-            matrix = fields.second_variation(None if held is None else held.yields)
-            stability = float(np.linalg.eigvalsh(_symmetric(matrix)).min(initial=np.inf))
+            stability = least_eigenvalue(fields.second_variation(None if held is None else held.yields))
         if missed > _INTENSITY * max(1.0, fields.bending):
             holds, note = False, f"an end misses its intensity by {missed:.1e}"
         elif stability is not None and not stability > 0.0:
@@ -175,8 +174,9 @@ def _missed(fields: ZoneFields) -> float:
     return float(np.where(given, np.abs(missed), missed).max(initial=0.0))
 
 
-def _symmetric(matrix: Array) -> Array:
-    return 0.5 * (matrix + matrix.T)
+def least_eigenvalue(matrix: Array) -> float:
+    """Of its symmetric part: a second variation is symmetric but for rounding. Infinite where nothing moves."""
+    return float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min(initial=np.inf))
 
 
 def _moment_balance(fields: ZoneFields) -> float | None:

@@ -14,7 +14,7 @@ from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import look_at
 from contact.formulation.tension.fields import PulledFields, scaled_second_variation
 from contact.verify.accuracy import Found
-from contact.verify.certificate import Certificate
+from contact.verify.certificate import Certificate, least_eigenvalue
 from sie import wrapped
 
 # A miss of the reach, over it, and what rounding of heights may make of it.
@@ -60,8 +60,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
     rounding = here.q.gap_rounding
     wrong = told & np.where(within, gap > curve.reach + rounding, gap < curve.reach - rounding)
     missed = float(np.abs(here.residual).max())
-    matrix = scaled_second_variation(here)
-    stability = float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min())
+    stability = least_eigenvalue(scaled_second_variation(here))
     if not held:
         note = plain.note or "a sign or the balance fails"
     elif missed > _REACH + 4 * rounding / curve.reach:

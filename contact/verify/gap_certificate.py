@@ -13,6 +13,8 @@ from sie import Array, Index
 # Half widths below this part of the period are a rounding of the ends' positions: such gaps are left out, and said so.
 NARROWEST = 1e-13
 _EPS = 2.2e-16
+# Shortest lengths of the profile: half widths from which zones are wide, and distances from their ends at which they are inner.
+_WIDE, _BESIDE_ENDS = 16, 2
 
 
 def certify_gaps(fields: GapFields) -> Certificate:
@@ -47,14 +49,9 @@ def _openings(fields: GapFields) -> Signs:
 
 def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:
     """(least pressure over the sine of the angle, intervals where it is negative, least dip over its zone's scale, points)."""
-    problem, zones = fields.problem, fields.zones
-    spacing = (problem.profile.resolution or problem.units.length * fields.period / 16) / problem.units.length
+    zones = fields.zones
     middle, half = zones.mean(axis=1), 0.5 * (zones[:, 1] - zones[:, 0])
-    counts = np.clip(64 * half / spacing, 96, 40000).astype(int)
-    zone = np.repeat(np.arange(len(zones)), counts)
-    place = np.arange(len(zone)) - np.repeat(np.cumsum(counts) - counts, counts)
-    angle = (place + 0.5) * np.pi / counts[zone]
-    value, rough = _over_root(fields, zone, angle)
+    run, zone, angle, value, rough = _sampled(fields)
     least = float(np.where(np.abs(value) <= rough, np.abs(value), value).min())
     negative: list[tuple[float, float]] = []
 
@@ -62,17 +59,18 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
         negative.append((float(middle[i] + half[i] * np.cos(hi)), float(middle[i] + half[i] * np.cos(lo))))
 
     fails = value < -rough
-    for i in np.unique(zone[fails]):
-        here, angles = fails[zone == i], angle[zone == i]
-        for s, e in runs_of(here):
-            pulls(i, angles[max(s - 1, 0)], angles[min(e + 1, len(angles) - 1)])
-    inner = may_be_negative(value[:-2], value[1:-1], value[2:]) & (zone[:-2] == zone[2:]) & ~fails[1:-1]
+    for k in np.unique(run[fails]):
+        here = np.flatnonzero(run == k)
+        for s, e in runs_of(fails[here]):
+            pulls(int(zone[here[0]]), angle[here[max(s - 1, 0)]], angle[here[min(e + 1, len(here) - 1)]])
+    inner = may_be_negative(value[:-2], value[1:-1], value[2:]) & (run[:-2] == run[2:]) & ~fails[1:-1]
     places = np.flatnonzero(inner) + 1
     scale = np.zeros(len(zones))
     np.maximum.at(scale, zone, np.where(np.isfinite(value), np.abs(value), 0.0))
 
     def over_root(i: Index, angles: Array) -> Array:
-        return _over_root(fields, np.repeat(i.ravel(), angles.shape[1]), angles.ravel())[0].reshape(angles.shape)
+        zone, angle = np.repeat(i.ravel(), angles.shape[1]), angles.ravel()
+        return np.asarray(_pressure_at(fields, zone, angle) / np.sin(angle)).reshape(angles.shape)
 
     dips = follow(over_root, zone[places], angle[places - 1], angle[places + 1], scale[zone[places]], rough[places])
     for i, lo, hi in dips.negative:
@@ -80,13 +78,42 @@ def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], flo
     return min(least, dips.least, dips.lowest), negative, dips.relative, len(zone)
 
 
-def _over_root(fields: GapFields, zone: Index, angle: Array) -> tuple[Array, Array]:
-    """(pressure over the sine of the angle in contact zones, its rounding)."""
-    left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
-    pressure = fields.pressure_in(zone, left, right)
+def _sampled(fields: GapFields) -> tuple[Index, Index, Array, Array, Array]:
+    """Samples in all contact: the run of even ones that each is of, its zone, its angle, the pressure over the sine of that, its rounding.
+
+    They are even in the angle, closer beside the ends, but inside wide zones those that the fields have anyway, whatever their ends are.
+    """
+    zones, spacing = fields.zones, fields.relief.spacing
+    half = 0.5 * (zones[:, 1] - zones[:, 0])
+    counts = np.clip(64 * half / spacing, 96, 40000).astype(int)
+    wide = np.flatnonzero(half > _WIDE * spacing)
+    x, known = fields.samples
+    inside = np.maximum(np.searchsorted(zones[:, 0], x, side="right") - 1, 0)
+    left, right = (x - zones[inside, 0]) / half[inside], (zones[inside, 1] - x) / half[inside]
+    inner = np.isin(inside, wide) & (np.minimum(left, right) * half[inside] > _BESIDE_ENDS * spacing)
+    # Beside the ends of wide zones, some steps into their inner samples.
+    beside = 2 * np.arcsin(np.sqrt(0.5 * (_BESIDE_ENDS * spacing + 3 * (x[1] - x[0])) / half[wide]))
+    few = np.minimum(np.ceil(beside * counts[wide] / np.pi).astype(int) + 1, counts[wide])
+    lengths = counts.copy()
+    lengths[wide] = few
+    of_run = np.concatenate((np.arange(len(zones)), wide))
+    first, lengths = np.concatenate((np.zeros(len(zones), dtype=int), counts[wide] - few)), np.concatenate((lengths, few))
+    run = np.repeat(np.arange(len(of_run)), lengths)
+    place = np.arange(len(run)) - np.repeat(np.cumsum(lengths) - lengths - first, lengths)
+    zone = of_run[run]
+    angle = (place + 0.5) * np.pi / counts[zone]
+    # From right to left, as angles grow.
+    inner_angle = 2 * np.arctan2(np.sqrt(right[inner]), np.sqrt(left[inner]))[::-1]
+    pressure = np.concatenate((_pressure_at(fields, zone, angle), known[inner][::-1]))
+    zone, angle = np.concatenate((zone, inside[inner][::-1])), np.concatenate((angle, inner_angle))
+    run = np.concatenate((run, len(of_run) + inside[inner][::-1]))
     # The pressure is a difference of numbers of the size of R: next to an end only their rounding is left.
     size = abs(fields.mean) + float(np.abs(pressure[np.isfinite(pressure)]).max(initial=0.0))
-    return pressure / np.sin(angle), 64 * _EPS * size / np.sin(angle)
+    return run, zone, angle, pressure / np.sin(angle), 64 * _EPS * size / np.sin(angle)
+
+
+def _pressure_at(fields: GapFields, zone: Index, angle: Array) -> Array:
+    return fields.pressure_in(zone, 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
 
 
 def _valleys(fields: GapFields) -> tuple[list[tuple[float, float]], int]:

@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,23 +54,8 @@ def fall(excess: Any) -> Array:
     return np.asarray(2 * np.arcsinh(np.sqrt(0.5 * excess)))
 
 
-class Seen(Protocol):
-    """Points seen from intervals that they do not lie on: R, rho, and (1 + rho, 1 - rho); T_0 / X has the potential w first(w / datum)."""
-
-    @property
-    def root(self) -> Number: ...
-
-    @property
-    def rho(self) -> Number: ...
-
-    @property
-    def from_ends(self) -> tuple[Number, Number]: ...
-
-    def first(self, width: Number) -> Number: ...
-
-
-class _Seen:
-    """What the two kinds of `Seen` have in common on the line."""
+class Seen:
+    """Points of the line seen from intervals: R, rho, and (1 + rho, 1 - rho); T_0 / X has the potential w first(w / datum)."""
 
     rho: Array
     root: Array
@@ -117,7 +102,7 @@ class _Seen:
 
 
 @dataclass(frozen=True, eq=False)
-class Outside(_Seen):
+class Outside(Seen):
     """Points of the line off intervals: the sign of zeta, and |zeta| - 1."""
 
     sign: Any
@@ -150,7 +135,7 @@ class Outside(_Seen):
 
 
 @dataclass(frozen=True, eq=False)
-class OnLine(_Seen):
+class OnLine(Seen):
     """Points of the line seen from intervals: distances from the ends over w (positive on the interval), R and rho, if on it; there rho
     is any value inside the unit circle."""
 
@@ -259,12 +244,12 @@ def of_t(c: Array, seen: InPlane | Outside, w: Array, datum: float, row: Index, 
     return np.asarray(-(slope + seen.zeta / seen.root * value) / seen.root**2 / w)
 
 
-def potential_of(divided: Array, seen: Seen, w: Array, datum: float, row: Index) -> Number:
+def potential_of(divided: Array, seen: Seen | InPlane, w: Array, datum: float, row: Index) -> Number:
     """The potential of sum c[row, l] T_l / X, by c_0, c_1, c_2 / 2, c_3 / 3 ..."""
     return np.asarray(w * (divided[row, 0] * seen.first(w / datum) - seen.rho * sum_of_powers(divided[:, 1:], seen.rho, row)))
 
 
-def transform_of(alpha: Array, beta: Array, u: Array, seen: Seen, row: Index) -> Number:
+def transform_of(alpha: Array, beta: Array, u: Array, seen: Seen | InPlane, row: Index) -> Number:
     """The transform of (alpha + beta t) / X + X sum u_k U_k."""
     rho = seen.rho
     value = rho * sum_of_powers(u, rho, row)

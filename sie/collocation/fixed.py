@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from scipy.linalg import lapack, lu_factor, lu_solve
@@ -110,22 +109,6 @@ class Carried:
         return y if system.symmetry.keep is None else y[system.symmetry.keep]
 
 
-class Solver(Protocol):
-    """Solves the assembled rows for further right sides. size: of the unknowns that are kept; direct, iteration: itself, where it has a
-    matrix, and where it iterates."""
-
-    @property
-    def size(self) -> int: ...
-
-    @property
-    def direct(self) -> Factored | None: ...
-
-    @property
-    def iteration(self) -> Iterative | None: ...
-
-    def __call__(self, right: Array) -> Array: ...
-
-
 @dataclass(frozen=True, eq=False)
 class Factored:
     """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
@@ -152,6 +135,10 @@ class Factored:
     def transposed(self, right: Array) -> Array:
         """Solves with the transposed matrix."""
         return np.asarray(lu_solve((self.lu, self.pivots), right, trans=1, check_finite=False))
+
+
+# What solves the assembled rows for further right sides: by their factors, or by iteration. direct, iteration: itself, where it does so.
+Solver = Factored | Iterative
 
 
 @dataclass(frozen=True, eq=False)

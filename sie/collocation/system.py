@@ -197,7 +197,7 @@ class System:
     def __init__(self, equation: Equation, zones: Zones, m: Index, coefficients: Array, jumps: ForcingJumps) -> None:
         self.equation, self.zones, self.jumps, self.g = equation, zones, jumps, coefficients
         self.layout = Layout(m, len(equation.columns))
-        self.known = jumps.t_coefficients(zones, int(m.max()) + 1)
+        self.known = jumps.first_coefficients(zones, m + 1)
         # In zones by moments the jumps' parts are among the unknowns, as far as those go.
         self.by_moments = many_jumps(equation.forcing, zones, jumps)
         self.taken = np.zeros_like(self.known)

@@ -19,9 +19,8 @@ from sie.density.series import Series
 from sie.density.treecode import Treecode
 from sie.fast.far import reaches
 
-_MANY_ZONES = 8
-# From this number of (point, source) pairs on, far sources are summed fast; and once the series of the far ones are at hand.
-_MANY_PAIRS, _SOME_PAIRS = 500_000, 10_000
+# From this number of (point, source) pairs on, far sources are summed fast; all that follow are, once their series are at hand.
+_MANY_PAIRS = 500_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +102,7 @@ class Density(Series):
     def _summed(self, x: Array, what: Callable[[Series, Array, Sources], Array], regular: Regular | None) -> Array:
         """What all zones do at x, by blocks of points, or by fast sums."""
         flat, fast = self.into_period(x).ravel(), None
-        if len(flat) * len(self.sources) > (_SOME_PAIRS if self.has_series else _MANY_PAIRS):
+        if self.has_series or len(flat) * len(self.sources) > _MANY_PAIRS:
             fast = self.treecode
         if fast is not None:
             out = fast.potential(flat) if what is potential_from else fast.transform(flat)
@@ -122,8 +121,8 @@ class Density(Series):
 
     @cached_property
     def treecode(self) -> Treecode | None:
-        """Fast sums for many points; None where the kernel or the number of zones does not allow them."""
-        return Treecode(self) if len(self.zones) >= _MANY_ZONES and reaches(self.kernel, self.zones) else None
+        """Fast sums for many points; None where the kernel does not allow them."""
+        return Treecode(self) if reaches(self.kernel, self.zones) else None
 
     @property
     def has_series(self) -> bool:

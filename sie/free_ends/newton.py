@@ -234,6 +234,8 @@ def find_ends(
             return Free(
                 state, False, rest.error, rest.rounding, tuple(progress.trace), value, abs(motion.change), lost, met, reason=reason
             )
+        # Of many zones its sums take as much memory as those of the next one.
+        del state
 
 
 def _state(equation: Equation, zones: Zones, decay: float, sizes: Sizes, value: float) -> AnyState:

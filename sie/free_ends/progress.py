@@ -88,8 +88,9 @@ class Progress:
 
     @property
     def linear(self) -> float:
-        """Tolerance of a solution by iteration: the next move is about the square of the last one, and it need not be much better."""
-        return min(_LOOSE, max(1e-3 * self.last**2, self.tightest))
+        """Tolerance of a solution by iteration: the next move is about the square of the last one and the one after it about the fourth
+        power, which what this solution leaves must not outweigh: another solution takes longer than a few digits more of this one."""
+        return min(_LOOSE, max(1e-3 * self.last**3, self.tightest))
 
     @property
     def tightest(self) -> float:

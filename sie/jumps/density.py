@@ -230,6 +230,12 @@ class DensityJumps(ForcingJumps):
             np.add.at(out, near.zone, of_sines(near.sine_coefficients(count + 1))[:, :count])
         return out
 
+    def first_coefficients(self, zones: Zones, counts: Index) -> Array:
+        if self.logarithms is None or not len(self.logarithms.near):
+            return super().first_coefficients(zones, counts)
+        count = int(counts.max(initial=0))
+        return np.where(np.arange(count) < counts[:, None], self.t_coefficients(zones, count), 0.0)
+
     def high_coefficients(self, zones: Zones) -> Array:
         out = super().high_coefficients(zones)
         if self.splines and out.shape[1] == 0:

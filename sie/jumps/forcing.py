@@ -192,7 +192,8 @@ class ForcingJumps(Kept):
         """See `by_zone`."""
         order = np.argsort(self.zone, kind="stable")
         zones, first = np.unique(self.zone[order], return_index=True)
-        found = dict(zip(zones.tolist(), np.split(order, first[1:]), strict=False))
+        bounds = [*first.tolist(), len(order)]
+        found = {zone: order[start:end] for zone, start, end in zip(zones.tolist(), bounds[:-1], bounds[1:], strict=True)}
         return {zone: np.zeros(0, np.intp) for zone in self.splines} | found
 
     def _polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
@@ -261,6 +262,19 @@ class ForcingJumps(Kept):
         out = self._coefficients(np.arange(len(self.zone)), self.zone, len(zones), count)
         for zone, spline in self.splines.items():
             out[zone] += spline.t_coefficients(count)
+        return out
+
+    def first_coefficients(self, zones: Zones, counts: Index) -> Array:
+        """The same, of each zone so many (Z,), zeros after them."""
+        out = np.zeros((len(zones), int(counts.max(initial=0))))
+        row = np.zeros(len(zones), dtype=np.intp)
+        for count in np.unique(counts):
+            some = np.flatnonzero(counts == count)
+            k = np.flatnonzero(counts[self.zone] == count)
+            row[some] = np.arange(len(some))
+            out[some, :count] = self._coefficients(k, row[self.zone[k]], len(some), int(count))
+        for zone, spline in self.splines.items():
+            out[zone, : counts[zone]] += spline.t_coefficients(int(counts[zone]))
         return out
 
     def _sine_weights(self, k: Index, j: Array) -> Array:

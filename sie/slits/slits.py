@@ -201,7 +201,8 @@ class Slits(Kept):
         """Right sides of the slits' rows by the jumps; those in a slit with the slack they ask for."""
         if self.zone not in jumps.by_zone:
             return np.zeros(self.offset[-1])
-        keep = np.delete(np.arange(len(jumps.zone)), self._inside)
+        # Those of other zones have no part in it.
+        keep = np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True)
         rest = replace(
             jumps, zone=jumps.zone[keep], left=jumps.left[keep], right=jumps.right[keep], height=jumps.height[keep],
             order=jumps.order[keep],

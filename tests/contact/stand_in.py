@@ -7,6 +7,7 @@ p = (2 pi E* D/L) cos(pi x/L) sqrt(S^2 - s^2) on |x| < a, with s = sin(pi x/L), 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,11 @@ class StandIn:
     certificate: StandInReport = StandInReport({"smallest_pressure": np.float64(0.0), "largest_gap": np.inf})
     plan: StandInReport = StandInReport({"rows": [{"name": "search", "used": False}]})
     warnings: tuple[str, ...] = ()
+
+    @property
+    def fields(self) -> SimpleNamespace:
+        """Nothing is known of them beforehand."""
+        return SimpleNamespace(pressure_bound=np.inf)
 
     @property
     def wave(self) -> float:

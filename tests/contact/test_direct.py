@@ -306,6 +306,17 @@ class Plateau(contact.Profile):
         return 2 * np.sign(self.wrap(x)) * np.maximum(np.abs(self.wrap(x)) - 0.3, 0.0)
 
 
+@pytest.mark.parametrize("load", [5e-324, 1e-300, 1e-200, 1e30, 1e200, 1e300])
+def test_loads_that_numbers_hardly_hold_are_answered_or_left(load):
+    for profile in (contact.Sinusoid(1e-3, 1.0), contact.Parabola(1e300), contact.Wedge(0.1, 1.0), contact.Biquadratic(1.0, 0.1, 0.3)):
+        for model in (PERIODIC, ISOLATED) if profile.period else (ISOLATED,):
+            for E_star in (1e-300, 1.0, 1e300):
+                scene = contact.Scene(profile, E_star, model, load=load)
+                alone, several = directly(scene, 1e-8), all_directly([scene, scene], 1e-8)
+                assert (alone is None) == (several[0] is None) == (several[1] is None)
+                assert alone is None or (alone.certificate.holds and np.isfinite(alone.zones).all() and alone.zone_widths.min() > 0)
+
+
 def test_a_flat_top_is_left_to_the_general_ways():
     scene = contact.Scene(Plateau(), 1.0, PERIODIC, load=1e-3)
     assert directly(scene, 1e-2) is None

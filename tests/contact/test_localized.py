@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import sie
 from contact.formulation.controls import Width
 from contact.reference import exact
 from contact.reference.inverse import design
+from contact.search.grid.centring import Strip, Unrest, settled
 from contact.search.topology.missed import Missed
 from contact.search.ways import first_order_several, strips
 from contact.studies import random_scenes
@@ -219,6 +221,53 @@ class TestLimits:
         full = solve(ROUGH, PERIODIC, contact_fraction=1.0).load
         with pytest.raises(contact.OutOfRange, match=r"border of the strip.*Periodic\(\)"):
             solve(ROUGH, model, load=turns * full)
+
+
+def height_where_cut(solution):
+    """Of the profile where its period is cut, from 0 at its lowest place to 1 at its highest."""
+    problem, profile = solution.fields.problem, solution.scene.profile
+    border = float(problem.units.x(np.array(problem.centre + 0.5 * problem.period)))
+    heights = profile.height(np.linspace(0, profile.period, 400))
+    return float((profile.height(border) - heights.min()) / np.ptp(heights))
+
+
+class TestNearFullContact:
+    def test_the_period_is_cut_in_a_valley_where_no_centre_follows_its_zones(self):
+        full = solve(TWO, PERIODIC, contact_fraction=1.0).mean_pressure
+        solution, whole = (solve(TWO, model, tol=1e-8, mean_pressure=0.97 * full) for model in (FIRST, PERIODIC))
+        zones, problem = solution.fields.density.zones, solution.fields.problem
+        assert solution.certificate.holds and height_where_cut(solution) > 0.9
+        assert abs(0.5 * (zones.a[0] + zones.b[-1]) - problem.centre) < 1e-8
+        assert abs(solution.max_pressure / whole.max_pressure - 1) < 0.05
+
+    def test_a_strip_whose_zones_jump_past_its_centre_is_refused_with_just_that(self):
+        full = solve(TWO, PERIODIC, contact_fraction=1.0).mean_pressure
+        with pytest.raises(contact.OutOfRange, match="comes or goes"):
+            solve(TWO, FIRST, mean_pressure=0.9 * full)
+
+
+class TestCentring:
+    """`settled` on strips whose middle and borders are given functions of the centre."""
+
+    def settle(self, miss, walls=(-np.inf, np.inf), start=0.0):
+        def look(centre, beside=None):
+            touches = not walls[0] < centre < walls[1]
+            return Strip(centre, SimpleNamespace(touches_border=touches), centre + miss(centre), 0.1, 1e-4)
+
+        return settled(look, look(start))
+
+    @pytest.mark.parametrize("slope", [-0.2, -0.9, -1.8])
+    def test_the_centre_comes_to_rest_where_the_miss_changes_its_sign(self, slope):
+        there = self.settle(lambda c: slope * (c - 0.03) + (c - 0.03) ** 2)
+        assert there.unrest is None and abs(there.centre - 0.03) < 0.02
+
+    def test_a_zone_on_the_way_that_reaches_the_border_keeps_it_from_rest(self):
+        there = self.settle(lambda c: 0.5 * (0.03 - c), walls=(-1.0, 0.01))
+        assert there.unrest is Unrest.BORDER and abs(there.centre - 0.01) < 2e-4
+
+    def test_a_miss_that_jumps_over_zero_does_too(self):
+        there = self.settle(lambda c: 0.02 if c < 0.0123 else -0.02)
+        assert there.unrest is Unrest.JUMP and abs(there.centre - 0.0123) < 2e-4
 
 
 class TestFirstOrderSearch:

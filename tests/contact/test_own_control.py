@@ -10,6 +10,7 @@ import pytest
 
 import contact
 from contact.model import registry
+from contact.model.controls import Held, Quantity
 from contact.model.scene_file import read_scene
 from contact.model.scene_text import to_toml
 
@@ -35,13 +36,27 @@ class Peak(contact.Control):
         return solution.max_pressure
 
 
+@dataclass(frozen=True)
+class Nanometres(contact.Control):
+    """Of a quantity that the solver can hold."""
+
+    quantity: Quantity = Quantity.APPROACH
+    unit = "nm"
+
+    def held(self, scene: contact.Scene) -> Held:
+        return Held(self.quantity, 1e-9 * self.value)
+
+
+OWN = {"mean_gap": MeanGap, "peak": Peak, "nanometres": Nanometres}
+
+
 @pytest.fixture(autouse=True)
 def known() -> Iterator[None]:
-    contact.register_control("mean_gap")(MeanGap)
-    contact.register_control("peak")(Peak)
+    for name, control in OWN.items():
+        contact.register_control(name)(control)
     yield
-    registry.CONTROLS.forget("mean_gap")
-    registry.CONTROLS.forget("peak")
+    for name in OWN:
+        registry.CONTROLS.forget(name)
 
 
 def test_a_mean_gap_is_that_of_the_load_which_has_it() -> None:
@@ -90,3 +105,42 @@ def test_what_no_load_has_is_refused_and_so_are_laws_with_several_contacts() -> 
         contact.Scene(WAVE, 1e9, contact.Periodic(), load=1.0, given=MeanGap(1e-7))
     with pytest.raises(contact.SceneError, match="given"):
         contact.Scene(WAVE, 1e9, contact.Periodic(), given=1e-7)  # type: ignore[arg-type]
+
+
+TURNED = {"interaction": contact.Isolated(datum=1e-3), "moment": 1e-3}
+
+
+@pytest.mark.parametrize(
+    ("quantity", "named", "others"),
+    [
+        (Quantity.APPROACH, {"approach": 1e-7}, {"profile": BALL, **TURNED}),
+        (Quantity.HALF_WIDTH, {"half_width": 1e-5}, {}),
+        (Quantity.WIDTH, {"contact_fraction": 0.4}, {}),
+        (Quantity.WIDTH, {"contact_fraction": 1.0}, {}),
+    ],
+)
+def test_a_control_that_is_held_is_as_good_as_the_one_with_its_name(quantity: Quantity, named: dict[str, float], others: dict) -> None:
+    parts = {"profile": WAVE, "E_star": 1e9, "interaction": contact.Periodic(), **others}
+    value = next(iter(named.values())) * (1e-4 if quantity is Quantity.WIDTH else 1.0)
+    expected, found = contact.Scene(**parts, **named), contact.Scene(**parts, given=Nanometres(1e9 * value, quantity))
+    assert [(part.name, part.used, part.reason) for part in contact.plan(found).parts] == [
+        (part.name, part.used, part.reason) for part in contact.plan(expected).parts
+    ]
+    assert contact.solve(found).load == pytest.approx(contact.solve(expected).load, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "metres", "told"),
+    [
+        (Quantity.HALF_WIDTH, 6e-5, "half_width = .* less than half the period"),
+        (Quantity.WIDTH, 2e-4, "contact_fraction = .* at most 1"),
+    ],
+)
+def test_what_a_control_holds_must_go_with_the_scene(quantity: Quantity, metres: float, told: str) -> None:
+    with pytest.raises(contact.SceneError, match=told):
+        contact.Scene(WAVE, 1e9, contact.Periodic(), given=Nanometres(1e9 * metres, quantity))
+
+
+def test_an_approach_that_is_held_needs_a_datum() -> None:
+    with pytest.raises(contact.SceneError, match="approach = .* given a datum"):
+        contact.Scene(BALL, 1e9, contact.Isolated(), given=Nanometres(100.0))

@@ -207,3 +207,11 @@ def test_the_same_places_in_all_zones_are_one_product_of_the_same_values(monkeyp
     together = density.at(np.arange(3)[:, None], left, right)
     assert rows == [1]
     assert np.abs(together - one_by_one).max() <= 1e-13 * np.abs(one_by_one).max()
+
+
+def test_sums_of_many_sines_are_those_of_all_sines_with_their_digits_beside_the_end():
+    rng = np.random.default_rng(4)
+    angle, k = np.geomspace(1e-9, 0.5 * np.pi, 60), np.arange(1, 3001)
+    columns = rng.normal(size=(3000, 2)) / k[:, None] ** 2
+    whole = np.sin(angle[:, None] * k) @ columns
+    assert np.abs((sums._sines(angle, columns) - whole) / np.sin(angle)[:, None]).max() < 1e-12

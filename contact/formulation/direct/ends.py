@@ -16,16 +16,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.direct.maps import Map
 from contact.formulation.direct.numbers import Value, largest
 from contact.formulation.direct.series import Table, orders, powers, table
 from contact.model.profiles.base import Profile
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-Index = NDArray[np.intp]
+from sie import Array, Index, Mask
 
 _EPS = float(np.finfo(float).eps)
 # Nodes at first and at the most.
@@ -248,6 +244,8 @@ def _settled(sheet: Sheet, middle: float, half: float, step: _Step) -> Ends:
 
 def _one_load(sheet: Sheet, load: float) -> Ends:
     """One zone: Newton on ln(half length), in which powers of the width are straight, from the second step on by the last two totals."""
+    if not 0.0 < load < math.inf:
+        return _not_found(sheet)
     top, factor = sheet.top, sheet.map.load_factor * math.pi
     # The logarithms of a total over the load and of its half length, and how that goes with the total's.
     before: tuple[float, float, float] | None = None
@@ -256,15 +254,15 @@ def _one_load(sheet: Sheet, load: float) -> Ends:
         nonlocal before
         kinked, kinked_rate = _kink_load(sheet, half)
         total = 0.5 * factor * half * sums[0] + float(kinked)
-        if not 0.0 < total / load < math.inf:
+        if not (total > 0.0 and 0.0 < load / total < math.inf):
             return None
         rate = half * (factor * sums[1] + float(kinked_rate)) / total
         if not 0.0 < abs(rate) < math.inf:
             return None
-        here = math.log(total / load), math.log(half), 1.0 / rate
+        here = -math.log(load / total), math.log(half), 1.0 / rate
         move = -here[0] / rate
         # Not past the widest, nor by many decades at once where the load hardly grows.
-        way = move if before is None or abs(here[0]) > 0.5 * abs(before[0]) else _by_both(before, here)
+        way = move if before is None or abs(here[0]) >= 0.5 * abs(before[0]) else _by_both(before, here)
         moved = half * math.exp(min(max(way, -40.0), 40.0))
         before = here
         return move, 4.0 * _EPS * (1.0 + 1.0 / abs(rate)), 0.0, 0.5 * (half + top) if moved >= top else moved

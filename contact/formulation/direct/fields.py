@@ -7,7 +7,7 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation.controls import Load
@@ -19,8 +19,7 @@ from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
 from contact.model.scene import Scene
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Angles at which the highest pressure is looked for.
 _LOOKS = 64

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
-Array = NDArray[np.float64]
+from sie import Array, Index
 
 # Samples of q for each degree: between them it lies within the hull of the samples, widened by 1 / cos(pi / 2 _DENSER) - 1 (H. Ehlich &
 # K. Zeller, Math. Z. 86, 1964, 41, doi 10.1007/BF01111276).
@@ -64,7 +63,7 @@ class Table:
 
 
 @lru_cache(maxsize=64)
-def orders(count: int, odd: bool) -> NDArray[np.intp]:
+def orders(count: int, odd: bool) -> Index:
     """The first orders k >= 1 of a series."""
     return np.arange(1, 2 * count, 2) if odd else np.arange(1, count + 1)
 

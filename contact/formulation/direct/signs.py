@@ -16,13 +16,11 @@ import math
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.formulation.direct.ends import Ends
 from contact.formulation.direct.numbers import Value, column, everywhere, largest, least, smallest
 from contact.formulation.direct.series import WIDENED, Table, off, off_integral, table
-
-Array = NDArray[np.float64]
+from sie import Array
 
 # Places outside: beside the zones, per length over which the shape varies, at the most; and how far away, in half lengths.
 _BESIDE, _PER_FEATURE, _MOST, _FARTHEST = 32, 4, 4096, 1e12

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from functools import cached_property
 from math import isfinite
 from typing import Any, ClassVar
@@ -18,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
+from contact.extras import require
 from contact.model.checks import finite, keep
 from contact.model.profiles.base import Array, Profile
 
@@ -394,6 +394,7 @@ def _common_period(one: float | None, other: float | None) -> float | None:
     fits = (others >= 1) & (others <= _MOST_CELLS) & (np.abs(cells * one - others * other) <= 8 * _EPS * cells * one)
     if fits.any():
         return float(cells[np.argmax(fits)] * one)
+    Fraction = require("fractions").Fraction
     near = Fraction(one / other).limit_denominator(10) if one > other else 1 / Fraction(other / one).limit_denominator(10)
     told = f"{one * near.denominator / near.numerator!r} ({near.denominator} of the profile's on {near.numerator} of its own)"
     allowed = f"in a ratio of whole numbers, at most {_MOST_CELLS}, to the profile's {one!r}, so that both repeat together: such as {told}"

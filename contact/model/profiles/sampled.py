@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,8 +23,12 @@ from contact.extras import require
 from contact.model.checks import finite_array, increasing, positive_or_none, text
 from contact.model.profiles.base import Array, Profile
 from contact.model.registry import register_profile
-from contact.model.traces.prepare import Preparation, Reading, Trace, load_trace, prepared
-from contact.model.traces.roughness import roughness
+
+if TYPE_CHECKING:
+    from contact.model.traces.prepare import Preparation, Reading, Trace
+
+# What reads files and prepares what they hold, and what tells the roughness.
+_READING, _ROUGHNESS = "contact.model.traces.prepare", "contact.model.traces.roughness"
 
 _FEWEST = 4  # a not-a-knot cubic has four coefficients
 # Of how a trace is prepared: what may be a whole number.
@@ -125,7 +129,7 @@ def read_trace(
     >>> trace.history[1]
     '1 of 5 heights are missing; 1 in 1 gaps, the widest 1 µm, filled by straight lines'
     """
-    made = _of_trace(load_trace(**locals()))
+    made = _of_trace(require(_READING).load_trace(**locals()))
     warn(made.warnings)
     return made
 
@@ -234,7 +238,7 @@ class Sampled(Profile):
         return _prepared_again(self.source[0], replace(self.source[1], **{**own, **whole}))
 
     def trace_summary(self) -> dict[str, Any]:
-        return {"history": list(self.history), **vars(roughness(self))}
+        return {"history": list(self.history), **vars(require(_ROUGHNESS).roughness(self))}
 
     def height(self, x: ArrayLike) -> Array:
         return np.asarray(-self._spline(self._inside(x)))
@@ -317,7 +321,7 @@ class Sampled(Profile):
 @lru_cache(maxsize=8)
 def _prepared_again(reading: Reading, by: Preparation) -> Sampled:
     """Points of one file in several ways; of the last ones each is made once, as the points of a sweep ask for it again and again."""
-    return _of_trace(prepared(reading, by))
+    return _of_trace(require(_READING).prepared(reading, by))
 
 
 def _of_trace(trace: Trace) -> Sampled:

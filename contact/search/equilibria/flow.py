@@ -95,10 +95,11 @@ def limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
     # An end may reach the border, and is told of it then.
     lo, hi = curve.problem.borders
     room[0], room[-1] = min(room[0], 1.1 * (here.table[0, 0] - lo)), min(room[-1], 1.1 * (hi - here.table[-1, 1]))
-    # At a sharp corner it rests; one that is held there asks for no step.
-    lo, hi = curve.problem.corners
-    beside = np.array([here.table[0, 0] - lo, hi - here.table[-1, 1]])
-    room[[0, -1]] = np.where(here.held[[0, -1]], room[[0, -1]], np.minimum(room[[0, -1]], np.maximum(beside, REST * here.widths[[0, -1]])))
+    if here.corners is not None:
+        # At a sharp corner it rests; one that is held there asks for no step.
+        lo, hi = curve.problem.corners
+        beside = np.maximum([here.table[0, 0] - lo, hi - here.table[-1, 1]], REST * here.widths[[0, -1]])
+        room[[0, -1]] = np.where(here.held[[0, -1]], room[[0, -1]], np.minimum(room[[0, -1]], beside))
     inward, outward = np.minimum(_INWARD * here.widths, known), np.minimum(np.minimum(_OUTWARD * here.widths, room), known)
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
     return onward, np.minimum(back, _NEAR * here.widths)

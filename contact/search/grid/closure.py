@@ -34,8 +34,9 @@ _TELLING, _TOUCHING, _FINEST, _SURE, _SHARP = 8, 4, 2**14, 3.0, 0.05
 # Miss that is near enough, and, by the rounding of ends to parts of a cell, of each end; width of a bracket of the logarithm of the nominal
 # pressure.
 _CLOSE, _END, _CLOSED = 1e-3, 0.1, 1e-3
-# Nominal pressures tried; of one under which the profile alone leaves no gap, the part under which that is asked once more.
-_STEPS, _LIGHTER = 40, 0.95
+# Nominal pressures tried, and those to clear the border at first; of one under which the profile alone leaves no gap, the part under which
+# that is asked once more.
+_STEPS, _CLEARINGS, _LIGHTER = 40, 4, 0.95
 # Centres tried between the borders, steps of them over the room there and of the logarithm of the nominal pressure, to begin with, the
 # longest over the room, the cells that a bracket is narrowed to, and one of the nominal pressure that tells the nearer border.
 _PLACES, _ASIDE, _ASIDE_PRESSURE, _FARTHEST, _NARROW, _NEARLY = 24, 0.1, 1e-2, 4.0, 0.5, 5e-3
@@ -105,8 +106,15 @@ class ClosureGrid:
         self.rate = -_POWER
 
     def first(self) -> AtPressure:
-        """The contacts under a nominal pressure that is the mean of the load."""
-        return self._at(self.load / self.period, self._first_centre(), None)
+        """The contacts under a nominal pressure that is the mean of the load, or a larger one, under which the strip is clear of its
+        border."""
+        centre = self._first_centre()
+        here = self._at(self.load / self.period, centre, None)
+        for _ in range(_CLEARINGS):
+            if here.unrest is None:
+                break
+            here = self._at(here.amplitude * math.exp(_CLEARED), centre, here)
+        return here
 
     def root(self, here: AtPressure) -> AtPressure:
         """The contacts at the root, roughly, from some; with the strip's unrest, where it has none: then the profile alone is in wider
@@ -114,12 +122,12 @@ class ClosureGrid:
         found, clear = self._followed(here)
         while self.points < self.finest:
             # What a coarse grid tells is the beginning of what a finer one does.
-            if found.unrest is not None and (clear is None or self._covers(found)):
+            if found.unrest is not None and clear is None:
                 return found
             self.points = min(4 * self.points, self.finest)
             beside = found if found.unrest is None or clear is None else clear
             found, clear = self._followed(self._at(beside.amplitude, beside.centre, beside))
-        if found.unrest is None or clear is None or clear.placed.room < _TOUCHING * clear.placed.cell or self._covers(found):
+        if found.unrest is None or clear is None or clear.placed.room < _TOUCHING * clear.placed.cell:
             return found
         return self._balanced(clear)
 

@@ -4,6 +4,10 @@ The grid decides how many zones there are and gives their ends to a fraction of 
 Newton's work. Near an end p ~ A sqrt(d), so p^2 is linear there and its zero is found below the grid. A zone
 of one or two cells is taken as a Hertz contact: its load P and the curvature 1/R of the gap give a = 2 sqrt(P
 R / (pi E)).
+
+What is narrower than a cell shows between the points all the same: where the parabola through a least pressure and its neighbours
+falls to -d, p = -d + k x^2 / 2 there, and the pressure of a lone gap, p less what the gap takes off, is bounded at its ends |x| = a if
+int p / sqrt(a^2 - x^2) dx = 0: a = 2 sqrt(d / k). Where that through a least gap falls below zero there is a zone, about as wide as that.
 """
 
 from __future__ import annotations
@@ -30,6 +34,8 @@ _PASSING = 1e-3  # tolerance of the grids before the last
 # zone in a hundred or two, which the first look at the signs puts in.
 _PER_FEATURE, _FEATURES, _PER_ONE_OF_MANY = 16, 2**15, 8
 NARROW = 3  # cells: below this a zone or a gap is not resolved
+_NEW = 0.7  # of where a gap is negative: as wide as that a new zone begins
+_CURVED = 2.0  # what a parabola is off by over its second derivative, times the square of the cells to the smallest length
 
 
 class NoWindow(OutOfRange):
@@ -103,15 +109,16 @@ def narrowest(state: GridState) -> int:
     return int(min(np.min(runs[:, 1] - runs[:, 0] + 1), np.min(gaps, initial=n)))
 
 
-def zones_of(state: GridState, x: ArrayLike) -> Array:
+def zones_of(state: GridState, x: ArrayLike, closeness: float = np.inf) -> Array:
     """(k, 2) zone ends. Periodic: left ends in the cell, ascending, a right end may exceed it; full contact:
-    shape (0, 2)."""
+    shape (0, 2). closeness: cells to the smallest length of the shape."""
     points = np.asarray(x, dtype=np.float64)
     h, n, E = state.influence.h, state.influence.n, state.influence.E
     if state.full:
         return np.empty((0, 2))
     runs = _runs(state.contact, state.influence.is_periodic)
     x0 = float(points[0])
+    wraps = state.influence.is_periodic
     zones = np.empty((len(runs), 2))
     for k, (first, last) in enumerate(runs):
         cells = np.arange(first, last + 1) % n
@@ -126,10 +133,41 @@ def zones_of(state: GridState, x: ArrayLike) -> Array:
         margin = 0.999 * h
         zones[k, 0] = max(zones[k, 0], left - margin)
         zones[k, 1] = min(zones[k, 1], right + margin)
-    if state.influence.is_periodic:
+    # Of fewer cells the parabolas tell zones that are none as often as those that are.
+    least = _CURVED / closeness**2 if closeness >= _PER_FEATURE else np.inf
+    open_, closed = _dips(state.pressure, wraps, least), _dips(np.where(state.contact, 0.0, state.gap), wraps, least)
+    zones = _parted(zones, x0 + h * open_[0], 2 * h * np.sqrt(open_[1]), n * h if wraps else None)
+    new = x0 + h * closed[0]
+    zones = np.concatenate((zones, np.column_stack((new, new)) + _NEW * h * np.sqrt(2 * closed[1])[:, None] * [-1.0, 1.0]))
+    if wraps:
         zones += wrapped(zones[:, :1], x0 - 0.5 * h, n * h) - zones[:, :1]
-        zones = zones[np.argsort(zones[:, 0])]
-    return zones
+    return zones[np.argsort(zones[:, 0])]
+
+
+def _dips(values: Array, wraps: bool, least: float) -> tuple[Array, Array]:
+    """Where the parabola through a least positive value and its positive neighbours falls below zero: (places in cells, how far, over its
+    second derivative), if that is more than the least."""
+    before, after = np.roll(values, 1), np.roll(values, -1)
+    if not wraps:
+        before[0] = after[-1] = 0.0
+    low = np.flatnonzero((values > 0) & (values <= before) & (values <= after) & np.isfinite(before) & np.isfinite(after))
+    bend = before[low] + after[low] - 2 * values[low]
+    low, bend = low[bend > 0], bend[bend > 0]
+    deep = (before[low] - after[low]) ** 2 / (8 * bend) - values[low]
+    below = deep > least * bend
+    return (low + 0.5 * (before[low] - after[low]) / bend)[below], (deep / bend)[below]
+
+
+def _parted(zones: Array, middle: Array, half: Array, period: float | None) -> Array:
+    """Zones that ascend, or whose last one only goes on beyond the period, parted by narrow gaps within them."""
+    if period is not None:
+        middle = middle + period * np.ceil((zones[0, 0] - middle) / period) if len(zones) else middle
+    order = np.argsort(middle)
+    middle, half = middle[order], half[order]
+    at = np.searchsorted(zones[:, 0], middle, side="right") - 1
+    inside = (at >= 0) & (middle - half > zones[at, 0]) & (middle + half < zones[at, 1])
+    ends = np.sort(np.concatenate((zones.ravel(), (middle - half)[inside], (middle + half)[inside])))
+    return np.asarray(ends.reshape(-1, 2))
 
 
 def _beyond(p_end: float, p_next: float) -> float:
@@ -201,7 +239,8 @@ def propose(
         if n >= target and (resolved or 2 * n > limit):
             break
         n, start = 2 * n, _refine(state.pressure, response.periodic)
-    return Proposal(zones_of(state, x), n, iterations, state, state.full, resolved, state.touches_border)
+    closeness = n / features if points is None else np.inf
+    return Proposal(zones_of(state, x, closeness), n, iterations, state, state.full, resolved, state.touches_border)
 
 
 def _refine(p: Array, periodic: bool) -> Array:

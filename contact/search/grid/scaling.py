@@ -20,6 +20,7 @@ from contact.formulation.full import lowest
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
 from contact.formulation.units import Units
+from contact.model.controls import Quantity
 from contact.model.profiles.base import Profile
 from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
@@ -83,21 +84,22 @@ def _frame_of(scene: Scene, profile: Profile, window: Window) -> ScaledScene:
     length = 2.0 ** round(math.log2(0.5 * (window[1] - window[0])))
     units = Units(_middle_or_tip(profile, window), length, _typical_slope(scene, profile, length, window), scene.E_star)
     moment = None if scene.moment is None else scene.moment / units.moment
-    level = lowest(profile, window) if _datum(scene) is None else _lowest_unturned(scene)
+    level = lowest(profile, window) if scene.operator.datum is None else _lowest_unturned(scene)
     problem = Problem(profile, scene.interaction, scene.substrate, scene.law, units, level, moment=moment)
     return ScaledScene(problem, scaled_control(scene, units), window)
 
 
 def _window(scene: Scene, profile: Tilted) -> Window:
     """A window that holds the contact at the given tilt."""
-    load, datum, fixed = scene.given_load, _datum(scene) or 1.0, held_by(profile)
+    load, datum, fixed = scene.given_load, scene.operator.datum or 1.0, held_by(profile)
     find = partial(find_window, response=response_of(scene, datum), start_scale=profile.resolution, limits=profile.extent)
     try:
         if load is not None:
             return window_at_load(scene, profile, load)
         first = fixed or find(profile.height, load=1e-3 * scene.E_star * datum)
         level, deepest = _lowest_unturned(scene), lowest(profile, first)
-        value = scene.control[1]
+        value = scene.held(Quantity.APPROACH)
+        assert value is not None
         if level + value <= deepest:
             raise OutOfRange(
                 f"approach {value:.6g} m at x = 0 leaves the body clear: turned by {profile.tilt:.6g} it touches from "
@@ -113,20 +115,16 @@ def _lowest_unturned(scene: Scene) -> float:
     profile = scene.profile
     cell = profile.support or profile.extent
     if cell is None and profile.period is None and profile.summits is None:
-        datum = _datum(scene) or 1.0
+        datum = scene.operator.datum or 1.0
         load = 1e-3 * scene.E_star * datum
         cell = find_window(profile.height, response_of(scene, datum), load=load, start_scale=profile.resolution)
     return lowest(profile, cell)
 
 
-def _datum(scene: Scene) -> float | None:
-    return scene.operator.datum
-
-
 def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
     """Origin, length and search window of a profile without a period."""
     profile = scene.profile
-    half_width, load = scene.half_width, scene.given_load
+    half_width, load = scene.held(Quantity.HALF_WIDTH), scene.given_load
     if half_width is not None:
         return 0.0, half_width, (-half_width, half_width)
     if profile.support is not None:
@@ -137,7 +135,7 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
         rough = Problem(profile, scene.interaction, scene.substrate, scene.law, plain, float(profile.height(0.0)))
         a = guess_half_width(rough, scaled_control(scene, rough.units))
         return 0.0, a, (-2 * a, 2 * a)
-    datum = _datum(scene)
+    datum = scene.operator.datum
     find = partial(find_window, response=response_of(scene, datum or 1.0), start_scale=profile.resolution, limits=profile.extent)
     if load is not None:
         window = find(partial(grid_height, profile), load=load, start=_dip(profile))
@@ -150,7 +148,8 @@ def _isolated_origin(scene: Scene, single: bool) -> tuple[float, float, Window]:
             window = find(profile.height, load=load, start=(deeper - half, deeper + half))
     else:
         # The lowest point is in contact at any load: a window of any contact holds it.
-        dip, value = _dip(profile), scene.control[1]
+        dip, value = _dip(profile), scene.held(Quantity.APPROACH)
+        assert value is not None
         light = 1e-3 * scene.E_star * (datum or 1.0) if dip is None else value * scene.E_star * _LIGHT
         first = find(profile.height, load=light, start=dip)
         window = find(profile.height, level=lowest(profile, first) + value, start=dip and first, light=light)
@@ -207,7 +206,7 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
     if slope > 0.0 and not scene.is_flat:
         return slope
     # A flat punch, turned or not, bears its load by its corners.
-    if scene.load is None:
+    if scene.given_load is None:
         return max(slope, 1.0)
     adhesion = abs(scene.law.intensity(scene.E_star)) / (scene.E_star * math.sqrt(length))
-    return max(slope, abs(scene.load) / (scene.E_star * length), adhesion)
+    return max(slope, abs(scene.given_load) / (scene.E_star * length), adhesion)

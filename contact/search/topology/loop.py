@@ -126,7 +126,10 @@ def _rounds(
     for done in range(1, rounds + 1):
         if progress is not None:
             progress(f"{form.what}s", done, None)
-        free = _ended(form, control, table, newton, free)
+        # Of many intervals the sums of the last round take as much memory as those of this one.
+        before = None if free is None or free.state.iterated else free
+        free = None
+        free = _ended(form, control, table, newton, before)
         newton = replace(newton, value=newton.value if free.value is None else free.value, off=1.0)
         ended = free.density.zones.table
         if len(free.lost) or len(free.met):
@@ -145,6 +148,7 @@ def _rounds(
             table, newton = ended, replace(newton, tolerance=TIGHT, near=False)
         else:
             table, newton = _again(form, control, free, fields.state, certificate, newton, tried)
+        del fields, certificate
     raise WrongTopology(f"the number of {form.what}s did not settle", free)
 
 

@@ -13,6 +13,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
+from contact.model.controls import Quantity
 from contact.search.task import Task
 from contact.search.topology.by_gaps import ByGaps
 from contact.search.topology.loop import Newton, refine_topology
@@ -29,8 +30,9 @@ _FARTHEST = 16.0
 _KEPT = 0.1
 # Corrections of the number of zones, after which a search from scratch is no longer.
 _ROUNDS = 6
-# Zones that come or go between two values, up to which corrections find them; and zones of a first value among which there are no more.
-_OFTEN, _MANY = 8, 64
+# Zones that come or go between two values times all that are moved at each correction for them, up to which that is the shorter way; and
+# zones of a first value among which there are no more.
+_OFTEN, _MANY = 100, 64
 
 
 def from_last(task: Task) -> Outcome | Missed:
@@ -58,7 +60,8 @@ def _changes_often(along: tuple[Solution, ...]) -> bool:
     """Whether so many zones come and go from one value to the next that a grid tells them sooner than corrections do."""
     if len(along) == 1:
         return len(along[-1].zones) > _MANY
-    return abs(len(along[-1].zones) - len(along[-2].zones)) > _OFTEN
+    count, before = len(along[-1].zones), len(along[-2].zones)
+    return abs(count - before) * max(count, before) > _OFTEN
 
 
 def _is_followed(task: Task) -> bool:
@@ -66,7 +69,8 @@ def _is_followed(task: Task) -> bool:
     there is."""
     scene = task.scene
     moves = scene.turned or scene.interaction.strip or scene.interaction.follows_isolated
-    return scene.law.convex and not moves and not scene.is_flat and scene.approach is None and scene.half_width is None
+    followed = any(scene.held(quantity) is not None for quantity in (Quantity.LOAD, Quantity.WIDTH))
+    return scene.law.convex and not moves and not scene.is_flat and followed
 
 
 def _carried_on(along: tuple[Solution, ...], value: float) -> Array:

@@ -88,7 +88,9 @@ def directly(scene: Scene, tol: float) -> Solution | None:
     """The solution of a scene that needs no coupled system; None where it does, or where anything is in doubt."""
     start = time.perf_counter()
     held = scene.control_object.held(scene)
-    if held is None or held.quantity is Quantity.APPROACH or scene.contact_fraction is not None and scene.contact_fraction > _WIDEST:
+    if held is None or held.quantity is Quantity.APPROACH:
+        return None
+    if held.quantity is Quantity.WIDTH and scene.profile.period is not None and held.value > _WIDEST * scene.profile.period:
         return None
     with np.errstate(all="ignore"):
         for sheet in sheets(scene):
@@ -111,9 +113,9 @@ def all_directly(scenes: Sequence[Scene], tol: float) -> list[Solution | None]:
     out: list[Solution | None] = [None] * len(scenes)
     if not scenes or scenes[0].given_load is None:
         return [directly(scene, tol) for scene in scenes]
-    loads = np.array([scene.given_load for scene in scenes]) / (0.5 * scenes[0].E_star)
     left = np.arange(len(scenes))
     with np.errstate(all="ignore"):
+        loads = np.array([scene.given_load for scene in scenes]) / (0.5 * scenes[0].E_star)
         for sheet in sheets(scenes[0]):
             if not len(left):
                 break
@@ -169,7 +171,7 @@ def _certificate(scene: Scene, ends: Ends, gap: float) -> Certificate:
 
 def _plan(scene: Scene, ends: Ends, took: float) -> Plan:
     told = plan(scene)
-    given = scene.half_width is not None or ends.sheet.corner is not None
+    given = scene.held(Quantity.HALF_WIDTH) is not None or ends.sheet.corner is not None
     for part in told.parts:
         if part.name == "coarse search":
             part.used, part.reason = False, "one interval of a line, without a coupled system"

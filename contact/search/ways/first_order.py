@@ -96,7 +96,8 @@ class FirstOrder:
             except (OutOfRange, NotConverged) as refusal:
                 limit, step, lost = high, 0.25 * (high - low), refusal
                 high, at_high = low, at_low
-                if step < 1e-7 * limit:
+                # Of zones from grids another search follows, which tells more than the last digits of a width do.
+                if step < (1e-7 if self.first is None or isinstance(refusal, OutOfRange) else 1e-2) * limit:
                     # That a search has failed does not show that there is no more to be carried.
                     raise lost if isinstance(lost, NotConverged) else self._refused(control, low, at_low) from None
                 continue

@@ -98,9 +98,11 @@ class _At:
 
 @dataclass(frozen=True, eq=False)
 class Closed(Found):
-    """The zones of the strip, and at: the contacts that they and the nominal pressure are of."""
+    """The zones of the strip, and at: the contacts that they and the nominal pressure are of; rounded: whether rounding is what keeps these
+    from coming nearer to the root."""
 
     at: _At | None = None
+    rounded: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,7 +211,7 @@ class FirstOrderOfSeveral:
         self.task, self.scaled, self.problem = task, scaled, scaled.problem
         assert self.problem.period is not None
         self.period = self.problem.period
-        self.sharpness, self.wanted = 1.0, task.tolerance
+        self.sharpness, self.wanted, self.again, self.rounded = 1.0, task.tolerance, False, False
         # The last contacts, of the strip and of its profile alone.
         self.likes: dict[bool, sie.AnyState] = {}
 
@@ -254,7 +256,7 @@ class FirstOrderOfSeveral:
         """The same more tightly."""
         assert found.at is not None
         at = found.at
-        self.wanted = self._wanted(at)
+        self.wanted, self.again = self._wanted(at), True
         return self._exact(self._at(at.unknowns, at.table, _table(at.alone), self.task.tolerance, 0.0))
 
     def _rough(self, grid: ClosureGrid, first: AtPressure) -> AtPressure:
@@ -370,7 +372,8 @@ class FirstOrderOfSeveral:
         fields: ZoneFields = replace(
             at.strip.fields, amplitude_rate=float(follows[1]), centring=float(rates.approach[0] * follows[0])
         )
-        return Closed(**vars(replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed, at.table))), at=at)
+        found = replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed, at.table))
+        return Closed(**vars(found), at=at, rounded=self.rounded)
 
     def _signed(self, at: _At) -> tuple[_At, _Rates, Array]:
         """`_stepped`, with the signs of what it has come to."""
@@ -405,6 +408,7 @@ class FirstOrderOfSeveral:
             off = rates.of_ends(step, at.table)
             settled = off.max() <= self.wanted or (asked > _SLOW * before and before < self.task.tol)
             if settled and at.strip.tolerance <= self.wanted:
+                self.rounded = self.again and bool(off.max() > self.wanted)
                 return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
             step *= min(1.0, _LARGEST / max(asked, 1e-300))
             if watched and abs(misses[1]) > _OFF_CENTRE * abs(misses[0]):

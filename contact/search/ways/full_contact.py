@@ -11,6 +11,7 @@ from contact.errors import OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.fields import mean_shape
 from contact.formulation.problem import Problem
+from contact.model.controls import Quantity
 from contact.search.task import Task
 from contact.solution.made import mean_height
 
@@ -48,9 +49,9 @@ def full_under(task: Task, control: Control) -> Full | None:
         return None
     if control.load is not None and scene.given_load is not None:
         mean_pressure = scene.given_load / period if scene.mean_pressure is None else scene.mean_pressure
-    elif control.approach is not None and scene.approach is not None and compression:
+    elif control.approach is not None and (approach := scene.held(Quantity.APPROACH)) is not None and compression:
         # Beyond the mean of the profile, the base of the substrate gives way to a uniform pressure.
-        mean_pressure = 0.5 * scene.E_star * (scene.approach - mean_height(scene)) / compression
+        mean_pressure = 0.5 * scene.E_star * (approach - mean_height(scene)) / compression
     else:
         return None
     return Full(mean_pressure) if mean_pressure >= task.full.pressure else None

@@ -9,7 +9,6 @@ import numpy as np
 from contact.formulation.controls import Control
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
-from contact.formulation.relief import ScaledRelief
 from contact.search.task import Task
 from contact.search.topology.by_gaps import ByGaps
 from contact.search.topology.intervals import united
@@ -42,7 +41,7 @@ def by_gaps(
     """The contact solved by its gaps, where it is about as wide as that."""
     if control.half_width is not None or not worth_gaps(task, problem, width):
         return NOT_WIDE
-    form = ByGaps(problem, ScaledRelief.of(task.full.relief, problem))
+    form = ByGaps(problem, task.shared.relief(problem))
     with task.plan.timed("zone ends"):
         found = _found(task, form, control, width, zones, near)
         if isinstance(found, Missed):
@@ -57,14 +56,14 @@ def _found(task: Task, form: ByGaps, control: Control, width: float, zones: Arra
     tolerance, period = OF_GAPS * task.tolerance, form.period
     try:
         width = width if control.width is None else control.width
-        mean = control.load / period if control.load is not None else task.shared.first_gaps(form.problem, form.relief).mean_of(width)
+        mean = control.load / period if control.load is not None else task.shared.first_gaps(form.problem).mean_of(width)
         if zones is not None and len(zones) > 0:
             # Where zones are known about, so are the gaps; but not those that a grid does not see.
             between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + period)))
             found = refine_topology(form, control, united(between, period, True, form.what), Newton(tolerance, mean, near=near))
             if near or isinstance(found, FoundByGaps):
                 return found
-        first = task.shared.first_gaps(form.problem, form.relief)
+        first = task.shared.first_gaps(form.problem)
         return refine_topology(form, control, first.gaps(mean), Newton(tolerance, mean))
     except WrongTopology as wrong:
         return wrong.missed

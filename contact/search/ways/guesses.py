@@ -53,7 +53,7 @@ def search(task: Task, scaled: ScaledScene, start: Array | None = None) -> Outco
         return full
     refuse_full_approach(task, scaled.problem, scaled.control)
     # A width that a closure looks at on its way is none of the scene's.
-    if task.scene.contact_fraction is not None and not task.single:
+    if task.scene.given_fraction is not None and not task.single:
         return by_fraction(task, scaled)
     for name, guess in GUESSES:
         outcome = guess(task, scaled, start)
@@ -63,7 +63,7 @@ def search(task: Task, scaled: ScaledScene, start: Array | None = None) -> Outco
             task.left(name, outcome)
     if scaled.control.width is None:
         return from_grid(task, scaled)
-    if task.scene.contact_fraction is None:
+    if task.scene.given_fraction is None:
         raise task.error(Missed("zones of the total width that the closure asks for were not found"), scaled.problem)
     return by_fraction(task, scaled)
 
@@ -141,7 +141,8 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False) -> Outcome:
         if task.progress is not None:
             task.progress("coarse grid", 0, None)
         with plan.timed("coarse search"):
-            proposal = proposed(scaled, problem, control, points, held=held)
+            # Its pressures and gaps, of very many points, have told what they tell.
+            proposal = replace(proposed(scaled, problem, control, points, held=held), state=None)
         if points is None:
             most = max(most, min(4 * proposal.points, MOST_POINTS))
         points, full = proposal.points, proposal.full

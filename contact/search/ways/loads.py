@@ -16,7 +16,7 @@ from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
-from contact.model.scene import Scene
+from contact.model.controls import Quantity
 from contact.search.grid.proposals import Proposed, of_width, placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.grid.tilt import known_part
@@ -46,7 +46,8 @@ _ON_THE_WAY, _FIRST_ONES = 1e-7, 1e-5
 
 def at_approach(task: Task, nearness: float) -> Solution:
     """A solution under a load that has the approach of the scene, to this part of the load."""
-    scene, wanted, moment = task.scene, task.scene.control[1], task.scene.moment or 0.0
+    scene, wanted, moment = task.scene, task.scene.held(Quantity.APPROACH), task.scene.moment or 0.0
+    assert wanted is not None
     known = known_part(scene.profile)
     reach = math.inf if known is None or moment == 0.0 else known[1] if moment > 0 else -known[0]
     if not reach > 0.0:
@@ -68,7 +69,7 @@ def at_level(task: Task) -> Found:
     for nearness in (NEAR_LOAD, NEARER_LOAD):
         task = task.beside(at_approach(task, nearness))
         assert task.near is not None
-        scaled = scaled_scene_about(loaded(task.scene, task.near.load), task.near.tilt or 0.0, task.near.zones)
+        scaled = scaled_scene_about(task.scene.under("load", task.near.load), task.near.tilt or 0.0, task.near.zones)
         problem = scaled.problem
         found = task.refine_topology(problem, task.control(problem), placed(problem, task.near.zones))
         if isinstance(found, Found):
@@ -81,7 +82,8 @@ def at_level(task: Task) -> Found:
 
 def by_fraction(task: Task, scaled: ScaledScene) -> Found | FoundByGaps:
     """A width from a solution under about the load that has it, ever nearer ones until its zones lead on."""
-    problem, control, goal = scaled.problem, scaled.control, task.scene.control[1]
+    problem, control, goal = scaled.problem, scaled.control, task.scene.given_fraction
+    assert goal is not None
     if task.near is None:
         # What is open of a contact as full as this are tops of R, of which no grid tells the load.
         if 1 - goal < _LAST_OPEN:
@@ -138,7 +140,7 @@ def _under_load_of(task: Task, problem: Problem, control: Control, near: Solutio
     missed = abs(near.contact_fraction - control.value / problem.period)
     if missed > _JUMP:
         raise NotConverged(
-            f"no load that double precision tells from its neighbours has the contact fraction {task.scene.control[1]:.15g}: at a "
+            f"no load that double precision tells from its neighbours has the contact fraction {task.scene.given_fraction:.15g}: at a "
             f"mean pressure of {near.mean_pressure:.15g} Pa it is {near.contact_fraction:.15g}, beside that beyond", (), near,
         )
     load = Load(near.load / problem.units.load)
@@ -177,7 +179,7 @@ def _on_the_way(task: Task, tol: float = _ON_THE_WAY) -> Callable[[float, Soluti
 
     def solved(load: float, near: Solution | None) -> Solution:
         try:
-            return task.under(loaded(task.scene, load), tol, task.progress, near or task.near)
+            return task.under(task.scene.under("load", load), tol, task.progress, near or task.near)
         except NotConverged as failure:
             if failure.best is None or not failure.best.error < max(1e3 * _ON_THE_WAY, 10 * tol):
                 raise
@@ -185,7 +187,3 @@ def _on_the_way(task: Task, tol: float = _ON_THE_WAY) -> Callable[[float, Soluti
             return best
 
     return solved
-
-
-def loaded(scene: Scene, load: float) -> Scene:
-    return replace(scene, approach=None, contact_fraction=None, load=load)
