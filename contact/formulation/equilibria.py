@@ -3,24 +3,35 @@ r"""Contact on given zones under a law of prescribed intensities: what drives it
 With r_i = K_i - K* at every end, K* < 0 of the law, an end is driven outward while r_i > 0: by ds the energy changes by
 (pi/E*)(K_i^2 - K*^2) ds. Equilibria have r = 0; they are followed in contact.search.equilibria.flow, by growing and shrinking, and in
 contact.search.equilibria.arc, along their curve.
+
+A sharp corner, beyond which the profile ends, is an obstacle: an end that is driven outward there (r >= 0) is held, whatever r, and does
+not move; one that is driven inward leaves it. So an equilibrium has r = 0 at free ends and r >= 0 at held ones.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 import sie
-from contact.errors import OutOfRange
+from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from sie import Array
+from sie import Array, Mask
 
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
 _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
+
+
+# An end nearer to a sharp corner than this part of the body's width is there; and one that is driven inward by so little is still held.
+_SNAP, _HELD = 1e-14, 1e-10
+
+
+# Growth within rounding of none.
+NEUTRAL = 1e-12
 
 
 class Closed(Exception):
@@ -32,9 +43,20 @@ class NoState(Exception):
 
 
 @dataclass(frozen=True, eq=False)
+class Corners:
+    """Of zones of a profile with sharp corners. held: which ends rest at one (2n,); residual, rates, by_value: as if none did."""
+
+    held: Mask
+    residual: Array
+    rates: Array
+    by_value: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Point:
     """Zones (n, 2) under a value of the control. residual: r over |K*| of the left and then the right ends (2n,); rates: dr/ds (2n, 2n);
-    by_value: dr/d(value); load and level: scaled."""
+    by_value: dr/d(value); load and level: scaled. At ends that are held nothing drives them: the residual is 0, and stays so but for
+    motions of their own, against which they are stable. corners: None where the profile has none."""
 
     table: Array
     value: float
@@ -43,6 +65,26 @@ class Point:
     by_value: Array
     load: float
     level: float
+    corners: Corners | None = field(default=None, kw_only=True)
+
+    @property
+    def whole(self) -> Corners:
+        """What drives all ends, held or not."""
+        return self.corners or Corners(np.zeros(len(self.residual), dtype=bool), self.residual, self.rates, self.by_value)
+
+    @property
+    def held(self) -> Mask:
+        """Which ends rest at sharp corners (2n,)."""
+        return self.whole.held
+
+    def holding(self, held: Mask) -> Point:
+        """The same with these ends held, and no others."""
+        whole, free = self.whole, ~held
+        rates = np.where(free[:, None] & free, whole.rates, 0.0) - np.diag(held / self.widths)
+        corners = replace(whole, held=held)
+        return replace(
+            self, residual=np.where(held, 0.0, whole.residual), rates=rates, by_value=np.where(held, 0.0, whole.by_value), corners=corners
+        )
 
     @property
     def contact(self) -> Array:
@@ -64,6 +106,11 @@ class Point:
         """Largest eigenvalue of J over D: negative where an equilibrium is stable."""
         return float(np.linalg.eigvals(self.rates / self.weight[:, None]).real.max())
 
+    def refuse_neutral(self) -> None:
+        """NotConverged where a motion of the ends drives none of them: there is not one contact, but a row of them."""
+        if abs(self.growth) <= NEUTRAL:
+            raise NotConverged("a zone on a level stretch may be anywhere along it, and no one place is that of the contact")
+
     @cached_property
     def newton(self) -> Array:
         """Newton's step of the ends, outward."""
@@ -82,8 +129,10 @@ class Equilibria:
     problem: Problem
     held: Control
 
-    def at(self, table: Array, value: float, tolerance: float = 1e-13) -> Point:
-        """The state of given zones: one linear solution and its rates."""
+    def at(self, table: Array, value: float, tolerance: float = 1e-13, held: Mask | None = None) -> Point:
+        """The state of given zones, no farther than to sharp corners: one linear solution and its rates. held: at corners; None: those that
+        are there and are not driven inward."""
+        table = self.within(table)
         problem, control = self.problem, replace(self.held, value=value)
         lo, hi = problem.borders
         if table[0, 0] <= lo or table[-1, 1] >= hi:
@@ -101,11 +150,30 @@ class Equilibria:
         unit = np.concatenate(state.response(values).intensities)
         residual = (np.concatenate(state.density.intensities) - wanted) / size
         level = -value if control.approach is not None else float(state.levels.mean())
-        return Point(table, value, residual, rates.intensities / size, unit / size, state.density.total, level)
+        here = Point(table, value, residual, rates.intensities / size, unit / size, state.density.total, level)
+        corners = problem.corners
+        if not np.isfinite(corners).all():
+            return here
+        if held is None:
+            held = (table == np.array(corners)).T.ravel() & (residual >= -_HELD)
+        return here.holding(held)
+
+    def within(self, table: Array) -> Array:
+        """The zones as far as sharp corners let them, and those so near to one up to it; of a body that repeats, in its own period."""
+        lo, hi = self.problem.corners
+        if not np.isfinite([lo, hi]).all():
+            return table
+        if (period := self.problem.period) is not None:
+            table = table - np.round((table.mean(axis=1) - 0.5 * (lo + hi)) / period)[:, None] * period
+            table = table[np.argsort(table[:, 0])]
+        table, snap = np.clip(table, lo, hi), _SNAP * (hi - lo)
+        table[:, 0], table[:, 1] = np.where(table[:, 0] <= lo + snap, lo, table[:, 0]), np.where(table[:, 1] >= hi - snap, hi, table[:, 1])
+        return np.asarray(table)
 
     def settled(self, here: Point) -> Point:
         """The equilibrium near by, tightly."""
         here = self.at(here.table, here.value)
+        here.refuse_neutral()
         for _ in range(_STEPS):
             size = float(np.abs(here.newton / here.widths).max())
             if size < _TIGHT or size > _ANOTHER:

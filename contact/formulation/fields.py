@@ -159,7 +159,8 @@ class ZoneFields(sie.Kept):
 
     def second_variation(self, yields: float | None = None) -> Array:
         """d^2 energy / ds_i ds_j by outward motions of the left and the right ends, times the roots of their zones' widths and over
-        2 w (2 Z, 2 Z): of dG_i/ds_j, G = w (K/K*)^2. yields: d(approach)/d(load) of what holds the contact, None: the load is held."""
+        2 w (2 Z, 2 Z): of dG_i/ds_j, G = w (K/K*)^2. Ends that are held at sharp corners do not move, and are left out. yields:
+        d(approach)/d(load) of what holds the contact, None: the load is held."""
         zones, wanted = self.density.zones, self.problem.end.intensity
         assert wanted
         whole = sie.Zones.of(zones.table, self.problem.end, self.problem.end)
@@ -170,7 +171,8 @@ class ZoneFields(sie.Kept):
             by_load = np.concatenate(state.response(state.values()).intensities)
             matrix = matrix - np.outer(by_load, rates.levels.mean(axis=0)) / (float(state.level_rates(state.values()).mean()) - yields)
         root = np.sqrt(np.tile(zones.b - zones.a, 2))
-        return np.asarray(root[:, None] * matrix * root / wanted)
+        moves = zones.moves.ravel()
+        return np.asarray((root[:, None] * matrix * root / wanted)[np.ix_(moves, moves)])
 
     @property
     def borne_beside(self) -> float:

@@ -106,4 +106,5 @@ def _is_rounding(task: Task, found: Found) -> bool:
     """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error, or what modes do not show."""
     if too_thin(found.fields.problem, found.free.density.zones.table) or (isinstance(found, Closed) and found.rounded):
         return True
-    return not found.free.state.iterated and bool(limit(found.free, 4 * task.tol, "zone", 4 * of_positions(found)))
+    end = found.fields.problem.end
+    return not found.free.state.iterated and bool(limit(found.free, 4 * task.tol, "zone", 4 * of_positions(found), end))

@@ -169,7 +169,8 @@ def _within(tol: float, solution: Solution, free: sie.Free, of: str, positions: 
     if solution.error > tol:
         fields = solution.fields
         thin = too_thin(fields.problem, fields.density.zones.table) if isinstance(fields, ZoneFields) else ""
-        why = limit_of_approach(solution, tol) or thin or limit(free, tol, of, positions)
+        end = fields.problem.end if isinstance(fields, ZoneFields) else sie.FREE
+        why = limit_of_approach(solution, tol) or thin or limit(free, tol, of, positions, end)
         raise NotConverged(
             f"the stated error {solution.error:.2g} is above the tolerance {tol:.2g}{': ' if why else ''}{why}; the best state is attached",
             solution.trace, solution,

@@ -48,7 +48,7 @@ def _stated(found: Found) -> float:
     density = state.density
     ends = free.end_error + state.end_truncation + found.off
     _, by_left, by_right = density.sensitivity
-    singular, peak = _is_singular(density), _reference(density)
+    singular, peak = _is_singular(density), _reference(density, found.fields.problem.end)
     moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
     on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
     error = max(float(ends.max(initial=0.0)) + ROUNDING, of_positions(found) + ROUNDING, moved + on_zones) + _of_body(found)
@@ -104,25 +104,22 @@ def _is_singular(density: sie.AnyDensity) -> bool:
     return any(end.intensity != 0.0 for end in (*density.zones.left, *density.zones.right))
 
 
-def _pulls(density: sie.AnyDensity) -> bool:
-    return any(end.intensity is not None and end.intensity < 0.0 for end in (*density.zones.left, *density.zones.right))
-
-
-def _reference(density: sie.AnyDensity) -> float:
-    """What errors of the pressure are referred to: its peak, or the mean contact pressure where the peak is infinite; where ends pull,
-    the largest p sqrt(1 - t^2), which is finite."""
-    if _pulls(density):
+def _reference(density: sie.AnyDensity, free: sie.End) -> float:
+    """What errors of the pressure are referred to: its peak, or the mean contact pressure where the peak is infinite; where free ends
+    pull, the largest p sqrt(1 - t^2), which is finite, and not less than such an end makes of it. free: the kind of free ends."""
+    if free.intensity is not None and free.intensity < 0.0:
         angle = (np.arange(_LOOKS) + 0.5) * np.pi / _LOOKS
         left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
-        return float(np.abs(density.at(np.arange(len(density.zones))[:, None], left, right) * np.sin(angle)).max())
+        highest = float(np.abs(density.at(np.arange(len(density.zones))[:, None], left, right) * np.sin(angle)).max())
+        return max(highest, abs(free.intensity) * float(np.sqrt(2 / density.zones.half).max()))
     if _is_singular(density) or np.any((density.jumps.height > 0) & (density.jumps.order == 0)):
         return abs(density.total) / float((density.zones.b - density.zones.a).sum())
     return float(density.sensitivity[0].max())
 
 
-def limit(free: sie.Free, tol: float, of: str, positions: float = 0.0) -> str:
+def limit(free: sie.Free, tol: float, of: str, positions: float = 0.0, end: sie.End = sie.FREE) -> str:
     """What keeps the ends of zones (of: "zone" or "gap") from being known to `tol`, in words; empty where it is not rounding.
-    positions: see `of_positions`."""
+    positions: see `of_positions`; end: the kind of free ends."""
     if positions > 0.5 * tol:
         return f"positions so far from x = 0 are rounded to {positions:.1e} of a zone's width; put the origin nearer, or allow a larger tol"
     density, rounding = free.density, free.rounding
@@ -137,7 +134,7 @@ def limit(free: sie.Free, tol: float, of: str, positions: float = 0.0) -> str:
     if of != "zone":  # the density is the slope of the gap, and no pressure to refer to
         return ""
     _, by_left, by_right = density.sensitivity
-    moved = float((rounding[:, 0] * by_left + rounding[:, 1] * by_right).max()) / _reference(density)
+    moved = float((rounding[:, 0] * by_left + rounding[:, 1] * by_right).max()) / _reference(density, end)
     if moved > 0.25 * tol:
         return (
             f"rounding leaves ends uncertain by {worst:.1e} of a width, and beside a corner so close to an end the pressure follows "

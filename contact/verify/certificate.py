@@ -57,7 +57,8 @@ class Certificate:
     that place is below what double precision tells. moment_balance: relative to the load times the farthest end
     of a zone; None where no moment is given. intensity: largest miss at an end, over what the law asks for; stability: least eigenvalue
     of the second variation of the energy by the motions of the ends, over twice the work of adhesion and at equal motions over
-    roots of the widths, at the control held: positive where the contact is locally stable; both None under laws without.
+    roots of the widths, at the control held: positive where the contact is locally stable, infinite where all ends are held at sharp
+    corners; both None under laws without.
     """
 
     smallest_pressure: float
@@ -140,6 +141,7 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None)
             holds, note = False, f"not stable under a held {name}: the second variation of the energy is not positive"
         else:
             told = "its ends are given" if stability is None else f"locally stable under a held {name}"
+            told = "all ends are held at sharp corners" if stability == np.inf else told
             note = f"one of several equilibria: intensities at the ends, no overlap, balance, {told}{'; ' + note if note else ''}"
     broken = law.fault(fields, load)
     if broken:
@@ -164,15 +166,17 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None)
 
 
 def _missed(fields: ZoneFields) -> float:
-    """Largest miss of the intensity that the law asks for at the ends, over it."""
-    wanted = fields.problem.end.intensity
+    """Largest miss of the intensity that the law asks for at the ends, over it; where one is held, of what it asks for at the least."""
+    wanted, zones = fields.problem.end.intensity, fields.density.zones
     assert wanted
-    return float(np.abs(np.concatenate(fields.density.intensities) / wanted - 1.0).max())
+    missed = np.array(fields.density.intensities) / wanted - 1.0
+    given = np.array([[end.intensity is not None for end in ends] for ends in (zones.left, zones.right)])
+    return float(np.where(given, np.abs(missed), missed).max(initial=0.0))
 
 
 def least_eigenvalue(matrix: Array) -> float:
-    """Of its symmetric part: a second variation is symmetric but for rounding."""
-    return float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min())
+    """Of its symmetric part: a second variation is symmetric but for rounding. Infinite where nothing moves."""
+    return float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min(initial=np.inf))
 
 
 def _moment_balance(fields: ZoneFields) -> float | None:

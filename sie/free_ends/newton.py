@@ -126,6 +126,7 @@ def find_ends(
     bounded_ends: bool = True,
     off: float = 1.0,
     like: AnyState | None = None,
+    limited: End = FREE,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -142,7 +143,8 @@ def find_ends(
     value : float
         First guess for the value of an open condition.
     limits : (float, float)
-        Free ends do not pass these; one that reaches one stays there as a singular end, until its intensity turns negative.
+        Free ends do not pass these; one that reaches one stays there as a singular end, until its intensity falls below that of
+        `limited`.
     signs : (float, float)
         Of the wanted density next to left and to right ends (the slope of a gap falls at its right end).
     near : bool
@@ -158,6 +160,8 @@ def find_ends(
         by iteration.
     like : State or None
         A solution on about the same zones, with as many modes to begin with.
+    limited : End
+        The kind of an end that leaves a limit.
 
     Returns
     -------
@@ -185,11 +189,12 @@ def find_ends(
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
         sizes.linear, sizes.rough, sizes.value = progress.linear, progress.linear > max(_ROUGHLY, progress.tightest), value
-        state = solve_zones(equation, zones, decay, sizes)
+        state = _state(equation, zones, decay, sizes, value)
         loose = state.iterated and sizes.linear > progress.tightest
-        if opened is not None and value != 0.0 and not state.iterated:
-            state = state.with_value(opened, value)
-        zones, let_go = _let_go(zones, limits, state.density)
+        zones, let_go = _let_go(zones, limits, state.density, limited)
+        if let_go and zones.follow_ends:
+            # The rates are those of the ends that move now.
+            state = _state(equation, zones, decay, sizes, value)
         if opened is not None and (unit is None or unit.moved(zones) > _SAME_RESPONSE):
             unit = Unit.of(state, sizes)
         motion = _newton(state, zones, signs, unit)
@@ -231,6 +236,12 @@ def find_ends(
             )
         # Of many zones its sums take as much memory as those of the next one.
         del state
+
+
+def _state(equation: Equation, zones: Zones, decay: float, sizes: Sizes, value: float) -> AnyState:
+    """The density on these zones, at the open condition's value, if there is one."""
+    state, opened = solve_zones(equation, zones, decay, sizes), equation.open_condition
+    return state if opened is None or value == 0.0 or state.iterated else state.with_value(opened, value)
 
 
 def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, value: float, bounded_ends: bool) -> Free:
@@ -330,20 +341,21 @@ def _held_at(zones: Zones, limits: tuple[float, float]) -> Zones:
     return replace(zones, a=a, b=b, rest=rest, left=left, right=right)
 
 
-def _let_go(zones: Zones, limits: tuple[float, float], density: AnyDensity) -> tuple[Zones, bool]:
-    """Ends held at a limit where the density pulls (negative intensity) become free; whether any did."""
+def _let_go(zones: Zones, limits: tuple[float, float], density: AnyDensity, limited: End) -> tuple[Zones, bool]:
+    """Ends held at a limit where the intensity is below that of free ones (negative, the density pulls) become free; whether any did."""
     if not np.isfinite(limits).any():
         return zones, False
     k_left, k_right = density.intensities
-    low = zones.left[0] == SINGULAR and zones.a[0] == limits[0] and k_left[0] < 0
-    high = zones.right[-1] == SINGULAR and zones.b[-1] == limits[1] and k_right[-1] < 0
+    least = _intensity(limited)
+    low = zones.left[0] == SINGULAR and zones.a[0] == limits[0] and k_left[0] < least
+    high = zones.right[-1] == SINGULAR and zones.b[-1] == limits[1] and k_right[-1] < least
     if not (low or high):
         return zones, False
     left, right = list(zones.left), list(zones.right)
     if low:
-        left[0] = FREE
+        left[0] = limited
     if high:
-        right[-1] = FREE
+        right[-1] = limited
     return replace(zones, left=left, right=right), True
 
 

@@ -31,6 +31,7 @@ from contact.formulation.tension.intervals import fitted, interval_of
 from contact.formulation.tension.pulled import Pulled
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 # Surfaces that overlap by this part of the reach only touch.
 _TOUCHING = 1e-12
@@ -121,8 +122,9 @@ class Cohesive(Equilibria):
         return Pulled.of(self.problem, self.stress, np.zeros((0, 2)), everywhere=True)
 
     # one state --------------------------------------------------------------------------------------------------------
-    def at(self, table: Array, value: float, tolerance: float = TIGHT) -> CohesivePoint:
-        """The contact under the tension on given intervals; zones are looked for from those of the last state."""
+    def at(self, table: Array, value: float, tolerance: float = TIGHT, held: Mask | None = None) -> CohesivePoint:
+        """The contact under the tension on given intervals; zones are looked for from those of the last state. held: none, as there are no
+        sharp corners."""
         zones = _followed(self._nearest(table), table, value, self.problem.period) if self.known else np.zeros((0, 2))
         return self.from_zones(table, value, zones, tolerance)
 

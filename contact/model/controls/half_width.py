@@ -30,8 +30,8 @@ class HalfWidth(Control):
         if profile.support is None:
             return
         reach = profile.support[1]
-        if self.value > reach:
-            self._refuse(f"at most the profile's own, {reach:.17g}")
+        if self.value >= reach:
+            self._refuse(f"less than the profile's own, {reach:.17g}, with which any load from some on is borne")
         if scene.is_flat_between(-self.value, self.value):
             self._refuse(f"left out: {profile.name} has no slope, any load has its half width {reach:.17g}; give a load")
 

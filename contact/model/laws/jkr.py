@@ -60,6 +60,4 @@ class JKR(Law):
     def refuses(self, scene: Any) -> str | None:
         if scene.interaction.strip:
             return f"goes with isolated and periodic bodies, not with the strip of {scene.interaction.name}, which is not all of the body"
-        if scene.profile.support is not None:
-            return f"is not solved at sharp corners, which hold the ends of {scene.profile.name}: round them off"
         return None

@@ -2,18 +2,22 @@
 
 There J = dr/ds has a zero eigenvalue, and along the arc the control has an extreme (a turning point). Motions are counted in the widths of
 the zones, the control in what moves an end by as much, so that a unit tangent tells both.
+
+Where an end reaches a sharp corner, or one that is held there is driven no longer, the curve has a kink: a step ends there, and the next
+one begins with that end held, or free. If it is free but unstable it lets go, and the curve ends.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Equilibria, NoState, Point
+from contact.formulation.equilibria import NEUTRAL, Equilibria, NoState, Point
 from contact.formulation.roots import bracketed
 from contact.search.equilibria.flow import receded
 
@@ -28,12 +32,17 @@ _LONGER, _SHORTER = 1.6, 0.3
 _STRAIGHT = 0.85
 # Of equations that are met, what may be left of them, over what the control does to an end at the most.
 _NOT_MET = 1e-8
+# What drives an end that is held by no more lets go together with one that is driven by nothing; ends so near to a corner, over the widths,
+# reach it together.
+_TOGETHER = 1e-7
 # Past a turning point ends are pushed on by this part of their zones, or of the gaps beside them.
 _PUSH = 0.03
 # Of the control, before the last turning point is looked for; and of steps of the control.
 _HALVINGS, _MOST_TRIES = 5, 160
 # Zones that come apart one after the other from there on, at the most.
 _MOST_TURNS = 200
+# So many steps without a length come after one another at sharp corners.
+_MOST_STANDS = 3
 # Where a curve is only to be followed: how tightly its states are solved, and how small Newton's last step is; over the step, from how near
 # a turning point ends that are pushed on go the way they go from there; and what such a state may be off by.
 _ROUGH, _ROUGHLY, _ABOUT, _OFF = 1e-9, 1e-6, 1e-3, 1e-5
@@ -56,12 +65,14 @@ class Place:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """A step along the arc, of a length, from one equilibrium to another."""
+    """A step along the arc, of a length, from one equilibrium to another. after: the equilibrium at its end with other ends held at sharp
+    corners, from which the next one begins; None where these are the same."""
 
     curve: Equilibria
     start: Place
     length: float
     end: Place
+    after: Point | None = None
 
     def at(self, length: float, tight: bool = True) -> Point:
         """The equilibrium at a part of the step."""
@@ -69,6 +80,11 @@ class Step:
         if found is None:
             raise NotConverged("an equilibrium on the way along a curve was lost")
         return found
+
+    @property
+    def lets_go(self) -> bool:
+        """Whether ends let go of sharp corners at its end, where the curve breaks off."""
+        return self.after is not None and self.after.growth > NEUTRAL
 
     @property
     def turns(self) -> bool:
@@ -95,9 +111,11 @@ class Step:
 def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> Iterator[Step]:
     """From an equilibrium, steps along the curve, the control first rising (sense 1) or falling (-1). tight: whether their ends are
     states that are solved as tightly as there is."""
-    place, length, why = _begun(here, sense), _FIRST, "the curve of equilibria was not followed on"
+    here.refuse_neutral()
+    place, length, why, stands = _begun(here, sense), _FIRST, "the curve of equilibria was not followed on", 0
     for _ in range(_MOST_STEPS):
-        ahead = along(curve, place, length, tight)
+        reached = _corner_within(curve, place, length)
+        ahead = along(curve, place, length, tight) if reached is None else _to_corner(curve, place, reached, tight)
         end = None if ahead is None else onward(place, ahead)
         if end is None or not _keeps(place, end):
             if end is not None and place.at.growth < 0.0 <= end.at.growth:
@@ -106,20 +124,102 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
             if length < _NO_STEP:
                 break
             continue
-        yield Step(curve, place, length, end)
-        place, length = end, min(_LONGER * length, _LONGEST)
+        step = _to_change(Step(curve, place, _length(place, end.at) if reached is not None else length, end))
+        yield step
+        if step.lets_go:
+            why = "an end that was held at a sharp corner has let go"
+            break
+        # Steps without any length would toggle between ends that are held and free.
+        stands = stands + 1 if step.length < _NO_STEP else 0
+        if stands > _MOST_STANDS:
+            why = "ends at sharp corners are neither held nor free"
+            break
+        if step.after is None:
+            place = step.end
+        else:
+            step.after.refuse_neutral()
+            place = _begun(step.after, step.end.rises)
+        length = min(_LONGER * length, _LONGEST)
     raise NotConverged(why)
 
 
+def _corner_within(curve: Equilibria, here: Place, length: float) -> int | None:
+    """The end that reaches a sharp corner first within a step along the tangent; None if none does."""
+    if here.at.corners is None:
+        return None
+    moves = here.tangent[:-1] * here.widths
+    distance = np.full(len(moves), np.inf)
+    lo, hi = curve.problem.corners
+    distance[0], distance[-1] = here.at.table[0, 0] - lo, hi - here.at.table[-1, 1]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        away = np.where(moves > 0.0, distance / moves, np.inf)
+    end = int(np.argmin(away))
+    return end if away[end] <= length else None
+
+
+def _to_corner(curve: Equilibria, here: Place, end: int, tight: bool) -> Point | None:
+    """The equilibrium at which an end is at its corner."""
+    corner = curve.problem.corners[0 if end == 0 else 1]
+    distance = abs(corner - float(here.at.table[0, 0] if end == 0 else here.at.table[-1, 1])) / here.widths[end]
+    normal = np.zeros(len(here.tangent))
+    normal[end] = 1.0
+    return _corrected(curve, here, distance / here.tangent[end] * here.tangent, normal, tight)
+
+
+def _length(start: Place, end: Point) -> float:
+    """How far along the tangent another equilibrium is."""
+    moved = end.table - start.at.table
+    outward = np.concatenate((-moved[:, 0], moved[:, 1])) / start.widths
+    return float(start.tangent @ np.append(outward, (end.value - start.at.value) / start.unit))
+
+
+def _to_change(step: Step) -> Step:
+    """The step up to where a held end is driven no longer; and what is held after it."""
+    at = step.end.at
+    if at.corners is None:
+        return step
+    held = at.held
+    least = _least_held(at)
+    if least < 0.0:
+        first = max(_least_held(step.start.at), 0.0)
+        length = step.where(_least_held, first, least)
+        at = step.at(length)
+        step = replace(step, length=length, end=onward(step.start, at))
+        held = held & (at.whole.residual > _TOGETHER)
+    else:
+        gap = np.full(len(held), np.inf)
+        lo, hi = step.curve.problem.corners
+        gap[0], gap[-1] = at.table[0, 0] - lo, hi - at.table[-1, 1]
+        at_corner = gap < _TOGETHER * at.widths
+        if not np.any(gap[~held] == 0.0) or step.length < _NO_STEP:
+            return step
+        held = held | at_corner
+        at = step.curve.at(step.curve.within(at.moved(np.where(at_corner, 2 * gap, 0.0))), at.value, held=held)
+    return replace(step, after=at.holding(held))
+
+
+def _least_held(at: Point) -> float:
+    """What drives the held end least that is."""
+    whole = at.whole
+    return float(whole.residual[whole.held].min(initial=np.inf))
+
+
 def _ending(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> tuple[Step, bool]:
-    """(the step in which an equilibrium ceases to be as the control falls, whether by a turn of the curve, else where it is torn)."""
+    """(the step in which an equilibrium ceases to be as the control falls, whether by a turn of the curve or as ends let go, else where it
+    is torn)."""
     for step in steps(curve, here, -1.0, False):
         last = step.at(step.turning(False), False) if step.turns else step.end.at
         if torn(step.start.at) < 0.0 < torn(last):
             return step, False
-        if step.turns:
+        if step.turns or step.lets_go:
             return step, True
     raise NotConverged("the curve of equilibria ended")
+
+
+def let_go(step: Step) -> Array:
+    """Zones from which ends move on that let go of sharp corners at the end of a step."""
+    assert step.after is not None
+    return step.after.moved(-_PUSH * step.after.widths * (step.end.at.held & ~step.after.held))
 
 
 def beyond(curve: Equilibria, turned: Point, sense: float) -> Array:
@@ -143,7 +243,11 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Cal
         step, turns = _ending(curve, curve.settled(here), torn)
         # Of those before the last it is enough to know where they are about.
         length = step.turning(False) if step.turns else step.length
-        if turns:
+        lets_go = step.lets_go and not step.turns
+        if lets_go:
+            last = step.end.at
+            table = let_go(step)
+        elif turns:
             last = step.at(length, False)
             table = beyond(curve, last, -1.0)
         else:
@@ -154,6 +258,8 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Cal
         rest = recede(curve, table, last.value)
         if rest is not None:
             here = rest
+        elif lets_go:
+            return last
         elif turns:
             return step.at(step.turning())
         else:
@@ -163,7 +269,7 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Cal
 
 def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float]:
     """(an equilibrium, a lower value of the control under which there is none) as the control falls."""
-    step = 1.0 / float(np.abs(here.by_value).max())
+    step = 1.0 / float(np.abs(here.whole.by_value).max())
     for _ in range(_MOST_TRIES):
         rest = recede(curve, here.table, here.value - step)
         if rest is None:
@@ -195,12 +301,15 @@ def _keeps(before: Place, ahead: Place) -> bool:
 
 def _unit(at: Point) -> float:
     """What the control is counted in: by it some end moves by its zone's width; not less than what drives one by the intensity asked."""
-    least = 1.0 / float(np.abs(at.by_value).max())
+    whole = at.whole
+    least = 1.0 / float(np.abs(whole.by_value).max())
     moves, _, rank, _ = np.linalg.lstsq(at.rates, at.by_value, rcond=None)
     if rank < len(moves) and np.abs(at.rates @ moves - at.by_value).max() * least > _NOT_MET:
         # At a turning point the ends move while the control stands still.
         return least
-    return max(least, 1.0 / float(np.abs(moves / at.widths).max()))
+    # What drives a held end may double.
+    driven = np.where(whole.held, (whole.by_value - whole.rates @ moves) / np.maximum(1.0, np.abs(whole.residual)), 0.0)
+    return max(least, 1.0 / float(np.maximum(np.abs(moves / at.widths), np.abs(driven)).max()))
 
 
 def _tangent(at: Point, widths: Array, unit: float) -> Array:
@@ -211,18 +320,28 @@ def _tangent(at: Point, widths: Array, unit: float) -> Array:
 
 def along(curve: Equilibria, here: Place, length: float, tight: bool = True) -> Point | None:
     """The equilibrium at a distance along the tangent, perpendicular to it; None if Newton does not come to it at once."""
-    widths, unit, tangent = here.widths, here.unit, here.tangent
-    moved, value = length * tangent[:-1] * widths, here.at.value + length * tangent[-1] * unit
-    tolerance = {} if tight else {"tolerance": _ROUGH}
+    return _corrected(curve, here, length * here.tangent, here.tangent, tight)
+
+
+def _corrected(curve: Equilibria, here: Place, start: Array, normal: Array, tight: bool) -> Point | None:
+    """The equilibrium from a start (2n + 1,) on, perpendicular to the normal; None if Newton does not come to it at once."""
+    widths, unit, length = here.widths, here.unit, float(np.linalg.norm(start))
+    moved, value = start[:-1] * widths, here.at.value + start[-1] * unit
+    how: dict[str, Any] = {} if tight else {"tolerance": _ROUGH}
+    if here.at.corners is not None:
+        how["held"] = here.at.held
     for k in range(_CORRECTIONS):
         table = here.at.moved(moved)
+        if here.at.corners is not None:
+            table = curve.within(table)
+            moved = np.concatenate((here.at.table[:, 0] - table[:, 0], table[:, 1] - here.at.table[:, 1]))
         if np.any(np.diff(table.ravel()) <= 0) or curve.gaps(table)[-1] <= 0.0:
             return None
         try:
-            at = curve.at(table, value, **tolerance)
+            at = curve.at(table, value, **how)
         except (NoState, NotConverged):
             return None
-        matrix = np.block([[at.rates * widths, at.by_value[:, None] * unit], [tangent[None]]])
+        matrix = np.block([[at.rates * widths, at.by_value[:, None] * unit], [normal[None]]])
         step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
         size = float(np.abs(step).max())
         # The start, too, may have been solved roughly.
@@ -232,5 +351,6 @@ def along(curve: Equilibria, here: Place, length: float, tight: bool = True) -> 
             return at
         moved, value = moved + step[:-1] * widths, float(value + step[-1] * unit)
         if size < _TIGHT:
-            return curve.at(here.at.moved(moved), value)
+            how.pop("tolerance", None)
+            return curve.at(here.at.moved(moved), value, **how)
     return None

@@ -18,7 +18,7 @@ from __future__ import annotations
 import numpy as np
 
 from contact.errors import NotConverged
-from contact.formulation.equilibria import Closed, Equilibria, Point
+from contact.formulation.equilibria import NEUTRAL, Closed, Equilibria, Point
 from sie import Array, Mask
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's resolution.
@@ -62,6 +62,8 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
         driven = float(np.abs(here.residual).max())
         if move <= REST and driven <= (DRIVEN if here.growth < 0.0 else _SLIGHT):
             return here
+        if move == 0.0:
+            break
     raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
 
 
@@ -75,7 +77,7 @@ def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
         gone_past = passed(here, ahead, step, sign)
         if not gone_past.any():
             return ahead, float(np.abs(step / here.widths).max())
-        if here.growth >= 0.0:
+        if here.growth >= -NEUTRAL:
             # A damped step keeps its shape as it is shortened: all ends are limited alike, else those at rest hold up the others.
             limit = 0.5 * limit * float((np.abs(step) / limit).max())
             continue
@@ -93,6 +95,11 @@ def limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
     # An end may reach the border, and is told of it then.
     lo, hi = curve.problem.borders
     room[0], room[-1] = min(room[0], 1.1 * (here.table[0, 0] - lo)), min(room[-1], 1.1 * (hi - here.table[-1, 1]))
+    if here.corners is not None:
+        # At a sharp corner it rests; one that is held there asks for no step.
+        lo, hi = curve.problem.corners
+        beside = np.maximum([here.table[0, 0] - lo, hi - here.table[-1, 1]], REST * here.widths[[0, -1]])
+        room[[0, -1]] = np.where(here.held[[0, -1]], room[[0, -1]], np.minimum(room[[0, -1]], beside))
     inward, outward = np.minimum(_INWARD * here.widths, known), np.minimum(np.minimum(_OUTWARD * here.widths, room), known)
     onward, back = (outward, inward) if sign > 0 else (inward, outward)
     return onward, np.minimum(back, _NEAR * here.widths)
@@ -130,7 +137,7 @@ def kept_step(here: Point, sign: float, limit: Array, most_back: Array) -> Array
     """Newton's step, in which ends go no farther than their limits, nor back but a little; where there are motions that run away,
     damped by as much as keeps these within the limits."""
     rates, residual = here.rates, here.residual
-    if here.growth >= 0.0:
+    if here.growth >= -NEUTRAL:
         return _damped_step(here, sign, limit)
     step = np.linalg.solve(-rates, residual)
     free = np.ones(len(residual), dtype=bool)
@@ -162,14 +169,17 @@ def _damped_step(here: Point, sign: float, limit: Array) -> Array:
 
 def passed(here: Point, ahead: Point, step: Array, sign: float) -> Mask:
     """Which ends have passed a place of rest in a step: they are driven the other way at its end or, by a cubic, on the way."""
-    before, after = sign * here.residual, sign * ahead.residual
+    first, last = here.whole, ahead.whole
+    before, after = sign * first.residual, sign * last.residual
     allowed = np.minimum(-_OVERSHOT * np.minimum(np.abs(before), 1.0) - _SLIGHT, 1.1 * before - _SLIGHT)
     # Beside a stable equilibrium an end that has gone a little too far comes back.
     far = (np.abs(step) > _NEAR * here.widths) | (here.growth < 0.0 <= ahead.growth) | (after < -_FAR)
+    # One that was held was at rest.
+    far &= ~first.held
     over = (after < allowed) & far
     if float(np.abs(step / here.widths).max()) < _NEAR:
         return np.asarray(over)
-    rise, fall = sign * (here.rates @ step), sign * (ahead.rates @ step)
+    rise, fall = sign * (first.rates @ step), sign * (last.rates @ step)
     u = _PLACES[:, None]
     way = (1 + 2 * u) * (1 - u) ** 2 * before + u * (1 - u) ** 2 * rise + u**2 * (3 - 2 * u) * after + u**2 * (u - 1) * fall
     return np.asarray(over | (far & np.any(way < np.minimum(allowed, after), axis=0)))

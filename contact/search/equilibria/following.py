@@ -10,11 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, Equilibria, Point
 from contact.formulation.maxima import maximum
 from contact.search.equilibria.arc import Step
 from contact.search.equilibria.flow import receded
-from contact.search.equilibria.growth import grown, touched
+from contact.search.equilibria.growth import grown, touched, with_new
 from contact.verify.certificate import openings
 from sie import Array
 
@@ -63,6 +64,11 @@ class Following:
         """Value of the control at which surfaces that are apart come together."""
         return 0.0
 
+    @property
+    def by_load(self) -> bool:
+        """Whether the load is held."""
+        return self.curve.held.load is not None
+
     def begun(self) -> Jump:
         """What they come to there."""
         table = touched(self.curve, self.cell, self.first)
@@ -84,14 +90,24 @@ class Following:
     def grown(self, table: Array, value: float) -> Standing:
         """What ends that advance from these places come to."""
         try:
-            return Standing(value, self.curve.settled(grown(self.curve, table, value)))
+            return self._at_rest(grown(self.curve, table, value))
         except Closed:
             return Standing(value, closed=True)
 
     def shrunk(self, table: Array, value: float) -> Standing:
-        """What ends that recede from these places come to."""
+        """What ends that recede from these places come to. Under a held approach a tension that is lost raises the surface of a period
+        elsewhere, where it may come to overlap."""
         rest = receded(self.curve, table, value)
-        return Standing(value) if rest is None else Standing(value, self.curve.settled(rest))
+        if rest is None:
+            return Standing(value) if self.by_load or value <= self.first else self.grown(touched(self.curve, self.cell, value), value)
+        overlaps = np.zeros((0, 2)) if self.by_load else self.curve.within(openings(self.curve.fields(rest)).overlaps)
+        return self.grown(with_new(rest.table, overlaps), value) if len(overlaps) else self._at_rest(rest)
+
+    def _at_rest(self, here: Point) -> Standing:
+        rest = self.curve.settled(here)
+        if not float(np.abs(rest.residual).max()) < SLIGHT:
+            raise NotConverged("after a jump ends of zones hold back one another, and do not come to rest: it is not followed on")
+        return Standing(rest.value, rest)
 
     def kind(self, before: Standing, after: Standing, rises: bool) -> str:
         """Of a jump past a turning point."""
@@ -111,7 +127,8 @@ class Following:
 
     def interrupted(self, step: Step, length: float, last: Point, sense: float) -> Jump | None:
         """The first jump within a step that is no turn: of all touches, where surfaces came to overlap."""
-        overlaps = openings(self.curve.fields(last)).overlaps if sense > 0.0 else np.zeros((0, 2))
+        looks = sense > 0.0 or not self.by_load
+        overlaps = openings(self.curve.fields(last)).overlaps if looks else np.zeros((0, 2))
         if len(overlaps) == 0:
             return None
         curve = self.curve

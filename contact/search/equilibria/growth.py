@@ -7,14 +7,15 @@ import numpy as np
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Equilibria, Point
 from contact.formulation.maxima import maximum
+from contact.formulation.runs import runs_of
 from contact.search.equilibria.flow import advanced
 from contact.verify.certificate import openings
 from sie import Array
 
 # First touch over the width that adhesion makes of it, and a new zone over the overlap it begins in.
 _TOUCH, _NEW = 1e-3, 0.1
-# Heights that differ by this part of their range touch together.
-_TOGETHER = 1e-12
+# Heights that differ by this part of their range touch together; so many samples of them on end are level.
+_TOGETHER, _LEVEL = 1e-12, 5
 _ROUNDS = 60
 
 
@@ -22,7 +23,7 @@ def grown(curve: Equilibria, table: Array, value: float) -> Point:
     """The least equilibrium without overlap that holds these zones, of which all ends are driven outward; `Closed` if there is none."""
     for _ in range(_ROUNDS):
         here = advanced(curve, table, value)
-        new = openings(curve.fields(here)).overlaps
+        new = curve.within(openings(curve.fields(here)).overlaps)
         if len(new) == 0:
             return here
         table = with_new(here.table, new)
@@ -37,8 +38,9 @@ def with_new(table: Array, overlaps: Array) -> Array:
 
 
 def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) -> Array:
-    """Narrow intervals about the lowest places of a cell [m], of which all ends are driven outward under a value of the control."""
-    problem, (lo, hi) = curve.problem, cell
+    """Narrow intervals about the lowest places of a cell [m], of which all ends are driven outward under a value of the control, or held at
+    sharp corners; where the profile is level they are as wide as that."""
+    problem, (lo, hi) = curve.problem, cell if curve.problem.profile.support is None else curve.problem.profile.support
     period, profile = problem.period, problem.profile
     per_feature = 0.0 if profile.resolution is None else 8 * (hi - lo) / profile.resolution
     x = problem.units.scaled(np.linspace(lo, hi, int(np.clip(per_feature, 2049, 2**18))))
@@ -49,14 +51,22 @@ def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) ->
     low = np.flatnonzero((f[1:-1] <= f[:-2]) & (f[1:-1] <= f[2:])) + 1
     if period is not None and min(f[0], f[-1]) <= f[low].min(initial=np.inf):
         low = np.append(low, 0)
+    ends = np.array([0, len(x) - 1])
+    if profile.support is not None:
+        low = np.append(low, ends[[f[0] <= f[1], f[-1] <= f[-2]]])
+    together = _TOGETHER * max(float(np.ptp(f)), 1.0)
+    # Across the border of the cell it would be two.
+    whole = profile.support is not None or not (f[0] - least <= together and f[-1] - least <= together)
+    level = [(x[s], x[e]) for s, e in runs_of(f - least <= together) if e - s >= _LEVEL and whole]
+    low = low[[all(not s <= x[i] <= e for s, e in level) for i in low]]
     step = float(np.diff(x).max())
     tips = []
     for i in low[f[low] - least <= 0.05 * np.ptp(f)]:
-        around = np.linspace(x[i] - 2 * step, x[i] + 2 * step, 65)
+        around = np.clip(np.linspace(x[i] - 2 * step, x[i] + 2 * step, 65), *problem.corners)
         place, depth = maximum(lambda at: -problem.shape(np.asarray(at)), around)
         tips.append((float(place), -depth))
-    lowest = min(depth for _, depth in tips)
-    chosen = sorted(place for place, depth in tips if depth - lowest <= _TOGETHER * max(float(np.ptp(f)), 1.0))
+    lowest = min([depth for _, depth in tips] + [float(least)] * bool(level))
+    chosen = sorted(place for place, depth in tips if depth - lowest <= together)
     places = [p for k, p in enumerate(chosen) if k == 0 or p - chosen[k - 1] > step]
     if period is not None and len(places) > 1 and places[0] + period - places[-1] <= step:
         places = places[:-1]
@@ -64,7 +74,8 @@ def touched(curve: Equilibria, cell: tuple[float, float], value: float = 0.0) ->
         places = [0.0 if abs(p) < 1e-6 * step else p for p in places]
     half = 0.25 * _TOUCH * (1.0 if period is None else min(period, step * 1e3))
     while True:
-        table = np.array([[place - half, place + half] for place in places])
-        if np.all(curve.at(table, value).residual > 0.0) or half < 1e-12:
+        narrow = [(place - half, place + half) for place in places]
+        table = curve.within(np.array(sorted(narrow + [(s - half, e + half) for s, e in level])))
+        if np.all(curve.at(table, value).whole.residual > 0.0) or half < 1e-12:
             return table
         half *= 0.1

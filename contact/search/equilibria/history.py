@@ -20,7 +20,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Point
-from contact.search.equilibria.arc import beyond, steps
+from contact.search.equilibria.arc import Step, beyond, let_go, steps
 from contact.search.equilibria.following import Following, Jump, Standing
 
 # Of a step, from how near a value Newton's steps go there.
@@ -92,6 +92,10 @@ class History:
                     return Standing(value, last)
                 if step.turns:
                     return self._turn(last, sense)
+                if step.lets_go:
+                    return self._let_go(step)
+                if step.after is not None:
+                    yield self._at_corner(step, step.after)
                 self.note(last)
                 here = last
         except NotConverged:
@@ -101,6 +105,20 @@ class History:
             return end
         raise NotConverged("the curve of equilibria ended")
 
+    def _at_corner(self, step: Step, after: Point) -> Jump:
+        """An end that has reached a sharp corner, or leaves it, without a jump."""
+        before = step.end.at
+        reached = bool((after.held & ~before.held).any())
+        standing = Standing(before.value, after)
+        return Jump("held" if reached else "freed", _place(before, after), Standing(before.value, before), standing, smooth=True)
+
+    def _let_go(self, step: Step) -> Jump:
+        """From where ends let go of sharp corners on."""
+        law, last = self.law, step.end.at
+        assert step.after is not None
+        before, after = Standing(last.value, last), law.shrunk(let_go(step), last.value)
+        return Jump(law.kind(before, after, False), _place(last, step.after), before, after)
+
     def _turn(self, last: Point, sense: float) -> Jump:
         """From a turning point on."""
         law, before = self.law, Standing(last.value, last)
@@ -109,3 +127,8 @@ class History:
         place = float(last.table.ravel()[int(np.argmax(moves))])
         after = (law.grown if sense > 0.0 else law.shrunk)(table, last.value)
         return Jump(law.kind(before, after, sense > 0.0), place, before, after)
+
+
+def _place(before: Point, after: Point) -> float:
+    """Of the first end that is held at one of two points alone."""
+    return float(before.table.T.ravel()[int(np.argmax(before.held != after.held))])

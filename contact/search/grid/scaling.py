@@ -206,4 +206,7 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
     if slope > 0.0 and not scene.is_flat:
         return slope
     # A flat punch, turned or not, bears its load by its corners.
-    return max(slope, 1.0 if scene.given_load is None else scene.given_load / (scene.E_star * length))
+    if scene.given_load is None:
+        return max(slope, 1.0)
+    adhesion = abs(scene.law.intensity(scene.E_star)) / (scene.E_star * math.sqrt(length))
+    return max(slope, abs(scene.given_load) / (scene.E_star * length), adhesion)

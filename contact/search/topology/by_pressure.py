@@ -46,7 +46,8 @@ class ByPressure:
         equation, problem = self.problem.equation(control), self.problem
         steps = how.steps or self.most_steps
         return sie.find_ends(
-            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, off=how.off, like=how.like
+            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, off=how.off, like=how.like,
+            limited=problem.end,
         )
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> ZoneFields:
@@ -54,7 +55,9 @@ class ByPressure:
         control = Load(load)
         zones, equation = kinds(self.problem, control, table), self.problem.equation(control)
         try:
-            free = sie.find_ends(equation, zones, tolerance, limits=self.problem.corners, decay=decay, bounded_ends=False)
+            free = sie.find_ends(
+                equation, zones, tolerance, limits=self.problem.corners, decay=decay, bounded_ends=False, limited=self.problem.end
+            )
         except sie.SingularSystem as failure:
             raise WrongTopology(f"the equation has no solution on such zones ({failure})", None) from failure
         if not free.converged:

@@ -17,6 +17,7 @@ import numpy as np
 
 from contact.errors import NotConverged, OutOfRange, unwarned
 from contact.formulation.equilibria import Equilibria, Point
+from contact.model.scene import Scene
 from contact.search.equilibria.arc import pull_off
 from contact.search.equilibria.flow import Closed, receded
 from contact.search.equilibria.growth import grown, touched
@@ -40,7 +41,7 @@ def followed(task: Task) -> Outcome:
     """The contact of the scene on the branch that the task asks for; OutOfRange past pull-off."""
     scene, told = task.scene, task.plan["branch"]
     told.detail = f"{task.branch}, {way(task)}"
-    if task.branch == "receding" and scene.period is not None:
+    if task.branch == "receding" and _closes(scene):
         return closed(task)
     scaled, curve = to_follow(task)
     problem, control = curve.problem, curve.held
@@ -68,11 +69,16 @@ def way(task: Task) -> str:
     """How the contact is come by, in words."""
     scene = task.scene
     if task.branch == "receding":
-        return "lowered from full contact" if scene.period is not None else "lowered from the greatest contact"
+        return "lowered from full contact" if _closes(scene) else "lowered from the greatest contact"
     if scene.control[1] > 0.0:
         assert scene.law.bare is not None
         return f"raised from the {scene.law.bare.name} contact, which lies within it"
     return "raised from first touch" + (" to no load, then lowered" if scene.control[1] < 0.0 else "")
+
+
+def _closes(scene: Scene) -> bool:
+    """Whether the greatest contact is that of a whole period; beyond sharp corners nothing touches."""
+    return scene.period is not None and scene.profile.support is None
 
 
 def past(curve: Equilibria, last: Point, task: Task) -> str:
@@ -108,7 +114,7 @@ def frame(task: Task, intensity: float) -> ScaledScene:
     """The scaled problem: of a lone body about the contact that it has under no load, or more. intensity: with which its adhesion would
     act at the ends of zones."""
     scene = task.scene
-    if scene.profile.period is not None:
+    if scene.profile.period is not None or scene.profile.support is not None:
         return scaled_scene(scene, task.single)
     zones = _typical(task, intensity).zones
     return scaled_scene_about(scene, 0.0, zones)
@@ -175,7 +181,9 @@ def _pressed(task: Task, scaled: ScaledScene) -> Array:
 
 def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
     """A zone so wide that its ends are driven inward, and in wider ones still, as far as these feel the control as a body does: under an
-    approach from a datum, zones much wider than that are lowered by a load."""
+    approach from a datum, zones much wider than that are lowered by a load. Between sharp corners it is all that lies there."""
+    if curve.problem.profile.support is not None:
+        return np.array([curve.problem.corners])
     lo, hi = scaled.problem.units.scaled(np.array(scaled.cell))
     middle, half = 0.5 * (lo + hi), 0.25 * (hi - lo)
     def driven_inward(half: float) -> bool:
@@ -194,7 +202,7 @@ def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
 
 def _held_higher(curve: Equilibria, table: Array, value: float) -> Point:
     """An equilibrium under a larger value of the control, within zones from which it recedes."""
-    unit = 1.0 / float(np.abs(curve.at(table, value).by_value).max())
+    unit = 1.0 / float(np.abs(curve.at(table, value).whole.by_value).max())
     step = max(abs(value), unit)
     for _ in range(_WIDENINGS):
         value += step

@@ -1,0 +1,163 @@
+"""JKR adhesion between sharp corners: ends are held there while their intensity is above that of free ones, and let go below."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin, sqrt
+
+import numpy as np
+import pytest
+
+import contact
+import sie
+
+E, WORK, RADIUS = 1.0, 1e-4, 1.0
+LAW = contact.JKR(WORK)
+K = sqrt(E * WORK / pi)
+INSIDE = np.array([-0.97, -0.6, 0.0, 0.3, 0.9])
+
+
+def free_load(c):
+    """Under which the ends of a lone cylinder are free at -c and c (Barquins 1988)."""
+    return pi * E * c**2 / (4 * RADIUS) - pi * K * np.sqrt(2 * c)
+
+
+# Half width at which it is pulled off.
+LAST = (RADIUS / (pi * E) * sqrt(2 * pi * E * WORK)) ** (2 / 3)
+
+
+def cut(a, slope=0.0, period=None):
+    """A cylinder that ends in sharp corners at -a and a, turned by a slope."""
+    return contact.Combined(contact.Flat(2 * a, period), contact.Polynomial([0.0, slope, 0.5 / RADIUS]))
+
+
+def solve(profile, branch="advancing", law=LAW, **control):
+    model = contact.Isolated(datum=1.0) if profile.period is None else contact.Periodic()
+    return contact.solve(contact.Scene(profile, E, model, law=law, **control), branch=branch)
+
+
+def agrees(solution, x, pressure):
+    assert solution.certificate.holds and solution.certificate.stability > 0.0
+    assert np.abs(solution.pressure(x) - pressure).max() < 1e-10 * np.abs(pressure).max()
+    assert solution.error < 1e-8
+
+
+@pytest.mark.parametrize("branch", ["advancing", "receding"])
+def test_a_flat_punch_has_its_closed_form_under_pressure_and_tension_and_lets_go_at_once(branch):
+    width, period, x = 0.6, 1.0, 0.3 * INSIDE
+    least, angle = -pi * K * sqrt(width), pi * width / (2 * period)
+    load = 0.4 * least
+    solution = solve(contact.Flat(width), branch, load=load)
+    agrees(solution, x, load / (pi * np.sqrt(0.3**2 - x**2)))
+    assert solution.certificate.stability == np.inf
+    assert solution.pull_off.load == pytest.approx(least, rel=1e-12)
+    with pytest.raises(contact.OutOfRange, match="past pull-off"):
+        solve(contact.Flat(width), branch, load=1.001 * least)
+    solution = solve(contact.Flat(width, period), branch, load=load)
+    agrees(solution, x, load / period * np.cos(pi * x) / np.sqrt(sin(angle) ** 2 - np.sin(pi * x) ** 2))
+    assert solution.pull_off.load == pytest.approx(-K * sqrt(2 * pi * period * sin(angle) / cos(angle)), rel=1e-9)
+
+
+@pytest.mark.parametrize(("part", "branch"), [(0.5, "advancing"), (0.5, "receding"), (1.5, "receding"), (3.0, "advancing")])
+def test_ends_of_a_cut_cylinder_are_held_from_the_load_on_under_which_free_ones_reach_the_corners(part, branch):
+    a = part * LAST
+    # In a cylinder cut so narrow that free ends would be unstable, held ones let go; else they leave the corners, and are pulled off inside.
+    least = free_load(min(a, LAST))
+    for load in (free_load(a) + 1e-6 * abs(free_load(a)), free_load(a) + 0.01, 0.5 * least):
+        solution = solve(cut(a), branch, load=load)
+        c = float(solution.zones[0, 1])
+        if load > free_load(a):
+            assert c == a
+        else:
+            assert free_load(c) == pytest.approx(load, rel=1e-9)
+        x = c * INSIDE
+        root = np.sqrt(c**2 - x**2)
+        agrees(solution, x, E / (2 * RADIUS) * root + (load - pi * E * c**2 / (4 * RADIUS)) / (pi * root))
+    assert solution.pull_off.load == pytest.approx(least, rel=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_one_end_held_at_its_corner_and_the_other_one_free(seed):
+    rng = np.random.default_rng(seed)
+    a, work = 0.3, 10 ** rng.uniform(-7, -5)
+    k, slope = sqrt(E * work / pi), rng.uniform(0.3, 0.7) * a / RADIUS
+    b = a - rng.uniform(0.1, 1.5) * slope * RADIUS
+    c, middle = 0.5 * (a + b), 0.5 * (b - a)
+    tilt = middle / RADIUS + slope
+    # The intensity of the right end is the free one's; that on the left is larger.
+    punch = 0.5 * E * tilt * c - k * sqrt(2 * c)
+    assert 0.5 * E * tilt * c + punch > -k * sqrt(2 * c)
+    load = pi * E * c**2 / (4 * RADIUS) + pi * punch
+    for branch in ("advancing", "receding"):
+        solution = solve(cut(a, slope), branch, contact.JKR(work), load=load)
+        assert solution.zones == pytest.approx(np.array([[-a, b]]), abs=1e-11)
+        y = c * INSIDE
+        pressure = (E / (2 * RADIUS) * (c**2 - y**2) - 0.5 * E * tilt * y + punch) / np.sqrt(c**2 - y**2)
+        agrees(solution, middle + y, pressure)
+        # Free ends about the tip are as those of the whole cylinder.
+        assert solution.pull_off.load == pytest.approx(-3 * (pi * E * work**2 * RADIUS / 16) ** (1 / 3), rel=1e-9)
+
+
+def test_a_cut_wave_is_held_at_its_corners_in_every_period():
+    size, a, x = 0.01, 0.25, 0.25 * INSIDE
+    wave = contact.Combined(contact.Sinusoid(size, 1.0), contact.Flat(2 * a, 1.0))
+    root = np.sqrt(sin(pi * a) ** 2 - np.sin(pi * x) ** 2)
+    westergaard = pi * E * size * sin(pi * a) ** 2
+    reached = westergaard - K * sqrt(2 * pi * sin(pi * a) / cos(pi * a))
+    for load in (reached + 1e-6, 0.03):
+        solution = solve(wave, load=load)
+        assert solution.zones[0, 1] == a
+        agrees(solution, x, np.cos(pi * x) * (2 * pi * E * size * root + (load - westergaard) / root))
+
+
+def test_a_path_tells_where_ends_are_held_and_freed_and_loses_nothing_there():
+    a = 3 * LAST
+    scene = contact.Scene(cut(a), E, contact.Isolated(datum=1.0), law=LAW, load=0.0)
+    loop = contact.path(scene, [-0.01, 0.02, -0.01])
+    assert [event.kind for event in loop.events] == ["jump-in", "held", "freed", "pull-off"]
+    assert [event.load for event in loop.events] == pytest.approx([0.0, free_load(a), free_load(a), free_load(LAST)], rel=1e-10)
+    assert loop.events[1].lost == loop.events[2].lost == 0.0
+    assert loop.work == pytest.approx(loop.dissipated, rel=1e-9)
+    # Held ends that would be unstable as free ones let go together, with a loss.
+    narrow = contact.Scene(cut(0.5 * LAST), E, contact.Isolated(datum=1.0), law=LAW, load=0.0)
+    last = contact.path(narrow, [-0.01, 0.02, -0.01]).events[-1]
+    assert last.kind == "pull-off" and last.lost > 0.0
+    assert last.load == pytest.approx(free_load(0.5 * LAST), rel=1e-10)
+
+
+def test_the_work_of_the_load_through_the_kink_of_the_curve_is_the_change_of_energy():
+    a = 3 * LAST
+    scene = contact.Scene(cut(a), E, contact.Isolated(datum=1.0), law=LAW, load=0.0)
+    low, high, kink = 0.5 * free_load(a), 2 * free_load(a), free_load(a)
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    parts = [(low, kink), (kink, high)]
+    loads = np.concatenate([0.5 * (p + q) + 0.5 * (q - p) * nodes for p, q in parts])
+    share = np.concatenate([0.5 * (q - p) * weights for p, q in parts])
+    first, *between, last = contact.path(scene, [low, *loads, high]).solutions
+    work = last.load * last.approach - first.load * first.approach - share @ [state.approach for state in between]
+    assert last.energy.total - first.energy.total == pytest.approx(work, rel=1e-10)
+
+
+def test_a_contact_that_may_be_anywhere_along_a_level_stretch_is_refused_by_that():
+    scene = contact.Scene(contact.Flat(1.0), E, contact.Isolated(datum=1.0), law=LAW, load=0.0)
+    assert contact.path(scene, [-0.01, 0.1, -0.01], control="approach").solutions[-1].load < 0.0
+    with pytest.raises(contact.NotConverged, match="level stretch"):
+        contact.path(scene, [0.0, -0.1], control="approach")
+
+
+def test_a_corner_is_no_half_width_since_many_loads_have_it():
+    with pytest.raises(contact.SceneError, match="less than the profile's own"):
+        solve(cut(0.3), half_width=0.3)
+
+
+@pytest.mark.parametrize("above", [1e-4, -1e-4])
+def test_an_end_at_a_limit_is_let_go_where_its_intensity_is_below_that_of_free_ones(above):
+    k = 0.1
+    reached = 0.5 * pi - pi * k * sqrt(2)
+    equation = sie.Equation(sie.cauchy(), sie.Forcing(lambda x: x), (sie.Total(reached + above),))
+    end = sie.free_with_intensity(-k)
+    for start in (sie.Zones.of([[-1.0, 1.0]], sie.SINGULAR, sie.SINGULAR), sie.Zones.of([[-0.9, 0.95]], end, end)):
+        free = sie.find_ends(equation, start, limits=(-1.0, 1.0), limited=end)
+        c = free.density.zones.b[0]
+        assert free.converged and (c == 1.0 if above > 0 else c < 1.0)
+        if above < 0:
+            assert 0.5 * pi * c**2 - pi * k * sqrt(2 * c) == pytest.approx(reached + above, rel=1e-12)
