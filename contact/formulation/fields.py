@@ -16,7 +16,7 @@ from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import over_period
-from sie import Array, Mask, wrapped
+from sie import Array, Mask, nearest_image, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
 _PEAKS = 16
@@ -351,8 +351,11 @@ class ZoneFields(sie.Kept):
 
     # SI ---------------------------------------------------------------------------------------------------------------
     def _scaled(self, x: ArrayLike) -> Array:
-        # Into the period about the zones, so that the density, the strip and the kinks are met where they were solved.
-        return self.density.into_period(self.problem.units.scaled(np.asarray(x, dtype=float)))
+        # Into the period about the zones, so that the density, the strip and the kinks are met where they were solved: the scene's, which
+        # a strip's density does not have.
+        zones = self.density.zones
+        middle = 0.5 * float(zones.a[0] + zones.b[-1])
+        return nearest_image(self.problem.units.scaled(np.asarray(x, dtype=float)), middle, self.problem.period)
 
     @property
     def cohesive(self) -> Array:

@@ -134,7 +134,8 @@ MUTATIONS = (
     ),
     Mutation(
         "stiffness without the response of the load", "contact/formulation/fields.py",
-        "values[index[0]] = 1.0", "values[index[0]] = 2.0", ("tests/contact/test_solve_exact.py",),
+        "state, values = self.state, self.state.values()", "state, values = self.state, 2 * self.state.values()",
+        ("tests/contact/test_solve_exact.py",),
     ),
     Mutation(
         "many zones: a step between neighbours with one half left out", "sie/collocation/iterative.py",
@@ -165,7 +166,7 @@ MUTATIONS = (
     ),
     Mutation(
         "a module that no wave needs", "contact/search/task.py",
-        "import numpy as np\nfrom numpy.typing", "import numpy as np\nimport scipy.interpolate  # noqa: F401\nfrom numpy.typing",
+        "import numpy as np\n", "import numpy as np\nimport scipy.interpolate  # noqa: F401\n",
         ("tests/contact/test_plan.py",),
     ),
     Mutation(

@@ -60,7 +60,7 @@ def test_a_flat_punch_has_its_closed_form_under_pressure_and_tension_and_lets_go
 @pytest.mark.parametrize(("part", "branch"), [(0.5, "advancing"), (0.5, "receding"), (1.5, "receding"), (3.0, "advancing")])
 def test_ends_of_a_cut_cylinder_are_held_from_the_load_on_under_which_free_ones_reach_the_corners(part, branch):
     a = part * LAST
-    # In a cylinder cut so narrow that free ends would be unstable, held ones let go; else they leave the corners, and are pulled off inside.
+    # In a cylinder cut so narrow that free ends would be unstable, held ones let go; else they leave the corners and are pulled off inside.
     least = free_load(min(a, LAST))
     for load in (free_load(a) + 1e-6 * abs(free_load(a)), free_load(a) + 0.01, 0.5 * least):
         solution = solve(cut(a), branch, load=load)

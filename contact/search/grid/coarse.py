@@ -34,6 +34,7 @@ _PASSING = 1e-3  # tolerance of the grids before the last
 # zone in a hundred or two, which the first look at the signs puts in.
 _PER_FEATURE, _FEATURES, _PER_ONE_OF_MANY = 16, 2**15, 8
 NARROW = 3  # cells: below this a zone or a gap is not resolved
+_FEW = 8  # zones
 _NEW = 0.7  # of where a gap is negative: as wide as that a new zone begins
 _CURVED = 2.0  # what a parabola is off by over its second derivative, times the square of the cells to the smallest length
 
@@ -133,9 +134,11 @@ def zones_of(state: GridState, x: ArrayLike, closeness: float = np.inf) -> Array
         margin = 0.999 * h
         zones[k, 0] = max(zones[k, 0], left - margin)
         zones[k, 1] = min(zones[k, 1], right + margin)
-    # Of fewer cells the parabolas tell zones that are none as often as those that are.
+    # Of fewer cells the parabolas tell zones that are none as often as those that are; and where zones are few, the signs of their exact
+    # contact tell better one that is there from one that is about to come.
     least = _CURVED / closeness**2 if closeness >= _PER_FEATURE else np.inf
-    open_, closed = _dips(state.pressure, wraps, least), _dips(np.where(state.contact, 0.0, state.gap), wraps, least)
+    open_ = _dips(state.pressure, wraps, least)
+    closed = _dips(np.where(state.contact, 0.0, state.gap), wraps, least if len(zones) > _FEW else np.inf)
     zones = _parted(zones, x0 + h * open_[0], 2 * h * np.sqrt(open_[1]), n * h if wraps else None)
     new = x0 + h * closed[0]
     zones = np.concatenate((zones, np.column_stack((new, new)) + _NEW * h * np.sqrt(2 * closed[1])[:, None] * [-1.0, 1.0]))
