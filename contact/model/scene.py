@@ -167,10 +167,11 @@ class Scene(sie.Kept):
         object.__setattr__(self, *(("given", control) if self.given is not None else (name, value)))
         self.__dict__["control_object"] = control
 
-        self._check_admitted(control)
+        named = control if name in CONTROLS else self._named(control)
+        self._check_admitted(control, "load" if named is None else named.name)
         control.check(self)
-        if name not in CONTROLS:
-            self._check_held(control)
+        if named is not None and named is not control:
+            named.check(self)
         self._check_law()
         if self.interaction.follows_isolated and self.is_flat:
             # The isolated load of the same width is that of zones with ends that move.
@@ -239,29 +240,27 @@ class Scene(sie.Kept):
             allowed = f"a model without a period, as {self.profile.no_period}"
             raise SceneError.of("interaction", self.interaction.name, allowed)
 
-    def _check_admitted(self, control: Control) -> None:
-        """By the interaction and the law. A control of one's own is a load that is looked for."""
-        asked = control.name if control.name in CONTROLS else "load"
+    def _check_admitted(self, control: Control, asked: str) -> None:
+        """By the interaction and the law, under the name of what is held, or of what is looked for."""
         for part in (self.interaction, self.law):
             if asked not in part.allows:
                 allowed = f"left out: the controls of {part.name} are {', '.join(part.allows)}"
                 raise SceneError.of(control.name, control.value, allowed)
-        if asked != control.name and not self.law.convex:
+        if control.name not in CONTROLS and not self.law.convex:
             raise SceneError.of(control.name, control.value, f"left out: under {self.law.name} a load may have several contacts")
 
-    def _check_held(self, control: Control) -> None:
-        """What a control of one's own has the solver hold, as if it were given under its name."""
-        held = control.held(self)
-        if held is None:
-            return
+    def _named(self, control: Control) -> Control | None:
+        """What a control of one's own has the solver hold, as if it were given under its name; None where it has none, as a width without
+        a period, or where a load is looked for."""
+        held, period = control.held(self), self.profile.period
+        if held is None or (held.quantity is Quantity.WIDTH and period is None):
+            return None
         name, value = held.quantity.name.lower(), held.value
-        if held.quantity is Quantity.WIDTH:
-            if self.profile.period is None:
-                return
-            name, value = "contact_fraction", value / self.profile.period
+        if held.quantity is Quantity.WIDTH and period is not None:
+            name, value = "contact_fraction", value / period
         named: Control = REGISTERED.find(name)(value)
-        (finite if named.signed(self) else positive)(f"{control.name}, which holds {name}", named.value)
-        named.check(self)
+        (finite if named.signed(self) else positive)(f"{control.name}, which holds {name}", value)
+        return named
 
     def _check_body(self) -> None:
         """The substrate, and the interaction on it: each by itself, and whether they go together."""

@@ -205,13 +205,16 @@ def _beyond_potential(zones, seen: Array, up: Array, m: Index) -> Array:  # type
     """Potential of (2/(pi w)) rho^l, l > m, of unit sources (Z, S, poles) at places (Z, P, poles): -(2/pi) sum_{l > m} (rho rho')^l / l."""
     out = np.zeros((seen.shape[1], up.shape[1]))
     for i in range(len(zones)):
+        least = _NOTHING ** (1.0 / (int(m[i]) + 1))
         for q in range(seen.shape[2]):
-            both = seen[i, :, None, q, None] * up[i]
             # Of pairs far from the zone nothing is left.
-            place, source, pole = np.nonzero(np.abs(both) ** (m[i] + 1) >= _NOTHING)
-            if len(place) == 0:
+            sources = np.flatnonzero(np.abs(up[i]).max(axis=1) * np.abs(seen[i, :, q]).max() >= least)
+            if len(sources) == 0:
                 continue
-            both = both[place, source, pole]
+            places = np.flatnonzero(np.abs(seen[i, :, q]) * np.abs(up[i, sources]).max() >= least)
+            both = seen[i, places, None, q, None] * up[i, sources]
+            place, source, pole = np.nonzero(np.abs(both) >= least)
+            both, place, source = both[place, source, pole], places[place], sources[source]
             # 1 - rho rho' = (1 - rho) + rho (1 - rho') keeps its digits.
             total = np.log1p(-both)
             power = np.ones_like(both)

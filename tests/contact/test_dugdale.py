@@ -14,6 +14,7 @@ from contact.formulation.controls import Approach, Load, scaled_control
 from contact.formulation.tension.cohesive import Cohesive
 from contact.formulation.tension.pulled import Tension, clausen
 from contact.search.grid.scaling import scaled_scene_about
+from contact.search.grid.tension import GridTension
 from tests.tiers import quick
 
 E, DELTA, WORK = 1.0, 0.01, 1e-5
@@ -293,3 +294,40 @@ def test_strips_that_are_too_narrow_and_zones_that_are_too_many_are_refused_at_o
     monkeypatch.setattr("contact.search.ways.cohesive._MOST_ZONES", 5)
     with pytest.raises(contact.OutOfRange, match="zones: under a tension beside the contact .* 5 zones at the most"):
         contact.solve(contact.Scene(rough(), 1e9, contact.Periodic(), law=contact.Dugdale(1e-3, 1e6), mean_pressure=2e6))
+
+
+def many_zones(seed=1, stress=5e6, count=60, **control):
+    profile = contact.self_affine(hurst=0.8, period=1e-4, shortest=1e-4 / count, rms_slope=0.02, seed=seed)
+    return contact.Scene(profile, 1e10, contact.Periodic(), law=contact.Dugdale(0.01, stress), **control)
+
+
+@pytest.mark.parametrize("branch", ["advancing", "receding"])
+def test_a_grid_guides_the_ends_to_the_equilibrium_that_they_come_to_by_themselves(branch, monkeypatch):
+    scene = many_zones(mean_pressure=2e7)
+    guided = contact.solve(scene, branch=branch)
+    monkeypatch.setattr(GridTension, "of", classmethod(lambda *given: None))
+    alone = contact.solve(scene, branch=branch)
+    assert len(guided.zones) == len(alone.zones) >= 8
+    assert guided.cohesive == pytest.approx(alone.cohesive, abs=1e-9 * float(np.diff(alone.cohesive).min()))
+
+
+def test_ends_guided_by_a_grid_take_a_few_states(monkeypatch):
+    taken, at = [], Cohesive._point
+    monkeypatch.setattr(Cohesive, "_point", lambda *given: taken.append(0) or at(*given))
+    assert len(contact.solve(many_zones(mean_pressure=2e7)).zones) >= 8
+    assert len(taken) <= 10
+
+
+def test_a_contact_is_not_followed_to_pull_off_past_where_its_interval_is_cut():
+    scene = contact.Scene(rough(12, 8), 1e9, contact.Periodic(), law=contact.Dugdale(0.05, 1e6), mean_pressure=0.0)
+    last = contact.solve(scene).pull_off.load
+    held = contact.solve(replace(scene, mean_pressure=None, load=0.99 * last))
+    assert held.certificate.holds
+    with pytest.raises(contact.OutOfRange, match="past pull-off"):
+        contact.solve(replace(scene, mean_pressure=None, load=1.01 * last))
+
+
+def test_a_zone_opens_where_what_it_bears_falls_below_zero_between_two_looks():
+    profile = contact.self_affine(hurst=1.0, period=1e-4, shortest=2e-7, rms_slope=0.05, seed=1)
+    scene = contact.Scene(profile, 1e10, contact.Periodic(), law=contact.Dugdale(0.014, 1.44e6), mean_pressure=1.5e8)
+    assert contact.solve(scene).certificate.holds

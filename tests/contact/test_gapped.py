@@ -131,3 +131,18 @@ def _best(scene):
         return contact.solve(scene)
     except contact.NotConverged as failure:
         return failure.best
+
+
+def test_what_full_contact_takes_of_the_pressure_is_sampled_once_for_all_loads_of_a_curve():
+    profile = contact.self_affine(hurst=0.8, period=1.0, shortest=1 / 40, longest=1.0, rms_slope=0.1, seed=3)
+    scene = contact.Scene(profile, 1.0, contact.Periodic(), contact_fraction=1.0)
+    full = contact.solve(scene).load
+    found = contact.solve_many(scene, np.array([0.6, 0.7, 0.75]) * full, "load")
+    (relief,) = {solution.fields.relief for solution in found}
+    for solution in found:
+        x, pressure = solution.fields.samples
+        assert len(x) == len(relief.samples[0]) and np.ptp(x) < solution.fields.period
+        assert pressure == pytest.approx(solution.fields.scaled_pressure(x), abs=1e-12)
+        # Nothing that is sampled lies above the peak, nor much below it.
+        peak = pressure.max() * solution.fields.problem.units.pressure
+        assert 0.99 * solution.max_pressure < peak <= (1 + 1e-12) * solution.max_pressure

@@ -141,6 +141,11 @@ def test_what_a_control_holds_must_go_with_the_scene(quantity: Quantity, metres:
         contact.Scene(WAVE, 1e9, contact.Periodic(), given=Nanometres(1e9 * metres, quantity))
 
 
+def test_a_model_that_admits_no_contact_fraction_admits_no_width() -> None:
+    with pytest.raises(contact.SceneError, match="nanometres = .* the controls of localized"):
+        contact.Scene(WAVE, 1e9, contact.Localized(), given=Nanometres(4e4, Quantity.WIDTH))
+
+
 def test_an_approach_that_is_held_needs_a_datum() -> None:
     with pytest.raises(contact.SceneError, match="approach = .* given a datum"):
         contact.Scene(BALL, 1e9, contact.Isolated(), given=Nanometres(100.0))

@@ -95,20 +95,31 @@ def test_every_pair_of_zones_is_met_once(kernel):
     assert np.all(met == 1)
 
 
+@pytest.mark.parametrize("count", [1, 2, 50])
 @pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)
-def test_fields_anywhere_are_those_summed_zone_by_zone(kernel):
+def test_fields_anywhere_are_those_summed_zone_by_zone(kernel, count):
     rng = np.random.default_rng(7)
-    zones = scattered(50, rng, decades=3.0)
-    table = rng.uniform(-1, 1, (50, 12)) * 0.6 ** np.arange(12)
+    zones = scattered(count, rng, decades=3.0)
+    table = rng.uniform(-1, 1, (count, 12)) * 0.6 ** np.arange(12)
     table[:, 0], table[:, 1] = -table[:, 2::2].sum(axis=1), -table[:, 3::2].sum(axis=1)  # bounded ends
     density = sie.Density(zones, kernel, table, ForcingJumps.none(), np.zeros(0))
     treecode = Treecode(density)
-    t = rng.uniform(-1, 1, (50, 4))
+    t = rng.uniform(-1, 1, (count, 4))
     x = np.concatenate(((zones.middle[:, None] + zones.half[:, None] * t).ravel(), rng.uniform(-0.5, 0.5, 400)))
     if kernel.period is None:
         x = np.concatenate((x, [-40.0, -1.7, -0.6, 0.7, 1.19, 90.0]))
     assert treecode.transform(x) == pytest.approx(density.transform(x), abs=2e-13)
     assert treecode.potential(x) == pytest.approx(density.potential(x), abs=2e-14)
+
+
+def test_all_that_is_asked_once_series_are_at_hand_is_summed_with_them():
+    zones = scattered(20, np.random.default_rng(3))
+    density = sie.Density(zones, sie.cauchy(), np.tile([0.5, 0.0, -0.5], (20, 1)), ForcingJumps.none(), np.zeros(0))
+    before = density.transform(0.3)
+    assert not density.has_series
+    density.transform(np.linspace(-1.0, 1.0, 30_000))
+    assert density.has_series
+    assert density.transform(0.3) == density.treecode.transform(np.array([0.3]))[0] == pytest.approx(before, rel=1e-12)
 
 
 @pytest.mark.parametrize("kernel", KERNELS.values(), ids=KERNELS)

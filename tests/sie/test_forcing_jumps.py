@@ -222,3 +222,10 @@ def test_the_potential_beside_a_zone_of_many_knots_is_the_primitive_of_its_trans
     found = np.diff(density.potential(0.95 + away * np.array([0.25, 1.0])))[0]
     # Each part is rounded to the last digit of its own, at random.
     assert abs(found - rise) < np.finfo(float).eps * np.linalg.norm(third)
+
+
+def test_coefficients_of_jumps_go_as_far_as_each_zone_asks():
+    at, orders = (np.array(part) for part in zip(*PLACES, strict=True))
+    jumps = ForcingJumps.within(ZONES, at, np.linspace(0.5, 1.5, len(at)), orders, None)
+    every, counts = jumps.t_coefficients(ZONES, 40), np.array([7, 40])
+    assert jumps.first_coefficients(ZONES, counts) == pytest.approx(np.where(np.arange(40) < counts[:, None], every, 0.0), abs=1e-15)

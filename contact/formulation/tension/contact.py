@@ -28,8 +28,8 @@ _STEPS, _ROUNDS = 80, 16
 # Of the density; and what ends miss, and Newton's last step but one, over the strips beside them: of a state, and of one on the way.
 TIGHT = 1e-14
 _DONE, _LAST, _ROUGHLY, _ROUGHLY_LAST = 1e-11, 1e-9, 1e-5, 1e-3
-# After so many changes of their number the zones are left to the engine's search.
-_PLAIN = 3
+# After so many rounds
+_PLAIN = 1
 # A zone's end moves at most by these parts of its width, and of the gap beside it; it comes so much nearer to the end of its interval.
 _INWARD, _OUTWARD, _INTO_GAP, _NEARER = 0.3, 0.5, 0.45, 0.25
 # Of what an end was off by, from which on Newton's steps only take it to and fro.

@@ -2,6 +2,7 @@
 by."""
 
 from contact.reference.inverse.adhesive import AdhesiveDesign, adhesive_design
+from contact.reference.inverse.cohesive import CohesiveDesign
 from contact.reference.inverse.designed import DesignedContact, design
 from contact.reference.inverse.profile import DesignedProfile
 from contact.reference.inverse.random import random_adhesive_problem, random_problem, random_zones
@@ -9,6 +10,7 @@ from contact.reference.inverse.stability import is_stable, second_variation
 
 __all__ = [
     "AdhesiveDesign",
+    "CohesiveDesign",
     "DesignedContact",
     "DesignedProfile",
     "adhesive_design",

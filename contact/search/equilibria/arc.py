@@ -39,11 +39,13 @@ _TOGETHER = 1e-7
 _PUSH = 0.03
 # Of the control, before the last turning point is looked for; and of steps of the control.
 _HALVINGS, _MOST_TRIES = 5, 160
+# Zones that come apart one after the other from there on, at the most.
+_MOST_TURNS = 200
 # So many steps without a length come after one another at sharp corners.
 _MOST_STANDS = 3
 # Where a curve is only to be followed: how tightly its states are solved, and how small Newton's last step is; over the step, from how near
-# a turning point ends that are pushed on go the way they go from there.
-_ROUGH, _ROUGHLY, _ABOUT = 1e-9, 1e-6, 1e-3
+# a turning point ends that are pushed on go the way they go from there; and what such a state may be off by.
+_ROUGH, _ROUGHLY, _ABOUT, _OFF = 1e-9, 1e-6, 1e-3, 1e-5
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,7 +209,7 @@ def _ending(curve: Equilibria, here: Point, torn: Callable[[Point], float]) -> t
     is torn)."""
     for step in steps(curve, here, -1.0, False):
         last = step.at(step.turning(False), False) if step.turns else step.end.at
-        if torn(last) > 0.0:
+        if torn(step.start.at) < 0.0 < torn(last):
             return step, False
         if step.turns or step.lets_go:
             return step, True
@@ -237,12 +239,11 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Cal
         middle = 0.5 * (here.value + high)
         rest = recede(curve, here.table, middle)
         here, high = (rest, high) if rest is not None else (here, middle)
-    while True:
-        step, turns = _ending(curve, here, torn)
+    for _ in range(_MOST_TURNS):
+        step, turns = _ending(curve, curve.settled(here), torn)
         # Of those before the last it is enough to know where they are about.
         length = step.turning(False) if step.turns else step.length
         lets_go = step.lets_go and not step.turns
-        whole = torn(step.start.at)
         if lets_go:
             last = step.end.at
             table = let_go(step)
@@ -250,7 +251,7 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Cal
             last = step.at(length, False)
             table = beyond(curve, last, -1.0)
         else:
-            until = step.where(torn, whole, torn(step.at(length, False)), length, _ABOUT, False) if whole < 0.0 else 0.0
+            until = step.where(torn, torn(step.start.at), torn(step.at(length, False)), length, _ABOUT, False)
             length = min(until + 2 * _ABOUT * length, length)
             last = step.at(length, False)
             table = last.table
@@ -261,10 +262,9 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Cal
             return last
         elif turns:
             return step.at(step.turning())
-        elif whole >= 0.0:
-            return curve.settled(step.start.at)
         else:
-            return step.at(step.where(torn, whole, torn(last), length))
+            return step.at(step.where(torn, torn(step.start.at), torn(last), length))
+    raise NotConverged("ever more zones come apart as the control falls")
 
 
 def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float]:
@@ -344,7 +344,8 @@ def _corrected(curve: Equilibria, here: Place, start: Array, normal: Array, tigh
         matrix = np.block([[at.rates * widths, at.by_value[:, None] * unit], [normal[None]]])
         step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
         size = float(np.abs(step).max())
-        if size > (0.3 if k == 0 else 1.0) * abs(length) and size > _TIGHT:
+        # The start, too, may have been solved roughly.
+        if size > (0.3 if k == 0 else 1.0) * max(abs(length), _OFF):
             return None
         if not tight and size < _ROUGHLY:
             return at

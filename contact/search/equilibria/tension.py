@@ -41,8 +41,8 @@ _HALVINGS = 60
 _FARTHER = 0.01
 # Newton's step of ends that are about to rest, over their intervals and the gaps beside them.
 _ABOUT_TO_REST = 1e-3
-# Parts of the reach that it is made smaller or larger by on a grid, and from how many zones on that is the shorter way.
-_MARGINS, _MANY = (0.02, 0.06, 0.2), 6
+# Parts of the reach that it is made smaller or larger by on a grid.
+_MARGINS = (0.02, 0.06, 0.2)
 # Of a control, above the least at which a grid holds a contact, from where that is followed to where it comes apart.
 _ABOVE = (0.005, 0.02, 0.08, 0.3)
 # Zones over their intervals: of contact that is all but lost.
@@ -53,11 +53,18 @@ TOO_NARROW = (
 )
 
 
-def advanced(curve: Cohesive, table: Array, value: float, guide: GridTension | None = None) -> CohesivePoint:
-    """The least equilibrium that holds these intervals, of which all ends are driven outward; `Closed` if there is none."""
+def advanced(
+    curve: Cohesive, table: Array, value: float, guide: GridTension | None = None, zones: Array | None = None
+) -> CohesivePoint:
+    """The least equilibrium that holds these intervals, of which all ends are driven outward; `Closed` if there is none. zones: that they
+    begin with, where contact may cover some intervals."""
     start = None if guide is None else _guided(curve, guide, table, value, 1.0)
+    if start is not None:
+        table = start.table
+    elif zones is not None:
+        table = uncovered(curve, table, value, zones)
     try:
-        found = _flowed(curve, table if start is None else start.table, value, 1.0)
+        found = _flowed(curve, table, value, 1.0)
     except Covered as covered:
         raise NotConverged(TOO_NARROW) from covered
     assert found is not None
@@ -73,12 +80,13 @@ def receded(curve: Cohesive, table: Array, value: float, guide: GridTension | No
         return None
 
 
-def guide_of(curve: Cohesive, zones: int) -> GridTension | None:
-    """A grid that ends are guided by, where there are many zones."""
+def guide_of(curve: Cohesive, zones: int, table: Array | None) -> GridTension | None:
+    """A grid by which ends are guided that move from these intervals (None: from tension in all of a period); none without contact, or
+    where a spring holds it."""
     held = curve.held
-    if zones < _MANY or (held.load is None and held.approach is None):
+    if zones == 0 or (held.load is None and held.approach is None):
         return None
-    return GridTension.of(curve.problem, held.load is not None)
+    return GridTension.of(curve.problem, table, held.load is not None)
 
 
 def _guided(curve: Cohesive, guide: GridTension, table: Array | None, value: float, sign: float) -> CohesivePoint | None:
@@ -302,7 +310,7 @@ def _outside(curve: Cohesive, table: Array) -> list[tuple[float, float]]:
 def pull_off(curve: Cohesive, here: Point) -> Point:
     """Where the last zones come apart as the control falls: at a turning point, or where the last of them has shrunk to a point."""
     def recede(_: Equilibria, table: Array, value: float) -> Point | None:
-        return receded(curve, table, value, guide_of(curve, len(curve.known[-1].zones)))
+        return receded(curve, table, value, guide_of(curve, len(curve.known[-1].zones), table))
 
     try:
         return arc.pull_off(curve, _about_to_part(curve, here), recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0)
@@ -316,23 +324,28 @@ def pull_off(curve: Cohesive, here: Point) -> Point:
 
 
 def _highest_within(curve: Cohesive, here: Point) -> float:
-    """The largest gap within the intervals."""
+    """The largest gap within the intervals, but for what begins at their ends."""
     assert isinstance(here, CohesivePoint)
     (x, gap), period, highest = here.look, curve.problem.period, 0.0
     for a, b in here.table:
         inner = within(x, a, b, period)
-        if len(inner) > 2:
-            place, value = unwrapped(x[inner], a, b, period), gap[inner]
-            top = int(np.argmax(value[1:-1])) + 1
-            if value[top] >= max(value[top - 1], value[top + 1]) and value[top] > highest:
-                beside = place[top - 1 : top + 2]
-                highest = maximum(lambda at: curve.gap(here, np.asarray(at)), beside, value=value[top - 1 : top + 2])[1]
+        place, value = unwrapped(x[inner], a, b, period), gap[inner]
+        nearer = np.flatnonzero(value < curve.reach)
+        if len(nearer) < 2:
+            continue
+        value = value[nearer[0] : nearer[-1] + 1]
+        top = int(np.argmax(value))
+        if 0 < top < len(value) - 1 and value[top] > highest:
+            at = nearer[0] + top
+            highest = maximum(
+                lambda y: curve.gap(here, np.asarray(y)), place[at - 1 : at + 2], value=value[top - 1 : top + 2]
+            )[1]
     return highest
 
 
 def _about_to_part(curve: Cohesive, here: Point) -> Point:
     """The equilibrium that this one has come to under a control a little above the least at which a grid holds any; itself without one."""
-    guide = guide_of(curve, len(here.contact))
+    guide = guide_of(curve, len(here.contact), here.table)
     if guide is None:
         return here
     least = guide.least_value(here.table, here.value)
@@ -385,7 +398,7 @@ def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
 def _open_and_about_to_part(curve: Cohesive, zones: Array, value: float) -> Point | None:
     """The equilibrium that a contact under tension everywhere has come to under a control a little above the least at which a grid holds
     any; None where that does not tell, or where the tension has not let go before."""
-    guide = guide_of(curve, len(zones))
+    guide = guide_of(curve, len(zones), None)
     if guide is None:
         return None
     least = guide.least_value(None, value)

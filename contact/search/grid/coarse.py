@@ -150,7 +150,7 @@ def _dips(values: Array, wraps: bool, least: float) -> tuple[Array, Array]:
     before, after = np.roll(values, 1), np.roll(values, -1)
     if not wraps:
         before[0] = after[-1] = 0.0
-    low = np.flatnonzero((values > 0) & (values <= before) & (values <= after) & np.isfinite(before) & np.isfinite(after))
+    low = np.flatnonzero((values > 0) & (values < before) & (values <= after) & np.isfinite(before) & np.isfinite(after))
     bend = before[low] + after[low] - 2 * values[low]
     low, bend = low[bend > 0], bend[bend > 0]
     deep = (before[low] - after[low]) ** 2 / (8 * bend) - values[low]
@@ -166,6 +166,7 @@ def _parted(zones: Array, middle: Array, half: Array, period: float | None) -> A
     middle, half = middle[order], half[order]
     at = np.searchsorted(zones[:, 0], middle, side="right") - 1
     inside = (at >= 0) & (middle - half > zones[at, 0]) & (middle + half < zones[at, 1])
+    inside[1:] &= middle[1:] - half[1:] > middle[:-1] + half[:-1]
     ends = np.sort(np.concatenate((zones.ravel(), (middle - half)[inside], (middle + half)[inside])))
     return np.asarray(ends.reshape(-1, 2))
 

@@ -30,8 +30,11 @@ from contact.search.grid.proposals import placed, whole_response
 
 Array = NDArray[np.float64]
 
-# Cells to a length over which the profile varies, to the strip that adhesion without range would leave, and in all, at the most.
-_PER_FEATURE, _PER_STRIP, _MOST = 16, 32, 2**18
+# Cells to a length over which the profile varies, to the strip that adhesion without range would leave, and in all at the least; so many
+# are few, so many times as many as the profile asks for may be asked for by strips, and so many at the most.
+_PER_FEATURE, _PER_STRIP, _FEWEST, _FEW, _FINER, _MOST = 16, 32, 256.0, 2**14, 8, 2**18
+# Beside the intervals of a lone body, over what they span, the window of the grid.
+_AROUND = 0.25
 # Rounds, the change of a cell's share that ends them, and the tolerance of a contact on the way.
 _ROUNDS, _STILL, _TOL = 400, 0.02, 1e-4
 # Of the control, between a value that holds a contact and one that does not.
@@ -49,34 +52,49 @@ class Resting:
 
 @dataclass(frozen=True, eq=False)
 class GridTension(sie.Kept):
-    """problem: with the law that has the tension, of a period; by_load: whether the control is a load, else an approach."""
+    """problem: with the law that has the tension; x0, width: the period, or the window of a lone body, that the cells are parts of [m];
+    by_load: whether the control is a load, else an approach."""
 
     problem: Problem
+    x0: float
+    width: float
     points: int
     by_load: bool
 
     @classmethod
-    def of(cls, problem: Problem, by_load: bool) -> GridTension | None:
-        """None where nothing repeats, or where what the tension acts on is too narrow for a grid."""
-        profile, law = problem.profile, problem.law
-        if problem.period is None or profile.feature is None or profile.period is None:
+    def of(cls, problem: Problem, table: Array | None, by_load: bool) -> GridTension | None:
+        """table: scaled intervals from which ends are to move; None where what the tension acts on is too narrow for a grid."""
+        profile, law, units = problem.profile, problem.law, problem.units
+        if problem.period is not None and profile.period is not None:
+            x0, width = profile.x0, profile.period
+        else:
+            assert table is not None
+            around = _AROUND * float(table[-1, 1] - table[0, 0])
+            lo, hi = problem.borders
+            window = units.x(np.array([max(lo, table[0, 0] - around), min(hi, table[-1, 1] + around)]))
+            x0, width = float(window[0]), float(window[1] - window[0])
+        feature = width if profile.feature is None else profile.feature
+        strip = 0.25 * math.pi * units.E_star * law.reach / law.tension
+        least = _PER_FEATURE * width / feature
+        wanted = max(least, _PER_STRIP * width / strip)
+        # Of few zones on narrow strips the way itself is shorter than so fine a grid.
+        if not wanted <= max(_FEW, min(_FINER * least, _MOST), min(least, MOST_POINTS)):
             return None
-        strip = 0.25 * math.pi * problem.units.E_star * law.reach / law.tension
-        wanted = profile.period * max(_PER_FEATURE / profile.feature, _PER_STRIP / strip)
-        if not wanted <= max(_MOST, min(_PER_FEATURE * profile.period / profile.feature, MOST_POINTS)):
-            return None
-        return cls(problem, 2 ** math.ceil(math.log2(max(wanted, 256.0))), by_load)
+        return cls(problem, x0, width, 2 ** math.ceil(math.log2(max(wanted, _FEWEST))), by_load)
 
     @property
     def cell(self) -> float:
         """Width of one [m]."""
-        assert self.problem.profile.period is not None
-        return self.problem.profile.period / self.points
+        return self.width / self.points
+
+    @property
+    def repeats(self) -> bool:
+        return self.problem.period is not None
 
     @cached_property
     def x(self) -> Array:
         """Their middles [m]."""
-        return np.asarray(self.problem.profile.x0 + self.cell * (np.arange(self.points) + 0.5))
+        return np.asarray(self.x0 + self.cell * (np.arange(self.points) + 0.5))
 
     @cached_property
     def heights(self) -> Array:
@@ -88,7 +106,8 @@ class GridTension(sie.Kept):
         return whole_response(self.problem).on(self.points, self.cell)
 
     def resting(self, table: Array | None, value: float, sign: float, reach: float, near: GridState | None = None) -> Resting:
-        """Where intervals, or the whole period, come to that grow (sign 1) or shrink (-1), for so many times the reach. Lost, Closed."""
+        """Where intervals, or the whole period, come to that grow (sign 1) or shrink (-1), for so many times the reach. Lost, Closed;
+        NotConverged where they come to the border of the window."""
         limit = reach * self.problem.law.reach
         share = np.ones(self.points) if table is None else self._shares(table)
         start = None if near is None else near.pressure
@@ -99,7 +118,10 @@ class GridTension(sie.Kept):
             change, share, start = float(np.abs(new - share).max()), new, state.pressure
             if change < _STILL:
                 break
-        found = self._table(state.gap < limit, state.gap - limit)
+        below = state.gap < limit
+        if np.any(~below & (share == 1.0) if sign > 0 else below & (share == 0.0)):
+            raise NotConverged("the ends of the tension are not all driven one way")
+        found = self._table(below, state.gap - limit)
         return Resting(found, placed(self.problem, zones_of(state, self.x)), state)
 
     def least_value(self, table: Array | None, value: float) -> float:
@@ -121,7 +143,7 @@ class GridTension(sie.Kept):
         """A value of the control at which nothing is left."""
         problem, law = self.problem, self.problem.law
         if self.by_load:
-            return -law.tension * self.cell * self.points / problem.units.load
+            return -law.tension * self.width / problem.units.load
         step = law.reach / problem.units.height
         for _ in range(_DOUBLINGS):
             try:
@@ -149,22 +171,23 @@ class GridTension(sie.Kept):
 
     def _shares(self, table: Array) -> Array:
         """What intervals take of each cell."""
-        rows = np.asarray(self.problem.units.x(table)) - self.problem.profile.x0
-        period, n = self.cell * self.points, self.points
-        edges = self.cell * np.arange(n + 1)
-        out = np.zeros(n)
-        for shift in (-period, 0.0, period):
+        rows = np.asarray(self.problem.units.x(table)) - self.x0
+        edges = self.cell * np.arange(self.points + 1)
+        out = np.zeros(self.points)
+        for shift in (-self.width, 0.0, self.width) if self.repeats else (0.0,):
             for a, b in rows + shift:
-                if b > 0.0 and a < period:
+                if b > 0.0 and a < self.width:
                     out += np.clip(np.minimum(edges[1:], b) - np.maximum(edges[:-1], a), 0.0, None) / self.cell
         return np.minimum(out, 1.0)
 
     def _table(self, below: NDArray[np.bool_], above: Array) -> Array:
         """Scaled intervals in which the gap is below the limit; above: what it has more than that."""
-        if below.all():
+        if self.repeats and below.all():
             raise Closed
         if not below.any():
             raise Lost
+        if not self.repeats and (below[0] or below[-1]):
+            raise NotConverged("the tension comes to the border of the window")
         n = self.points
         first = np.flatnonzero(below & ~np.roll(below, 1))
         last = np.flatnonzero(below & ~np.roll(below, -1))

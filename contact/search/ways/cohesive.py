@@ -36,7 +36,6 @@ from contact.search.equilibria.tension import (
     pull_off_from_all,
     receded,
     settled,
-    uncovered,
 )
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene
@@ -62,7 +61,7 @@ _TOUCH = 1e-2
 # Adhesion on a strip below this part of a zone is nearly without range; of the intensity it would have, and how far ends go for it.
 _THIN, _PART, _FIRST = 0.02, 0.3, 0.3
 # Zones under the bare law that a branch is followed from at the most.
-_MOST_ZONES = 200
+_MOST_ZONES = 400
 # Of a zone, the strips that are solved at the least; terms of a zone's pressure, times the root of its strips over it.
 _NARROWEST, _MODES = 5e-7, 16.0
 # Of the mean height of a profile: approaches above first touch.
@@ -124,7 +123,7 @@ def _lowered(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
 
 
 def _lowered_to(curve: Cohesive, start: Point, value: float) -> Point | None:
-    return receded(curve, start.table, value, guide_of(curve, len(start.contact)))
+    return receded(curve, start.table, value, guide_of(curve, len(start.contact), start.table))
 
 
 def _pulled_off(task: Task, scaled: ScaledScene, curve: Cohesive) -> Point:
@@ -159,7 +158,7 @@ def advancing(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
         zones = fields.density.zones.table
         table = united_about(below(zones, look, curve.reach, problem.period), _begun(curve, fields), problem.period)
         zones = fitted(zones, table, problem.period)
-    return advanced(curve, uncovered(curve, table, value, zones), value, guide_of(curve, len(zones)))
+    return advanced(curve, table, value, guide_of(curve, len(zones), table), zones)
 
 
 def _refuse_many(zones: int) -> None:
@@ -241,7 +240,8 @@ def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
     for _ in range(_WIDENINGS):
         half *= _WIDEN
         if inward(half) and all(inward(half * wider) for wider in _WIDER):
-            rest = receded(curve, np.array([[middle - half, middle + half]]), max(value, 0.0))
+            table = np.array([[middle - half, middle + half]])
+            rest = receded(curve, table, max(value, 0.0), guide_of(curve, len(here.contact), table))
             return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)
     raise OutOfRange("no interval of tension is so wide that its ends recede: there is no greatest contact")
 
@@ -262,7 +262,7 @@ def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None
         curve.from_zones(table, value, fitted(zones, table, problem.period))
     except Lost:
         return None
-    return receded(curve, table, value, guide_of(curve, len(zones)))
+    return receded(curve, table, value, guide_of(curve, len(zones), table))
 
 
 def under_all(task: Task, problem: Problem) -> Array | None:

@@ -42,6 +42,10 @@ Array = NDArray[np.float64]
 _STEPS, _HALVED, _LOOKS, _FAR, _BENT, _SLOW = 40, 4, 4, 1e-2, 1e-4, 0.5
 # Steps in a row of which none halves the misses: zones come and go with every one of them.
 _STALLED, _STALLED_AT_TURN = 4, 1
+# A change of the misses over what ends that are not yet at rest make of them, from which on it tells how they follow the unknowns.
+_ABOVE_NOISE = 10.0
+# Longest step of the centre over the room beside the border, and how often it may be cut to that.
+_TRUSTED, _WILD = 0.25, 2
 # The weakest influence of the unknowns over the strongest, below which solutions turn back.
 _WEAK = 1e-3
 # Miss of the centre over that of the width that does not matter; what is left of what it makes of that, over this, at the most.
@@ -396,7 +400,7 @@ class FirstOrderOfSeveral:
         rates = _Rates.of(at)
         matrix, misses = rates.matrix(self.period)[:, :2], at.misses
         size, bracket, before = np.array([self.period, at.unknowns[1]]), _Bracket(), math.inf
-        least, stalled = math.inf, 0
+        least, stalled, wild = math.inf, 0, 0
         for _ in range(_STEPS):
             least, stalled = (missed, 0) if (missed := float(np.abs(misses).max())) < _SLOW * least else (least, stalled + 1)
             weak = self._weakness(matrix, size)
@@ -416,13 +420,20 @@ class FirstOrderOfSeveral:
                 step[:] = -misses[1] / matrix[1, 0], 0.0, 0.0
             else:
                 off_centre = float(matrix[0, 0] / matrix[1, 0] * misses[1])
-                centred, known = float(misses[0]) - off_centre, _UNSURE * abs(off_centre)
+                centred = float(misses[0]) - off_centre
+                known = _UNSURE * abs(off_centre) + _ABOVE_NOISE * at.strip.tolerance * _width(at.strip)
                 step[1] = bracket.within(float(at.unknowns[1]), centred, known, float(step[1]), asked <= _SLOW * before)
                 step[0] = -(misses[1] + matrix[1, 1] * step[1]) / matrix[1, 0]
+            # Grids have told the centre to a part of the room beside the border: steps that leave it lead nowhere.
+            far = abs(float(step[0])) / (_TRUSTED * _room(at, self.period))
+            if far > 1.0:
+                wild, step = wild + 1, step / far
+                if wild > _WILD:
+                    break
             there, step = self._moved(at, rates, step, asked, watched)
             last, misses = misses, there.misses
-            if asked > _LEAST:
-                by = step[:2]
+            by, noise = step[:2], max(at.strip.tolerance, there.strip.tolerance) * _width(there.strip)
+            if asked > _LEAST and float(np.abs(matrix @ by).max()) > _ABOVE_NOISE * noise:
                 matrix = matrix + np.outer(misses - last - matrix @ by, by / size**2) / float(((by / size) ** 2).sum())
             same = there.same_zones(at)
             watched = watched or not same
@@ -481,6 +492,11 @@ def _spread(table: Array, moved: Array) -> Array:
 def _failing(found: Found) -> float:
     """Width of all places where signs fail: zones put right there would be wider or narrower by about that."""
     return float(sum((places[:, 1] - places[:, 0]).sum() for places in (found.certificate.negative, found.certificate.overlaps)))
+
+
+def _room(at: _At, period: float) -> float:
+    """Between the outermost ends and the borders of the strip, together."""
+    return period - float(at.table[-1, 1] - at.table[0, 0])
 
 
 def _width(found: Found) -> float:

@@ -1,0 +1,358 @@
+r"""Inverse design under a tension of finite range: exact contacts of given zones beside which a stress s pulls on given intervals.
+
+With X^2 the product over all zone ends, p = -s on the strips between the zones and the ends of their intervals, and p bounded, the function
+
+    X R,   R = M + (2 s/E*)(1/pi) int over the strips of d xi/(X(xi) (z - xi)),
+
+is f' - (2/E*)(1/pi) int p/(z - xi) d xi, f' its polynomial part: beside the zones it is the slope of the gap, on the zones
+p = +-(E*/2)|X| R. M is a polynomial. Its lower coefficients follow from linear conditions: one approach of all zones, and the reach
+w/s as the gap at every end of an interval; its highest one is free and says how sharply the body curves away. Derived from the general
+solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11, which is bounded at the ends, and the tension of
+D. S. Dugdale, J. Mech. Phys. Solids 8 (1960) 100, doi 10.1016/0022-5096(60)90013-2.
+
+At a strip of width w the integral over it is, with zeta the root of the distance from the zone's end over w and 1/X = h/root(distance),
+
+    (2/root(w)) [int_0^1 (h(tau) - h(zeta))/(zeta^2 - tau^2) d tau + (h(zeta)/zeta) artanh(zeta or 1/zeta)],
+
+whose first part is smooth, and whose second, times X, is 2 artanh(zeta or 1/zeta), with an integral in closed form.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+
+import numpy as np
+from numpy.polynomial import chebyshev, polynomial
+from numpy.typing import ArrayLike, NDArray
+
+from contact.errors import SceneError
+from contact.model.checks import keep, positive
+from contact.model.profiles.polynomial import Polynomial
+
+Array = NDArray[np.float64]
+
+# Gauss's nodes on a strip, on a way to the gap at a place, and places at which signs are looked at.
+_NODES, _WAY, _LOOKS = 64, 90, 200
+
+
+@dataclass(frozen=True)
+class _Strip:
+    """A strip from a zone's end outward (direction +-1), or a whole gap between two zones (0), in scaled coordinates. side: of which
+    gap (0: left of all zones)."""
+
+    end: float
+    width: float
+    direction: int
+    gap: int
+
+
+@dataclass(frozen=True, eq=False)
+class CohesiveDesign:
+    """An exact contact of given zones with a constant tension beside them, on given intervals that hold the zones; the body is alone.
+
+    Derived from the general solution of N. I. Muskhelishvili, Singular Integral Equations (1953), ch. 11; see the head of this module.
+
+    Parameters
+    ----------
+    zones : array_like, (n, 2)
+        Ends of the zones [m], ascending.
+    cohesive : array_like, (m, 2)
+        Ends of the intervals on which the surfaces pull [m], ascending, each with one zone or more strictly within.
+    E_star : float
+        Reduced modulus [Pa].
+    work : float
+        Work of adhesion [J/m^2].
+    stress : float
+        Tension [Pa]; its reach is work/stress.
+    rise : float
+        Highest coefficient of M, in Chebyshev polynomials over the hull of the zones: how sharply the body curves away from it.
+
+    Attributes
+    ----------
+    profile : Polynomial
+        The shape that has this contact.
+    load : float
+        Of all zones less the tension [N/m].
+    is_admissible : bool
+        Whether the surfaces press on the zones with more than -stress, keep apart elsewhere, and are nearer than the reach on the
+        intervals alone.
+    pressure, gap : callable
+        p [Pa] and the gap [m] at positions x [m].
+
+    Raises
+    ------
+    SceneError
+        If a value is not positive and finite, or zones and intervals do not lie as they must.
+
+    Examples
+    --------
+    One zone alone, nearly that of a cylinder.
+
+    >>> import numpy as np
+    >>> from contact.inverse import CohesiveDesign
+    >>> made = CohesiveDesign([[-1.0, 1.0]], [[-1.2, 1.2]], E_star=1.0, work=2.5e-4, stress=0.02, rise=0.1)
+    >>> bool(np.isclose(made.gap(1.2), 2.5e-4 / 0.02)), float(made.pressure(1.1))
+    (True, -0.02)
+    """
+
+    zones: Array
+    cohesive: Array
+    E_star: float
+    work: float
+    stress: float
+    rise: float
+
+    def __post_init__(self) -> None:
+        keep(self, positive, "E_star", "work", "stress", "rise")
+        for name in ("zones", "cohesive"):
+            table = np.array(getattr(self, name), dtype=float)
+            if table.ndim != 2 or table.shape[1] != 2 or not len(table) or not np.all(np.diff(table.ravel()) > 0):
+                raise SceneError.of(name, table.tolist(), "an (n, 2) array of ends, strictly increasing")
+            object.__setattr__(self, name, table)
+        held = [int(np.sum((self.zones[:, 0] > a) & (self.zones[:, 1] < b))) for a, b in self.cohesive]
+        if min(held) < 1 or sum(held) != len(self.zones):
+            raise SceneError.of("cohesive", self.cohesive.tolist(), "intervals that each hold a zone, and together all of them")
+
+    @property
+    def reach(self) -> float:
+        """Work over stress [m]."""
+        return self.work / self.stress
+
+    # scaled: t = (x - middle)/half over the hull of the zones -------------------------------------------------------------------
+    @cached_property
+    def _frame(self) -> tuple[float, float]:
+        lo, hi = float(self.zones[0, 0]), float(self.zones[-1, 1])
+        return 0.5 * (lo + hi), 0.5 * (hi - lo)
+
+    def _scaled(self, x: ArrayLike) -> Array:
+        middle, half = self._frame
+        return (np.asarray(x, dtype=float) - middle) / half
+
+    @cached_property
+    def _ends(self) -> Array:
+        return self._scaled(self.zones).ravel()
+
+    @property
+    def _tension(self) -> float:
+        """Of the slope: 2 s/(E* pi)."""
+        return 2 * self.stress / (self.E_star * pi)
+
+    @cached_property
+    def _strips(self) -> list[_Strip]:
+        ends, n = self._ends, len(self.zones)
+        intervals = self._scaled(self.cohesive)
+        found = []
+        for gap in range(n + 1):
+            left = None if gap == 0 else ends[2 * gap - 1]
+            right = None if gap == n else ends[2 * gap]
+            if left is not None and right is not None and any(a < left and right < b for a, b in intervals):
+                found.append(_Strip(left, right - left, 0, gap))
+                continue
+            if left is not None:
+                found.append(_Strip(left, min(b for b in intervals[:, 1] if b > left) - left, 1, gap))
+            if right is not None:
+                found.append(_Strip(right, right - max(a for a in intervals[:, 0] if a < right), -1, gap))
+        return found
+
+    def _root(self, t: Array, without: tuple[float, ...] = ()) -> Array:
+        """X off the zones, but for the roots of the distances from some ends."""
+        past = np.sum(t[..., None] < self._ends, axis=-1)
+        factors = [np.ones(t.shape), *(np.abs(t - end) for end in self._ends if end not in without)]
+        return np.sqrt(np.prod(factors, axis=0)) * np.where((past + 1) // 2 % 2, -1.0, 1.0)
+
+    def _of_strip(self, strip: _Strip, t: Array) -> Array:
+        """h at places beside the zones: 1/X times the roots of the distances from the ends that the strip is at."""
+        if strip.direction:
+            return 1.0 / self._root(t, (strip.end,))
+        return 1.0 / self._root(t, (strip.end, self._ends[2 * strip.gap]))
+
+    def _nodes(self, strip: _Strip) -> tuple[Array, Array, Array]:
+        """(places on a strip, weights of 1/X there, h)."""
+        if strip.direction:
+            tau, weight = _gauss(_NODES)
+            xi = strip.end + strip.direction * strip.width * tau**2
+            h = self._of_strip(strip, xi)
+            return xi, 2 * np.sqrt(strip.width) * weight * h, h
+        xi = strip.end + 0.5 * strip.width * (1 - np.cos((np.arange(_WAY) + 0.5) * pi / _WAY))
+        h = self._of_strip(strip, xi)
+        return xi, pi / _WAY * h, h
+
+    def _far(self, strip: _Strip, t: Array) -> Array:
+        """int d xi/(X (t - xi)) at places of other gaps, or on zones."""
+        xi, weight, _ = self._nodes(strip)
+        return np.asarray((1.0 / (t[..., None] - xi)) @ weight)
+
+    def _near(self, strip: _Strip, t: Array) -> Array:
+        """X times the same in the strip's own gap, but for 2 direction artanh."""
+        xi, weight, h = self._nodes(strip)
+        away = (h - self._of_strip(strip, t)[..., None]) / h
+        return self._root(t) * np.asarray((away / (t[..., None] - xi)) @ weight)
+
+    @cached_property
+    def _count(self) -> int:
+        """Conditions on M, one less than its coefficients."""
+        shared = sum(strip.direction == 0 for strip in self._strips)
+        return 2 * len(self.cohesive) + len(self.cohesive) - 1 + shared
+
+    def _smooth_slope(self, gap: int, t: Array) -> tuple[Array, Array]:
+        """Slope of the gap but for the artanh of strips in the same gap: (by the coefficients of M, by the tension)."""
+        by_tension = np.zeros(t.shape)
+        for strip in self._strips:
+            by_tension += self._near(strip, t) if strip.gap == gap else self._root(t) * self._far(strip, t)
+        modes = chebyshev.chebvander(t, self._count) * self._root(t)[..., None]
+        return modes, self._tension * by_tension
+
+    def _risen(self, gap: int, start: float, stop: Array) -> tuple[Array, Array]:
+        """int of the slope from the end of a zone to places (P,) of the gap beside it: by the coefficients, and by the tension."""
+        u, weight = _gauss(_WAY)
+        half = 0.5 * (stop - start)[:, None]
+        t = start + half * (1 - np.cos(pi * u))
+        modes, rest = self._smooth_slope(gap, t)
+        weight = weight * half * pi * np.sin(pi * u)
+        out = np.sum(weight * rest, axis=1)
+        for strip in self._strips:
+            if strip.gap == gap and strip.direction:
+                before, after = (_risen(strip.direction * (place - strip.end), strip.width) for place in (np.array(start), stop))
+                out = out + 2 * self._tension * (after - before)
+        return np.einsum("pw,pwk->pk", weight, modes), out
+
+    @cached_property
+    def _smooth(self) -> Array:
+        """Coefficients of M."""
+        half = self._frame[1]
+        rows, right = [], []
+        for strip in self._strips:
+            if strip.direction:
+                by, rest = self._risen(strip.gap, strip.end, np.array([strip.end + strip.direction * strip.width]))
+                rows.append(by[0])
+                right.append(self.reach / half - rest[0])
+        for gap in range(1, len(self.zones)):
+            by, rest = self._risen(gap, self._ends[2 * gap - 1], self._ends[2 * gap : 2 * gap + 1])
+            rows.append(by[0])
+            right.append(-rest[0])
+        matrix = np.array(rows)
+        lower = np.linalg.solve(matrix[:, :-1], np.array(right) - self.rise * matrix[:, -1])
+        return np.append(lower, self.rise)
+
+    # what it comes to -------------------------------------------------------------------------------------------------------------
+    @cached_property
+    def _series(self) -> Array:
+        """Coefficients of X R, of t^N, t^(N-1), ..., t^-1."""
+        n, degree = len(self.zones), len(self._smooth) - 1
+        count = n + degree + 2
+        power_sums = np.array([0.5 * np.sum(self._ends**k) for k in range(1, count)])
+        root = np.zeros(count)
+        root[0] = 1.0
+        for k in range(1, count):
+            root[k] = -np.sum(power_sums[:k] * root[k - 1 :: -1][:k]) / k
+        ratio = np.zeros(count)
+        ratio[: degree + 1] = chebyshev.cheb2poly(self._smooth)[::-1]
+        nodes, weights = (np.concatenate(parts) for parts in zip(*(self._nodes(strip)[:2] for strip in self._strips), strict=True))
+        for k in range(degree + 1, count):
+            ratio[k] += self._tension * float(weights @ nodes ** (k - degree - 1))
+        return np.asarray(np.convolve(root, ratio)[:count])
+
+    @cached_property
+    def profile(self) -> Polynomial:
+        """The shape with this contact."""
+        middle, half = self._frame
+        slope = self._series[:-1][::-1]
+        height = half * np.concatenate(([0.0], slope / np.arange(1, len(slope) + 1)))
+        coefficients = np.zeros(1)
+        for c in height[::-1]:
+            coefficients = polynomial.polyadd(polynomial.polymul(coefficients, [-middle / half, 1.0 / half]), [c])
+        return Polynomial(coefficients[: len(height)])
+
+    @property
+    def load(self) -> float:
+        """Of all zones less the tension [N/m]."""
+        return float(-pi * self._frame[1] * 0.5 * self.E_star * self._series[-1])
+
+    def pressure(self, x: ArrayLike) -> Array:
+        """p [Pa]."""
+        t = self._scaled(x)
+        zone, x = np.searchsorted(self._ends, t), np.asarray(x, dtype=float)
+        held = np.any((x[..., None] >= self.cohesive[:, 0]) & (x[..., None] <= self.cohesive[:, 1]), axis=-1)
+        out, on = np.where(held, -self.stress, 0.0), zone % 2 == 1
+        if on.any():
+            inner = t[on]
+            size = np.sqrt(np.prod(np.abs(inner[:, None] - self._ends), axis=1))
+            sign = np.where((len(self.zones) - (zone[on] + 1) // 2) % 2, -1.0, 1.0)
+            ratio = chebyshev.chebval(inner, self._smooth) + self._tension * sum(self._beside(strip, inner) for strip in self._strips)
+            out[on] = 0.5 * self.E_star * sign * size * ratio
+        return out
+
+    def _beside(self, strip: _Strip, t: Array) -> Array:
+        """int d xi/(X (t - xi)) on zones, however near to the strip."""
+        xi, weight, h = self._nodes(strip)
+        low, high = sorted((strip.end, strip.end + (strip.direction or 1) * strip.width))
+        ends = (strip.end,) if strip.direction else (strip.end, float(self._ends[2 * strip.gap]))
+        away = np.min([np.abs(t - end) for end in ends], axis=0)
+        near = (away < 0.5 * strip.width) & ((t > high) | (t < low))
+        if strip.direction:
+            near &= (t - strip.end) * strip.direction < 0
+        out = np.asarray((1.0 / (t[:, None] - xi)) @ weight)
+        if near.any():
+            at = t[near]
+            value = self._continued(strip, ends, at)
+            out[near] = ((1 - value[:, None] / h) / (at[:, None] - xi)) @ weight
+            if strip.direction:
+                # zeta is imaginary: the same form, an arcus tangens.
+                eta = np.sqrt(away[near] / strip.width)
+                out[near] -= strip.direction * 2 / np.sqrt(strip.width) * value * np.arctan(1 / eta) / eta
+            else:
+                out[near] += np.sign(at - low) * pi * value / np.sqrt(np.abs((at - low) * (at - high)))
+        return out
+
+    def _continued(self, strip: _Strip, ends: tuple[float, ...], t: Array) -> Array:
+        """h, from the strip onto the zones that it begins at."""
+        within = np.array([strip.end + 0.5 * (strip.direction or 1) * strip.width])
+        size = np.prod([np.abs(t - end) for end in self._ends if end not in ends], axis=0)
+        return np.asarray(np.sign(self._of_strip(strip, within)[0]) / np.sqrt(size))
+
+    def gap(self, x: ArrayLike) -> Array:
+        """The gap [m], from the end of the nearest zone on."""
+        t = np.atleast_1d(self._scaled(x)).ravel()
+        out, zone = np.zeros(t.shape), np.searchsorted(self._ends, t)
+        for beside in np.unique(zone[zone % 2 == 0]):
+            ends = [self._ends[k] for k in (beside - 1, beside) if 0 <= k < len(self._ends)]
+            nearest = np.argmin([np.abs(t - end) for end in ends], axis=0)
+            for which, start in enumerate(ends):
+                here = (zone == beside) & (nearest == which)
+                if here.any():
+                    by, rest = self._risen(int(beside) // 2, float(start), t[here])
+                    out[here] = self._frame[1] * (by @ self._smooth + rest)
+        return np.asarray(out.reshape(np.shape(x)))
+
+    @cached_property
+    def is_admissible(self) -> bool:
+        """By signs at many places."""
+        u = 0.5 - 0.5 * np.cos(pi * (np.arange(_LOOKS) + 0.5) / _LOOKS)
+        inner = (self.zones[:, :1] + np.diff(self.zones) * u).ravel()
+        if not np.all(self.pressure(inner) > -self.stress):
+            return False
+        lo, hi = self.cohesive[0, 0], self.cohesive[-1, 1]
+        ends = np.concatenate(([lo - (hi - lo)], self.zones.ravel(), [hi + (hi - lo)]))
+        for a, b in zip(ends[::2], ends[1::2], strict=True):
+            x = a + (b - a) * u
+            held = np.any((x[:, None] >= self.cohesive[:, 0]) & (x[:, None] <= self.cohesive[:, 1]), axis=1)
+            gap = self.gap(x)
+            if not (np.all(gap > 0) and np.all((gap < self.reach) == held)):
+                return False
+        return True
+
+
+def _gauss(count: int) -> tuple[Array, Array]:
+    """Gauss's rule on (0, 1)."""
+    x, weight = np.polynomial.legendre.leggauss(count)
+    return 0.5 * (1 + x), 0.5 * weight
+
+
+def _risen(y: Array, width: float) -> Array:
+    """int_0^y artanh of the root of y/w or w/y."""
+    ratio = np.minimum(y, width) / np.maximum(y, width)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rest = (y - width) * np.arctanh(np.sqrt(ratio))
+    return np.asarray(np.where(np.isfinite(rest), rest, 0.0) + np.sqrt(width * np.maximum(y, 0.0)))

@@ -1,0 +1,87 @@
+"""Designed contacts with a tension beside them are held to the singular integral and to the load, and the solver to them."""
+
+import numpy as np
+import pytest
+
+import contact
+from contact.errors import SceneError
+from contact.inverse import CohesiveDesign
+
+# Seed, zones, whether two of them share an interval, and the reach over what the tension alone opens: designs that may be.
+DESIGNS = [(0, 1, False, 5.0), (1, 1, False, 10.0), (0, 2, False, 5.0), (1, 2, False, 3.0), (0, 2, True, 10.0), (1, 2, True, 10.0),
+           (1, 3, False, 10.0), (7, 3, False, 20.0)]
+
+
+def drawn(seed, count, shared, part):
+    """Unlike zones with unlike strips beside them."""
+    rng = np.random.default_rng(seed)
+    widths, gaps, strip = rng.uniform(0.7, 1.3, count), rng.uniform(0.8, 1.5, count), rng.uniform(0.05, 0.2)
+    left = np.cumsum(widths + gaps) - widths - gaps
+    zones = np.column_stack((left, left + widths))
+    strips = strip * rng.uniform(0.93, 1.07, (count, 2))
+    cohesive = np.column_stack((zones[:, 0] - strips[:, 0], zones[:, 1] + strips[:, 1]))
+    if shared:
+        k = int(rng.integers(0, count - 1))
+        cohesive = np.concatenate((cohesive[:k], [[cohesive[k, 0], cohesive[k + 1, 1]]], cohesive[k + 2 :]))
+    rise = 10 ** rng.uniform(-3, -2)
+    stress = 0.15 * rise
+    return CohesiveDesign(zones, cohesive, 1.0, 4 * stress**2 / np.pi * strip * part, stress, rise)
+
+
+def on_zones(made, count):
+    """Places, weights of an integral, and p, by Gauss's rule in the angle."""
+    u, weight = np.polynomial.legendre.leggauss(count)
+    theta, half = 0.5 * np.pi * (1 + u), 0.5 * np.diff(made.zones)
+    x = made.zones.mean(axis=1, keepdims=True) - half * np.cos(theta)
+    return x.ravel(), (half * np.sin(theta) * 0.5 * np.pi * weight).ravel(), made.pressure(x.ravel())
+
+
+@pytest.mark.parametrize("given", DESIGNS)
+def test_the_pressure_makes_the_slope_of_the_gap_and_the_load(given):
+    made = drawn(*given)
+    x, weight, p = on_zones(made, 400)
+    strips = np.sum(np.diff(made.cohesive)) - np.sum(np.diff(made.zones))
+    assert weight @ p - made.stress * strips == pytest.approx(made.load, abs=1e-10 * (weight @ np.abs(p)))
+    # q = p + s on the zones, and -s on all of the intervals: logarithms.
+    at = np.array([made.cohesive[0, 0] - 0.7, made.cohesive[-1, 1] + 0.4, made.cohesive[-1, 1] + 1.3])
+    transform = (weight * (p + made.stress) / (at[:, None] - x)).sum(axis=1) / np.pi
+    left, right = made.cohesive.T
+    transform -= made.stress / np.pi * np.log((at[:, None] - left) / (at[:, None] - right)).sum(axis=1)
+    d = 1e-4
+    slope = (made.gap(at + d) - made.gap(at - d)) / (2 * d)
+    wanted = made.profile.slope(at) - 2 / made.E_star * transform
+    assert slope == pytest.approx(wanted, rel=1e-5)
+
+
+@pytest.mark.parametrize("given", DESIGNS)
+def test_the_gap_is_the_reach_at_every_end_of_the_tension_and_closes_at_the_zones(given):
+    made = drawn(*given)
+    assert made.gap(made.cohesive.ravel()) == pytest.approx(np.full(made.cohesive.size, made.reach), rel=1e-10)
+    inside = made.zones + np.array([1.0, -1.0]) * 1e-9
+    assert made.pressure(inside.ravel()) == pytest.approx(np.full(made.zones.size, -made.stress), rel=1e-2)
+
+
+@pytest.mark.parametrize("given", DESIGNS)
+def test_designed_contacts_of_unlike_zones_are_solved_to_nine_digits(given):
+    made = drawn(*given)
+    assert made.is_admissible
+    law = contact.Dugdale(made.work, made.stress)
+    found = contact.solve(contact.Scene(made.profile, made.E_star, contact.Isolated(), law=law, load=made.load))
+    least = float(np.diff(made.zones).min())
+    assert found.zones == pytest.approx(made.zones, abs=1e-9 * least)
+    assert found.cohesive == pytest.approx(made.cohesive, abs=1e-9 * least)
+    x, _, p = on_zones(made, 9)
+    assert found.pressure(x) == pytest.approx(p, abs=1e-9 * np.abs(p).max())
+
+
+def test_a_design_of_other_zones_is_another_contact():
+    made = drawn(*DESIGNS[2])
+    other = CohesiveDesign(made.zones * (1 + 1e-6), made.cohesive, made.E_star, made.work, made.stress, made.rise)
+    assert np.abs(other.profile.coefficients - made.profile.coefficients).max() > 1e-9 * made.rise
+
+
+def test_intervals_that_hold_no_zone_and_zones_without_one_are_refused():
+    with pytest.raises(SceneError, match="each hold a zone"):
+        CohesiveDesign([[-1, 1]], [[-2, 2], [3, 4]], 1.0, 1e-3, 1e-2, 0.1)
+    with pytest.raises(SceneError, match="strictly increasing"):
+        CohesiveDesign([[1, -1]], [[-2, 2]], 1.0, 1e-3, 1e-2, 0.1)
