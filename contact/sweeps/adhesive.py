@@ -53,7 +53,8 @@ class AdhesiveEvent(Event):
     ----------
     kind : str
         jump-in (surfaces apart come together), birth (of a zone, by touch), merge (a gap snaps shut), jump (ends alone), full (the last gap
-        closes), death (zones come apart), pull-off (the last ones do). Under a tension of finite range also split (of a zone), open (of
+        closes), death (zones come apart), pull-off (the last ones do); held, freed (an end comes to a sharp corner, or leaves it, and
+        nothing jumps). Under a tension of finite range also split (of a zone), open (of
         full contact), and births, merges, splits and deaths that lose nothing.
     load : float
         The load just before it [N/m].

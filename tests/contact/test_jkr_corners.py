@@ -60,7 +60,7 @@ def test_a_flat_punch_has_its_closed_form_under_pressure_and_tension_and_lets_go
 @pytest.mark.parametrize(("part", "branch"), [(0.5, "advancing"), (0.5, "receding"), (1.5, "receding"), (3.0, "advancing")])
 def test_ends_of_a_cut_cylinder_are_held_from_the_load_on_under_which_free_ones_reach_the_corners(part, branch):
     a = part * LAST
-    # In a cylinder cut so narrow that free ends would be unstable, held ones let go; else they leave the corners and are pulled off inside.
+    # Of a cylinder so narrow that free ends would be unstable, held ones let go; else they leave the corners first.
     least = free_load(min(a, LAST))
     for load in (free_load(a) + 1e-6 * abs(free_load(a)), free_load(a) + 0.01, 0.5 * least):
         solution = solve(cut(a), branch, load=load)
@@ -142,6 +142,19 @@ def test_a_contact_that_may_be_anywhere_along_a_level_stretch_is_refused_by_that
     assert contact.path(scene, [-0.01, 0.1, -0.01], control="approach").solutions[-1].load < 0.0
     with pytest.raises(contact.NotConverged, match="level stretch"):
         contact.path(scene, [0.0, -0.1], control="approach")
+
+
+@pytest.mark.slow
+def test_where_a_tension_is_lost_under_a_held_approach_the_surface_comes_up_elsewhere():
+    waves = np.arange(1, 5)
+    phase = np.array([5.2, 3.7, 1.8, 0.3])
+    size = 0.015 * waves**-1.5
+    profile = contact.Combined(contact.Flat(0.9, 1.0), contact.Fourier(1.0, size * np.cos(phase), size * np.sin(phase)))
+    scene = contact.Scene(profile, E, contact.Periodic(), law=contact.JKR(1e-6), load=0.0)
+    loop = contact.path(scene, [-1e-3, 0.02, -0.1], control="approach")
+    assert any(event.kind == "jump" and len(event.after) > len(event.before) for event in loop.events)
+    # Surfaces are apart below first touch only.
+    assert loop.events[-1].kind == "pull-off" and loop.events[-1].value < 0.0
 
 
 def test_a_corner_is_no_half_width_since_many_loads_have_it():

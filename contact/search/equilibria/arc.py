@@ -342,7 +342,11 @@ def _corrected(curve: Equilibria, here: Place, start: Array, normal: Array, tigh
         except (NoState, NotConverged):
             return None
         matrix = np.block([[at.rates * widths, at.by_value[:, None] * unit], [normal[None]]])
-        step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
+        try:
+            step = np.linalg.solve(matrix, np.append(-at.residual, 0.0))
+        except np.linalg.LinAlgError:
+            # Of zones on a level stretch.
+            return None
         size = float(np.abs(step).max())
         # The start, too, may have been solved roughly.
         if size > (0.3 if k == 0 else 1.0) * max(abs(length), _OFF):
