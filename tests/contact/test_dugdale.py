@@ -301,7 +301,7 @@ def many_zones(seed=1, stress=5e6, count=60, **control):
     return contact.Scene(profile, 1e10, contact.Periodic(), law=contact.Dugdale(0.01, stress), **control)
 
 
-@pytest.mark.parametrize("branch", ["advancing", "receding"])
+@pytest.mark.parametrize("branch", ["advancing", pytest.param("receding", marks=pytest.mark.slow)])
 def test_a_grid_guides_the_ends_to_the_equilibrium_that_they_come_to_by_themselves(branch, monkeypatch):
     scene = many_zones(mean_pressure=2e7)
     guided = contact.solve(scene, branch=branch)
@@ -328,6 +328,6 @@ def test_a_contact_is_not_followed_to_pull_off_past_where_its_interval_is_cut():
 
 
 def test_a_zone_opens_where_what_it_bears_falls_below_zero_between_two_looks():
-    profile = contact.self_affine(hurst=1.0, period=1e-4, shortest=2e-7, rms_slope=0.05, seed=1)
-    scene = contact.Scene(profile, 1e10, contact.Periodic(), law=contact.Dugdale(0.014, 1.44e6), mean_pressure=1.5e8)
-    assert contact.solve(scene).certificate.holds
+    profile, law = contact.Biquadratic(1.0, 0.2), contact.Dugdale(1e-5, 5e-3)
+    solution = contact.solve(contact.Scene(profile, 1.0, contact.Isolated(), law=law, load=1.6675e-3))
+    assert solution.certificate.holds
