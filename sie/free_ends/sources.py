@@ -208,7 +208,7 @@ def _beyond_potential(zones, seen: Array, up: Array, m: Index) -> Array:  # type
         least = _NOTHING ** (1.0 / (int(m[i]) + 1))
         for q in range(seen.shape[2]):
             # Of pairs far from the zone nothing is left.
-            sources = np.flatnonzero(np.abs(up[i]).max(axis=1) * np.abs(seen[i, :, q]).max() >= least)
+            sources = np.flatnonzero(np.abs(up[i]).max(axis=1) * np.abs(seen[i, :, q]).max(initial=0.0) >= least)
             if len(sources) == 0:
                 continue
             places = np.flatnonzero(np.abs(seen[i, :, q]) * np.abs(up[i, sources]).max() >= least)
