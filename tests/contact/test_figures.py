@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import warnings
 
 import numpy as np
 import pytest
@@ -152,3 +153,9 @@ def test_all_figures_are_wanted_where_none_is_named_and_unknown_ones_are_refused
     assert figures.chosen(["13", "2a"]) == ["2A", "13"]
     with pytest.raises(contact.SceneError, match="figure = '3'"):
         figures.chosen(["3"])
+
+
+def test_a_figure_in_the_units_of_the_paper_warns_of_no_surface(tmp_path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(figures.write("9", tmp_path)) == 2
