@@ -158,4 +158,4 @@ def test_all_figures_are_wanted_where_none_is_named_and_unknown_ones_are_refused
 def test_a_figure_in_the_units_of_the_paper_warns_of_no_surface(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert len(figures.write("9", tmp_path)) == 2
+        assert len(figures.write("11", tmp_path)) == 2
