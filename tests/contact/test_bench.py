@@ -197,6 +197,7 @@ class TestVerdicts:
         assert stability.run(case).outcome == outcome
         assert stability.run(dataclasses.replace(case, condition=1.0)).outcome == "FAIL"
 
+    @pytest.mark.slow
     def test_the_matrix_has_every_kind_of_extreme(self):
         assert {case.group for case in extremes.matrix(False)} >= {
             "contact of the period", "gap between zones", "zones of very different width", "heights of very different scale",

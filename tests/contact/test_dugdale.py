@@ -318,6 +318,7 @@ def test_ends_guided_by_a_grid_take_a_few_states(monkeypatch):
     assert len(taken) <= 10
 
 
+@pytest.mark.slow
 def test_a_contact_is_not_followed_to_pull_off_past_where_its_interval_is_cut():
     scene = contact.Scene(rough(12, 8), 1e9, contact.Periodic(), law=contact.Dugdale(0.05, 1e6), mean_pressure=0.0)
     last = contact.solve(scene).pull_off.load

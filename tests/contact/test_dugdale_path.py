@@ -117,6 +117,7 @@ def test_surfaces_that_only_pull_are_followed_under_a_held_approach():
     assert loose.pressure([0.0, 2 * c]).tolist() == [-s, 0.0]
 
 
+@pytest.mark.slow
 def test_full_contact_closes_and_opens_without_a_loss_and_lets_go_where_the_valley_comes_to_the_reach():
     scene, curve = body("wave", 5e-3)
     found = contact.path(scene, [0.0, 0.04, 0.0])
@@ -147,6 +148,7 @@ def test_zones_within_one_interval_of_tension_meet_and_part_at_one_load_without_
     assert touching.pressure(0.0) == pytest.approx(-5e-3, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_a_large_stress_jumps_and_parts_as_adhesion_without_range():
     scene, _ = body("cylinder", 20.0)
     found, jkr = loop("cylinder", 20.0, "load"), contact.path(replace(scene, law=contact.JKR(W_CYLINDER)), VALUES["cylinder"]["load"])

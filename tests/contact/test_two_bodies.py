@@ -69,7 +69,7 @@ def test_two_waves_of_one_period_are_one_wave(ratio: float, turns: float, fracti
     assert not solved(pair, contact_fraction=fraction).mean_pressure == pytest.approx(exact * (1 + 1e-6), rel=1e-9)
 
 
-@pytest.mark.parametrize("counter", [Wedge(0.01, L / 4), TRACE], ids=lambda p: p.name)
+@pytest.mark.parametrize("counter", [pytest.param(Wedge(0.01, L / 4), marks=pytest.mark.slow), TRACE], ids=lambda p: p.name)
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_whichever_is_called_the_counter_body_the_contact_is_the_same(counter: contact.Profile, mirrored: bool) -> None:
     shift = 1.3e-4
