@@ -347,3 +347,9 @@ class TestFirstOrderOfSeveralZones:
         solution = contact.solve(scene, tol=1e-9)
         assert "isolated reference" in solution.plan.tried[0]
         assert np.abs(solution.zones - expected.zones).max() <= (solution.error + expected.error) * expected.zone_widths.max()
+
+
+def test_an_approach_at_which_grids_see_no_contact_is_no_fault():
+    drawn = random_scenes.draw(21455)
+    with pytest.raises(contact.ContactError, match="grids see no contact at this approach"):
+        contact.solve(drawn.scene)

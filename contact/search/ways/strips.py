@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.errors import OutOfRange
+from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
@@ -121,7 +121,10 @@ def first_order(task: Task, scaled: ScaledScene, found: Found | None = None) -> 
 def _from_grids(task: Task, scaled: ScaledScene, strip: Search, alone: Search) -> Found:
     """Zones of unknown places: one by its width, where grids see one that grew from one asperity; else two contacts under their loads."""
     with task.plan.timed("coarse search"):
-        grid = ClosureGrid(scaled, scaled.problem, _about_load(scaled))
+        load = _about_load(scaled)
+        if not load > 0.0:
+            raise NotConverged(f"grids see no contact at this {task.scene.control[0]}, and so no load to begin with; {EXACT}")
+        grid = ClosureGrid(scaled, scaled.problem, load)
         rough = grid.first()
     if _is_asperity(grid, rough):
         first = scaled.problem.units.scaled(rough.strip.zones)
