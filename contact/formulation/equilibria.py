@@ -20,6 +20,7 @@ from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
+from contact.formulation.tables import centred_on
 from sie import Array, Mask
 
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
@@ -164,7 +165,7 @@ class Equilibria:
         if not np.isfinite([lo, hi]).all():
             return table
         if (period := self.problem.period) is not None:
-            table = table - np.round((table.mean(axis=1) - 0.5 * (lo + hi)) / period)[:, None] * period
+            table = centred_on(table, 0.5 * (lo + hi), period)
             table = table[np.argsort(table[:, 0])]
         table, snap = np.clip(table, lo, hi), _SNAP * (hi - lo)
         table[:, 0], table[:, 1] = np.where(table[:, 0] <= lo + snap, lo, table[:, 0]), np.where(table[:, 1] >= hi - snap, hi, table[:, 1])

@@ -15,6 +15,7 @@ import sie
 from contact.errors import SceneError
 from contact.formulation.energy import elastic_energy
 from contact.formulation.fields import Fields, ZoneFields
+from contact.formulation.tables import begun_from
 from contact.model.checks import real
 from contact.model.controls import Quantity
 from contact.model.scene import Scene
@@ -175,7 +176,7 @@ class Answer(sie.Kept):
         table, period = self.fields.cohesive, self.scene.period
         if period is None or len(table) == 0:
             return table
-        table = table - np.floor((table[:, :1] - self.scene.profile.x0) / period) * period
+        table = begun_from(table, self.scene.profile.x0, period)
         return np.asarray(table[np.argsort(table[:, 0])])
 
     @property

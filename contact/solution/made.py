@@ -14,6 +14,7 @@ from contact.formulation.apart import ApartFields
 from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
 from contact.formulation.problem import Problem
+from contact.formulation.tables import begun_from
 from contact.formulation.tension.cohesive import CohesivePoint
 from contact.formulation.tension.fields import scaled_second_variation
 from contact.formulation.tension.loose import LooseFields
@@ -144,12 +145,9 @@ def mean_height(scene: Scene) -> float:
 
 def in_cell(scene: Scene, table: Array) -> Array:
     """Zones [m] with left ends in [x0, x0 + L), ascending."""
-    period = scene.period
-    if period is None:
+    if scene.period is None:
         return table
-    x0 = scene.profile.x0
-    turns = np.floor((table[:, 0] - x0) / period)
-    table = table - turns[:, None] * period
+    table = begun_from(table, scene.profile.x0, scene.period)
     return np.asarray(table[np.argsort(table[:, 0])])
 
 

@@ -142,8 +142,8 @@ MUTATIONS = (
         "across + half_rise[1:] + half_rise[:-1]", "across + half_rise[1:]", ("tests/contact/test_solve_multizone.py",),
     ),
     Mutation(
-        "zones left in another cell than the profile's", "contact/solution/made.py",
-        "turns = np.floor((table[:, 0] - x0) / period)", "turns = np.round((table[:, 0] - x0) / period)",
+        "zones left in another cell than the profile's", "contact/formulation/tables.py",
+        "table - np.floor((table[:, :1] - start) / period)", "table - np.round((table[:, :1] - start) / period)",
     ),
     Mutation(
         "events of a load path displaced", "contact/sweeps/paths.py",

@@ -28,6 +28,7 @@ import numpy as np
 from contact.errors import NotConverged, OutOfRange, SceneError, unwarned, warn
 from contact.formulation.maxima import maximum
 from contact.formulation.roots import bracketed
+from contact.formulation.tables import centred_on
 from contact.model.scene import Scene
 from contact.search.topology.by_gaps import ByGaps
 from contact.search.topology.by_pressure import ByPressure
@@ -307,9 +308,7 @@ def _between(low: Solution, high: Solution, period: float | None) -> list[_Chang
     changes = []
     for k, (a, b) in enumerate(high.zones):
         # The copy of each zone whose middle is nearest.
-        zones = low.zones
-        if period is not None:
-            zones = zones - np.round((zones.mean(axis=1) - 0.5 * (a + b)) / period)[:, None] * period
+        zones = centred_on(low.zones, 0.5 * (a + b), period)
         held = np.flatnonzero((zones[:, 0] < b) & (zones[:, 1] > a))
         held = held[np.argsort(zones[held, 0])]
         if len(held) == 0:

@@ -19,7 +19,7 @@ from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.units import Units
 from contact.model.scene import Scene
-from sie import Array
+from sie import Array, nearest_image
 
 # Angles at which the highest pressure is looked for.
 _LOOKS = 64
@@ -125,11 +125,8 @@ class DirectFields(ZoneFields):
         return np.asarray(self._unit * out)
 
     def pressure(self, x: ArrayLike) -> Array:
-        x = np.asarray(x, dtype=float)
-        period = self.scene.period
-        if period is not None:
-            with np.errstate(invalid="ignore"):
-                x = x - np.round(x / period) * period
+        with np.errstate(invalid="ignore"):
+            x = nearest_image(np.asarray(x, dtype=float), 0.0, self.scene.period)
         inner, outer = self.ends.inner, self.ends.outer
         place = np.abs(x)
         inside = (place <= outer) & (place >= inner)

@@ -18,7 +18,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import OutOfRange
@@ -29,9 +28,7 @@ from contact.formulation.problem import Problem
 from contact.formulation.tension.contact import TIGHT, Lost, contact_under, look_around, looked
 from contact.formulation.tension.intervals import fitted, interval_of
 from contact.formulation.tension.pulled import Pulled
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+from sie import Array, Mask
 
 # Surfaces that overlap by this part of the reach only touch.
 _TOUCHING = 1e-12

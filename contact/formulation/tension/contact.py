@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged
@@ -20,8 +19,7 @@ from contact.formulation.maxima import reaches
 from contact.formulation.runs import runs_of
 from contact.formulation.tension.intervals import fitted, interval_of, places
 from contact.formulation.tension.pulled import Pulled
-
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 # Newton's steps of the zones under a given tension, and how often their number may change.
 _STEPS, _ROUNDS = 80, 16
@@ -59,7 +57,7 @@ class Lost(NoState):
 class Covered(NoState):
     """Contact goes on to the ends of intervals of tension. ends: which (2m,)."""
 
-    def __init__(self, ends: NDArray[np.bool_]) -> None:
+    def __init__(self, ends: Mask) -> None:
         super().__init__("contact reaches the end of an interval of tension")
         self.ends = ends
 
@@ -173,7 +171,7 @@ def _searched(pulled: Pulled, control: Control, zones: Array, tolerance: float) 
     raise NotConverged("the number of zones under a given tension did not settle")
 
 
-def _room(pulled: Pulled, zones: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _room(pulled: Pulled, zones: Array) -> tuple[Array, Mask]:
     """(how far each end (2, n) is from what is next to it, whether that is another zone: else the end of its interval)."""
     period, tension = pulled.period, pulled.pulling
     if period is None:

@@ -7,7 +7,8 @@ import numpy as np
 from contact.errors import OutOfRange
 from contact.formulation.equilibria import Closed
 from contact.formulation.runs import runs_of
-from sie import Array, Index, Mask
+from contact.formulation.tables import begun_from
+from sie import Array, Index, Mask, wrapped
 
 # Points between two zones, or in a part of an interval, at the least, and at the most.
 _FEWEST, _MOST = 24, 20000
@@ -21,13 +22,9 @@ def places(a: float, b: float, spacing: float) -> Array:
 
 def within(x: Array, a: float, b: float, period: float | None) -> Index:
     """Which places lie in (a, b), from left to right."""
-    place = unwrapped(x, a, b, period)
+    place = wrapped(x, a, period)
     inner = np.flatnonzero((place > a) & (place < b))
     return np.asarray(inner[np.argsort(place[inner])])
-
-
-def unwrapped(x: Array, a: float, b: float, period: float | None) -> Array:
-    return x if period is None else x - np.floor((x - a) / period) * period
 
 
 def interval_of(zones: Array, table: Array) -> Index:
@@ -94,17 +91,14 @@ def joined(table: Array, joins: Mask, new: list[tuple[float, float]], period: fl
     begins = np.concatenate(([True], ~joins[:-1]))
     table = np.column_stack((table[begins, 0], table[~joins, 1]))
     if new:
-        added = np.array(new)
-        if period is not None:
-            added = added - np.floor((added[:, :1] - table[0, 0]) / period) * period
-        table = np.concatenate((table, added))
+        table = np.concatenate((table, begun_from(np.array(new), float(table[0, 0]), period)))
         table = table[np.argsort(table[:, 0])]
     return np.asarray(table)
 
 
 def united_about(table: Array, zones: Array, period: float | None) -> Array:
     """Intervals widened to hold these zones, which lie in them but for their ends."""
-    rows = np.concatenate((table, zones if period is None else zones - np.floor((zones[:, :1] - table[0, 0]) / period) * period))
+    rows = np.concatenate((table, begun_from(zones, float(table[0, 0]), period)))
     if period is not None:
         # One that begins just before the first interval is counted from there.
         late = (rows[:, 1] >= table[0, 0] + period) & (rows[:, 0] > table[-1, 1])

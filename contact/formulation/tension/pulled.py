@@ -20,7 +20,7 @@ from scipy.special import zeta
 
 import sie
 from contact.formulation.problem import Problem
-from sie import Array, Mask
+from sie import Array, Mask, nearest_image, wrapped
 
 # Nodes on a panel of the quadrature of a kernel's regular potential, and panels to the length over which it varies.
 _NODES, _PER_LENGTH = 16, 4.0
@@ -64,9 +64,7 @@ class Tension(sie.Kept):
             return np.ones(np.shape(x), dtype=bool)
         if len(self.table) == 0:
             return np.zeros(np.shape(x), dtype=bool)
-        x = np.asarray(x, dtype=float)
-        if self.period is not None:
-            x = x - np.floor((x - self.table[0, 0]) / self.period) * self.period
+        x = wrapped(np.asarray(x, dtype=float), float(self.table[0, 0]), self.period)
         i = np.maximum(np.searchsorted(self.table[:, 0], x, side="right") - 1, 0)
         return np.asarray((x >= self.table[i, 0]) & (x <= self.table[i, 1]))
 
@@ -97,10 +95,9 @@ class Tension(sie.Kept):
 
     def log(self, lag: Array) -> Array:
         """Lambda, of the distance from a line load."""
-        lag = np.asarray(lag, dtype=float)
         kernel, period = self.kernel, self.period
+        lag = nearest_image(np.asarray(lag, dtype=float), 0.0, period)
         if period is not None:
-            lag = lag - np.round(lag / period) * period
             with np.errstate(divide="ignore"):
                 out = np.log(np.abs(2 * np.sin(np.pi * lag / period)))
             return np.asarray(out if self.plain else out + self._rest(lag))
@@ -134,9 +131,7 @@ class Tension(sie.Kept):
         flat, out = x.ravel(), np.zeros(x.size)
         block = max(1, 2**20 // len(at))
         for start in range(0, len(flat), block):
-            lag = flat[start : start + block, None] - at
-            if self.period is not None:
-                lag = lag - np.round(lag / self.period) * self.period
+            lag = nearest_image(flat[start : start + block, None] - at, 0.0, self.period)
             out[start : start + block] = self._rest(lag) @ weights
         return out.reshape(x.shape)
 

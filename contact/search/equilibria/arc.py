@@ -14,14 +14,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import NEUTRAL, Equilibria, NoState, Point
 from contact.formulation.roots import bracketed
 from contact.search.equilibria.flow import receded
+from sie import Array
 
-Array = NDArray[np.float64]
 Recede = Callable[[Equilibria, Array, float], Point | None]
 
 # First and longest step, Newton's steps in one, how small its last one is, and how many steps; a step so small is none.

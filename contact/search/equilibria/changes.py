@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.formulation.maxima import maximum
+from contact.formulation.tables import centred_on
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from sie import Array
 
@@ -44,8 +45,7 @@ def _alike(before: Array, after: Array, period: float | None) -> bool:
 
 def _held(zones: Array, a: float, b: float, period: float | None) -> Array:
     """Those of the zones, moved by periods, that overlap one (k, 2)."""
-    if period is not None and len(zones):
-        zones = zones - np.round((zones.mean(axis=1) - 0.5 * (a + b)) / period)[:, None] * period
+    zones = centred_on(zones, 0.5 * (a + b), period)
     held = zones[(zones[:, 0] < b) & (zones[:, 1] > a)]
     return np.asarray(held[np.argsort(held[:, 0])])
 

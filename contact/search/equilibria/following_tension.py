@@ -20,13 +20,13 @@ from contact.formulation.roots import bracketed
 from contact.formulation.runs import runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Known
 from contact.formulation.tension.contact import Covered, Lost
-from contact.formulation.tension.intervals import fitted, interval_of, joined, unwrapped
+from contact.formulation.tension.intervals import fitted, interval_of, joined
 from contact.search.equilibria import arc, tension
 from contact.search.equilibria.arc import Step
 from contact.search.equilibria.changes import Change, about, changes, condition, with_change
 from contact.search.equilibria.following import LEAST, NEW, SLIGHT, Following, Jump, Standing, first_of
 from contact.search.equilibria.growth import touched
-from sie import Array, Index
+from sie import Array, Index, wrapped
 
 At = Callable[[float], CohesivePoint]
 
@@ -130,8 +130,7 @@ class FollowingUnderTension(Following):
         curve, period = self.curve, self.curve.problem.period
         assert isinstance(here, CohesivePoint)
         (x, gap), table, found = here.look, here.table, []
-        if period is not None:
-            x = unwrapped(x, table[0, 0], 0.0, period)
+        x = wrapped(x, float(table[0, 0]), period)
         order = np.argsort(x)
         x, gap = x[order], gap[order]
         i = np.maximum(np.searchsorted(table[:, 0], x, side="right") - 1, 0)

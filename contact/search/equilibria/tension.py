@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, Equilibria, NoState, Point
@@ -18,12 +17,11 @@ from contact.formulation.maxima import maximum
 from contact.formulation.runs import runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Loose
 from contact.formulation.tension.contact import Covered, Lost
-from contact.formulation.tension.intervals import below, fitted, interval_of, joined, unwrapped, within
+from contact.formulation.tension.intervals import below, fitted, interval_of, joined, within
 from contact.formulation.tension.pulled import Pulled
 from contact.search.equilibria import arc, flow
 from contact.search.grid.tension import GridTension
-
-Array = NDArray[np.float64]
+from sie import Array, wrapped
 
 # Of the part of a gap below the reach, as wide a new interval begins.
 _NEW = 0.5
@@ -264,7 +262,7 @@ def _grown(curve: Cohesive, here: CohesivePoint) -> Array | None:
             continue
         for s, e in runs_of(below):
             if s > 0 and e < len(inner) - 1:
-                place = unwrapped(x[inner], a, b, period)
+                place = wrapped(x[inner], a, period)
                 lo, hi = place[s - 1], place[e + 1]
                 middle, half = 0.5 * (place[s] + place[e]), 0.5 * _NEW * max(place[e] - place[s], 0.1 * (hi - lo))
                 new.append((middle - half, middle + half))
@@ -287,7 +285,7 @@ def _parted(curve: Cohesive, here: CohesivePoint) -> Array | None:
             changed = True
             continue
         left = a
-        place = unwrapped(x[inner], a, b, period)
+        place = wrapped(x[inner], a, period)
         for s, e in runs_of(above):
             if s > 0 and e < len(inner) - 1:
                 out.append((left, place[s - 1]))
@@ -329,7 +327,7 @@ def _highest_within(curve: Cohesive, here: Point) -> float:
     (x, gap), period, highest = here.look, curve.problem.period, 0.0
     for a, b in here.table:
         inner = within(x, a, b, period)
-        place, value = unwrapped(x[inner], a, b, period), gap[inner]
+        place, value = wrapped(x[inner], a, period), gap[inner]
         nearer = np.flatnonzero(value < curve.reach)
         if len(nearer) < 2:
             continue

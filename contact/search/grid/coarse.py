@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange
+from contact.formulation.tables import begun_from
 from contact.model.profiles.base import Profile
 from contact.search.grid.conjugate_gradient import GridState, Mask, Response, solve_grid
-from sie import Array, wrapped
+from sie import Array
 
 Height = Callable[[Array], ArrayLike]
 
@@ -143,7 +144,7 @@ def zones_of(state: GridState, x: ArrayLike, closeness: float = np.inf) -> Array
     new = x0 + h * closed[0]
     zones = np.concatenate((zones, np.column_stack((new, new)) + _NEW * h * np.sqrt(2 * closed[1])[:, None] * [-1.0, 1.0]))
     if wraps:
-        zones += wrapped(zones[:, :1], x0 - 0.5 * h, n * h) - zones[:, :1]
+        zones = begun_from(zones, x0 - 0.5 * h, n * h)
     return zones[np.argsort(zones[:, 0])]
 
 

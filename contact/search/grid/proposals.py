@@ -11,6 +11,7 @@ import numpy as np
 
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
+from contact.formulation.tables import centred_on
 from contact.model.interactions.periodic import Periodic
 from contact.search.grid.coarse import Proposal, grid_height, propose
 from contact.search.grid.conjugate_gradient import GridState, Response
@@ -237,7 +238,7 @@ def placed(problem: Problem, zones: Array) -> Array:
     if problem.profile.symmetric or bounded:
         # About the origin, so that mirror images stand together; of a body between sharp corners there where these are.
         middle = 0.5 * sum(problem.corners) if bounded else 0.0
-        scaled = scaled - np.round((scaled.mean(axis=1) - middle) / period)[:, None] * period
+        scaled = centred_on(scaled, middle, period)
         scaled = scaled[np.argsort(scaled[:, 0])]
     if problem.interaction.strip and len(scaled):
         gaps = np.append(scaled[1:, 0] - scaled[:-1, 1], scaled[0, 0] + period - scaled[-1, 1])

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import NotConverged
@@ -27,8 +26,7 @@ from contact.formulation.tension.contact import Lost
 from contact.search.grid.coarse import MOST_POINTS, grid_height, zones_of
 from contact.search.grid.conjugate_gradient import GridState, Influence, solve_grid
 from contact.search.grid.proposals import placed, whole_response
-
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 # Cells to a length over which the profile varies, to the strip that adhesion without range would leave, and in all at the least; so many
 # are few, so many times as many as the profile asks for may be asked for by strips, and so many at the most.
@@ -180,7 +178,7 @@ class GridTension(sie.Kept):
                     out += np.clip(np.minimum(edges[1:], b) - np.maximum(edges[:-1], a), 0.0, None) / self.cell
         return np.minimum(out, 1.0)
 
-    def _table(self, below: NDArray[np.bool_], above: Array) -> Array:
+    def _table(self, below: Mask, above: Array) -> Array:
         """Scaled intervals in which the gap is below the limit; above: what it has more than that."""
         if self.repeats and below.all():
             raise Closed

@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 import sie
 from contact.errors import ContactError, NotConverged, OutOfRange
@@ -34,8 +33,7 @@ from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
 from contact.search.ways.guesses import EXACT
 from contact.verify.accuracy import Found
-
-Array = NDArray[np.float64]
+from sie import Array, Mask
 
 # Steps towards a root, how often one is halved, and how often the signs are looked at there. After how large a step zones that are lost
 # are looked for, and their rates are found anew; of a step what the next one leaves where rounding does.
@@ -88,7 +86,7 @@ class _At:
         return len(self.table) == len(other.table) and len(_table(self.alone)) == len(_table(other.alone))
 
     @property
-    def cut_off(self) -> NDArray[np.bool_]:
+    def cut_off(self) -> Mask:
         """Whether the profile alone is in contact at the left and at the right border of the strip."""
         zones = self.alone.free.density.zones
         return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.corners)

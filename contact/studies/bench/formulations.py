@@ -21,6 +21,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.relief import Relief, ScaledRelief
+from contact.formulation.tables import begun_from
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.search.topology import by_gaps, by_pressure
@@ -58,7 +59,7 @@ def _mean_pressure(scene: Scene) -> float:
 def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
     """Intervals with left ends in [x0, x0 + L), ascending, and where each came from."""
     assert scene.period is not None
-    table = table - np.floor((table[:, :1] - scene.profile.x0) / scene.period) * scene.period
+    table = begun_from(table, scene.profile.x0, scene.period)
     order = np.argsort(table[:, 0])
     return table[order], order
 
