@@ -20,6 +20,7 @@ from contact.model.operator import Operator
 from contact.model.scene import Scene
 from contact.search.shared import Shared
 from contact.search.topology.by_pressure import ByPressure
+from contact.search.topology.carried import Passed
 from contact.search.topology.loop import ROUNDS, Newton, Progress, refine_topology
 from contact.search.topology.missed import Missed
 from contact.solution.made import in_cell
@@ -52,7 +53,7 @@ class Task:
     progress: Progress | None = None
     near: Solution | None = None
     branch: str = "advancing"
-    along: tuple[Solution, ...] = ()
+    along: tuple[Passed, ...] = ()
     give: float | None = None
 
     @classmethod

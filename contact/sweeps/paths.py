@@ -32,6 +32,7 @@ from contact.formulation.tables import centred_on
 from contact.model.scene import Scene
 from contact.search.topology.by_gaps import ByGaps
 from contact.search.topology.by_pressure import ByPressure
+from contact.search.topology.carried import Passed
 from contact.search.topology.loop import Progress
 from contact.search.topology.missed import WrongTopology
 from contact.solution.export import new_file
@@ -218,7 +219,7 @@ class _Path:
     def on_the_way(self, load: float, near: Solution) -> Solution:
         """A state between two loads: close to an event a zone or gap may be too narrow for the tolerance, and still serve."""
         try:
-            return self.curve.beside(load, (near,))
+            return self.curve.beside(load, (Passed(near),))
         except NotConverged as failure:
             if isinstance(failure.best, Solution) and failure.best.certificate.holds and failure.best.error < _USEFUL:
                 return failure.best

@@ -73,6 +73,17 @@ def follow(
     return Dips(negative, least, relative, lowest)
 
 
+def lowest(x: Array, value: Array, at: Index) -> Array:
+    """Places, values and half the second derivatives (n, 3) of minima, by the parabolas through the samples `at` and those beside."""
+    before, after = x[at] - x[at - 1], x[at + 1] - x[at]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        falls, rises = (value[at] - value[at - 1]) / before, (value[at + 1] - value[at]) / after
+        bend = (rises - falls) / (before + after)
+        slope = falls + bend * before
+        found = np.column_stack((x[at] - slope / (2 * bend), value[at] - slope**2 / (4 * bend), bend))
+    return np.asarray(found[np.isfinite(found).all(axis=1)])
+
+
 @dataclass(frozen=True)
 class Signs:
     """negative: where it is, ascending (n, 2). least: the smallest value, of those within their rounding the modulus. dip: least minimum
