@@ -95,10 +95,10 @@ class Task:
 
     def refine_topology(
         self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 0,
-        rounds: int = ROUNDS, off: float = 1.0,
+        rounds: int = ROUNDS, off: float = 1.0, drops: bool = False,
     ) -> Found | Missed:
         """Zones that pass, from proposed ones."""
-        newton = Newton(self.tolerance, value, steps, near, off)
+        newton = Newton(self.tolerance, value, steps, near, off, drops=drops)
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
             return refine_topology(ByPressure(problem), control, table, newton, self.progress, timed=self.plan.timed, rounds=rounds)

@@ -102,6 +102,12 @@ class Zones(Kept):
         rest = (ends - (there - back)) + (by - back)
         return replace(self, a=there[0], b=there[1], rest=rest if exactly else np.zeros_like(rest))
 
+    def without(self, lost: Index) -> Zones:
+        """The other zones."""
+        kept = np.delete(np.arange(len(self)), lost)
+        left, right = ([kinds[i] for i in kept] for kinds in (self.left, self.right))
+        return replace(self, a=self.a[kept], b=self.b[kept], left=left, right=right, rest=self.rest[:, kept])
+
     def beyond_a(self, x: Array, zone: Index) -> Array:
         """How far x lies to the right of the left ends of zones."""
         return np.asarray((x - self.a[zone]) - self.rest[0][zone])

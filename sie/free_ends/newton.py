@@ -127,6 +127,7 @@ def find_ends(
     off: float = 1.0,
     like: AnyState | None = None,
     limited: End = FREE,
+    drops: bool = False,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -162,6 +163,8 @@ def find_ends(
         A solution on about the same zones, with as many modes to begin with.
     limited : End
         The kind of an end that leaves a limit.
+    drops : bool
+        Zones that shrink away are left out, and the search goes on from the others; else that is where it ends.
 
     Returns
     -------
@@ -227,9 +230,15 @@ def find_ends(
         value += motion.change
         closes = _closes(zones, equation, motion.delta)
         vanishes = motion.delta.sum(axis=0) <= zones.a - zones.b
-        zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), equation.forcing.cornered), limits)
+        limited, gone = _limited(state, zones, motion, signs, unit)
+        zones = _held_at(zones.moved(limited, equation.forcing.cornered), limits)
         lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes)
-        if len(lost) or len(met):
+        lost = np.union1d(lost, gone) if drops else lost
+        if drops and 0 < len(lost) < len(zones) and not len(met) and not zones.symmetric:
+            # What they bore is little: the search goes on from the others.
+            zones, sizes, unit = zones.without(lost), sizes.without(lost), None
+            progress.without(lost)
+        elif len(lost) or len(met):
             reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.past_fold]))
             return Free(
                 state, False, rest.error, rest.rounding, tuple(progress.trace), value, abs(motion.change), lost, met, reason=reason
@@ -268,16 +277,19 @@ def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
     return progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"
 
 
-def _limited(state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: Unit | None) -> Array:
-    """Moves cut to what widths and gaps allow; of zones far off that stand alone, by steps of their own."""
+def _limited(
+    state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: Unit | None
+) -> tuple[Array, Index]:
+    """(moves cut to what widths and gaps allow, of zones far off that stand alone by steps of their own; those of which nothing is left)."""
     limited = _limit(zones, state.equation, motion.delta)
     single = far_off(state, motion.moves, motion.delta)
-    if len(single):
-        added = None if unit is None else (unit.response, motion.change)
-        near_a, near_b, came = moved_singly(state, single, lambda d, size: _alone(d, size, signs), added)
-        limited[0, single] = np.where(came, zones.a[single] - near_a, limited[0, single])
-        limited[1, single] = np.where(came, near_b - zones.b[single], limited[1, single])
-    return limited
+    if not len(single):
+        return limited, single
+    added = None if unit is None else (unit.response, motion.change)
+    near_a, near_b, came, gone = moved_singly(state, single, lambda d, size: _alone(d, size, signs), signs, added)
+    limited[0, single] = np.where(came, zones.a[single] - near_a, limited[0, single])
+    limited[1, single] = np.where(came, near_b - zones.b[single], limited[1, single])
+    return limited, single[gone]
 
 
 def _closes(zones: Zones, equation: Equation, delta: Array) -> Mask:

@@ -81,6 +81,13 @@ class Progress:
     closing: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     leaving: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
+    def without(self, lost: Index) -> None:
+        """Goes on with the other zones."""
+        self.first_width, self.first_gap, self.closing, self.leaving = (
+            np.delete(part, lost) for part in (self.first_width, self.first_gap, self.closing, self.leaving)
+        )
+        self.stalled, self.best = 0, np.inf
+
     @property
     def last(self) -> float:
         """The largest move of the last step over its zone's width, at most one."""

@@ -58,7 +58,8 @@ class ByGaps:
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
         steps = how.steps or self.most_steps
         return sie.find_ends(
-            self.equation(control), zones, how.tolerance, steps, value=how.value, signs=(1.0, -1.0), near=how.near, off=how.off
+            self.equation(control), zones, how.tolerance, steps, value=how.value, signs=(1.0, -1.0), near=how.near, off=how.off,
+            drops=how.drops,
         )
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> GapFields:

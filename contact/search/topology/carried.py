@@ -24,6 +24,8 @@ from sie import Array, Index, Mask
 
 # Of the overlap that a new zone makes good, its width at first.
 _NEW = 0.7
+# Of its width, what is left at first of an interval that may be gone; of a step, by how much it may be wrong about that.
+_LEFT, _DOUBT, _SLIGHT = 0.1, 0.5, 0.1
 # How near to its neighbours a new zone may begin, over its distance from these.
 _CLEAR = 0.4
 
@@ -190,14 +192,21 @@ def _joined(last: Passed, own: Array, between: Array) -> Array:
     period = last.problem.period
     width, gap = (motion.values[1] for motion in (last.own, last.between))
     before = np.roll(gap, 1)
-    half, open_ = np.sqrt(np.maximum(own[1], 0.0)), np.sqrt(np.maximum(between[1], 0.0))
+    half, lost = _left(own[1], width)
+    open_, closed = _left(between[1], gap)
     left = np.where(width <= before, own[0] - half, np.roll(between[0] + open_, 1))
     right = np.where(width <= gap, own[0] + half, between[0] - open_)
     if period is not None and width[0] > before[0]:
         left[0] -= period
-    lost = (own[1] <= 0.0) & (width <= np.minimum(before, gap)) | (right <= left)
-    closed = (between[1] <= 0.0) & (gap <= np.minimum(width, np.roll(width, -1)))
+    lost = lost & (width <= np.minimum(before, gap)) | (right <= left)
+    closed = closed & (gap <= np.minimum(width, np.roll(width, -1)))
     return _kept(left, right, lost, closed, period)
+
+
+def _left(square: Array, before: Array) -> tuple[Array, Mask]:
+    """(half widths by squares that are carried on from what they were before, which are gone): in doubt a little is left."""
+    gone = square <= -_DOUBT * (before - square)
+    return np.sqrt(np.maximum(square, _LEFT**2 * before)), gone
 
 
 def _kept(left: Array, right: Array, lost: Mask, closed: Mask, period: float | None) -> Array:
@@ -226,7 +235,8 @@ def _kept(left: Array, right: Array, lost: Mask, closed: Mask, period: float | N
 def _with_new(zones: Array, last: Passed, away: float) -> Array:
     """Zones, and new ones where the gap is carried on to below zero."""
     place, value, bend = last.lowest.T
-    depth = -(value + away * last.opening)
+    change = away * last.opening
+    depth = np.where(value + change < _SLIGHT * np.abs(change), np.maximum(-value - change, _SLIGHT * np.abs(change)), 0.0)
     period = last.problem.period
     if period is not None:
         place = place - np.floor((place - zones[0, 0]) / period) * period

@@ -60,14 +60,14 @@ def _is_followed(task: Task) -> bool:
 
 def _by_zones(task: Task, problem: Problem, control: Control, zones: Array) -> Outcome | Missed:
     guess = 0.0 if control.load is not None else task.along[-1].solution.load / problem.units.load
-    return task.refine_topology(problem, control, zones, value=guess, rounds=_ROUNDS)
+    return task.refine_topology(problem, control, zones, value=guess, rounds=_ROUNDS, drops=True)
 
 
 def _by_gaps(task: Task, problem: Problem, control: Control, zones: Array) -> Outcome | Missed:
     period = problem.period
     assert period is not None
     mean = task.along[-1].solution.load / problem.units.load / period
-    form, newton = ByGaps(problem, task.shared.relief(problem)), Newton(OF_GAPS * task.tolerance, mean)
+    form, newton = ByGaps(problem, task.shared.relief(problem)), Newton(OF_GAPS * task.tolerance, mean, drops=True)
     with task.plan.timed("zone ends"):
         found = refine_topology(form, control, gaps_between(zones, period), newton, task.progress, rounds=_ROUNDS)
         if isinstance(found, Missed):
