@@ -85,11 +85,11 @@ class Sizes:
     wide: Sizes | None = None
     """Those of the wide zones, where narrow gaps are slits."""
 
-    def without(self, lost: Index) -> Sizes:
-        """Those of the other zones."""
-        least = self.least if isinstance(self.least, int) else np.delete(self.least, lost)
-        carried = None if self.carried is None else self.carried.without(lost)
-        return replace(self, own=np.delete(self.own, lost), least=least, carried=carried, wide=None)
+    def of(self, kept: Index) -> Sizes:
+        """Those of some of the zones."""
+        least = self.least if isinstance(self.least, int) else self.least[kept]
+        carried = None if self.carried is None else self.carried.to(kept)
+        return replace(self, own=self.own[kept], least=least, carried=carried, wide=None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +106,9 @@ class Carried:
     def of(cls, coarse: CoarseOperator | None, layout: Layout, y: Array) -> Carried:
         return cls(coarse, layout.padded(y), layout.m, y[layout.coefficients :])
 
-    def without(self, lost: Index) -> Carried:
-        """What is left of it to the other zones."""
-        return Carried(None, np.delete(self.coefficients, lost, axis=0), np.delete(self.m, lost), self.amplitudes)
+    def to(self, kept: Index) -> Carried:
+        """What of it is some of the zones'."""
+        return Carried(None, self.coefficients[kept], self.m[kept], self.amplitudes)
 
     def near(self, system: IterativeSystem) -> Array:
         """Unknowns of another system to start from: those of modes that had none are what the right side makes of them."""

@@ -164,7 +164,7 @@ def find_ends(
     limited : End
         The kind of an end that leaves a limit.
     drops : bool
-        Zones that shrink away are left out, and the search goes on from the others; else that is where it ends.
+        Zones that shrink away are left out, those that meet are joined, and the search goes on; else that is where it ends.
 
     Returns
     -------
@@ -234,11 +234,13 @@ def find_ends(
         zones = _held_at(zones.moved(limited, equation.forcing.cornered), limits)
         lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes)
         lost = np.union1d(lost, gone) if drops else lost
-        if drops and 0 < len(lost) < len(zones) and not len(met) and not zones.symmetric:
-            # What they bore is little: the search goes on from the others.
-            zones, sizes, unit = zones.without(lost), sizes.without(lost), None
-            progress.without(lost)
-        elif len(lost) or len(met):
+        changes = len(lost) or len(met)
+        if drops and changes and len(lost) + len(met) < len(zones) and not zones.symmetric:
+            # What is lost bore little: the search goes on from the others.
+            zones, kept = zones.changed(lost, met, equation.kernel.period)
+            sizes, unit = sizes.of(kept), None
+            progress.goes_on(zones, modes.gaps(zones, equation.kernel)[1], kept)
+        elif changes:
             reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.past_fold]))
             return Free(
                 state, False, rest.error, rest.rounding, tuple(progress.trace), value, abs(motion.change), lost, met, reason=reason

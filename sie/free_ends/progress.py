@@ -81,11 +81,11 @@ class Progress:
     closing: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     leaving: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
 
-    def without(self, lost: Index) -> None:
-        """Goes on with the other zones."""
-        self.first_width, self.first_gap, self.closing, self.leaving = (
-            np.delete(part, lost) for part in (self.first_width, self.first_gap, self.closing, self.leaving)
-        )
+    def goes_on(self, zones: Zones, gap: Array, kept: Index) -> None:
+        """Other zones, with these gaps right of them, of which some were there before."""
+        width = zones.b - zones.a
+        self.first_width, self.first_gap = np.maximum(self.first_width[kept], width), np.maximum(self.first_gap[kept], gap)
+        self.closing, self.leaving = self.closing[kept], self.leaving[kept]
         self.stalled, self.best = 0, np.inf
 
     @property

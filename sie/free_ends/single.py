@@ -39,7 +39,7 @@ Added: TypeAlias = tuple[Density, float]
 # A zone is far off if an end wants to move by more than this part of its width; alone, it is moved until it does not.
 FAR_OFF, _CLOSE = 0.05, 1e-3
 # If more than this part of all zones is far off, the field is not known either.
-_FEW = 0.25
+_FEW = 0.5
 # Nodes on a zone; coefficients of the field, to which no other zone is nearer than the width of this one.
 _NODES, _FIELD = 48, 3
 # How far from where it stood a zone is looked for: in half widths, or as a part of the length over which the right side varies;

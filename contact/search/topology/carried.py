@@ -193,7 +193,8 @@ def _joined(last: Passed, own: Array, between: Array) -> Array:
     width, gap = (motion.values[1] for motion in (last.own, last.between))
     before = np.roll(gap, 1)
     half, lost = _left(own[1], width)
-    open_, closed = _left(between[1], gap)
+    # A gap of a contact solved by its zones is no zone that could be told to be gone.
+    open_, closed = _left(between[1], gap) if isinstance(last.fields, GapFields) else (np.sqrt(np.maximum(between[1], 0.0)), between[1] <= 0)
     left = np.where(width <= before, own[0] - half, np.roll(between[0] + open_, 1))
     right = np.where(width <= gap, own[0] + half, between[0] - open_)
     if period is not None and width[0] > before[0]:

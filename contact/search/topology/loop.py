@@ -82,7 +82,7 @@ class Newton:
     """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
     most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at
     first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with.
-    drops: some of the intervals may not be there, and are left out."""
+    drops: some of the intervals may not be there, and are left out, or be one with the next."""
 
     tolerance: float
     value: float = 0.0
