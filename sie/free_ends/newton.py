@@ -186,7 +186,7 @@ def find_ends(
     decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
     opened = equation.open_condition
     off = min(off, _STEP_NEAR) if near else off
-    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off)
+    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off, drops)
     sizes = first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
     unit: Unit | None = None
     while True:

@@ -15,6 +15,8 @@ _VANISHED, _COLLAPSED = 1e-12, 1e-3
 # A gap below this part of the zones beside it, which has asked so many steps on end to be closed altogether, has closed. So many steps on
 # end have asked for nothing to be left of a zone that is lost.
 _CLOSING, _INSISTS = 0.05, 3
+# Steps, and moves over the widths, from which on a search that may drop zones is not in doubt about those that do not push outward.
+_DOUBTED, _SLOW = 4, 0.1
 # Steps after which ends that still want to move by more than half of their zones may be given up.
 _WANDERING = 20
 # Of zones said to be near: the first move over the width, and what is left of a move in the next one. Moves below the last are about
@@ -68,12 +70,14 @@ class Rest:
 
 @dataclass(eq=False)
 class Progress:
-    """The steps so far of a search for ends from zones of these widths and gaps. off: what they are off by at first over these widths."""
+    """The steps so far of a search for ends from zones of these widths and gaps. off: what they are off by at first over these widths.
+    drops: see `find_ends`."""
 
     tolerance: float
     first_width: Array
     first_gap: Array
     off: float = 1.0
+    drops: bool = False
     trace: list[Step] = field(default_factory=list)
     turns: list[Turn] = field(default_factory=list)
     best: float = np.inf
@@ -124,6 +128,8 @@ class Progress:
 
     def is_hopeless(self, certain: bool) -> bool:
         """At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones."""
+        if self.drops and not certain and len(self.trace) > _DOUBTED and self.trace[-1].move < _SLOW:
+            return True
         if self.stalled >= 5 and not certain and (self.trace[-1].move < 1e-6 or (self.stalled >= 15 and self._stays())):
             return True
         return len(self.trace) > _WANDERING and min(step.move for step in self.trace[-10:]) > 0.5 and self._stays()
@@ -152,7 +158,7 @@ class Progress:
         insists = self.leaving >= 2 if insists.any() and len(zones) > 1 else np.zeros(len(gone), dtype=bool)
         lost = np.flatnonzero(gone | insists)
         narrowest = np.minimum(zones.b - zones.a, self.first_width)
-        closed = (self.closing >= _INSISTS) & (gap < _CLOSING * narrowest)
+        closed = self.closing >= 2 if self.drops else (self.closing >= _INSISTS) & (gap < _CLOSING * narrowest)
         return lost, np.flatnonzero((gap < _COLLAPSED * np.minimum(self.first_gap, narrowest)) | closed)
 
     @property

@@ -137,7 +137,7 @@ def _rounds(
         if len(free.lost) or len(free.met):
             table = np.delete(ended, free.lost, axis=0) if len(free.lost) else merged(ended, free.met, form.problem.period)
             continue
-        if not free.converged:
+        if not free.converged and not newton.drops:
             raise WrongTopology(f"the {form.what} ends did not settle", free)
         fields = form.fields(control, free, newton.tolerance)
         if formal:
@@ -145,7 +145,10 @@ def _rounds(
             return
         with timed("certificate"):
             certificate = form.certificate(fields, control)
-        if certificate.holds:
+        if not free.converged:
+            # Where signs fail tells which ones are missing.
+            table, newton = ended if certificate.holds else form.corrected(free.density.zones, certificate), replace(newton, drops=not certificate.holds)
+        elif certificate.holds:
             yield form.solved(free, fields, certificate, done, control, newton.tolerance)
             table, newton = ended, replace(newton, tolerance=TIGHT, near=False)
         else:
