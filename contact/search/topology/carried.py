@@ -119,17 +119,19 @@ class Motion:
         return cls(table, values, rates)
 
 
-def carried(along: tuple[Passed, ...], at: float) -> Array:
-    """Scaled zones (n, 2) where the logarithm of the control's value is `at`; none where they fill the period."""
+def carried(along: tuple[Passed, ...], at: float) -> tuple[Array, int]:
+    """(scaled zones (n, 2) where the logarithm of the control's value is `at`, none where they fill the period; how many come and go on
+    the way, about)."""
     last = along[-1]
     known = _alike(along)
     period = last.problem.period
     own = _carried_on([one.own for one in known], [one.at - at for one in known], period)
     between = _carried_on([one.between for one in known], [one.at - at for one in known], period)
-    zones = _joined(last, own, between)
+    zones, changes = _joined(last, own, between)
     if len(zones) == 0:
-        return zones
-    return _with_new(zones, last, at - last.at)
+        return zones, changes
+    more = _with_new(zones, last, at - last.at)
+    return more, changes + len(more) - len(zones)
 
 
 def _alike(along: tuple[Passed, ...]) -> list[Passed]:
@@ -187,8 +189,9 @@ def _partners(table: Array, other: Array, period: float | None) -> tuple[Index, 
     return np.where(partner >= 0, order[partner], -1), np.where(partner >= 0, turn[order[partner]], 0.0)
 
 
-def _joined(last: Passed, own: Array, between: Array) -> Array:
-    """Zones by the ends of zones and gaps (2, n) that are carried on: of each end by the narrower one."""
+def _joined(last: Passed, own: Array, between: Array) -> tuple[Array, int]:
+    """(zones by the ends of zones and gaps (2, n) that are carried on, of each end by the narrower one; how many of these are gone, or in
+    doubt)."""
     period = last.problem.period
     width, gap = (motion.values[1] for motion in (last.own, last.between))
     before = np.roll(gap, 1)
@@ -201,7 +204,7 @@ def _joined(last: Passed, own: Array, between: Array) -> Array:
         left[0] -= period
     lost = lost & (width <= np.minimum(before, gap)) | (right <= left)
     closed = closed & (gap <= np.minimum(width, np.roll(width, -1)))
-    return _kept(left, right, lost, closed, period)
+    return _kept(left, right, lost, closed, period), int(np.sum(own[1] <= 0.0) + np.sum(between[1] <= 0.0))
 
 
 def _left(square: Array, before: Array) -> tuple[Array, Mask]:

@@ -11,6 +11,8 @@ import numpy as np
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.model.controls import Quantity
+from contact.search.grid.coarse import MOST_POINTS, asked
+from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Task
 from contact.search.topology.by_gaps import ByGaps
 from contact.search.topology.carried import carried, gaps_between
@@ -18,13 +20,16 @@ from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import NOT_MINE, Missed, attempted
 from contact.search.ways.full_contact import full_under
 from contact.search.ways.gaps import OF_GAPS, tightened_gaps, worth_gaps
-from contact.search.ways.guesses import Outcome
+from contact.search.ways.guesses import Outcome, from_grid
 from sie import Array
 
 # Values over one another between which a contact counted in the units of one is in good hands.
 _FARTHEST = 16.0
 # Corrections of the number of zones, after which a search from scratch is no longer.
 _ROUNDS = 6
+# Zones that come and go up to which corrections are the shorter way. Else the points of a grid: over those that a search from scratch
+# takes, and at the least.
+_FEW, _COARSER, _FEWEST = 8, 4, 256
 
 
 def from_last(task: Task) -> Outcome | Missed:
@@ -39,11 +44,13 @@ def from_last(task: Task) -> Outcome | Missed:
     control = task.control(problem)
     if full := full_under(task, control):
         return full
-    zones = carried(task.along, float(np.log(value)))
+    zones, changes = carried(task.along, float(np.log(value)))
     if len(zones) == 0:
         return NOT_MINE
-    if worth_gaps(task, problem, float(np.sum(zones[:, 1] - zones[:, 0]))):
-        outcome: Outcome | Missed = attempted(lambda: _by_gaps(task, problem, control, zones))
+    if changes > _FEW and task.scene.profile.period is not None and control.load is not None:
+        outcome: Outcome | Missed = attempted(lambda: _by_grid(task, problem, control))
+    elif worth_gaps(task, problem, float(np.sum(zones[:, 1] - zones[:, 0]))):
+        outcome = attempted(lambda: _by_gaps(task, problem, control, zones))
     else:
         outcome = attempted(lambda: _by_zones(task, problem, control, zones))
     return outcome
@@ -56,6 +63,14 @@ def _is_followed(task: Task) -> bool:
     moves = scene.turned or scene.interaction.strip or scene.interaction.follows_isolated
     followed = any(scene.held(quantity) is not None for quantity in (Quantity.LOAD, Quantity.WIDTH))
     return scene.law.convex and not moves and not scene.is_flat and followed
+
+
+def _by_grid(task: Task, problem: Problem, control: Control) -> Outcome:
+    """Where many zones come and go a grid tells them, of which a few points are enough: what it is wrong about is dropped on the way."""
+    profile = task.scene.profile
+    assert profile.period is not None
+    points = max(_FEWEST, asked(profile.period, profile.feature, MOST_POINTS)[0] // _COARSER)
+    return from_grid(task, ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period)), points=points, drops=True)
 
 
 def _by_zones(task: Task, problem: Problem, control: Control, zones: Array) -> Outcome | Missed:
