@@ -12,13 +12,15 @@ from collections.abc import Callable
 import numpy as np
 
 from contact.formulation.apart import ApartFields
-from contact.formulation.fields import Fields, ZoneFields
+from contact.formulation.fields import ZoneFields
 from contact.formulation.full import FullFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import panels
 from contact.formulation.tension.loose import LooseFields
 from sie import Array
 
+# What a solution reads, in SI units; zones are counted as the fields have them.
+Fields = ZoneFields | GapFields | FullFields | ApartFields | LooseFields
 # Of distances from the left and the right end of an interval, over its half width: a function's values there.
 Function = Callable[[Array, Array], Array]
 
@@ -30,7 +32,6 @@ def elastic_energy(fields: Fields) -> float | None:
     """(1/2) int p u dx [J/m], per period where there is one; None without an approach, or where a strip stands for a period."""
     if isinstance(fields, ApartFields):
         return 0.0
-    assert isinstance(fields, ZoneFields | GapFields | FullFields | LooseFields)
     problem, units = fields.problem, fields.problem.units
     approach = fields.approach
     if approach is None or problem.interaction.strip:
