@@ -11,7 +11,7 @@ since (1/pi) int cos(k xi) ln|2 sin(pi d / l)| dxi = -cos(kx) / k.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -69,16 +69,10 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
         count *= 4
 
 
-@dataclass(frozen=True, eq=False)
-class _Waves:
+def _waves(sums: Sum, period: float, x: Array, xi: Array) -> Array:
     """A trigonometric sum of x - xi."""
-
-    sum: Sum
-    period: float
-
-    def __call__(self, x: Array, xi: Array) -> Array:
-        turns = np.asarray((x - xi) / self.period)
-        return self.sum(turns.ravel()).reshape(turns.shape)
+    turns = np.asarray((x - xi) / period)
+    return sums(turns.ravel()).reshape(turns.shape)
 
 
 def kernel_of(excess: Array, period: float) -> sie.Kernel:
@@ -90,4 +84,4 @@ def kernel_of(excess: Array, period: float) -> sie.Kernel:
     value, potential = (Sum.of(np.asarray(c, dtype=np.complex128)) for c in (-2j * np.pi / period * excess, -excess / n))
     # The harmonics fall by so much as exp(-2 pi n length / l) does; but for a few of them there is no telling.
     length = -np.log(_ONE) * period / (2 * np.pi * len(excess)) if len(excess) >= _FALLING else np.inf
-    return plain + sie.Smooth(_Waves(value, period), _Waves(potential, period), of_lag=True, length=float(length))
+    return plain + sie.Smooth(partial(_waves, value, period), partial(_waves, potential, period), of_lag=True, length=float(length))
