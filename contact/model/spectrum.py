@@ -17,6 +17,7 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError
+from contact.model.checks import of_author
 from contact.model.profiles.trigonometric import Sum
 from sie import Array
 
@@ -30,13 +31,8 @@ _FALLING = 16
 def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
     """L(q); SceneError where it is none of a body. of: what the symbol belongs to."""
     name = f"{of}.symbol(q)"
-    try:
-        with np.errstate(all="ignore"):
-            value = symbol(q.copy())
-    except SceneError:
-        raise
-    except Exception as error:  # the author's code may fail in any way
-        raise SceneError(f"{name} raises {type(error).__name__} for an array of shape {q.shape}: {error}", of) from error
+    with of_author(name, of, f" for an array of shape {q.shape}"):
+        value = symbol(q.copy())
     try:
         found = np.asarray(value)
     except ValueError:
