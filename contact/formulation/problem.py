@@ -22,7 +22,7 @@ from contact.formulation.units import Units
 from contact.model.interactions.base import Interaction
 from contact.model.laws.base import Law
 from contact.model.operator import Operator
-from contact.model.profiles.base import Profile
+from contact.model.profiles.base import Profile, onto
 from contact.model.profiles.tilted import Tilted
 from contact.model.substrates.base import Substrate
 from sie import Array, nearest_image
@@ -123,17 +123,11 @@ class Problem(sie.Kept):
 
     def shape(self, x: Array) -> Array:
         """F = (f - min f) / (slope length)."""
-        at = self._on_support(self.units.x(x))
+        at, ends = self.units.x(x), self.profile.support
+        if ends is not None:
+            at = onto(ends, at, 4 * np.finfo(float).eps * (ends[1] - ends[0] + np.abs(at)))
         with np.errstate(over="ignore"):  # far outside heights may overflow to inf: nothing touches there
             return np.asarray((np.asarray(self.profile.height(at)) - self.lowest) / self.units.height)
-
-    def _on_support(self, at: Array) -> Array:
-        """Places [m] with those that rounding has put just beyond a sharp corner moved back onto it."""
-        if self.profile.support is None:
-            return at
-        lo, hi = self.profile.support
-        slack = 4 * np.finfo(float).eps * (hi - lo + np.abs(at))
-        return np.where((at > hi) & (at <= hi + slack), hi, np.where((at < lo) & (at >= lo - slack), lo, at))
 
     def shape_rounding(self, x: Array) -> float:
         """What rounding does to F at scaled points: its departure from straight lines over a few units in the last digit."""
