@@ -119,7 +119,7 @@ class Treecode:
         elif len(near):
             value[near] = density.own_transform(zone[near], left[near], right[near])
         jumps = density.jumps
-        few = jumps.few.holds(zone) & (jumps.few.potentials or not potential)
+        few = jumps.few.holds(zone)
         some = np.flatnonzero(few)
         if len(some) and potential:
             sharp = jumps.few.potential(zone[some], left[some], right[some], rho[some])

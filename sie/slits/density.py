@@ -299,7 +299,7 @@ class SlitDensity(Located):
         """Integral over each piece: that of its wide zone, or by Gauss-Chebyshev beside slits, doubled until it stays; of the
         logarithms of kinks in closed form."""
         out = self.whole.totals[self.merged.piece_zone].copy()
-        wide, kinks = self.merged.wide, self.jumps.chosen(self.jumps.order == 0)
+        wide, kinks = self.merged.wide, replace(self.jumps.chosen(self.jumps.order == 0), splines={})
         for piece in np.flatnonzero((self.merged.slit_before >= 0) | (self.merged.slit_after >= 0)):
             zone = int(self.merged.piece_zone[piece])
             before, after = self.zones.a[piece] - wide.a[zone], wide.b[zone] - self.zones.b[piece]
