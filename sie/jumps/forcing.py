@@ -32,7 +32,7 @@ from typing import Self
 import numpy as np
 
 from sie.basis.arrays import Array, Index, Mask
-from sie.basis.interval import Complex, InPlane, theta
+from sie.basis.interval import Complex, InPlane, OnLine, theta
 from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms
@@ -177,6 +177,45 @@ class ForcingJumps(Jumps):
     def few(self) -> FewJumps:
         """The jumps of all zones with few of them, and no spline."""
         return FewJumps.of(self, list(self.splines))
+
+    # pair by pair, few jumps of many zones together -----------------------------------------------------------------
+    def density_at(self, zone: Index, left: Array, right: Array) -> Array:
+        """`density` of zones (n,) at points."""
+        return self._at(
+            zone, lambda some: self.few.density(zone[some], left[some], right[some]),
+            lambda i, some: self.density(i, left[some], right[some]),
+        )
+
+    def transform_at(self, zone: Index, seen: OnLine) -> Array:
+        """`own_transform` on the zones, `transform` off them."""
+        out, on, off = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on)
+        z, rho = 0.5 * (seen.left - seen.right), seen.rho
+        out[on] = self._at(
+            zone[on], lambda some: -self.few.smooth_part(zone[on[some]], seen.left[on[some]]),
+            lambda i, some: self.own_transform(i, seen.left[on[some]]),
+        )
+        out[off] = self._at(
+            zone[off], lambda some: self.few.transform(zone[off[some]], z[off[some]], rho[off[some]]),
+            lambda i, some: self.transform(i, z[off[some]], rho[off[some]]),
+        )
+        return out
+
+    def sharp_potential_at(self, zone: Index, left: Array, right: Array, rho: Array) -> Array:
+        """`sharp_potential` of zones that have it."""
+        return self._at(
+            zone, lambda some: self.few.potential(zone[some], left[some], right[some], rho[some]),
+            lambda i, some: self.sharp_potential(i, left[some], right[some], rho[some]),
+        )
+
+    def _at(self, zone: Index, of_few: Callable[[Index], Array], of_zone: Callable[[int, Index], Array]) -> Array:
+        """What the jumps of zones do at points: of those with few by all these points, of each other zone by its own ones."""
+        out, few = np.zeros(len(zone)), self.few.holds(zone)
+        some, rest = np.flatnonzero(few), np.flatnonzero(~few)
+        out[some] = of_few(some)
+        for i, there in of_zones(zone[rest]):
+            if i in self.by_zone:
+                out[rest[there]] = of_zone(i, rest[there])
+        return out
 
     def level_part(self, zone: int, left: Array) -> Array:
         """The same of the jumps of g itself alone: they have no slope."""
