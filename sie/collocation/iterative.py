@@ -146,10 +146,6 @@ class IterativeSystem(System):
         return np.asarray(level)
 
     @cached_property
-    def wants_levels(self) -> bool:
-        return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
-
-    @cached_property
     def levelled(self) -> bool:
         """Whether a condition on potentials is what every zone has of its own."""
         return self.of_zones is not None and self.of_zones.of_levels

@@ -26,7 +26,7 @@ from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
 from sie.density.moments import moments_of
-from sie.equation.conditions import Linear, multiplicity
+from sie.equation.conditions import Linear, multiplicity, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.panels import TERMS, Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
@@ -380,6 +380,11 @@ class System:
         row = np.zeros((1, self.layout.size))
         row[0, self.layout.amplitude(k)] = 1.0
         return row, np.zeros(1)
+
+    @cached_property
+    def wants_levels(self) -> bool:
+        """Whether a condition speaks of levels."""
+        return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
 
     def level_values(self, y: Array) -> Array:
         """Levels of the zones for unknowns y."""

@@ -20,7 +20,6 @@ from sie.basis.interval import Outside, edge_scale
 from sie.basis.kernels import Kernel
 from sie.collocation.fixed import State
 from sie.collocation.system import Layout, add_regular
-from sie.equation.conditions import of_levels, speaks_of_levels
 
 # A power of rho below this is nothing.
 _NOTHING = 1e-18
@@ -121,13 +120,7 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
         row += m
     own_level = -(mean @ strengths)
     right[state.conditions_from :] = values / state.condition_scale[:, None]
-    first = state.conditions_from
-    for condition in state.equation.conditions:
-        rows = condition.count(zones)
-        if rows and speaks_of_levels(condition, zones):
-            scale = state.condition_scale[first - state.conditions_from : first - state.conditions_from + rows, None]
-            right[first : first + rows] -= of_levels(condition, zones) @ own_level / scale
-        first += rows
+    right[state.conditions_from :] -= state.level_rows @ own_level
     unknowns = _solved(state, right)
     table = np.array([layout.padded(column) for column in unknowns.T]).reshape(cases, len(zones), -1)
     beyond = (2 / np.pi) / zones.half[:, None, None] * up ** (layout.m[:, None, None] + 1)
@@ -139,7 +132,7 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
         table.sum(axis=2).T + (beyond / (1 - up)).sum(axis=2) @ strengths,
     ])
     levels = np.zeros((0, cases))
-    if any(speaks_of_levels(condition, zones) for condition in state.equation.conditions):
+    if system.wants_levels:
         levels = system.levels()[0] @ unknowns + own_level
     places = density.into_period(np.asarray(places, dtype=float))
     potentials = _beyond_potential(zones, _seen(zones, places[:, None] - poles).rho, up, layout.m) @ strengths

@@ -19,23 +19,19 @@ from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 from sie.collocation.fixed import (
     LOOKS,
-    Carried,
     SingularSystem,
-    Sizes,
-    Solver,
     State,
-    density_of,
     field_tails,
     first_sizes,
     more_modes,
     residual_error,
     solve_fixed,
 )
+from sie.collocation.solved import Answered, Carried, Sizes, density_of
 from sie.density.density import Density
 from sie.equation.conditions import Linear, asked
 from sie.equation.equation import Equation
 from sie.fast.krylov import gmres
-from sie.jumps.forcing import ForcingJumps
 from sie.slits.density import SlitDensity
 from sie.slits.merged import Merged, merge
 from sie.slits.slits import TOLD, Slits
@@ -247,11 +243,7 @@ class SlitSystem(Kept):
         """(state of the wide zones, density) for solved unknowns."""
         base, system = self.base, self.system
         y = self._unfold(folded)
-        if homogeneous:
-            layout = system.layout
-            whole = Density(self.merged.wide, base.density.kernel, layout.padded(y), ForcingJumps.none(), y[layout.coefficients :])
-        else:
-            whole = density_of(system, y)
+        whole = base.homogeneous(y) if homogeneous else density_of(system, y)
         s = self.s_table(d, homogeneous)
         count = max(s.shape[1], whole.coefficients.shape[1])
         table = np.pad(whole.coefficients, ((0, 0), (0, count - whole.coefficients.shape[1])))
@@ -270,7 +262,7 @@ class SlitSystem(Kept):
 
 
 @dataclass(frozen=True, eq=False)
-class SlitState(Kept):
+class SlitState(Answered):
     """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the slits.
 
     wide: state of the wide zones, slits included; rest: what alternating left, over the largest coefficient.
@@ -287,35 +279,13 @@ class SlitState(Kept):
     def merged(self) -> Merged:
         return self.slit_system.merged
 
-    def with_bounded_ends(self) -> SlitState:
-        return replace(self, density=self.density.with_bounded_ends())
-
-    @property
-    def equation(self) -> Equation:
-        return self.wide.equation
-
-    @property
-    def solver(self) -> Solver:
-        return self.wide.solver
-
     @property
     def condition_scale(self) -> Array:
         return self.wide.condition_scale
 
     @property
-    def condition_index(self) -> Index:
-        return self.wide.condition_index
-
-    def values(self, condition: int = 0, change: float = 1.0) -> Array:
-        return self.wide.values(condition, change)
-
-    @property
     def linear_error(self) -> Array:
         return self.wide.linear_error[self.merged.piece_zone]
-
-    @property
-    def coupled(self) -> int:
-        return self.wide.coupled
 
     @property
     def whole(self) -> State:
@@ -325,14 +295,6 @@ class SlitState(Kept):
     def wide_of(self, zones: Index) -> tuple[State, Index]:
         """The state of the wide zones, and the places of zones among these."""
         return self.wide, self.merged.piece_zone[zones]
-
-    @property
-    def unresolved(self) -> bool:
-        return self.wide.unresolved
-
-    @property
-    def iterated(self) -> bool:
-        return self.wide.iterated
 
     # further right sides --------------------------------------------------------------------------------------------
     def _answer(self, values: Array, loose: float = 0.0) -> tuple[Array, tuple[Array, ...]]:
@@ -400,28 +362,22 @@ class SlitState(Kept):
                 out[here.zone] = max(out[here.zone], last * fall * len(d))
         return out
 
-    @cached_property
-    def _sizes(self) -> Array:
-        """The largest coefficient of each wide zone."""
-        known = np.abs(self.wide.system.known).max(axis=1, initial=0.0)
-        return np.asarray(np.abs(self.wide.density.coefficients).max(axis=1) + known)
-
     @property
     def size(self) -> float:
         """See `State.size`."""
-        return float(self._sizes.max())
+        return self.wide.size
 
     @cached_property
     def _neglected(self) -> Array:
         """Sum of the coefficients that each wide zone neglects, as in `State`."""
         wide = self.wide
-        neglected = wide.neglected * self._sizes / np.maximum(wide.sizes.own[: len(self._sizes)], 1)
+        neglected = wide.neglected * self.wide.zone_sizes / np.maximum(wide.sizes.own[: len(self.wide.zone_sizes)], 1)
         return np.asarray(np.minimum(neglected, 10 * self._residual))
 
     @cached_property
     def missing(self) -> Array:
         """What is neglected of each wide zone's coefficients and of the equation between its nodes, in all."""
-        rounding = 2e-15 * self._sizes + self.wide.jumps_rounding
+        rounding = 2e-15 * self.wide.zone_sizes + self.wide.jumps_rounding
         return np.asarray(self._neglected + 3 * np.maximum(self._residual - rounding, 0.0) + self._tails)
 
     @cached_property
