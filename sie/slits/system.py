@@ -28,8 +28,9 @@ from sie.collocation.fixed import (
     solve_fixed,
 )
 from sie.collocation.solved import Answered, Carried, Sizes, density_of
+from sie.collocation.system import System
 from sie.density.density import Density
-from sie.equation.conditions import Linear, asked
+from sie.equation.conditions import Linear, Trial, asked
 from sie.equation.equation import Equation
 from sie.fast.krylov import gmres
 from sie.slits.density import SlitDensity
@@ -53,45 +54,29 @@ _SAFETY = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Opened:
+class Opened(Trial):
     """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only."""
 
-    zones: Zones
     s: Array
     mean_opening: Array
-    moments: Callable[[Callable[[Array], Array], int, int, int | None], Array]
-    coupled: Index
-    multiple: Array
+    system: System
 
-    def _constants(self, values: Array) -> Linear:
-        return np.zeros((len(values), 0)), values
-
-    def totals(self) -> Linear:
-        return self._constants(np.zeros(len(self.zones.solved)))
+    @classmethod
+    def of(cls, s: Array, mean_opening: Array, system: System) -> Opened:
+        nothing = np.zeros((len(system.zones.solved), 0))
+        return cls(system.zones, nothing, nothing, s, mean_opening, system)
 
     def levels(self) -> Linear:
-        return self._constants(self.mean_opening[self.zones.solved])
-
-    def level_steps(self) -> Linear:
-        return self._constants(np.diff(self.mean_opening[self.zones.solved]))
+        return self.level, self.mean_opening[self.zones.solved]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         """Beyond the coupled modes, whose coefficients are unknowns, s adds to those of the density."""
         out = np.zeros(len(self.zones.solved))
         for place, i in enumerate(self.zones.solved):
-            values = self.moments(weight, int(i), self.s.shape[1], degree)
-            beyond = np.arange(self.coupled[i] + 1, min(self.s.shape[1], len(values)))
+            values = self.system.moments(weight, int(i), self.s.shape[1], degree)
+            beyond = np.arange(self.system.layout.m[i] + 1, min(self.s.shape[1], len(values)))
             out[place] = np.pi * self.zones.half[i] * (values[beyond] @ self.s[i, beyond])
-        return self._constants(out)
-
-    def intensities(self) -> tuple[Linear, Linear]:
-        raise AssertionError("a condition on intensities is of a user's own, and is solved zone by zone (`merged`)")
-
-    def amplitude(self, k: int) -> Linear:
-        return self._constants(np.zeros(1))
-
-    def multiplicity(self) -> Array:
-        return self.multiple
+        return self.level, out
 
 
 class SlitsNotConverged(SingularSystem):
@@ -231,10 +216,10 @@ class SlitSystem(Kept):
 
     def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """What s adds to the right side of the wide zones' rows."""
-        system, zones, base = self.system, self.merged.wide, self.base
+        system, base = self.system, self.base
         s = self.s_table(d, homogeneous)
         rows = -system.layout.flat(s)[system.diagonal]
-        view = Opened(zones, s, self.mean_openings(d, homogeneous), system.moments, system.layout.m, system.multiplicity())
+        view = Opened.of(s, self.mean_openings(d, homogeneous), system)
         constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
         return np.concatenate((rows, conditions))
