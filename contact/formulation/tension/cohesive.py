@@ -34,8 +34,8 @@ from sie import Array, Mask
 _TOUCHING = 1e-12
 # To which the densities are solved that rates are told of where zones are many: of a state, and of one on the way.
 _OF_RATES, _OF_ROUGH_RATES = 1e-10, 1e-4
-# Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
-_SETTLING, _SETTLED, _SQUARED, _ANOTHER = 8, 1e-12, 1e-6, 1e-2
+# Newton's steps to an equilibrium near by; over the widths, a step that is rounding, and one that is of another equilibrium.
+_SETTLING, _SETTLED, _ANOTHER = 8, 1e-15, 1e-2
 # States that are remembered.
 _KNOWN = 256
 
@@ -221,8 +221,8 @@ class Cohesive(Equilibria):
         before = np.inf
         for _ in range(_SETTLING):
             size, tight = float(np.abs(here.newton / here.widths).max()), self.recent[0][2] <= TIGHT
-            # Newton's steps square what is missed: after one as small as that, rounding is left.
-            if size > _ANOTHER or (tight and (size < _SETTLED or before < _SQUARED or size > 0.5 * before)):
+            # Steps that do not fall any more are rounding.
+            if size > _ANOTHER or (tight and (size < _SETTLED or size > 0.5 * before)):
                 break
             before = size if tight else np.inf
             here = self.at(here.moved(here.newton), here.value)
