@@ -29,13 +29,13 @@ _MOVED = 16.0
 
 @dataclass(frozen=True, eq=False)
 class FoundBeside(Found):
-    """Zones with a tension beside them. beside: what its ends, and these zones with them, may be off by, over their widths."""
+    """Zones with a tension beside them. beside: what it adds to the error."""
 
     beside: float = 0.0
 
     @cached_property
     def error(self) -> float:
-        return super().error + _MOVED * self.beside
+        return super().error + self.beside
 
 
 def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, fields: PulledFields | None = None) -> Certificate:
@@ -79,7 +79,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
 
 
 def uncertain(curve: Cohesive, here: CohesivePoint) -> float:
-    """What the ends of the tension may be off by, and the zones by it, over the width of either."""
+    """What the ends of the tension may be off by, and the zones by it, over the width of either; and what the pressure is by that."""
     assert here.q is not None
     rounding = here.q.gap_rounding / 16 / curve.reach
     ends = np.abs(np.linalg.solve(here.rates, here.residual)) + np.abs(np.linalg.inv(here.rates)) @ np.full(len(here.residual), rounding)
@@ -87,4 +87,13 @@ def uncertain(curve: Cohesive, here: CohesivePoint) -> float:
     # The load of q is the difference of the tension's and the given one.
     load = 4.0 * np.finfo(np.float64).eps * (abs(here.load) + curve.stress * float(here.widths.sum()))
     follow = np.abs(here.by_ends[:, :-1]) @ ends + np.abs(here.by_ends[:, -1]) * curve.yields * load
-    return float(max((ends / here.widths).max(), (follow / width).max()))
+    return _MOVED * float(max((ends / here.widths).max(), (follow / width).max()))
+
+
+def rounded_load(fields: PulledFields) -> float:
+    """What rounding may make of zones under tension in all of a period: the load of q is that of the tension and the given one, which may
+    nearly cancel."""
+    total, pull = fields.density.total, fields.tension.total
+    rounding = 2 * np.finfo(np.float64).eps * (abs(total - pull) + pull) / total
+    widening = np.abs(fields.spreading) / np.diff(fields.zone_table, axis=1)
+    return float(rounding * max(1.0, widening.max()))

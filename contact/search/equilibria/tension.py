@@ -39,6 +39,8 @@ _HALVINGS = 60
 _FARTHER = 0.01
 # Newton's step of ends that are about to rest, over their intervals and the gaps beside them.
 _ABOUT_TO_REST = 1e-3
+# Zones that recede without a grid.
+_FEW = 6
 # Parts of the reach that it is made smaller or larger by on a grid.
 _MARGINS = (0.02, 0.06, 0.2)
 # Of a control, above the least at which a grid holds a contact, from where that is followed to where it comes apart.
@@ -85,6 +87,11 @@ def guide_of(curve: Cohesive, zones: int, table: Array | None) -> GridTension | 
     if zones == 0 or (held.load is None and held.approach is None):
         return None
     return GridTension.of(curve.problem, table, held.load is not None)
+
+
+def guide_down(curve: Cohesive, zones: int, table: Array) -> GridTension | None:
+    """The same where zones recede from an equilibrium: of few of them the way itself is shorter."""
+    return guide_of(curve, zones, table) if zones > _FEW else None
 
 
 def _guided(curve: Cohesive, guide: GridTension, table: Array | None, value: float, sign: float) -> CohesivePoint | None:
@@ -308,7 +315,7 @@ def _outside(curve: Cohesive, table: Array) -> list[tuple[float, float]]:
 def pull_off(curve: Cohesive, here: Point) -> Point:
     """Where the last zones come apart as the control falls: at a turning point, or where the last of them has shrunk to a point."""
     def recede(_: Equilibria, table: Array, value: float) -> Point | None:
-        return receded(curve, table, value, guide_of(curve, len(curve.known[-1].zones), table))
+        return receded(curve, table, value, guide_down(curve, len(curve.known[-1].zones), table))
 
     try:
         return arc.pull_off(curve, _about_to_part(curve, here), recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0)
@@ -343,7 +350,7 @@ def _highest_within(curve: Cohesive, here: Point) -> float:
 
 def _about_to_part(curve: Cohesive, here: Point) -> Point:
     """The equilibrium that this one has come to under a control a little above the least at which a grid holds any; itself without one."""
-    guide = guide_of(curve, len(here.contact), here.table)
+    guide = guide_down(curve, len(here.contact), here.table)
     if guide is None:
         return here
     least = guide.least_value(here.table, here.value)

@@ -31,6 +31,7 @@ from contact.model.scene import Scene
 from contact.search.equilibria.tension import (
     TOO_NARROW,
     advanced,
+    guide_down,
     guide_of,
     pull_off,
     pull_off_from_all,
@@ -49,7 +50,7 @@ from contact.search.ways.guesses import Outcome
 from contact.solution.made import mean_height
 from contact.verify.accuracy import Found
 from contact.verify.certificate import certify
-from contact.verify.cohesive import FoundBeside, certified, uncertain
+from contact.verify.cohesive import FoundBeside, certified, rounded_load, uncertain
 from sie import Array
 
 # Tolerance of solutions under the bare law, from which the branch is followed.
@@ -123,7 +124,7 @@ def _lowered(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
 
 
 def _lowered_to(curve: Cohesive, start: Point, value: float) -> Point | None:
-    return receded(curve, start.table, value, guide_of(curve, len(start.contact), start.table))
+    return receded(curve, start.table, value, guide_down(curve, len(start.contact), start.table))
 
 
 def _pulled_off(task: Task, scaled: ScaledScene, curve: Cohesive) -> Point:
@@ -347,4 +348,5 @@ def everywhere(task: Task, problem: Problem) -> Outcome:
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
     curve = Cohesive(problem, Load(0.0))
     fields = replace(fields, law_problem=problem)
-    return Found(free, fields, certified(certificate, curve, None, fields), 1, control, task.tolerance)
+    beside = 0.0 if task.scene.given_load is None else rounded_load(fields)
+    return FoundBeside(free, fields, certified(certificate, curve, None, fields), 1, control, task.tolerance, beside=beside)
