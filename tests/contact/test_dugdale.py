@@ -335,7 +335,7 @@ def test_a_zone_opens_where_what_it_bears_falls_below_zero_between_two_looks():
 
 
 def test_ends_next_to_pull_off_are_off_by_rounding_times_the_condition():
-    curve = DugdaleCylinder(1.0, 1.0, 1e-6, (1e-6 / np.pi) ** (1 / 3))
+    curve = exact.DugdaleCylinder(1.0, 1.0, 1e-6, (1e-6 / np.pi) ** (1 / 3))
     load = 0.99 * curve.pull_off().load
     found = contact.solve(contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), law=contact.Dugdale(1e-6, curve.stress), load=load))
     # Relative changes of the load move them eight times as much.
@@ -344,8 +344,8 @@ def test_ends_next_to_pull_off_are_off_by_rounding_times_the_condition():
 
 
 def test_the_error_of_a_wave_under_tension_everywhere_knows_that_load_and_tension_cancel():
-    curve = DugdaleWave(0.01, 1.0, 1.0, 1e-5, 1e-2 * (1e-5 / np.pi) ** (1 / 3) * 0.01 ** (1 / 3))
+    curve = exact.DugdaleWave(0.01, 1.0, 1.0, 1e-5, 1e-2 * (1e-5 / np.pi) ** (1 / 3) * 0.01 ** (1 / 3))
     load = (1 - 1e-6) * curve.pull_off().load
     scene = contact.Scene(contact.Sinusoid(0.01, 1.0), 1.0, contact.Periodic(), law=contact.Dugdale(1e-5, curve.stress), load=load)
-    found, exact = contact.solve(scene), curve.at_load(load)
-    assert abs(np.diff(found.zones)[0, 0] / (2 * exact.half_width) - 1) < found.error < 1e-8
+    found, wanted = contact.solve(scene), curve.at_load(load)
+    assert abs(np.diff(found.zones)[0, 0] / (2 * wanted.half_width) - 1) < found.error < 1e-8

@@ -67,9 +67,8 @@ def _under_tension(group: str, name: str, curve: DugdaleCylinder | DugdaleWave, 
         known = "the stated error takes rounding at both ends at its worst"
     elif narrow > 1e3:
         known = "the closed form's own ends are rounded to as much"
-    return Extreme(
-        group, name, partial(_scene, curve, load), max(narrow, by_load), "a/(c - a), and by the reach" if narrow > by_load else _WHY, known=known
-    )
+    why = "a/(c - a), and by the reach" if narrow > by_load else _WHY
+    return Extreme(group, name, partial(_scene, curve, load), max(narrow, by_load), why, known=known)
 
 
 def _wave(work: float) -> JKRWave:
