@@ -49,7 +49,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
         inside = bool(np.all(gap < curve.reach * (1 + _REACH)))
         note = "the gap is below the reach of the tension everywhere: the frictionless contact, less the tension, and as stable"
         return replace(plain, smallest_pressure=least, holds=held and inside, note=note if inside else "the gap is above the reach")
-    (x, gap), table, period = here.look, here.table, curve.problem.period
+    (x, gap), table, period = here.look, here.table, curve.problem.round
     place = wrapped(x, table[0, 0], period)
     i = np.maximum(np.searchsorted(table[:, 0], place, side="right") - 1, 0)
     within = (place > table[i, 0]) & (place < table[i, 1])
@@ -59,7 +59,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
     assert here.q is not None
     rounding = here.q.gap_rounding
     wrong = told & np.where(within, gap > curve.reach + rounding, gap < curve.reach - rounding)
-    missed = float(np.abs(here.residual).max())
+    missed = max(float(np.abs(here.residual).max()), float(-here.whole.residual.min()))
     stability = least_eigenvalue(scaled_second_variation(here))
     if not held:
         note = plain.note or "a sign or the balance fails"
