@@ -112,7 +112,7 @@ class PulledFields(ZoneFields):
         return self.law_problem.law.tension
 
     def second_variation(self, yields: float | None = None) -> Array:
-        """d^2 energy/ds_i ds_j by outward motions of the ends of the tension that are free, times the roots of their intervals' widths and over 2 w.
+        """d^2 energy/ds_i ds_j by outward motions of the free ends of the tension, times the roots of their intervals' widths and over 2 w.
         yields: see `contact.formulation.controls.Control`."""
         assert self.law_problem is not None
         total = float(self.density.total - self.tension.total)

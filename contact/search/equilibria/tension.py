@@ -195,6 +195,11 @@ def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Arra
             left, right = covered.ends.reshape(2, -1)
             out = 0.5 * (_WIDEN - 1) * width
             table = table + np.column_stack((-1.0 * left * np.minimum(out, 0.4 * np.roll(gaps, 1)), right * np.minimum(out, 0.4 * gaps)))
+            # What contact goes on to close is closed.
+            joins = (curve.gaps(table) < flow.CLOSED * np.minimum(width, np.roll(width, -1))) & (right | np.roll(left, -1))
+            if joins.all():
+                raise Closed from covered
+            table = curve.within(joined(table, joins, [], curve.problem.round))
     raise NotConverged(TOO_NARROW)
 
 
