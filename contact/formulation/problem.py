@@ -25,7 +25,7 @@ from contact.model.operator import Operator
 from contact.model.profiles.base import Profile, onto
 from contact.model.profiles.tilted import Tilted
 from contact.model.substrates.base import Substrate
-from sie import Array, nearest_image
+from sie import Array, Index, nearest_image
 
 
 def minus_one(x: Array) -> Array:
@@ -90,6 +90,11 @@ class Problem(sie.Kept):
         lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
         return lo, hi
 
+    @property
+    def round(self) -> float | None:
+        """Scaled period around which contact may go on; None of bodies between sharp corners, too."""
+        return self.period if self.corners == (-np.inf, np.inf) else None
+
     @cached_property
     def borders(self) -> tuple[float, float]:
         """Scaled limits that no zone may reach: of one isolated cell, or of a measured trace; infinite without."""
@@ -147,6 +152,10 @@ class Problem(sie.Kept):
     def compression(self) -> float:
         """Displacement of a unit of scaled uniform pressure, in units of height; 0 where it is not counted."""
         return (self.operator.compression or 0.0) / self.units.length
+
+    def bearing(self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array) -> Array:
+        """What has to press on zones, at distances from their ends over the half width."""
+        return np.asarray(density.at(zone, left, right))
 
     @cached_property
     def end(self) -> sie.End:
