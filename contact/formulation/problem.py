@@ -81,14 +81,17 @@ class Problem(sie.Kept):
 
     @cached_property
     def corners(self) -> tuple[float, float]:
-        """Scaled sharp corners beyond which the profile ends, or borders at which a strip is cut off; infinite without."""
-        if self.reference:
-            assert self.cell is not None
-            return self.centre - 0.5 * self.cell, self.centre + 0.5 * self.cell
-        if self.profile.support is None:
-            return -np.inf, np.inf
-        lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
-        return lo, hi
+        """Scaled sharp corners beyond which the profile ends, and borders at which a strip is cut off; infinite without."""
+        lo, hi = -np.inf, np.inf
+        if self.profile.support is not None:
+            lo, hi = (float(self.units.scaled(np.array(s))) for s in self.profile.support)
+        return (max(lo, self.cut[0]), min(hi, self.cut[1])) if self.reference else (lo, hi)
+
+    @property
+    def cut(self) -> tuple[float, float]:
+        """Scaled borders of the cell about the centre."""
+        assert self.cell is not None
+        return self.centre - 0.5 * self.cell, self.centre + 0.5 * self.cell
 
     @property
     def round(self) -> float | None:
