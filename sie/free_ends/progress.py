@@ -24,6 +24,8 @@ _WANDERING = 20
 _NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
 # Tolerances of solutions by iteration: at first, and at last over that of the ends.
 _LOOSE, _TIGHT = 1e-6, 1e-3
+# The first of these where it is open which zones there are.
+_LOOSER = 1e-4
 # The remaining motion of an end is the next step but for its square.
 MARGIN = 1.5
 
@@ -101,7 +103,7 @@ class Progress:
     def linear(self) -> float:
         """Tolerance of a solution by iteration: the next move is about the square of the last one and the one after it about the fourth
         power, which what this solution leaves must not outweigh: another solution takes longer than a few digits more of this one."""
-        return min(_LOOSE, max(1e-3 * self.last**3, self.tightest))
+        return min(_LOOSE if not self.drops else _LOOSER, max(1e-3 * self.last**3, self.tightest))
 
     @property
     def tightest(self) -> float:

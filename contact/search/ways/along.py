@@ -27,9 +27,9 @@ from sie import Array
 _FARTHEST = 16.0
 # Corrections of the number of zones, after which a search from scratch is no longer.
 _ROUNDS = 6
-# Zones that come and go up to which corrections are the shorter way. Else the points of a grid: over those that a search from scratch
-# takes, and at the least.
-_FEW, _COARSER, _FEWEST = 8, 4, 256
+# Zones that come and go up to which corrections are the shorter way. Else the points of a grid: by what part they are fewer than those of a
+# search from scratch, with few zones and with many, one more of which is longer than more points; and at the least.
+_FEW, _COARSER, _MANY, _FEWEST = 8, (4, 2), 400, 256
 
 
 def from_last(task: Task) -> Outcome | Missed:
@@ -44,13 +44,17 @@ def from_last(task: Task) -> Outcome | Missed:
     control = task.control(problem)
     if full := full_under(task, control):
         return full
+    by_grid = task.scene.profile.period is not None and control.load is not None
+    if by_grid and _changes_often(task.along):
+        # Not even asked how the ends move.
+        return _by_grid_or_missed(task, problem, control)
     zones, changes = carried(task.along, float(np.log(value)))
     if len(zones) == 0:
         return NOT_MINE
-    if changes > _FEW and task.scene.profile.period is not None and control.load is not None:
-        outcome: Outcome | Missed = attempted(lambda: _by_grid(task, problem, control))
-    elif worth_gaps(task, problem, float(np.sum(zones[:, 1] - zones[:, 0]))):
-        outcome = attempted(lambda: _by_gaps(task, problem, control, zones))
+    if by_grid and changes > _FEW:
+        return _by_grid_or_missed(task, problem, control)
+    if worth_gaps(task, problem, float(np.sum(zones[:, 1] - zones[:, 0]))):
+        outcome: Outcome | Missed = attempted(lambda: _by_gaps(task, problem, control, zones))
     else:
         outcome = attempted(lambda: _by_zones(task, problem, control, zones))
     return outcome
@@ -65,12 +69,19 @@ def _is_followed(task: Task) -> bool:
     return scene.law.convex and not moves and not scene.is_flat and followed
 
 
-def _by_grid(task: Task, problem: Problem, control: Control) -> Outcome:
+def _changes_often(along: tuple[Passed, ...]) -> bool:
+    """Whether more zones have come or gone between the last two values than corrections are the shorter way for."""
+    return len(along) > 1 and abs(len(along[-1].solution.zones) - len(along[-2].solution.zones)) > _FEW
+
+
+def _by_grid_or_missed(task: Task, problem: Problem, control: Control) -> Outcome | Missed:
     """Where many zones come and go a grid tells them, of which a few points are enough: what it is wrong about is dropped on the way."""
-    profile = task.scene.profile
+    profile, many = task.scene.profile, len(task.along[-1].solution.zones) > _MANY
     assert profile.period is not None
-    points = max(_FEWEST, asked(profile.period, profile.feature, MOST_POINTS)[0] // _COARSER)
-    return from_grid(task, ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period)), points=points, drops=True)
+    points = max(_FEWEST, asked(profile.period, profile.feature, MOST_POINTS)[0] // _COARSER[many])
+    scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
+    outcome: Outcome | Missed = attempted(lambda: from_grid(task, scaled, points=points, drops=True))
+    return outcome
 
 
 def _by_zones(task: Task, problem: Problem, control: Control, zones: Array) -> Outcome | Missed:
