@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -94,11 +95,10 @@ class Task:
         return control if self.give is None else Machine(control.value, self.give * units.load / units.height)
 
     def refine_topology(
-        self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 0,
-        rounds: int = ROUNDS, off: float = 1.0, drops: bool = False,
+        self, problem: Problem, control: Control, table: Array, rounds: int = ROUNDS, **how: Any
     ) -> Found | Missed:
-        """Zones that pass, from proposed ones."""
-        newton = Newton(self.tolerance, value, steps, near, off, drops=drops)
+        """Zones that pass, from proposed ones. how: of `Newton`, beside its tolerance."""
+        newton = Newton(self.tolerance, **how)
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
             return refine_topology(ByPressure(problem), control, table, newton, self.progress, timed=self.plan.timed, rounds=rounds)

@@ -235,8 +235,8 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
 
 
 def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int, Array]:
-    """(smallest gap found, intervals of overlap, rounding of the gap, points, minima), scaled: the points of all gaps at once, and only minima
-    followed that may touch zero.
+    """(smallest gap found, intervals of overlap, rounding of the gap, points, minima), scaled: the points of all gaps at once, and only
+    minima followed that may touch zero.
 
     Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones. Far from all zones a turned or a lopsided
     body may touch as well: samples are not even there, and all minima are followed.

@@ -20,6 +20,7 @@ from sie.basis.ends import FREE, SINGULAR, End
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_of
+from sie.collocation.iterative import Iterative
 from sie.collocation.solved import Sizes
 from sie.density.density import Density
 from sie.equation.equation import Equation
@@ -214,14 +215,11 @@ def find_ends(
         done = rest.reached and not let_go and not loose
         if done:
             if motion.turn is not None and state.whole.iteration is not None:
-                motions, side = IteratedMotions(state.whole, state.whole.iteration), np.array(signs, dtype=float)[:, None]
-                more = motions.amplification()
-                if more > _AMPLIFIED:
+                told = _by_iteration(state.whole, state.whole.iteration, signs, unit, motion, rest)
+                if told is None:
                     nowhere = np.full((len(zones), 2), np.inf)
                     return Free(state, False, nowhere, nowhere, tuple(progress.trace), value, reason=_NEUTRAL)
-                uncertain = (more * (motion.noise + STEP * np.abs(motion.delta)) / (zones.b - zones.a)).T
-                rest = replace(rest, error=rest.error + uncertain, rounding=rest.rounding + uncertain)
-                motion = replace(motion, turn=replace(motion.turn, growth=_iterated_growth(motions, side, unit)))
+                motion, rest = told
             return _found(state, progress, rest, motion, value, bounded_ends)
         hopeless = progress.is_hopeless(motion.certain) or (equation.grows and state.unresolved) or (near and not progress.is_near())
         if hopeless or len(progress.trace) > max_steps:
@@ -229,17 +227,16 @@ def find_ends(
             reason = _why_not(state, progress, motion)
             return Free(state, False, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), reason=reason)
         value += motion.change
-        closes = _closes(zones, equation, motion.delta)
-        vanishes = motion.delta.sum(axis=0) <= zones.a - zones.b
+        closes, vanishes = _closes(zones, equation, motion.delta), motion.delta.sum(axis=0) <= zones.a - zones.b
         limited, gone = _limited(state, zones, motion, signs, unit)
         zones = _held_at(zones.moved(limited, equation.forcing.cornered), limits)
         lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes)
         lost = np.union1d(lost, gone) if drops else lost
-        changes = len(lost) or len(met)
-        if drops and changes and len(lost) + len(met) < len(zones) and not zones.symmetric:
+        changes = len(lost) + len(met)
+        if drops and 0 < changes < len(zones) and not zones.symmetric:
             # What is lost bore little: the search goes on from the others.
-            zones, kept = zones.changed(lost, met, equation.kernel.period)
-            sizes, unit = sizes.of(kept), None
+            (zones, kept), unit = zones.changed(lost, met, equation.kernel.period), None
+            sizes = sizes.of(kept)
             progress.goes_on(zones, modes.gaps(zones, equation.kernel)[1], kept)
         elif changes:
             reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.past_fold]))
@@ -254,6 +251,19 @@ def _state(equation: Equation, zones: Zones, decay: float, sizes: Sizes, value: 
     """The density on these zones, at the open condition's value, if there is one."""
     state, opened = solve_zones(equation, zones, decay, sizes), equation.open_condition
     return state if opened is None or value == 0.0 or state.iterated else state.with_value(opened, value)
+
+
+def _by_iteration(
+    state: State, iteration: Iterative, signs: tuple[float, float], unit: Unit | None, motion: Motion, rest: Rest
+) -> tuple[Motion, Rest] | None:
+    """A step to rest and what it tells, with what iteration tells of them; None where the intensities do not tell the ends."""
+    motions, zones, side = IteratedMotions(state, iteration), state.density.zones, np.array(signs, dtype=float)[:, None]
+    more = motions.amplification()
+    if more > _AMPLIFIED or motion.turn is None:
+        return None
+    uncertain = (more * (motion.noise + STEP * np.abs(motion.delta)) / (zones.b - zones.a)).T
+    motion = replace(motion, turn=replace(motion.turn, growth=_iterated_growth(motions, side, unit)))
+    return motion, replace(rest, error=rest.error + uncertain, rounding=rest.rounding + uncertain)
 
 
 def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, value: float, bounded_ends: bool) -> Free:
@@ -283,7 +293,8 @@ def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
 def _limited(
     state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: Unit | None
 ) -> tuple[Array, Index]:
-    """(moves cut to what widths and gaps allow, of zones far off that stand alone by steps of their own; those of which nothing is left)."""
+    """(moves cut to what widths and gaps allow, those of zones far off that stand alone by steps of their own; zones of which nothing is
+    left)."""
     limited = _limit(zones, state.equation, motion.delta)
     single = far_off(state, motion.moves, motion.delta)
     if not len(single):

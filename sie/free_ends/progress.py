@@ -144,6 +144,8 @@ class Progress:
     def _stays(self) -> bool:
         """Whether the zones have neither grown nor shrunk in the last steps, nor their ends come to rest."""
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
+        if len(now) != len(before):
+            return False
         return bool(np.all((before / 3 < now) & (now < 3 * before))) and self.trace[-1].move > 0.7 * self.trace[-5].move
 
     def vanished(self, zones: Zones, gap: Array, vanishes: Mask, closes: Mask) -> tuple[Index, Index]:

@@ -116,6 +116,8 @@ class Motion:
             half = 0.5 * (table[:, 1] - table[:, 0])
             values = np.array([0.5 * (table[:, 0] + table[:, 1]), half**2])
             rates = np.array([0.5 * (left + right), half * (right - left)])
+            # What has no end goes nowhere.
+            rates = np.where(np.isfinite(values), rates, 0.0)
         return cls(table, values, rates)
 
 
@@ -196,10 +198,12 @@ def _joined(last: Passed, own: Array, between: Array) -> tuple[Array, int]:
     width, gap = (motion.values[1] for motion in (last.own, last.between))
     before = np.roll(gap, 1)
     half, lost = _left(own[1], width)
-    # A gap of a contact solved by its zones is no zone that could be told to be gone.
-    open_, closed = _left(between[1], gap) if isinstance(last.fields, GapFields) else (np.sqrt(np.maximum(between[1], 0.0)), between[1] <= 0)
-    left = np.where(width <= before, own[0] - half, np.roll(between[0] + open_, 1))
-    right = np.where(width <= gap, own[0] + half, between[0] - open_)
+    # Of a contact solved by its zones a gap is no interval of its own that could be told to be gone.
+    by_gaps = isinstance(last.fields, GapFields)
+    open_, closed = _left(between[1], gap) if by_gaps else (np.sqrt(np.maximum(between[1], 0.0)), between[1] <= 0.0)
+    with np.errstate(invalid="ignore"):  # a gap without end
+        left = np.where(width <= before, own[0] - half, np.roll(between[0] + open_, 1))
+        right = np.where(width <= gap, own[0] + half, between[0] - open_)
     if period is not None and width[0] > before[0]:
         left[0] -= period
     lost = lost & (width <= np.minimum(before, gap)) | (right <= left)

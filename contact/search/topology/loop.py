@@ -147,7 +147,9 @@ def _rounds(
             certificate = form.certificate(fields, control)
         if not free.converged:
             # Where signs fail tells which ones are missing.
-            table, newton = ended if certificate.holds else form.corrected(free.density.zones, certificate), replace(newton, drops=not certificate.holds)
+            missing = not certificate.holds
+            table = form.corrected(free.density.zones, certificate) if missing else ended
+            newton = replace(newton, drops=missing)
         elif certificate.holds:
             yield form.solved(free, fields, certificate, done, control, newton.tolerance)
             table, newton = ended, replace(newton, tolerance=TIGHT, near=False)

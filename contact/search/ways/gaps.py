@@ -36,7 +36,7 @@ def worth_gaps(task: Task, problem: Problem, width: float) -> bool:
 
 
 def by_gaps(
-    task: Task, problem: Problem, control: Control, width: float, zones: Array | None = None, near: bool = False, drops: bool = False,
+    task: Task, problem: Problem, control: Control, width: float, zones: Array | None = None, near: bool = False, drops: bool = False
 ) -> FoundByGaps | Missed:
     """The contact solved by its gaps, where it is about as wide as that; drops: see `Newton`."""
     if control.half_width is not None or not worth_gaps(task, problem, width):
@@ -62,7 +62,8 @@ def _found(
         if zones is not None and len(zones) > 0:
             # Where zones are known about, so are the gaps; but not those that a grid does not see.
             between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + period)))
-            found = refine_topology(form, control, united(between, period, True, form.what), Newton(tolerance, mean, near=near, drops=drops))
+            newton = Newton(tolerance, mean, near=near, drops=drops)
+            found = refine_topology(form, control, united(between, period, True, form.what), newton)
             if near or isinstance(found, FoundByGaps):
                 return found
         first = task.shared.first_gaps(form.problem)
