@@ -216,10 +216,12 @@ class ZoneFields(sie.Kept):
         """Displacement -V + lambda C; not less than its level on the zones."""
         return self._raised(x, self.density.potential(x))
 
-    def _raised(self, x: Array, potential: Array, amplitudes: Array | None = None) -> Array:
+    def _raised(self, x: Array, potential: Array) -> Array:
+        return self._with_columns(x, potential, self.density.amplitudes)
+
+    def _with_columns(self, x: Array, potential: Array, amplitudes: Array) -> Array:
         out = -potential
         columns = self.problem.columns
-        amplitudes = self.density.amplitudes if amplitudes is None else amplitudes
         for amplitude, column in zip(amplitudes[: len(columns)], columns, strict=True):
             assert column.primitive is not None
             out = out + amplitude * column.primitive(x)
@@ -356,7 +358,8 @@ class ZoneFields(sie.Kept):
         response = self.state.response(self.state.values(), ROUGHLY)
         zones, load = self.density.zones, self.density.total
         standing = zones.middle[:: max(1, len(zones) // _STANDING)]
-        sunk = self._raised(np.concatenate((standing, x)), response.potential(np.concatenate((standing, x))), response.amplitudes)
+        places = np.concatenate((standing, x))
+        sunk = self._with_columns(places, response.potential(places), response.amplitudes)
         opens = sunk[len(standing) :] - sunk[: len(standing)].mean()
         return moved_ends(self.state, 0, response).T * load, np.asarray(opens * load)
 

@@ -118,7 +118,7 @@ class GapFields(sie.Kept):
     def rates(self, x: Array) -> tuple[Array, Array]:
         """See `ZoneFields.rates`."""
         response = self.state.response(self.state.values(), ROUGHLY)
-        return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(response.integral(x) * self.mean)
+        return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(response.whole.integral(x) * self.mean)
 
     def pressure(self, x: ArrayLike) -> Array:
         return self.scaled_pressure(self.problem.units.scaled(np.asarray(x, dtype=float))) * self.problem.units.pressure

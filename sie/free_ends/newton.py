@@ -228,8 +228,8 @@ def find_ends(
             return Free(state, False, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), reason=reason)
         value += motion.change
         closes, vanishes = _closes(zones, equation, motion.delta), motion.delta.sum(axis=0) <= zones.a - zones.b
-        limited, gone = _limited(state, zones, motion, signs, unit)
-        zones = _held_at(zones.moved(limited, equation.forcing.cornered), limits)
+        outward, gone = _limited(state, zones, motion, signs, unit)
+        zones = _held_at(zones.moved(outward, equation.forcing.cornered), limits)
         lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes)
         lost = np.union1d(lost, gone) if drops else lost
         changes = len(lost) + len(met)
