@@ -103,10 +103,9 @@ def curve(axes: Any, x: Array, y: Array, model: str, label: str | None = None) -
     axes.plot(x, y, label=label, **STYLE[model])
 
 
-def label_panel(axes: Any, x: str, y: str, legend: bool = True) -> None:
-    """Names of the axes, ticks inside, a legend without a frame."""
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
+def label_panel(axes: Any, x: str, y: str, legend: bool = True, **limits: tuple[float | None, float | None]) -> None:
+    """Names of the axes, their limits (xlim, ylim), ticks inside, a legend without a frame."""
+    axes.set(xlabel=x, ylabel=y, **limits)
     axes.tick_params(direction="in", top=True, right=True)
     if legend:
         axes.legend(frameon=False, fontsize=8)

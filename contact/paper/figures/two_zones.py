@@ -56,11 +56,8 @@ def figure_13() -> Figure:
         for axes in (left, right):
             for name, p in values.items():
                 axes.plot(x / HALF_SPACING, 1e3 * p, label=name, **_STYLES[name])
-            axes.set_ylim(0.0, 4.9)
-        left.set_xlim(-1.2, 1.2)
-        right.set_xlim(0.7, 1.2)
-        label_panel(left, "x/c", "1000 p/E*", legend=False)
-        label_panel(right, "x/c", "1000 p/E*")
+        label_panel(left, "x/c", "1000 p/E*", legend=False, xlim=(-1.2, 1.2), ylim=(0.0, 4.9))
+        label_panel(right, "x/c", "1000 p/E*", xlim=(0.7, 1.2), ylim=(0.0, 4.9))
 
     notes = (
         "L = 2.4c as in the paper, which leaves load and c/R open: mean pressure 0.00109 E*, c = 0.05 R.",
