@@ -20,7 +20,6 @@ from contact.paper.figures.base import (
     SELF,
     STYLE,
     Figure,
-    alone_or_period,
     curve,
     label_panel,
     on_cell,
@@ -200,7 +199,7 @@ def figure_10() -> Figure:
 
 def figure_11() -> Figure:
     """Pressure under the parabola at two mean pressures, with the exact one that the paper lacks."""
-    every = {(p, m): alone_or_period(_PARABOLA, m, p) for p in PRESSURES for m in (EXACT, FIRST, SELF, ALONE)}
+    every = {(p, m): solved(_PARABOLA, m, mean_pressure=p) for p in PRESSURES for m in (EXACT, FIRST, SELF, ALONE)}
     apart, t = [], np.linspace(-1.0, 1.0, 201)
     for mean in PRESSURES:
         for model, family in ((EXACT, PeriodicParabola), (FIRST, LocalizedParabola)):

@@ -73,12 +73,6 @@ def solved(profile: Profile, model: str, **control: Any) -> Solution | None:
         return None
 
 
-def alone_or_period(profile: Profile, model: str, mean_pressure: float) -> Solution | None:
-    """As `solved`, at the load that is the mean pressure times the period, for the isolated model too."""
-    assert profile.period is not None
-    return solved(profile, model, load=mean_pressure * profile.period)
-
-
 def on_cell(solutions: list[Solution | None], half: float, points: int = 401) -> Array:
     """Positions in [-half, half] that show every solution: even ones, and closer at the ends of each one's zones."""
     x = [np.linspace(-half, half, points)]
