@@ -35,7 +35,14 @@ from contact.model.registry import controls, interactions, laws, profiles, subst
 from contact.model.units import column, quantity
 from contact.solution.answer import Answer
 from contact.solution.export import (
-    ZONE_COLUMNS, ZONE_UNITS, to_json, write_csv, write_fields, write_json, write_netcdf, zone_table,
+    ZONE_COLUMNS,
+    ZONE_UNITS,
+    to_json,
+    write_csv,
+    write_fields,
+    write_json,
+    write_netcdf,
+    zone_table,
 )
 from contact.solution.plan import plan
 from contact.solution.plotting import plot

@@ -14,7 +14,12 @@ solutions beside them are those of `contact.exact`.
 
 from contact.paper.parabola import LocalizedParabola
 from contact.paper.principle import (
-    LocalizedShape, PrintedLocalizedShape, cauchy_slope, neighbour_slope, printed_cauchy_slope, printed_strip_slope,
+    LocalizedShape,
+    PrintedLocalizedShape,
+    cauchy_slope,
+    neighbour_slope,
+    printed_cauchy_slope,
+    printed_strip_slope,
     strip_slope,
 )
 from contact.paper.two_zones import CubicPair, LocalizedPair, PrintedArtanhPair, PrintedCubicPair

@@ -12,7 +12,20 @@ import numpy as np
 from contact.model.profiles import Parabola, Profile, Sinusoid, Wedge
 from contact.paper import LocalizedParabola, LocalizedWave, LocalizedWedge
 from contact.paper.figures.base import (
-    ALONE, EXACT, FIRST, MODELS, ONE, SELF, STYLE, Figure, curve, label_panel, on_cell, pressures, solved, worst,
+    ALONE,
+    EXACT,
+    FIRST,
+    MODELS,
+    ONE,
+    SELF,
+    STYLE,
+    Figure,
+    curve,
+    label_panel,
+    on_cell,
+    pressures,
+    solved,
+    worst,
 )
 from contact.reference.exact import PeriodicParabola
 from contact.solution.solution import Solution

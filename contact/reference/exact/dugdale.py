@@ -33,7 +33,15 @@ from contact.errors import OutOfRange, SceneError
 from contact.model.checks import between, keep, positive, positive_or_none
 from contact.reference.exact.adhesion import AdhesiveZone, Equilibria, frictionless_energy
 from contact.reference.exact.base import (
-    FROM_LEFT, FROM_RIGHT, WEIGHT, Array, IsolatedZone, PeriodicZone, arcosh1p, cosine, sine,
+    FROM_LEFT,
+    FROM_RIGHT,
+    WEIGHT,
+    Array,
+    IsolatedZone,
+    PeriodicZone,
+    arcosh1p,
+    cosine,
+    sine,
 )
 from contact.reference.exact.parabola import HertzLine
 from contact.reference.exact.sinusoid import Westergaard

@@ -19,7 +19,14 @@ from scipy.special import itj0y0, j0, j1, jn_zeros, jv
 from contact.errors import OutOfRange
 from contact.model.checks import keep, positive
 from contact.reference.exact.base import (
-    Array, IsolatedZone, PeriodicZone, abel_gap, half_width_from_sine, refuse_load, sine, zone_potential,
+    Array,
+    IsolatedZone,
+    PeriodicZone,
+    abel_gap,
+    half_width_from_sine,
+    refuse_load,
+    sine,
+    zone_potential,
 )
 
 

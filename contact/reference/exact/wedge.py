@@ -13,7 +13,15 @@ import numpy as np
 from scipy.special import spence
 
 from contact.reference.exact.base import (
-    FROM_LEFT, WEIGHT, Array, IsolatedZone, PeriodicZone, SymmetricZone, arccos1m, arcosh1p, half_width_from_sine,
+    FROM_LEFT,
+    WEIGHT,
+    Array,
+    IsolatedZone,
+    PeriodicZone,
+    SymmetricZone,
+    arccos1m,
+    arcosh1p,
+    half_width_from_sine,
     sine,
 )
 
