@@ -40,7 +40,8 @@ def require_declarations(profile: Profile) -> None:
     for name, (columns, meaning) in _TABLES.items():
         table = _read(profile, name)
         if not (isinstance(table, np.ndarray) and _is_real(table, 2) and table.shape[1] == columns):
-            raise SceneError.of(f"profile.{name}", table, f"a numpy array of finite rows of {columns}: {meaning} (a property, not a method)")
+            allowed = f"a numpy array of finite rows of {columns}: {meaning} (a property, not a method)"
+            raise SceneError.of(f"profile.{name}", table, allowed)
     tips = _read(profile, "summits")
     if tips is not None and not (_is_real(tips, 1) and np.size(tips)):
         raise SceneError.of("profile.summits", tips, "None, or a one-dimensional array of positions [m]")
