@@ -101,13 +101,7 @@ class Problem(sie.Kept):
     @cached_property
     def borders(self) -> tuple[float, float]:
         """Scaled limits that no zone may reach: of one isolated cell, or of a measured trace; infinite without."""
-        profile = self.profile
-        if self.period is not None or self.reference:
-            return -np.inf, np.inf
-        if profile.period is not None:
-            known: tuple[float, float] | None = (profile.x0, profile.x0 + profile.period)
-        else:
-            known = profile.extent
+        known = None if self.period is not None or self.reference else self.profile.known
         if known is None:
             return -np.inf, np.inf
         lo, hi = (float(self.units.scaled(np.array(s))) for s in known)

@@ -65,9 +65,7 @@ def _is_real(value: Any, axes: int) -> bool:
 
 def _places(profile: Profile) -> np.ndarray[Any, np.dtype[np.float64]]:
     """A few places (2, 3) at which there should be a profile."""
-    if profile.period is not None:
-        return profile.x0 + profile.period * (0.5 + _SPREAD)
-    ends = profile.support or profile.extent
+    ends = profile.known if profile.period is not None else profile.support or profile.extent
     if ends is not None:
         return 0.5 * (ends[0] + ends[1]) + (ends[1] - ends[0]) * _SPREAD
     return (profile.resolution or 1.0) * _DECADES
