@@ -35,7 +35,7 @@ from sie.basis.interval import Complex, InPlane, theta
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
-from sie.jumps.forcing import SERIES, ForcingJumps
+from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST, of_sines, raised
 from sie.jumps.local_spline import LocalSpline
 from sie.jumps.pairs import FewJumps
@@ -43,6 +43,8 @@ from sie.jumps.pairs import FewJumps
 # From this number of jumps of order 2 on a spline takes their place. What the powers of n of them lose, n^2 units in the last digit, the
 # zones beside this one see; those of the right side need not tell these, since what is seen of them is found from g itself.
 _MANY = 128
+# Coefficients that a spline's potential is summed from: they fall as l^(-3).
+_SERIES = 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,10 +136,6 @@ class DensityJumps(ForcingJumps):
         return found
 
     @cached_property
-    def sharp(self) -> list[int]:
-        return sorted({*self.zone[self.closed].tolist(), *(self.logarithms.near.by_zone if self.logarithms is not None else ())})
-
-    @cached_property
     def kinked(self) -> list[int]:
         return sorted({*self.zone[self.order == 0].tolist(), *(self.logarithms.near.by_zone if self.logarithms is not None else ())})
 
@@ -226,11 +224,9 @@ class DensityJumps(ForcingJumps):
         return np.where(np.arange(count) < counts[:, None], self.t_coefficients(zones, count), 0.0)
 
     def high_coefficients(self, zones: Zones) -> Array:
-        out = super().high_coefficients(zones)
-        if self.splines and out.shape[1] == 0:
-            out = np.zeros((len(zones), SERIES))
+        out = np.zeros((len(zones), _SERIES if self.splines else 0))
         for zone, spline in self.splines.items():
-            out[zone] += spline.t_coefficients(out.shape[1])
+            out[zone] = spline.t_coefficients(_SERIES)
         return out
 
     # what the kernel makes of it ------------------------------------------------------------------------------------
@@ -253,21 +249,16 @@ class DensityJumps(ForcingJumps):
         exterior = self._exterior(zone)
         return out if exterior is None else out + exterior[0].transform(exterior[1], rho)
 
-    @property
-    def summed(self) -> dict[int, Index]:
-        """None: a local spline has no closed potential."""
-        return {}
-
     def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
         """Potential of a zone's closed parts over w, less c_0 log(w); on the zone rho = e^{i theta}.
 
-        Of q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)); of others see `_near_potential`.
+        Of q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)); of others see `_potential`.
         """
         root = np.sqrt(np.maximum(left * right, 0.0))
         turned = np.where((left >= 0) & (right >= 0), 0.5 * (left - right) + 1j * root, rho)
         k = self.by_zone[zone]
         out = np.zeros(turned.shape)
-        higher = k[self.closed[k] & (self.order[k] > 0)]
+        higher = k[self.order[k] > 0]
         if len(higher):
             out += self._by_reach(higher, left, right, rho)
         for place in k[self.order[k] == 0]:
