@@ -18,10 +18,9 @@ from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
 from sie.collocation.rounding import density_rounding, intensity_rounding
 from sie.collocation.solved import Carried, Factored, Sizes, Solved, Solver, density_of
 from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import System
+from sie.collocation.system import System, condition_rows
 from sie.density.density import Density
 from sie.equation.checks import look_at
-from sie.equation.conditions import asked
 from sie.equation.equation import Equation
 from sie.fast.panels import panels_over
 from sie.jumps.forcing import ForcingJumps
@@ -411,27 +410,13 @@ def rows_of(state: State) -> Array:
 def _rows(equation: Equation, system: System, scale: Array | None = None) -> tuple[Array, Array, Array]:
     """Rows of the equation and of the side conditions over the kept unknowns; conditions scaled to size one."""
     matrix, right = system.equation_rows()
-    rows, values = _condition_rows(equation, system.zones, system)
+    rows, values = condition_rows(equation, system, system.layout.size)
     if scale is None:
         scale = np.abs(rows).max(axis=1, initial=0.0)
         if np.any(scale == 0):
             raise SingularSystem("a side condition does not depend on the density")
     matrix = MirrorSymmetry.of(system.zones, system.layout).fold(np.concatenate((matrix, rows / scale[:, None])))
     return matrix, np.concatenate((right, values / scale)), scale
-
-
-def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[Array, Array]:
-    """All side conditions, and the intensity prescribed at ends that do not move, as rows and values."""
-    rows, values = [], []
-    for condition in equation.conditions:
-        matrix, constants, wanted = asked(condition, system, system.layout.size)
-        rows.append(matrix)
-        values.append(wanted - constants)
-    if any(zones.held):
-        for ends, chosen, (matrix, constants) in zip((zones.left, zones.right), zones.held, system.intensities(), strict=True):
-            rows.append(matrix[chosen])
-            values.append(np.array([ends[zones.solved[p]].intensity for p in chosen]) - constants[chosen])
-    return np.concatenate(rows) if rows else np.zeros((0, system.layout.size)), np.concatenate(values or [np.zeros(0)])
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:

@@ -26,7 +26,7 @@ from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
 from sie.density.moments import moments_of
-from sie.equation.conditions import Linear, multiplicity, speaks_of_levels
+from sie.equation.conditions import Linear, Rows, asked, multiplicity, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.panels import TERMS, Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
@@ -481,3 +481,17 @@ class System:
         if len(self.by_moments):
             mean[np.searchsorted(solved, self.by_moments)] = self.moment_means
         return mean
+
+
+def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, Array]:
+    """All side conditions, and the intensity prescribed at ends that do not move, as rows over so many unknowns and values."""
+    zones, rows, values = system.zones, [np.zeros((0, size))], [np.zeros(0)]
+    for condition in equation.conditions:
+        matrix, constants, wanted = asked(condition, system, size)
+        rows.append(matrix)
+        values.append(wanted - constants)
+    if any(zones.held):
+        for ends, chosen, (matrix, constants) in zip((zones.left, zones.right), zones.held, system.intensities(), strict=True):
+            rows.append(matrix[chosen])
+            values.append(np.array([ends[zones.solved[p]].intensity for p in chosen]) - constants[chosen])
+    return np.concatenate(rows), np.concatenate(values)

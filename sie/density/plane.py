@@ -116,12 +116,10 @@ class Plane:
         far = np.abs(seen.rho) < _FAR_JUMPS
         out[far] = of_t(self._of_jumps[[zone]], seen[far], np.full(int(far.sum()), w), datum, np.zeros(int(far.sum()), np.intp), what)
         near = np.flatnonzero(~far)
-        k, exterior = jumps.by_zone[zone], jumps.logarithms_near(zone)
+        k = jumps.by_zone[zone]
         for here in pair_blocks(len(near), max(1, len(k))):
             some = seen[near[here]]
-            value = of_jumps(jumps, k, some, what)
-            if exterior is not None:
-                value = value + of_logarithms(*exterior, some, what)
+            value = of_jumps(jumps, k, some, what) + of_logarithms(jumps.near, jumps.near.of(zone), some, what)
             if zone in jumps.splines:
                 value = value + self._spline(zone, some, what)
             out[near[here]] = value

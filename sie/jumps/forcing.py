@@ -35,7 +35,7 @@ from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Complex, InPlane, OnLine, theta
 from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
-from sie.jumps.exterior import ExteriorLogarithms
+from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
 from sie.jumps.formulas import HIGHEST, Jumps
 from sie.jumps.local_spline import MANY, LocalSpline
 from sie.jumps.pairs import FewJumps, far_potential, far_transform
@@ -434,9 +434,10 @@ class ForcingJumps(Jumps):
         parts = self.potential_of(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None])
         return np.asarray(parts @ (self.height[k] / np.pi))
 
-    def logarithms_near(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
-        """Logarithms of the right side that lie near a zone, outside it."""
-        return None
+    @property
+    def near(self) -> ExteriorLogarithms:
+        """Logarithms of the right side that lie near zones, outside them."""
+        return NOWHERE
 
     @cached_property
     def kinked(self) -> list[int]:
