@@ -104,7 +104,7 @@ class Step:
         end = self.length if length is None else length
         if first == 0.0 or last == 0.0:
             return 0.0 if first == 0.0 else end
-        return bracketed(lambda part: function(self.at(part, tight)), {0.0: first, end: last}, xtol=near * end)
+        return float(bracketed(lambda part: function(self.at(part, tight)), {0.0: first, end: last}, xtol=near * end))
 
 
 def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> Iterator[Step]:
@@ -307,7 +307,8 @@ def _unit(curve: Equilibria, at: Point) -> float:
         return least
     # What drives a held end may double.
     driven = np.where(whole.held, (whole.by_value - whole.rates @ moves) / np.maximum(1.0, np.abs(whole.residual)), 0.0)
-    return max(least, 1.0 / float(np.maximum(np.abs(moves / at.widths), np.abs(driven)).max()))
+    most = float(np.maximum(np.abs(moves / at.widths), np.abs(driven)).max())
+    return max(least, 1.0 / most) if most > 0.0 else least
 
 
 def _tangent(at: Point, widths: Array, unit: float) -> Array:
