@@ -154,6 +154,10 @@ class Problem(sie.Kept):
         """What has to press on zones, at distances from their ends over the half width."""
         return np.asarray(density.at(zone, left, right))
 
+    def borne(self, density: sie.AnyDensity) -> float:
+        """Its integral over all zones."""
+        return density.total
+
     @cached_property
     def end(self) -> sie.End:
         """The kind of an end that is free to move, by the law."""
