@@ -90,6 +90,11 @@ class Fourier(Profile):
     def resolution(self) -> float:
         return self.period / self._amplitudes.size
 
+    @property
+    def exact(self) -> bool:
+        """In two words a place keeps all of its digits over the period."""
+        return bool(self._amplitudes.size >= _LONG)
+
     @cached_property
     def _amplitudes(self) -> Complex:
         # f = Re sum c_k exp(2 pi i k x/L)
