@@ -28,7 +28,7 @@ _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
 
 
 # An end nearer to a sharp corner than this part of the body's width is there; and one that is driven inward by so little is still held.
-_SNAP, _HELD = 1e-14, 1e-10
+_SNAP, HELD = 1e-14, 1e-10
 
 
 # Growth within rounding of none.
@@ -156,7 +156,7 @@ class Equilibria:
         if not np.isfinite(corners).all():
             return here
         if held is None:
-            held = (table == np.array(corners)).T.ravel() & (residual >= -_HELD)
+            held = (table == np.array(corners)).T.ravel() & (residual >= -HELD)
         return here.holding(held)
 
     def within(self, table: Array) -> Array:

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 import sie
 from contact.errors import SceneError
-from contact.formulation.energy import elastic_energy
-from contact.formulation.fields import Fields, ZoneFields
+from contact.formulation.energy import Fields, elastic_energy
+from contact.formulation.fields import ZoneFields
 from contact.formulation.tables import begun_from
 from contact.model.checks import real
 from contact.model.controls import Quantity

@@ -196,7 +196,7 @@ def _pressures(fields: ZoneFields) -> Signs:
 
     def over_root(zone: Index, angle: Array) -> Array:
         right, left = 2 * np.sin(angle / 2) ** 2, 2 * np.cos(angle / 2) ** 2
-        return np.asarray(density.at(zone, left, right) / np.sqrt(left * right))
+        return np.asarray(fields.problem.bearing(density, zone, left, right) / np.sqrt(left * right))
 
     def sampled(group: Index, theta: Array) -> tuple[Array, Array, Array]:
         value = over_root(group[:, None], theta)

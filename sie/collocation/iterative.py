@@ -90,10 +90,7 @@ class IterativeSystem(System):
         self.sums = ZoneSums(zones, equation.kernel, self.layout)
         self.symmetry = MirrorSymmetry.of(zones, self.layout)
         self._weights: dict[Callable[[Array], Array], tuple[list[Array], Array]] = {}
-        count = m[solved]
-        first = np.repeat(self.sums.first_row[:-1], count)
-        k = np.arange(int(count.sum())) - first + 1
-        zone = np.repeat(solved, count)
+        zone, k = np.repeat(solved, m[solved]), numbered(m[solved]) + 1
         self.own = self.layout.offset[zone] + k
         self.kept = np.flatnonzero((k % 2 == 0) | (zone != solved[0])) if zones.central else np.arange(len(k))
         g = np.where(k < self.lowest.shape[1], self.lowest[zone, np.minimum(k, self.lowest.shape[1] - 1)], 0.0)
@@ -146,10 +143,6 @@ class IterativeSystem(System):
         if self.layout.columns and self.wants_levels:
             level = level - y[self.layout.coefficients :] @ self.column_means
         return np.asarray(level)
-
-    @cached_property
-    def wants_levels(self) -> bool:
-        return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
 
     @cached_property
     def levelled(self) -> bool:
@@ -262,29 +255,11 @@ class IterativeSystem(System):
 
     def integrals_at(self, weight: Callable[[Array], Array], degree: int | None, y: Array) -> Linear:
         if weight not in self._weights:
-            self._weights[weight] = self._weighted(weight, degree)
+            self._weights[weight] = self.weighted(weight, degree)
         tables, constants = self._weights[weight]
         start = self.layout.offset[self.zones.solved]
         rows = np.array([values @ y[s : s + len(values)] for values, s in zip(tables, start, strict=True)])
         return rows[:, None], constants
-
-    def _weighted(self, weight: Callable[[Array], Array], degree: int | None) -> tuple[list[Array], Array]:
-        """(by each solved zone's coefficients, by what is known) of the integrals of a weight times the density."""
-        tables, constants = [], np.zeros(len(self.zones.solved))
-        least = max(self.g.shape[1], int(self.layout.m.max()) + 1, 16) + 16
-        known: dict[int, Array] = {}
-        for place, i in enumerate(self.zones.solved):
-            m = int(self.layout.m[i])
-            values = np.pi * self.zones.half[i] * self.moments(weight, i, least, degree)
-            tables.append(values[: m + 1])
-            beyond = -self.g[i, m + 1 : len(values)]
-            constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
-            if len(self.jumps):
-                count = min(len(values), self.g.shape[1] + 16)
-                if count not in known:
-                    known[count] = self.jumps.t_coefficients(self.zones, count)
-                constants[place] += values[:count] @ known[count][i] - values[: m + 1] @ self.taken[i, : m + 1][: len(values)]
-        return tables, constants
 
 
 @dataclass(frozen=True, eq=False)

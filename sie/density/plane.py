@@ -193,12 +193,12 @@ def of_jumps(jumps: ForcingJumps, k: Index, seen: InPlane, what: What) -> Comple
     if what == "potential":
         # At the jump itself only powers of the distance are left.
         return jumps.plane_potential(k, seen, away, np.where((away == 0) & (q >= 0), 0.0, log))
-    value, slope = jumps.polynomial(k, seen.zeta[:, None])
     with np.errstate(invalid="ignore", divide="ignore"):
         if what == "transform":
-            value = np.where((away == 0) & (q > 0), 0.0, away**q * log) - value
+            value = np.where((away == 0) & (q > 0), 0.0, away**q * log) - jumps.polynomial(k, seen.zeta[:, None])
         else:
-            value = away**q * jumps.logarithm_slope(k, seen, away) + np.where(q > 0, q * away ** np.maximum(q - 1, 0) * log, 0.0) - slope
+            value = away**q * jumps.logarithm_slope(k, seen, away) - jumps.polynomial_slope(k)
+            value = value + np.where(q > 0, q * away ** np.maximum(q - 1, 0) * log, 0.0)
     return np.asarray(value @ (jumps.height[k] / np.pi))
 
 

@@ -162,15 +162,7 @@ class Series(Located):
         # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
         out = values_on(*self.bounded, zone, left, right, self._bounded_ends)
         if len(self.jumps):
-            out = out.copy()
-            flat, flat_zone, flat_left, flat_right = out.reshape(-1), zone.ravel(), left.ravel(), right.ravel()
-            few = self.jumps.few.holds(flat_zone)
-            some, rest = np.flatnonzero(few), np.flatnonzero(~few)
-            flat[some] += self.jumps.few.density(flat_zone[some], flat_left[some], flat_right[some])
-            for i, there in of_zones(flat_zone[rest]):
-                if i in self.jumps.by_zone:
-                    here = rest[there]
-                    flat[here] += self.jumps.density(i, flat_left[here], flat_right[here])
+            out = out + self.jumps.density_at(zone.ravel(), left.ravel(), right.ravel()).reshape(out.shape)
         return np.asarray(out)
 
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
@@ -207,9 +199,9 @@ class Series(Located):
         panels = panels_over(self.kernel, self.zones)
         return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.jumps))
 
-    def own_transform(self, zone: Index, left: Array, right: Array) -> Array:
+    def own_transform(self, zone: Index, seen: OnLine) -> Array:
         """What the series of zones are transformed to on these, pair by pair."""
-        return own_transform(self.coefficients, zone, left, right)
+        return own_transform(self.coefficients, zone, seen.left, seen.right)
 
     @cached_property
     def potential_coefficients(self) -> Array:

@@ -196,7 +196,8 @@ class Trial:
         return self.level, np.zeros(len(self.level))
 
     def level_steps(self) -> Linear:
-        return np.diff(self.level, axis=0), np.zeros(len(self.level) - 1)
+        matrix, constants = self.levels()
+        return np.diff(matrix, axis=0), np.diff(constants)
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         solved = self.zones.solved

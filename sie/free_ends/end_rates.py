@@ -21,8 +21,8 @@ import numpy as np
 from scipy.linalg import lu_factor
 
 from sie.basis.arrays import Array
-from sie.collocation.fixed import Factored, SingularSystem, State, rows_of
-from sie.equation.conditions import of_levels, speaks_of_levels
+from sie.collocation.fixed import SingularSystem, State, rows_of
+from sie.collocation.solved import Factored
 from sie.free_ends.iterated import IteratedMotions
 from sie.free_ends.motions import Moved, free_ends, spread
 
@@ -99,24 +99,15 @@ def end_rates(state: State) -> EndRates:
         return EndRates(ends, np.array([k for k, _ in columns]).reshape(len(ends), len(ends)).T, levels)
     moved = Moved.of(state, spread(state, ends, np.eye(len(ends))))
     singular, own_level, own = moved.coefficients, moved.own_level, moved.own
-    right = np.empty((state.solver.size, len(ends)))
     matrix = rows_of(state)
     folded = singular if state.symmetry.keep is None else singular[state.symmetry.keep]
-    right[:] = matrix @ folded
+    right = matrix @ folded
     # The rows hold what coefficients do to their own zone, which S does not.
     right[: state.conditions_from] += singular[system.diagonal]
-    at = state.conditions_from
-    for condition in state.equation.conditions:
-        rows = condition.count(zones)
-        if rows and speaks_of_levels(condition, zones):
-            here = slice(at, at + rows)
-            scale = state.condition_scale[at - state.conditions_from : at - state.conditions_from + rows, None]
-            right[here] += of_levels(condition, zones) @ own_level[solved] / scale
-        at += rows
-    for side, places in enumerate(zones.held):
-        for p in places:
-            right[at] = own[side, solved[p]] / state.condition_scale[at - state.conditions_from]
-            at += 1
+    right[state.conditions_from :] += state.level_rows @ own_level[solved]
+    held = [own[side, solved[p]] for side, places in enumerate(zones.held) for p in places]
+    if held:
+        right[-len(held) :] = np.array(held) / state.condition_scale[-len(held) :, None]
     factors = state.direct or Factored(*lu_factor(matrix, check_finite=False))
     answer = np.asarray(factors(-right))
     unknowns = np.column_stack([state.symmetry.unfold(column) for column in answer.T]) if len(ends) else np.zeros((layout.size, 0))
@@ -125,7 +116,7 @@ def end_rates(state: State) -> EndRates:
     place = {int(i): p for p, i in enumerate(solved)}
     intensities = np.array([rates[side, place[i]] for side, i in ends]).reshape(len(ends), len(ends))
     levels = np.zeros((len(solved), 0))
-    if any(speaks_of_levels(condition, zones) for condition in state.equation.conditions):
+    if system.wants_levels:
         levels = system.levels()[0] @ (unknowns + singular) + own_level[solved]
     return EndRates(ends, intensities, levels)
 

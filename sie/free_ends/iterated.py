@@ -37,16 +37,6 @@ class MovedView(Applied):
     moved: Moved
     response: Array
 
-    @property
-    def level(self) -> Array:
-        return self.middle + self.rest + self.moved.own_level[self.zones.solved]
-
-    def levels(self) -> Linear:
-        return self.level[:, None], self.system.level_constants
-
-    def level_steps(self) -> Linear:
-        return np.diff(self.level)[:, None], self.system.step_constants
-
     def intensities(self) -> tuple[Linear, Linear]:
         left, right = self.edges
         nothing = np.zeros(len(left))
@@ -81,7 +71,7 @@ class IteratedMotions:
         rows, plain = system.applied(y + moved.coefficients)
         # The rows hold what coefficients do to their own zone, which singular densities do not.
         rows = rows + moved.coefficients[system.own][system.kept]
-        view = MovedView(system, plain.y, plain.middle, plain.rest, moved, y)
+        view = MovedView(system, plain.y, plain.middle, plain.rest + moved.own_level[self.zones.solved], moved, y)
         parts = [asked(condition, view, 1)[0][:, 0] for condition in system.equation.conditions]
         if len(self.solver.preconditioner.held):
             parts.append(view.held()[0][:, 0])

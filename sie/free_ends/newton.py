@@ -19,7 +19,8 @@ from sie.basis.arrays import Array, Index, Mask
 from sie.basis.ends import FREE, SINGULAR, End
 from sie.basis.zones import Zones
 from sie.collocation import modes
-from sie.collocation.fixed import SingularSystem, Sizes, State, first_sizes, sizes_of
+from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_of
+from sie.collocation.solved import Sizes
 from sie.density.density import Density
 from sie.equation.equation import Equation
 from sie.free_ends.end_rates import NEUTRAL_FROM, end_rates

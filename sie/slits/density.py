@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -17,7 +17,7 @@ from sie.basis.kernels import Kernel, cauchy
 from sie.basis.places import wrapped
 from sie.basis.zones import Zones
 from sie.density.density import Density
-from sie.density.field import Sources, potential_from, transform_from
+from sie.density.field import from_zones
 from sie.density.located import Located
 from sie.density.series import LOOKS
 from sie.jumps.forcing import ForcingJumps
@@ -298,7 +298,7 @@ class SlitDensity(Located):
         """Integral over each piece: that of its wide zone, or by Gauss-Chebyshev beside slits, doubled until it stays; of the
         logarithms of kinks in closed form."""
         out = self.whole.totals[self.merged.piece_zone].copy()
-        wide, kinks = self.merged.wide, self.jumps.chosen(self.jumps.order == 0)
+        wide, kinks = self.merged.wide, replace(self.jumps.chosen(self.jumps.order == 0), splines={})
         for piece in np.flatnonzero((self.merged.slit_before >= 0) | (self.merged.slit_after >= 0)):
             zone = int(self.merged.piece_zone[piece])
             before, after = self.zones.a[piece] - wide.a[zone], wide.b[zone] - self.zones.b[piece]
@@ -363,7 +363,7 @@ class SlitDensity(Located):
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.transform(flat))
-        self._near_slits(flat, out, transform_from, self._transform)
+        self._near_slits(flat, out, False)
         out -= self.slack(self._into_wide(flat))
         return np.asarray(out.reshape(x.shape))
 
@@ -380,7 +380,7 @@ class SlitDensity(Located):
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.potential(flat))
-        self._near_slits(flat, out, potential_from, self._potential)
+        self._near_slits(flat, out, True)
         place = self._into_wide(flat)
         # On a wide zone P[s] raises the potential by its mean opening, and takes the opening away.
         i = np.maximum(np.searchsorted(self.merged.wide.a, place, side="right") - 1, 0)
@@ -407,23 +407,21 @@ class SlitDensity(Located):
         zones = Zones.of(self.merged.wide.table[some])
         return Density(zones, self.kernel, whole - smooth, ForcingJumps.none(), np.zeros(0))
 
-    def _near_slits(
-        self, x: Array, out: Array, told_from: Callable[[Density, Array, Sources], Array], what: Callable[..., Array]
-    ) -> None:
+    def _near_slits(self, x: Array, out: Array, potential: bool) -> None:
         """Puts right what the slits do close to their wide zones and to images of these, where as many of their coefficients as
         others are told do not tell it: takes that out of `out`, and off the zone puts in what they do."""
         x = self.smooth.into_period(x)
         order = np.argsort(x, kind="stable")
         ascending = x[order]
-        wide, sources = self.merged.wide, self._told_density.sources
+        wide, what = self.merged.wide, self._potential if potential else self._transform
         for number, (here, row) in enumerate(zip(self.slits, self.series, strict=True)):
             w = wide.half[here.zone]
-            for source in np.flatnonzero(sources.zone == number):
-                a, b = sources.a[source], sources.b[source]
+            for shift in self.kernel.poles:
+                a, b = wide.a[here.zone] + shift, wide.b[here.zone] + shift
                 first, last = np.searchsorted(ascending, [a - _TELLS * w, b + _TELLS * w])
                 for start in range(first, last, _BLOCK):
                     some = order[start : min(start + _BLOCK, last)]
-                    out[some] -= told_from(self._told_density, x[some], sources.chosen(np.array([source])))
+                    out[some] -= from_zones(self._told_density, x[some], np.full(len(some), number), shift, potential)
                     left, right = (x[some] - a) / w, (b - x[some]) / w
                     off = (left < 0) | (right < 0)
                     seen = Outside(np.where(left[off] < 0, -1.0, 1.0), -np.minimum(left[off], right[off]))

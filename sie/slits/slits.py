@@ -16,7 +16,7 @@ Off its own zone P[s] acts through its coefficients s_k = (2/pi) int s sin(k phi
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +26,8 @@ from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Outside, fall, root_on, theta, transform_of
 from sie.basis.kept import Kept
-from sie.jumps.forcing import HIGHEST, ForcingJumps
+from sie.jumps.forcing import ForcingJumps
+from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 
@@ -206,10 +207,7 @@ class Slits(Kept):
             return np.zeros(self.offset[-1])
         # Those of other zones have no part in it.
         keep = np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True)
-        rest = replace(
-            jumps, zone=jumps.zone[keep], left=jumps.left[keep], right=jumps.right[keep], height=jumps.height[keep],
-            order=jumps.order[keep],
-        )
+        rest = jumps.chosen(keep)
         out = self._of_kinks()
         if self.zone not in rest.by_zone:
             return out

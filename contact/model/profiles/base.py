@@ -30,6 +30,12 @@ AT_ORIGIN = np.zeros(1)
 AT_ORIGIN.setflags(write=False)
 
 
+def onto(ends: tuple[float, float], at: Array, slack: Array | float) -> Array:
+    """Places with those that rounding has put just beyond an end moved back onto it: a corner reached by arithmetic is still the body's."""
+    lo, hi = ends
+    return np.where((at < lo) & (at >= lo - slack), lo, np.where((at > hi) & (at <= hi + slack), hi, at))
+
+
 class Profile(sie.Kept):
     """Base of all profiles; subclasses are frozen dataclasses that check their fields when made.
 

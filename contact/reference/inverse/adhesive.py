@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.model.checks import finite, keep, positive
+from contact.model.profiles.fourier import Fourier
 from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
 from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
@@ -53,7 +54,7 @@ class AdhesiveDesign(GivenZones):
 
     Attributes
     ----------
-    profile : DesignedProfile
+    profile : DesignedProfile or Fourier
         The shape that has this contact.
     is_admissible : bool
         Whether the surfaces keep apart outside the zones.
@@ -185,7 +186,7 @@ class AdhesiveDesign(GivenZones):
 
     # The profile: the polynomial part of X R
     @cached_property
-    def profile(self) -> DesignedProfile:
+    def profile(self) -> DesignedProfile | Fourier:
         """The shape with this contact."""
         n, ends = len(self.zones), self._long.zones.ravel()
         hull = (float(ends[0]), float(ends[-1]))
@@ -204,7 +205,7 @@ class AdhesiveDesign(GivenZones):
                 second, older = 2.0 * np.cos(phi) * second - older, second
             series = 2.0 * np.convolve(root, ratio)[: 2 * n][::-1]
             series[0] *= 0.5
-            return DesignedProfile(None, series.astype(float), hull, np.empty(0), np.empty(0))
+            return DesignedProfile(series.astype(float), hull)
         # Above the axis, w = e^{2 pi i z/L}: 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
         angle = self._long._turn * ends
         power_sums = np.array([0.5 * np.sum(np.exp(-2j * k * angle)) for k in range(n + 1)])
@@ -221,10 +222,7 @@ class AdhesiveDesign(GivenZones):
             ratio[n // 2] += self._smooth[-1] - 0.5j * np.sum(self._poles)
             for j in range(n // 2 + 1, n + 1):
                 ratio[j] += -1j * np.sum(self._poles * np.exp(-1j * (2 * j - n) * angle))
-        harmonic = np.convolve(root, ratio)[:n][::-1]  # of e^{-2 pi i m x/L}, m = 1 .. n
-        wave = 2.0 * self._long._turn * np.arange(1, n + 1)
-        cosines, sines = -2.0 * harmonic.imag / wave, 2.0 * harmonic.real / wave
-        return DesignedProfile(self.period, np.empty(0), hull, cosines.astype(float), sines.astype(float))
+        return self._of_slope(np.convolve(root, ratio)[:n][::-1])
 
     @cached_property
     def zone_loads(self) -> Array:

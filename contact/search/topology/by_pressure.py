@@ -122,6 +122,8 @@ def kinds(problem: Problem, control: Control, table: Array) -> sie.Zones:
     left, right = [end] * count, [end] * count
     lo, hi = problem.corners
     table = np.clip(table, lo, hi)
+    if not np.all(table[:, 0] < table[:, 1]):
+        raise WrongTopology("a contact zone lies beyond the sharp corners of the body, or beyond the border of the strip", None)
     symmetric = is_symmetric(problem, table)
     if symmetric:
         table = 0.5 * (table - table[::-1, ::-1])

@@ -89,7 +89,7 @@ class _At:
     def cut_off(self) -> Mask:
         """Whether the profile alone is in contact at the left and at the right border of the strip."""
         zones = self.alone.free.density.zones
-        return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.corners)
+        return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.cut)
 
     @property
     def misses(self) -> Array:
@@ -456,7 +456,7 @@ class FirstOrderOfSeveral:
         for halved in range(_HALVED + 1):
             strip, alone = _spread(at.table, rates.of_strip(step)), _spread(_table(at.alone), rates.alone * self.period * step[1])
             # What is cut off at the borders of the strip moves with these.
-            alone.flat[[0, -1]] = np.where(at.cut_off, np.array(at.alone.fields.problem.corners) + step[0], alone.flat[[0, -1]])
+            alone.flat[[0, -1]] = np.where(at.cut_off, np.array(at.alone.fields.problem.cut) + step[0], alone.flat[[0, -1]])
             try:
                 # The ends need be no better known than what the next step will move them by.
                 missed = float(np.abs(at.misses).max()) / _width(at.strip)
