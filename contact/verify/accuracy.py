@@ -88,7 +88,10 @@ def too_thin(problem: Problem, table: Array, limit: float = RESOLVED) -> str:
 
 
 def of_positions(found: Found) -> float:
-    """What the ends, given as positions, are rounded to over their zone's width: of narrow zones far from x = 0 more is known."""
+    """What the ends, given as positions, are rounded to over their zone's width: of narrow zones far from x = 0 more is known. Nothing,
+    where what is cut off the positions is told too."""
+    if found.fields.problem.forcing.exact:
+        return 0.0
     units, zones = found.fields.problem.units, found.fields.density.zones
     rounding = np.spacing(np.abs(units.x(zones.table))).max(axis=1) / units.length
     return float((0.5 * rounding / zones.half).max())
