@@ -224,6 +224,9 @@ def propose(
         target = limit = int(points)
     else:
         target, limit = asked(width, resolution, max_points)
+        if _features(width, resolution) > _FEATURES:
+            # What this is wrong by, the look at the signs puts right as well.
+            tol = max(tol, _PASSING)
     n, start = target, None
     while n % 2 == 0 and n // 2 >= COARSEST and start is None:
         start = near.pressure if near is not None and len(near.pressure) == n else None
