@@ -16,7 +16,7 @@ from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import over_period
-from sie import Array, Mask, nearest_image, wrapped
+from sie import Array, Index, Mask, nearest_image, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
 _PEAKS = 16
@@ -179,6 +179,18 @@ class ZoneFields(sie.Kept):
         inner = kinks[(kinks > lo) & (kinks < hi)]
         count = int(np.clip((hi - lo) / self.spacing * 2, 1, 4000))
         return np.unique(np.concatenate((np.linspace(lo, hi, count + 1), inner)))
+
+    def cut_off(self, table: Array, order: Index) -> Array | None:
+        """What rounding has cut off the ends [m] that the rows of a table are, of the zones in this order; None where they have no more
+        digits than their positions."""
+        if not self.problem.forcing.exact:
+            return None
+        units, period, zones = self.problem.units, self.problem.profile.period or 1.0, self.density.zones
+        at, rest = units.length * zones.table[order], units.length * zones.rest.T[order]
+        turns = np.round((table - (units.origin + at)) / period) * period
+        terms = zip(at.ravel(), turns.ravel(), table.ravel(), strict=True)
+        left = np.array([math.fsum((one, units.origin, turn, -told)) for one, turn, told in terms]).reshape(table.shape)
+        return np.asarray(left + rest)
 
     # scaled -----------------------------------------------------------------------------------------------------------
     def inside(self, x: Array) -> Mask:

@@ -117,7 +117,7 @@ class Problem(sie.Kept):
         heights = np.concatenate((kinks[:, 1], jumps[:, 2])) * units.length**orders / units.slope
         at = nearest_image(at, self.centre, self.cell if self.reference else self.period)
         resolution = None if profile.resolution is None else profile.resolution / units.length
-        return sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed)
+        return sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed, exact=profile.exact)
 
     def slope(self, x: Array) -> Array:
         """f' over the unit of slope."""
@@ -153,6 +153,10 @@ class Problem(sie.Kept):
     def bearing(self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array) -> Array:
         """What has to press on zones, at distances from their ends over the half width."""
         return np.asarray(density.at(zone, left, right))
+
+    def borne(self, density: sie.AnyDensity) -> float:
+        """Its integral over all zones."""
+        return density.total
 
     @cached_property
     def end(self) -> sie.End:

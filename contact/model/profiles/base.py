@@ -136,6 +136,11 @@ class Profile(sie.Kept):
         return self.resolution
 
     @property
+    def exact(self) -> bool:
+        """Whether `slope` loses nothing of the places that it is given, but what its own terms are rounded to."""
+        return False
+
+    @property
     def breakpoints(self) -> Array:
         """Positions in the cell where f or one of its derivatives jumps."""
         return np.unique(np.concatenate((self.kinks[:, 0], self.jumps[:, 0])))
