@@ -292,10 +292,8 @@ def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
     >>> sie.images(1.0, 2).poles
     (0.0, -1.0, 1.0, -2.0, 2.0)
     """
-    shifts = [0.0]
-    for k in range(1, neighbours + 1):
-        shifts += [-k * float(period), k * float(period)]
-    return Kernel(tuple(shifts), None, datum=float(datum))
+    shifts = (sign * k * float(period) for k in range(1, neighbours + 1) for sign in (-1, 1))
+    return Kernel((0.0, *shifts), None, datum=float(datum))
 
 
 def regular_size(kernel: Kernel, half_width: float, m: int) -> int:
