@@ -39,6 +39,8 @@ _COARSE = 1e-4
 _KEPT, _NEARLY = 0.1, 0.99
 # What a correction leaves of the residual; corrections at the most; and one that leaves more than this of it is the last.
 _CORRECTED, _CORRECTIONS, _STAGNANT = 1e-6, 6, 0.1
+# From the square of this number of zones on, the tolerance is that of each.
+_ALIKE = 10.0
 # The residual that rounding leaves, over the size of the solution.
 _ROUNDING = 3e-16
 # Zones with less than this part of the largest coefficient are solved as if they had it.
@@ -200,26 +202,28 @@ class IterativeSystem(System):
         forcing's own arithmetic may lose of x)."""
         forcing = self.equation.forcing
         assert forcing.resolution is not None
-        start, length = self._gaps
+        start, rest, length = self._gaps
         panels = np.ceil(length / forcing.resolution).astype(np.intp)
         gap = np.repeat(np.arange(len(length)), panels)
         number = numbered(panels)
         size = (length / panels)[gap]
         t, weights, slope_of = _gauss_legendre()
-        from_start = (number * size)[:, None] + size[:, None] * (0.5 * (1 + t))
+        from_start = rest[gap][:, None] + (number * size)[:, None] + size[:, None] * (0.5 * (1 + t))
         left = start[gap][:, None]
         values = forcing.sampled(left, from_start, lambda g: g @ slope_of / (0.5 * size[:, None]))
         across = 0.5 * size * (values @ weights)
+        if forcing.exact:
+            return np.asarray(np.bincount(gap, across, minlength=len(length)), dtype=np.float64), np.zeros(len(length))
         lost = 0.3 * np.spacing(np.maximum(np.abs(start), np.abs(start + length)))
         varies = np.bincount(gap, ((values @ slope_of) ** 2) @ weights**2, minlength=len(length))
         return np.asarray(np.bincount(gap, across, minlength=len(length)), dtype=np.float64), lost * np.sqrt(varies)
 
     @property
-    def _gaps(self) -> tuple[Array, Array]:
-        """(left end, length) of the gaps between solved zones."""
+    def _gaps(self) -> tuple[Array, Array, Array]:
+        """(left end, what rounding has cut off it, length) of the gaps between solved zones."""
         zones, solved = self.zones, self.zones.solved
-        left = zones.b[solved[:-1]]
-        return left, zones.a[solved[1:]] - left
+        left, rest = zones.b[solved[:-1]], zones.rest[1, solved[:-1]]
+        return left, rest, (zones.a[solved[1:]] - left) + (zones.rest[0, solved[1:]] - rest)
 
     def _levels_at(self, y: Array) -> Array:
         return self.applied(y)[1].level
@@ -240,7 +244,8 @@ class IterativeSystem(System):
             far = max(1.0, abs(math.log((zones.b[-1] - zones.a[0]) / datum)))
             return 2.2e-16 * float(own.sum() * far + (own * near).max() + np.abs(self.level_constants).max())
         slope = float(np.abs(self.g).max())
-        steps = 2.2e-16 * slope * self._gaps[1] + (self._across_gaps[1] if self.integrated else 0.0)
+        # Potentials of neighbours are put together apart from each other up to the node that holds both.
+        steps = 2.2e-16 * slope * self.sums.far.targets.tree.parted + (self._across_gaps[1] if self.integrated else 0.0)
         # The step over the border is that of all others.
         border = float(np.linalg.norm(steps))
         felt_left, felt_right = felt(*(gap[zones.solved] + zones.half[zones.solved] for gap in modes.gaps(zones, self.equation.kernel)))
@@ -507,7 +512,9 @@ class Iterative:
 
         plain = self.preconditioner(right)
         scale = self.scale_of(plain if near is None else near)
-        wanted = max(self.tolerance if tolerance is None else tolerance, 4 * _ROUNDING * math.sqrt(len(self.system.zones.solved)))
+        # Norms of many zones add up what is asked of each.
+        count = math.sqrt(len(self.system.zones.solved))
+        wanted = max((self.tolerance if tolerance is None else tolerance) * max(count / _ALIKE, 1.0), 4 * _ROUNDING * count)
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
         before = float(np.linalg.norm(left_over))

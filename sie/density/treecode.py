@@ -37,7 +37,7 @@ class Treecode:
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
         self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
-        sources = Nested(Tree.over(zones.a, zones.b))
+        sources = Nested(Tree.over(zones.a, zones.b, zones.rest))
         far = FarSum(sources, Nested(Tree.over(ends[:-1], ends[1:]), kept=False), density.kernel)
         near = far.near
         self.source, self.shift = near.source, near.shift

@@ -45,7 +45,7 @@ class Nested:
         tree = self.tree
         up = np.maximum(tree.parent, 0)
         width = np.maximum(tree.hi[up] - tree.lo[up], 1e-300)
-        alpha = ((tree.lo - tree.lo[up]) - (tree.hi[up] - tree.hi)) / width
+        alpha = (((tree.lo - tree.lo[up]) - (tree.hi[up] - tree.hi)) + tree.rest.sum(axis=0)) / width
         return alpha, (tree.hi - tree.lo) / width
 
     @cached_property
@@ -134,8 +134,8 @@ class FarSum:
         far, self.near = interactions(t, s, kernel.poles)
         self.far = far
         self._right = t.lo[far.target] > s.lo[far.source] + far.shift
-        past = t.lo[far.target] - (s.hi[far.source] + far.shift)
-        before = (s.lo[far.source] + far.shift) - t.hi[far.target]
+        past = (t.lo[far.target] - (s.hi[far.source] + far.shift)) + (t.rest[0, far.target] - s.rest[1, far.source])
+        before = ((s.lo[far.source] + far.shift) - t.hi[far.target]) + (s.rest[0, far.source] - t.rest[1, far.target])
         self._gap = np.where(self._right, past, before)
         self._half, self._width = s.half[far.source], t.half[far.target]
         self._sign = np.where(self._right, 1.0, -1.0)

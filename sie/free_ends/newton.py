@@ -42,8 +42,10 @@ _BORDERINGS = 12
 # was: what that leaves of a step is this part of it.
 _SAME_RESPONSE = 0.01
 
-# Of a solution by iteration that is wanted no better than this, sums are rough.
-_ROUGHLY = 1e-7
+# Of a solution by iteration that is wanted no better than this, sums are rough; the last one, if no better than that.
+_ROUGHLY, _ROUGH_ENOUGH = 1e-7, 5e-7
+# From this number of zones on: what series fall to before the last step, over the cube of the move before, and at least.
+_MANY, _OF_CUBE, _LONGEST_FALL = 1000, 1e-3, 1e-4
 # What zones said to be near are expected to move by, over their widths: what a rougher solution would add does not fall as steps do.
 _STEP_NEAR = 1e-4
 
@@ -87,6 +89,8 @@ class Free:
         See above; None: nothing was found.
     reason : str
         Why the search stopped.
+    left : ndarray
+        The remaining outward moves (2, Z) where the ends have come to rest.
 
     Examples
     --------
@@ -108,6 +112,13 @@ class Free:
     met: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     stable: bool | None = None
     reason: str = ""
+    left: Array = field(default_factory=lambda: np.zeros((2, 0)))
+
+    @property
+    def next_zones(self) -> Zones:
+        """The zones after the remaining moves too."""
+        zones = self.density.zones
+        return zones.moved(self.left) if self.left.shape[1] else zones
 
     @property
     def density(self) -> AnyDensity:
@@ -128,6 +139,8 @@ def find_ends(
     off: float = 1.0,
     like: AnyState | None = None,
     limited: End = FREE,
+    few: float = 0.0,
+    patient: int = 0,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -163,6 +176,8 @@ def find_ends(
         A solution on about the same zones, with as many modes to begin with.
     limited : End
         The kind of an end that leaves a limit.
+    few, patient : float, int
+        Part of all ends that need not have come to rest after so many steps: of very many, a first look at what they are the ends of.
 
     Returns
     -------
@@ -183,19 +198,23 @@ def find_ends(
     """
     decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
     opened = equation.open_condition
+    keeps = equation.forcing.cornered or equation.forcing.exact
     off = min(off, _STEP_NEAR) if near else off
-    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off)
+    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off, few, patient)
     sizes = first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
     unit: Unit | None = None
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
-        sizes.linear, sizes.rough, sizes.value = progress.linear, progress.linear > max(_ROUGHLY, progress.tightest), value
-        state = _state(equation, zones, decay, sizes, value)
-        loose = state.iterated and sizes.linear > progress.tightest
+        sizes.linear, sizes.value = progress.linear, value
+        sizes.rough = progress.linear > max(_ROUGHLY, min(progress.tightest, _ROUGH_ENOUGH))
+        # Series of many zones are no longer than the next move asks for.
+        fall = max(decay, min(_LONGEST_FALL, _OF_CUBE * progress.last**3)) if len(zones) >= _MANY else decay
+        state = _state(equation, zones, fall, sizes, value)
+        loose = state.iterated and (sizes.linear > progress.tightest or fall > decay)
         zones, let_go = _let_go(zones, limits, state.density, limited)
         if let_go and zones.follow_ends:
             # The rates are those of the ends that move now.
-            state = _state(equation, zones, decay, sizes, value)
+            state = _state(equation, zones, fall, sizes, value)
         if opened is not None and (unit is None or unit.moved(zones) > _SAME_RESPONSE):
             unit = Unit.of(state, sizes)
         motion = _newton(state, zones, signs, unit)
@@ -228,7 +247,7 @@ def find_ends(
         value += motion.change
         closes = _closes(zones, equation, motion.delta)
         vanishes = motion.delta.sum(axis=0) <= zones.a - zones.b
-        zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), equation.forcing.cornered), limits)
+        zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), keeps), limits)
         lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes)
         if len(lost) or len(met):
             reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.past_fold]))
@@ -256,7 +275,8 @@ def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, valu
     stable = motion.turn is None or motion.turn.growth < 0.0
     reason = _FOUND if stable else _UNSTABLE
     return Free(
-        state, True, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), stable=stable, reason=reason
+        state, True, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), stable=stable, reason=reason,
+        left=_limit(state.density.zones, state.equation, motion.delta),
     )
 
 
@@ -316,6 +336,8 @@ def _of_places(state: AnyState, corners: Array) -> Array:
     sqrt(w / 2) g' e, where A is sqrt(2 w) g' if it comes from the smooth part of g alone. What comes from corners within a zone does
     not count, since the ends' distances from these are known."""
     zones = state.density.zones
+    if state.equation.forcing.exact:
+        return np.zeros((2, len(zones)))
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
     if state.density.slit_count or not np.isfinite(corners).any():
         return rounding

@@ -145,8 +145,11 @@ class Slits(Kept):
         self.which = np.flatnonzero(merged.slit_zone == zone)
         a, b = merged.slits.a[self.which], merged.slits.b[self.which]
         w = self.w = float(merged.wide.half[zone])
-        start, rest = (a - merged.wide.a[zone]) / w, (merged.wide.b[zone] - b) / w
-        half = 0.5 * (b - a)
+        # Distances of their ends from the left end of the zone, and of the right ones from its right end.
+        every, (cut_a, cut_b) = np.full(len(a), zone), merged.slits.rest[:, self.which]
+        self.start, self.stop = merged.wide.beyond_a(a, every) + cut_a, merged.wide.beyond_a(b, every) + cut_b
+        self.rest = merged.wide.before_b(b, every) - cut_b
+        start, rest, half = self.start / w, self.rest / w, merged.slits.half[self.which]
         # Distances to the far ends of the pieces on both sides, and to jumps: the nearest singularities.
         before = np.concatenate(([start[0] * w], a[1:] - b[:-1]))
         after = np.concatenate((a[1:] - b[:-1], [rest[-1] * w]))
@@ -249,9 +252,9 @@ class Slits(Kept):
                     matrix[rows, columns] = np.eye(slit.modes, slit.modes + 1, 1)
                     continue
                 if j < i:
-                    away, sign = self.a[i] - self.b[j] + slit.width * left, 1.0
+                    away, sign = self.start[i] - self.stop[j] + slit.width * left, 1.0
                 else:
-                    away, sign = self.a[j] - self.b[i] + slit.width * right, -1.0
+                    away, sign = self.start[j] - self.stop[i] + slit.width * right, -1.0
                 matrix[rows, columns] = -chebyshev.project_rows(off_slit_rows(away / other.width, sign, other.modes + 1))
         lu, pivots = lu_factor(matrix, check_finite=False)
         return lu, pivots
