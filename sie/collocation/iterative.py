@@ -23,7 +23,7 @@ from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import felt
 from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import System, condition_rows
+from sie.collocation.system import System, condition_rows, outside
 from sie.collocation.zone_sums import ZoneSums
 from sie.equation.conditions import ByZone, Linear, by_zone, speaks_of_levels
 from sie.equation.equation import Equation
@@ -341,9 +341,7 @@ class CoarseOperator:
         w = zones.half[j]
         out = np.zeros(np.broadcast(i, j).shape)
         for shift in kernel.poles:
-            right = zones.middle[i] > zones.middle[j] + shift
-            gap = np.where(right, zones.a[i] - (zones.b[j] + shift), (zones.a[j] + shift) - zones.b[i])
-            e = (gap + zones.half[i]) / w
+            e = outside(zones.a[j] + shift, zones.b[j] + shift, zones.middle[i]).excess
             if shift == 0.0:
                 e = np.where(i == j, 0.0, e)
             out += Outside(1.0, e).first(w / kernel.datum)
