@@ -1,11 +1,12 @@
 /* Numbers and pictures of a frame: a strip of numbers, and on one canvas surfaces, pressure and load curve, one below the other.
 
 All of it is painted in one go once for each frame, and nothing on the page is laid out anew for it: what a slider that is dragged leaves
-time for, where a browser paints without a graphics processor. `canvas.frames` counts what was painted. */
+time for, where a browser paints without a graphics processor. `canvas.frames` counts what was painted, `canvas.across` is what the upper
+pictures show. */
 
 const BODY = "#7a7a7a", SURFACE = "#1f5a92", PRESSURE = "#b3261e", UNDER = "rgba(179, 38, 30, 0.2)", ZONE = "rgba(242, 193, 78, 0.25)";
 const GRID = "#e6e6e6", FRAME = "#b0b0b0", INK = "#333333";
-const HEIGHT = 250, LEFT = 80, RIGHT = 14, TOP = 26, BOTTOM = 44; // of a picture, and of what stands about it [px]
+const HEIGHT = 250, LEFT = 80, RIGHT = 14, TOP = 24, BOTTOM = 40; // of a picture, and of what stands about it [px]
 const USED = 0.5, ROOM = 0.08; // of a range, at least; of what it shows, to either side
 const APART = [90, 40]; // numbers along the axes, at least [px]
 const LEAST = 4; // of a stretch that is marked [px]
@@ -234,6 +235,7 @@ export function render({ model }) {
       pen.fillRect(hand.from, 0, hand.to - hand.from, 2 * HEIGHT);
     }
     canvas.frames += 1;
+    canvas.across = across;
   }
 
   function due() {

@@ -146,6 +146,22 @@ def test_while_a_hand_moves_frames_are_light_and_at_rest_all_is_there(awaited: l
     assert len(shown.pictures.curve["points"][1]) > 20
 
 
+def test_a_frame_under_a_moving_hand_is_one_change_of_one_thing(awaited: list[Callable[[], None]]) -> None:
+    shown, changes = Explorer(WAVE, 1e-8), []
+    shown._rest_at = 0.0
+    while awaited:  # until the curve stands
+        awaited.pop()()
+    shown.pictures.param.watch(lambda event: changes.append(event.name), ["frame", "curve", "refused"])
+    for widget in (shown.text, shown.draw, shown.branch, *shown.sliders.objects):
+        widget.param.watch(lambda event: changes.append(event.name), list(widget.param))
+    for count in range(1, 4):
+        shown.sliders.objects[0].value -= 0.1
+        changes.clear()
+        next(do for do in awaited if do.__name__ == "_show")()
+        awaited[:] = [do for do in awaited if do.__name__ != "_show"]
+        assert changes == ["frame"], count
+
+
 def points(shown: Explorer) -> int:
     """At how many places the fields are drawn."""
     return shown.pictures.frame["fields"].shape[1]
@@ -238,6 +254,27 @@ def test_a_hand_that_drags_the_load_reads_the_numbers_of_that_load(served: Serve
     assert found.mean_pressure < 1.2e9
     assert now["highest pressure"] == quantity(found.max_pressure, "Pa", 6)
     assert float(now["stated error, at most"]) <= 1e-8 and now["certificate"] == "holds"
+
+
+@pytest.mark.slow
+def test_what_the_server_sends_of_a_frame_is_one_message_and_is_painted_once(served: Served) -> None:
+    page, painted, text = served.page, "deep('canvas')[0].frames", "deep('textarea')[0].value"
+    before, was, heard = page.run(painted), page.run(text), len(page.told)
+    page.drag("deep('.noUi-handle')[0]", -40, steps=40)
+    page.until(lambda: page.run(text) != was)
+    patches = sum('"PATCH-DOC"' in said for said in page.told[heard:])
+    assert 2 <= page.run(painted) - before <= patches
+
+
+@pytest.mark.slow
+def test_a_stretch_that_is_dragged_over_fills_the_pictures(served: Served) -> None:
+    page, across = served.page, "(one => one.high - one.low)(deep('canvas')[0].across)"
+    whole = page.run(across)
+    page.drag("deep('canvas')[0]", 100)  # the middle is within the second picture
+    width = page.run("deep('canvas')[0].clientWidth")
+    page.until(lambda: page.run(across) == pytest.approx(whole * 100 / (width - 94), rel=0.02))
+    page.click("deep('canvas')[0]", times=2)
+    page.until(lambda: page.run(across) == whole)
 
 
 @pytest.mark.slow
