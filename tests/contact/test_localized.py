@@ -349,7 +349,23 @@ class TestFirstOrderOfSeveralZones:
         assert np.abs(solution.zones - expected.zones).max() <= (solution.error + expected.error) * expected.zone_widths.max()
 
 
-def test_an_approach_at_which_grids_see_no_contact_is_no_fault():
-    drawn = random_scenes.draw(21455)
-    with pytest.raises(contact.ContactError, match="grids see no contact at this approach"):
-        contact.solve(drawn.scene)
+@pytest.mark.parametrize("seed", [21479, 23180])
+def test_zones_of_a_body_between_corners_lie_between_those_of_its_own_period(seed):
+    scene = random_scenes.draw(seed).scene
+    solution = contact.solve(scene)
+    assert solution.certificate.holds and solution.error <= 1e-8
+    corners = np.array(scene.profile.support)
+    assert np.abs(solution.zones - corners.mean()).max() <= 0.5 * np.ptp(corners) * (1 + 1e-12)
+
+
+def test_the_profile_alone_ends_at_its_corners_as_in_the_strip():
+    # Pressed so little that the nominal pressure does nothing: the strip and its profile alone are the same contact at the corner.
+    solution = contact.solve(random_scenes.draw(21479).scene)
+    alone = contact.solve(replace(solution.scene, interaction=contact.Periodic()))
+    assert relative(solution.zone_widths, alone.zone_widths) < 1e-6
+
+
+def test_an_approach_at_which_grids_see_no_contact_is_that_of_a_load():
+    scene = random_scenes.draw(21455).scene
+    solution = contact.solve(scene)
+    assert solution.error <= 1e-8 and relative(solution.approach, scene.control[1]) < 1e-6

@@ -236,9 +236,11 @@ class ClosureGrid:
         return step if inside or math.isnan(middle) else middle
 
     def _first_centre(self) -> float:
-        """Half a period from the middle of the widest gap of the period."""
+        """Half a period from the middle of the widest gap of the period; of a body between sharp corners, its middle."""
         profile, units = self.problem.profile, self.problem.units
         assert profile.period is not None
+        if profile.support is not None:
+            return float(units.scaled(np.array(0.5 * sum(profile.support))))
         whole = propose(
             partial(grid_height, profile), self.scaled.cell, whole_response(self.problem), points=self.points,
             load=self.load * units.load, tol=_ROUGHLY,

@@ -98,6 +98,8 @@ def _in_strip(problem: Problem, control: Control, points: int | None, whole: Pro
     load = whole.state.load if control.load is None else control.load * units.load
     nominal = load / units.load / problem.period if problem.amplitude is None else problem.amplitude
     middle = cut_of(whole, profile.x0, profile.period) + 0.5 * profile.period
+    if profile.support is not None:
+        middle = 0.5 * sum(profile.support)
     if held:
         middle = float(units.x(np.array(problem.centre)))
     response = Response(units.E_star, False, interaction.neighbours, rest=problem.operator.strip_rest)
@@ -229,7 +231,8 @@ def _load_of_width(scaled: ScaledScene, problem: Problem, width: float) -> tuple
 
 
 def placed(problem: Problem, zones: Array) -> Array:
-    """Zones [m] in scaled variables, cut at the widest gap of the period where the model wants them in one strip."""
+    """Zones [m] in scaled variables, cut at the widest gap of the period where the model wants them in one strip; a body between sharp
+    corners is never cut."""
     scaled = problem.units.scaled(zones)
     period = problem.period
     if period is None:
@@ -240,7 +243,7 @@ def placed(problem: Problem, zones: Array) -> Array:
         middle = 0.5 * sum(problem.corners) if bounded else 0.0
         scaled = centred_on(scaled, middle, period)
         scaled = scaled[np.argsort(scaled[:, 0])]
-    if problem.interaction.strip and len(scaled):
+    if problem.interaction.strip and len(scaled) and not bounded:
         gaps = np.append(scaled[1:, 0] - scaled[:-1, 1], scaled[0, 0] + period - scaled[-1, 1])
         if gaps[-1] < (1 - 1e-6) * gaps.max():
             first = int(np.argmax(gaps)) + 1

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.errors import NotConverged, OutOfRange
+from contact.errors import OutOfRange
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
 from contact.formulation.single import guess_half_width
@@ -23,6 +23,7 @@ from contact.search.topology.missed import Missed, attempted
 from contact.search.ways.first_order import FirstOrder, Search
 from contact.search.ways.first_order_several import Closed, FirstOrderOfSeveral
 from contact.search.ways.guesses import EXACT, from_grid, search
+from contact.search.ways.loads import NEAR_LOAD, at_approach
 from contact.verify.accuracy import Found
 from sie import Array
 
@@ -121,9 +122,8 @@ def first_order(task: Task, scaled: ScaledScene, found: Found | None = None) -> 
 def _from_grids(task: Task, scaled: ScaledScene, strip: Search, alone: Search) -> Found:
     """Zones of unknown places: one by its width, where grids see one that grew from one asperity; else two contacts under their loads."""
     with task.plan.timed("coarse search"):
-        load = _about_load(scaled)
-        if not load > 0.0:
-            raise NotConverged(f"grids see no contact at this {task.scene.control[0]}, and so no load to begin with; {EXACT}")
+        # The lowest place of a grid may lie above the profile's by more than an approach: then loads tell which has it.
+        load = _about_load(scaled) or at_approach(task, NEAR_LOAD).load / scaled.problem.units.load
         grid = ClosureGrid(scaled, scaled.problem, load)
         rough = grid.first()
     if _is_asperity(grid, rough):
