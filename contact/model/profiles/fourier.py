@@ -91,7 +91,7 @@ class Fourier(Profile):
     @property
     def exact(self) -> bool:
         """In two words a place keeps all of its digits over the period."""
-        return bool(self._amplitudes.size >= _LONG)
+        return bool(np.size(self.cosine) >= _LONG)
 
     @cached_property
     def _waves(self) -> tuple[_Waves, ...]:
