@@ -159,6 +159,10 @@ class Equilibria:
             held = (table == np.array(corners)).T.ravel() & (residual >= -HELD)
         return here.holding(held)
 
+    def unit(self, here: Point) -> float:
+        """Of the value of the control: what changes that which drives some end by as much as is asked of it."""
+        return 1.0 / float(np.abs(here.whole.by_value).max())
+
     def within(self, table: Array) -> Array:
         """The zones as far as sharp corners let them, and those so near to one up to it; of a body that repeats, in its own period."""
         lo, hi = self.problem.corners

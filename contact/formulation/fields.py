@@ -180,12 +180,12 @@ class ZoneFields(sie.Kept):
         count = int(np.clip((hi - lo) / self.spacing * 2, 1, 4000))
         return np.unique(np.concatenate((np.linspace(lo, hi, count + 1), inner)))
 
-    def cut_off(self, table: Array, order: Index) -> Array:
-        """What rounding has cut off the ends [m] that the rows of a table are, of the zones in this order; 0 where they have no more digits
-        than their positions."""
-        units, period, zones = self.problem.units, self.problem.profile.period or 1.0, self.density.zones
+    def cut_off(self, table: Array, order: Index) -> Array | None:
+        """What rounding has cut off the ends [m] that the rows of a table are, of the zones in this order; None where they have no more
+        digits than their positions."""
         if not self.problem.forcing.exact:
-            return np.zeros(table.shape)
+            return None
+        units, period, zones = self.problem.units, self.problem.profile.period or 1.0, self.density.zones
         at, rest = units.length * zones.table[order], units.length * zones.rest.T[order]
         turns = np.round((table - (units.origin + at)) / period) * period
         terms = zip(at.ravel(), turns.ravel(), table.ravel(), strict=True)

@@ -121,7 +121,8 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None,
     gaps, overlaps, rounding, outside, on_zones = openings(fields, few)
     units = fields.problem.units
     density = fields.density
-    balance = 0.0 if load is None else abs(density.total - load) / max(abs(load), fields.load_size if law.pulls else 0.0)
+    size = fields.load_size if law.pulls else fields.problem.borne(density)
+    balance = 0.0 if load is None else abs(density.total - load) / max(abs(load), size)
     turned = _moment_balance(fields)
     spread = float(np.ptp(fields.levels)) * units.height
     undecided = (gaps is not None and -rounding <= gaps <= 0.0) or (dip <= DIP_ROUNDING and len(pressures) == 0)

@@ -23,9 +23,9 @@ from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import felt
 from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import System
+from sie.collocation.system import System, condition_rows
 from sie.collocation.zone_sums import ZoneSums
-from sie.equation.conditions import ByZone, Linear, asked, by_zone, for_every_zone, speaks_of_levels
+from sie.equation.conditions import ByZone, Linear, by_zone, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.far import reaches
 from sie.fast.hierarchical import Inverse
@@ -386,8 +386,8 @@ class TwoLevelPreconditioner:
         # What every zone has of its own: rows of one condition, or those of held ends, which come last.
         self.rows = slice(int(starts[-1]), None) if at is None else slice(int(starts[at]), int(starts[at + 1]))
         self.absolute = self.own is not None and not self.own.differences
-        # Of the integral over a zone all but c_0 is nothing; of others, and of edges, it is not.
-        self.closed = None if at is None or self.levels or for_every_zone(conditions[at]) == "totals" else conditions[at]
+        # Of what is no level: the condition that is every zone's own.
+        self.closed = None if at is None or self.levels else conditions[at]
         self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
         layout, symmetry = system.layout, system.symmetry
         self.first = symmetry.position(layout.offset[zones.solved])
@@ -418,9 +418,6 @@ class TwoLevelPreconditioner:
     def _close(self, folded: Array, wanted: Array) -> None:
         """Sets c_0 of every zone so that what the zone has of its own, which is no level, is as wanted."""
         system = self.system
-        if self.own is not None and self.closed is None:
-            folded[self.first] = wanted / self.own.first
-            return
         view = Applied(system, system.symmetry.unfold(folded), np.zeros(0), np.zeros(0))
         if self.own is not None and self.closed is not None:
             folded[self.first] = (wanted - self.closed.rows(view)[0][:, 0]) / self.own.first
@@ -495,23 +492,15 @@ class Iterative:
     def rows(self, folded: Array, rough: bool = False) -> Array:
         system = self.system
         rows, view = system.applied(system.symmetry.unfold(folded), rough)
-        parts = [asked(condition, view, 1)[0][:, 0] for condition in system.equation.conditions]
-        return np.concatenate((rows, *parts, view.held()[0][:, 0]) if len(self.preconditioner.held) else (rows, *parts))
+        return np.concatenate((rows, condition_rows(system.equation, view, 1)[0][:, 0]))
 
     def right(self) -> Array:
         """The right side of the equation and of its conditions."""
-        system = self.system
-        none = np.zeros(len(system.zones.solved))
-        nothing = Applied(system, np.zeros(system.layout.size), none, none)
-        values = []
-        for condition in system.equation.conditions:
-            _, constants, wanted = asked(condition, nothing, 1)
-            values.append(wanted - constants + (self.value if condition.open else 0.0))
-        if len(self.preconditioner.held):
-            zones = system.zones
-            kinds = zip((zones.left, zones.right), zones.held, strict=True)
-            values.append(np.array([ends[zones.solved[p]].intensity for ends, places in kinds for p in places]) - nothing.held()[1])
-        return np.concatenate((system.equation_right, *values))
+        system, none = self.system, np.zeros(len(self.system.zones.solved))
+        values = condition_rows(system.equation, Applied(system, np.zeros(system.layout.size), none, none), 1)[1]
+        opened = [condition.open for condition in system.equation.conditions for _ in range(condition.count(system.zones))]
+        values[np.flatnonzero(opened)] += self.value
+        return np.concatenate((system.equation_right, values))
 
     def __call__(
         self, right: Array, near: Array | None = None, tolerance: float | None = None,

@@ -122,6 +122,11 @@ class Answered(Kept):
     def equation(self) -> Equation:
         return self.whole.system.equation
 
+    def right_side(self, x: Array) -> Array:
+        """The equation's right side at points."""
+        columns = zip(self.density.amplitudes, self.equation.columns, strict=True)
+        return np.asarray(self.equation.forcing.value(x) + sum(amplitude * column.value(x) for amplitude, column in columns))
+
     @property
     def condition_index(self) -> Index:
         """First row of each side condition among the conditions' rows."""

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebint
 
 from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, of_t
@@ -50,16 +51,9 @@ class Treecode:
     @cached_property
     def potential_series(self) -> Array:
         """Series of the potential: the primitive of the transform's, with the given value at the middle of the cell."""
-        f = np.zeros((len(self.series), TERMS + 2))
-        f[:, :TERMS] = self.series
-        out = np.zeros((len(f), TERMS + 1))
-        k = np.arange(2, TERMS + 1)
-        out[:, 1] = f[:, 0] - 0.5 * f[:, 2]
-        out[:, 2:] = (f[:, 1:TERMS] - f[:, 3 : TERMS + 2]) / (2 * k)
-        out *= self.half[:, None]
-        even = np.arange(2, TERMS + 1, 2)
-        out[:, 0] = self.value - out[:, 2::2] @ np.cos(0.5 * np.pi * even)
-        return out
+        out = chebint(self.series, axis=1) * self.half[:, None]
+        out[:, 0] += self.value
+        return np.asarray(out)
 
     def transform(self, x: Array) -> Array:
         return self._summed(x, self.series, False)

@@ -23,7 +23,7 @@ from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_of
 from sie.collocation.solved import Sizes
 from sie.density.density import Density
 from sie.equation.equation import Equation
-from sie.free_ends.end_rates import NEUTRAL_FROM, end_rates
+from sie.free_ends.end_rates import DirectMotions, motions_of
 from sie.free_ends.gap_steps import gap_steps
 from sie.free_ends.iterated import STEP, IteratedMotions
 from sie.free_ends.motions import spread
@@ -237,7 +237,7 @@ def find_ends(
                     return Free(state, False, nowhere, nowhere, tuple(progress.trace), value, reason=_NEUTRAL)
                 uncertain = (more * (motion.noise + STEP * np.abs(motion.delta)) / (zones.b - zones.a)).T
                 rest = replace(rest, error=rest.error + uncertain, rounding=rest.rounding + uncertain)
-                motion = replace(motion, turn=replace(motion.turn, growth=_iterated_growth(motions, side, unit)))
+                motion = replace(motion, turn=replace(motion.turn, growth=_growth(motions, side, unit)))
             return _found(state, progress, rest, motion, value, bounded_ends)
         hopeless = progress.is_hopeless(motion.certain) or (equation.grows and state.unresolved) or (near and not progress.is_near())
         if hopeless or len(progress.trace) > max_steps:
@@ -496,68 +496,24 @@ def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
 def _full_newton(
     equation: Equation, state: State, residual: Array, noise_k: Array, unit: Unit | None, signs: Array
 ) -> tuple[Array, Array, float, float]:
-    """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth of a push (`Free.stable`) by Newton
-    with the full Jacobian dK_i/d(end_j), for prescribed intensities.
+    """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth of a push (`Free.stable`; not a number
+    by iteration, where it is left open) by Newton with the full Jacobian dK_i/d(end_j), for prescribed intensities.
 
     The rates are those of `end_rates`; of a mirrored pair of ends, the right one stands for both.
     """
-    zones = state.density.zones
-    if state.iteration is not None:
-        return _iterated_newton(equation, state, residual, noise_k, unit)
-    rates = end_rates(state)
-    ends, jacobian = rates.ends, rates.intensities
-    driven = np.array([float(signs[side, 0]) for side, _ in ends])[:, None] * jacobian
-    # Rounding alone keeps the rates of a motion that changes nothing from being zero.
-    if len(ends) and not np.linalg.cond(jacobian) < NEUTRAL_FROM:
-        return np.full_like(residual, np.inf), noise_k, 0.0, 0.0
-    inverse = np.linalg.inv(jacobian)
-    at_ends = tuple(np.array(ends, dtype=np.intp).reshape(-1, 2).T)
-    delta = spread(state, ends, -inverse @ residual[at_ends])
-    noise = spread(state, ends, np.abs(inverse) @ noise_k[at_ends])
-    if unit is None:
-        return delta, noise, 0.0, _growth(driven)
-    slope = spread(state, ends, -inverse @ unit.intensities[at_ends])
-    delta, change = _bordered(equation, zones, delta, slope)
-    return delta, noise, change, _growth(driven, *_along(equation, zones, unit, at_ends, signs))
+    motions = motions_of(state)
+    at_ends, change = (motions.side, motions.zone), 0.0
+    delta, noise = spread(state, motions.ends, motions.meeting(-residual[at_ends])), motions.local(noise_k)
+    if unit is not None:
+        slope = spread(state, motions.ends, motions.meeting(-unit.intensities[at_ends]))
+        delta, change = _bordered(equation, state.density.zones, delta, slope)
+    return delta, noise, change, math.nan if state.iterated else _growth(motions, signs, unit)
 
 
-def _iterated_newton(
-    equation: Equation, state: State, residual: Array, noise_k: Array, unit: Unit | None
-) -> tuple[Array, Array, float, float]:
-    """The same by iteration; the growth is left open."""
-    assert state.iteration is not None
-    motions = IteratedMotions(state, state.iteration)
-    at_ends = motions.side, motions.zone
-    delta = spread(state, motions.ends, motions.meeting(-residual[at_ends]))
-    noise = motions.local(noise_k)
-    if unit is None:
-        return delta, noise, 0.0, math.nan
-    slope = spread(state, motions.ends, motions.meeting(-unit.intensities[at_ends]))
-    delta, change = _bordered(equation, state.density.zones, delta, slope)
-    return delta, noise, change, math.nan
-
-
-def _iterated_growth(motions: IteratedMotions, signs: Array, unit: Unit | None) -> float:
-    """The growth at a state that was found by iteration."""
+def _growth(motions: DirectMotions | IteratedMotions, signs: Array, unit: Unit | None) -> float:
+    """How a push of the ends grows; with a condition on the ends, which the unknown value keeps: of motions along it."""
     if unit is None:
         return motions.growth(signs[:, 0])
-    at_ends = motions.side, motions.zone
-    return motions.growth(signs[:, 0], *_along(motions.state.equation, motions.zones, unit, at_ends, signs))
-
-
-def _along(
-    equation: Equation, zones: Zones, unit: Unit, at_ends: tuple[Index, ...], signs: Array
-) -> tuple[Array, Array]:
-    """(gradient of the condition on the ends by their motions, what drives them by a unit of the unknown value)."""
-    _, by_left, by_right = equation.end_conditions[0].residual(zones)
-    return np.array([by_left, by_right])[at_ends], signs[at_ends[0], 0] * unit.intensities[at_ends]
-
-
-def _growth(driven: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
-    """Largest real part of the eigenvalues of what drives the ends by their motions; with a condition on the ends, which the unknown value
-    keeps: of motions along it."""
-    if normal is not None and by_value is not None:
-        driven = driven - np.outer(by_value, normal @ driven) / (normal @ by_value)
-        along = np.linalg.svd(normal[None])[2][1:]
-        driven = along @ driven @ along.T
-    return float(np.linalg.eigvals(driven).real.max(initial=-np.inf))
+    at_ends, state = (motions.side, motions.zone), motions.state
+    _, by_left, by_right = state.equation.end_conditions[0].residual(state.density.zones)
+    return motions.growth(signs[:, 0], np.array([by_left, by_right])[at_ends], signs[at_ends[0], 0] * unit.intensities[at_ends])

@@ -18,7 +18,7 @@ from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 from sie.collocation.fixed import (
-    LOOKS,
+    THETA,
     SingularSystem,
     State,
     field_tails,
@@ -27,7 +27,7 @@ from sie.collocation.fixed import (
     residual_error,
     solve_fixed,
 )
-from sie.collocation.solved import Answered, Carried, Sizes, density_of
+from sie.collocation.solved import Answered, Carried, Sizes, Solver, density_of
 from sie.collocation.system import System
 from sie.density.density import Density
 from sie.equation.conditions import Linear, Trial, asked
@@ -265,6 +265,10 @@ class SlitState(Answered):
         return self.slit_system.merged
 
     @property
+    def solver(self) -> Solver:
+        return self.wide.solver
+
+    @property
     def condition_scale(self) -> Array:
         return self.wide.condition_scale
 
@@ -376,13 +380,11 @@ class SlitState(Answered):
     def _residuals(self) -> Array:
         """Residual of the equation times the wide zone's sqrt(1 - t^2) at a few points of each piece."""
         zones, merged = self.density.zones, self.merged
-        theta = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
-        x = (zones.middle[:, None] + zones.half[:, None] * np.cos(theta)).ravel()
-        value = self.density.transform(x) - self.equation.forcing.value(x)
-        for amplitude, column in zip(self.density.amplitudes, self.equation.columns, strict=True):
-            value = value - amplitude * column.value(x)
-        left = merged.start[:, None] + (zones.half[:, None] * (1 + np.cos(theta)))
-        right = merged.rest[:, None] + (zones.half[:, None] * (1 - np.cos(theta)))
+        t = np.cos(THETA)
+        x = (zones.middle[:, None] + zones.half[:, None] * t).ravel()
+        value = self.density.transform(x) - self.right_side(x)
+        left = merged.start[:, None] + (zones.half[:, None] * (1 + t))
+        right = merged.rest[:, None] + (zones.half[:, None] * (1 - t))
         root = np.sqrt(left * right) / merged.wide.half[merged.piece_zone][:, None]
         return np.asarray(value.reshape(root.shape) * root)
 

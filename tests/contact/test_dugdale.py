@@ -263,8 +263,6 @@ def test_what_does_not_go_with_it_is_refused_by_name():
     law = contact.Dugdale(1e-5, 1e-2)
     with pytest.raises(contact.SceneError, match="dugdale goes with isolated and periodic"):
         contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Localized(), law=law, load=0.01)
-    with pytest.raises(contact.SceneError, match="sharp corners"):
-        contact.Scene(contact.Flat(1.0), E, contact.Isolated(), law=law, load=0.01)
     with pytest.raises(contact.SceneError, match="the controls of dugdale are"):
         contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=law, contact_fraction=0.5)
     with pytest.raises(contact.SceneError, match="pull-off is told of contact that is not nearly full"):

@@ -200,7 +200,7 @@ def test_cost_does_not_grow_as_the_gap_narrows(period):
     for gap in 10.0 ** -np.arange(3, 8):
         state = solve_zones(equation(kernel), sie.Zones.of([[-0.2, -0.03], [-0.03 + 0.17 * gap, 0.15]]))
         assert isinstance(state, SlitState)
-        sizes.append(state.coupled + sum(here.offset[-1] for here in state.slit_system.slits))
+        sizes.append(state.solver.size + sum(here.offset[-1] for here in state.slit_system.slits))
     assert max(sizes) == min(sizes) < 40
 
 

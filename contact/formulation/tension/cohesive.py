@@ -248,6 +248,13 @@ class Cohesive(Equilibria):
         pulled = self.everywhere if here.everywhere else Pulled.of(self.problem, self.stress, here.table)
         return np.asarray(pulled.shape(x) + here.level)
 
+    def unit(self, here: Point) -> float:
+        if here.whole.by_value.any():
+            return super().unit(here)
+        # Contact covers all ends: what the tension could bear, or its reach.
+        bears = self.stress * float(np.diff(here.table, axis=1).sum())
+        return bears if self.held.load is not None else self.reach + self.yields * bears
+
     # how it follows ---------------------------------------------------------------------------------------------------
     def settled(self, here: Point) -> CohesivePoint:
         """The equilibrium near by, tightly."""

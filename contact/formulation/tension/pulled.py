@@ -248,6 +248,10 @@ class Pulled(Problem):
         last, tension = len(density.zones) - 1, self.pulling
         return super().bearing(density, zone, left, right) + tension.stress * tension.lacks(zone, last, left, right)
 
+    def borne(self, density: sie.AnyDensity) -> float:
+        tension = self.pulling
+        return density.total + tension.stress * sum(zone.half for zone in tension.spread if zone is not None)
+
     @property
     def pulling(self) -> Tension:
         assert self.tension is not None

@@ -228,7 +228,7 @@ class FollowingUnderTension(Following):
             return here
 
         def beside(here: CohesivePoint, ahead: bool, reach: float) -> Iterator[At]:
-            place = arc.onward(step.start, here)
+            place = arc.onward(self.curve, step.start, here)
             if not ahead:
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
