@@ -40,7 +40,7 @@ from sie import Array
 _STEPS, _HALVED, _LOOKS, _FAR, _BENT, _SLOW = 40, 4, 4, 1e-2, 1e-4, 0.5
 # Steps of all ends and unknowns at once, the largest move over the width of a zone or a gap from which they start, after which rates are
 # found anew, and which is as good as none.
-_TOGETHER, _BOLDEST, _BENT_MUCH, _NEARBY, _LAST_OF_ALL, _SLOW_STEPS, _HALF = 16, 1.0, 0.3, 1e-2, 1e-4, 3, 0.4
+_TOGETHER, _BOLDEST, _BENT_MUCH, _QUICK, _NEARBY, _LAST_OF_ALL, _SLOW_STEPS, _HALF = 20, 1.0, 0.3, 0.2, 1e-2, 1e-4, 3, 0.4
 # Part of a width or a gap that is foreseen to go in a step.
 _PART = 0.1
 # Steps in a row of which none halves the misses: zones come and go with every one of them.
@@ -319,7 +319,7 @@ class FirstOrderOfSeveral:
                     there, looked = replace(there, strip=self._looked_at(there.strip), alone=self._looked_at(there.alone)), True
             except (NotConverged, WrongTopology, sie.SingularSystem):
                 return None
-            if last or not there.same_zones(at) or largest > _BENT_MUCH:
+            if last or not there.same_zones(at) or largest > min(_BENT_MUCH, _QUICK * before):
                 rates = Rates.of(there)
             at, before = there, largest
         return None
