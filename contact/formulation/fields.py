@@ -70,11 +70,11 @@ class NoZones(sie.Kept):
         raise IndexError("there are no zones: use pressure(x)")
 
 
-def moved_ends(state: sie.AnyState, condition: int = 0) -> Array:
+def moved_ends(state: sie.AnyState, condition: int = 0, tolerance: float = 0.0) -> Array:
     """How far each end (2, Z) moves outward by a unit of a condition's value, the first one's if none is named: 2 K / A, as in a step of
-    Newton's, or as the rates of prescribed intensities have it; 0 for ends that are held."""
+    Newton's, or as the rates of prescribed intensities have it; 0 for ends that are held. tolerance: of an iteration."""
     zones = state.density.zones
-    k, a = np.array(state.response(state.values(condition)).intensities), np.array(state.density.edge_slopes)
+    k, a = np.array(state.response(state.values(condition), tolerance).intensities), np.array(state.density.edge_slopes)
     if zones.follow_ends:
         return sie.end_motions(state.whole, -k)[0]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -81,7 +81,8 @@ class Formulation(Protocol[Kind]):
 class Newton:
     """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
     most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at
-    first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with."""
+    first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with.
+    decay: asked of the coefficients over the largest; None: what goes with the tolerance."""
 
     tolerance: float
     value: float = 0.0
@@ -89,6 +90,7 @@ class Newton:
     near: bool = False
     off: float = 1.0
     like: sie.AnyState | None = None
+    decay: float | None = None
 
 
 def refine_topology(
