@@ -181,11 +181,9 @@ def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
 
 
 def _window(profile: Profile) -> tuple[float, float]:
-    ends = profile.support or profile.extent
+    ends = profile.support or profile.extent or profile.known
     if ends is not None:
         return ends
-    if profile.period is not None:
-        return profile.x0, profile.x0 + profile.period
     length = profile.resolution
     if length is None and dataclasses.is_dataclass(profile):
         sizes = [getattr(profile, f.name) for f in dataclasses.fields(profile)]

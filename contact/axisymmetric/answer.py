@@ -24,6 +24,7 @@ from contact.axisymmetric.quadrature import panels
 from contact.axisymmetric.system import Surface
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite_array
+from contact.reference.exact.base import least_value
 from sie import Array
 
 _ROWS = 64  # radii taken together: bounds the memory of a field
@@ -170,14 +171,7 @@ class Spot(sie.Kept):
         edges = self.profile.breakpoints[self.profile.jumps != 0]
         if self.profile.pointed(self.radius) or np.any(edges < self.radius):
             return inf
-        r = np.linspace(0.0, self.radius, 129)
-        p = self.pressure(r)
-        at = int(np.argmax(p))
-        while 0 < at < r.size - 1 and r[-1] - r[0] > 1e-8 * self.radius:
-            r = np.linspace(r[at - 1], r[at + 1], 17)
-            p = self.pressure(r)
-            at = int(np.argmax(p))
-        return float(p[at])
+        return -least_value(lambda r: -self.pressure(r), 0.0, self.radius, 129)
 
     def gap(self, r: ArrayLike) -> Array:
         """Mean over the angle of the gap [m], 0 in the spot, up to `reach`, where the neighbours begin."""

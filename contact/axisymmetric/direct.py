@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.axisymmetric.profiles import as_profile
-from contact.axisymmetric.quadrature import FROM_LEFT, FROM_RIGHT, WEIGHT, panels
+from contact.axisymmetric.quadrature import panels
 from contact.errors import SceneError
 from contact.model.checks import finite_array, positive
+from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
 from sie import Array
 
 

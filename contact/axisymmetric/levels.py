@@ -10,7 +10,7 @@ N_i)^(-1/2).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import inf, isinf
 from typing import Any
@@ -20,10 +20,10 @@ import numpy as np
 from contact.axisymmetric.answer import Spot
 from contact.axisymmetric.lattices import Lattice, Site, as_lattice, own_radius
 from contact.axisymmetric.neighbours import Surroundings, surroundings
-from contact.axisymmetric.profiles import AxisymmetricProfile, as_profile
+from contact.axisymmetric.profiles import as_profile
 from contact.axisymmetric.refine import NODES, first_radius, refined, settled, spot_of
 from contact.axisymmetric.spot import one_control, ring_count
-from contact.axisymmetric.system import Kind, refine_topology, room, total_load, touching_tip
+from contact.axisymmetric.system import Kind, closed_edge, refine_topology, room, total_load
 from contact.axisymmetric.system import approach as given_approach
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import finite, keep, non_negative, positive
@@ -287,7 +287,7 @@ def _first_touch(j: int, kinds: Sequence[Kind], active: list[int], tol: float) -
     last = inf
     try:
         for n in NODES:
-            state = refine_topology(kinds, start, touching_tip(j), n)
+            state = refine_topology(kinds, start, closed_edge(j), n)
             pressure = sum(kind.density * float(force) for kind, force in zip(kinds, state.forces, strict=True))
             if not pressure > 0:
                 break
@@ -308,15 +308,14 @@ def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, del
         for j in active:
             over = delta - kinds[j].depth
             # A level that touches only with the others' help starts small.
-            radii[j] = first_radius(_penetration(kinds[j].profile), over, scale) if over > 0 else 0.05 * scale
+            radii[j] = first_radius(kinds[j].profile.line, over, scale) if over > 0 else 0.05 * scale
         return radii
 
     if pressure is not None:
 
         def carried(delta: float) -> float:
-            at = [delta > kinds[j].depth for j in range(len(kinds))]
             radii = radii_at(delta)
-            return sum(kinds[j].density * kinds[j].profile.load_integral(radii[j]) for j in active if at[j])
+            return sum(kinds[j].density * kinds[j].profile.load_integral(radii[j]) for j in active if delta > kinds[j].depth)
 
         low = high = float(kinds[active[0]].profile.line(scale))
         while carried(high) < pressure:
@@ -331,10 +330,6 @@ def _start(kinds: Sequence[Kind], active: list[int], pressure: float | None, del
     while room(kinds, radii) < 0.1:
         radii *= 0.9
     return radii
-
-
-def _penetration(profile: AxisymmetricProfile) -> Callable[[float], float]:
-    return lambda a: float(profile.line(a))
 
 
 def _system(levels: Sequence[Level], lattice: Lattice | None, rings: float) -> tuple[list[Kind], float]:

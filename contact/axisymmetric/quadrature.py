@@ -11,21 +11,8 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike
 
+from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
 from sie import Array
-
-_STEP = 0.08
-
-
-def _rule() -> tuple[Array, Array, Array]:
-    """On (0, 1): distances from 0, from 1 (both to full relative accuracy), weights."""
-    tau = np.arange(-45, 46) * _STEP
-    grow = pi * np.sinh(tau)
-    left = 1.0 / (1.0 + np.exp(-grow))
-    right = 1.0 / (1.0 + np.exp(grow))
-    return left, right, _STEP * pi * np.cosh(tau) * left * right
-
-
-FROM_LEFT, FROM_RIGHT, WEIGHT = _rule()
 
 
 def panels(edges: Sequence[ArrayLike]) -> tuple[Array, Array]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -85,7 +86,7 @@ def _stated(spot: Spot, trace: list[float], tol: float) -> Spot:
     return spot
 
 
-def first_radius(growing: Callable[[float], float], target: float, scale: float) -> float:
+def first_radius(growing: Callable[[float], Any], target: float, scale: float) -> float:
     """The smallest radius where a quantity that starts from 0 reaches the target: a start for Newton.
 
     A fall on the way ends the branch from zero load: OutOfRange.

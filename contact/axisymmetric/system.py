@@ -224,12 +224,12 @@ def force(kind: int, force_over_E: float) -> Condition:
 
 
 def closed_edge(kind: int) -> Condition:
-    """w_j(a_j) = 0 at the radius given."""
+    """w_j(a_j) = 0 at the radius given; of a kind that carries nothing yet at its tip, which is on the deformed surface."""
 
     def row(linear: Linear) -> tuple[Array, float]:
         a = float(linear.radii[kind])
         value, constant = linear.edge_row(kind, a)
-        return value, float(linear.kinds[kind].profile.line(a)) - constant
+        return value, (float(linear.kinds[kind].profile.line(a)) if a else 0.0) - constant
 
     return row
 
@@ -237,16 +237,6 @@ def closed_edge(kind: int) -> Condition:
 def approach(delta: float) -> Condition:
     """delta given."""
     return lambda linear: (linear.row({linear.at_delta: 1.0}), delta)
-
-
-def touching_tip(kind: int) -> Condition:
-    """A kind that carries nothing yet, its tip on the deformed surface."""
-
-    def row(linear: Linear) -> tuple[Array, float]:
-        value, constant = linear.edge_row(kind, 0.0)
-        return value, -constant
-
-    return row
 
 
 def refine_topology(kinds: Sequence[Kind], start: Array, condition: Condition, n: int) -> State:

@@ -24,11 +24,11 @@ import numpy as np
 from contact import interrupts
 from contact.commands.explore import explore_command
 from contact.commands.options import QUIET, SCENE, TOL, scene_of
-from contact.commands.outputs import OVERWRITE, checked, checked_figure
+from contact.commands.outputs import OVERWRITE, Outputs
 from contact.commands.path import path_command
 from contact.commands.sweep import sweep_command
 from contact.commands.trace import show_profile, trace_command
-from contact.errors import ContactError, ModelWarning, NotConverged, SceneError
+from contact.errors import ContactError, ModelWarning, NotConverged
 from contact.extras import other_package, owners, require, version
 from contact.model.controls import TURNING
 from contact.model.registry import controls, interactions, laws, profiles, substrates
@@ -147,21 +147,25 @@ def solve_command(
 ) -> None:
     """Solve a SCENE and print its zones, loads and what was checked."""
     problem = scene_of(scene)
-    outputs = _outputs(save, table, fields, figure, overwrite)
+    outputs = Outputs(overwrite)
+    outputs.add("--save", save, {".nc": write_netcdf, ".json": write_json})
+    outputs.add("--csv", table, {".csv": write_csv})
+    outputs.add("--fields", fields, {".csv": write_fields})
+    outputs.add_figure(figure, plot)
+    for needed in ("xarray", "h5netcdf", "h5py") if save is not None and save.suffix.lower() == ".nc" else ():
+        require(needed)
     start = time.perf_counter()
     with Progress(wanted=not quiet) as progress:
         solution = solve(problem, tol=tol, progress=progress, branch=branch)
     seconds = time.perf_counter() - start
-    for path, write in outputs.items():
-        write(solution, path, overwrite)
+    outputs.write(solution)
     if as_json:
         click.echo(to_json(solution))
     if as_json or quiet:
         return
     show_profile(problem.profile)
     _show_solution(solution, seconds)
-    for path in outputs:
-        click.echo(f"written: {path}")
+    outputs.tell()
 
 
 @main.command("plan")
@@ -200,8 +204,8 @@ def _took(seconds: float | None, share: float | None) -> tuple[str, str]:
 def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
     """Solve a SCENE as isolated, localized (with and without explicit neighbours) and exact contact, side by side."""
     problem = scene_of(scene)
-    if figure is not None:
-        checked_figure(figure)
+    outputs = Outputs()
+    outputs.add_figure(figure, plot_comparison)
     with Progress() as progress:
         attempts = compare(problem, tol, progress)
     show_profile(problem.profile)
@@ -212,9 +216,8 @@ def compare_command(scene: Path, figure: Path | None, tol: float) -> None:
     if all(attempt.solution is None for attempt in attempts):
         failures = [attempt.refusal for attempt in attempts if attempt.refusal is not None]
         raise next((error for error in failures if isinstance(error, NotConverged)), failures[-1])
-    if figure is not None:
-        plot_comparison(attempts).savefig(figure, dpi=200)
-        click.echo(f"written: {figure}")
+    outputs.write(attempts)
+    outputs.tell()
 
 
 main.add_command(path_command)
@@ -291,36 +294,6 @@ _listed("interactions", interactions, "interaction models, with their parameters
 _listed("substrates", substrates, "elastic bodies, with their parameters,")
 _listed("laws", laws, "laws of the interface, with their parameters and controls,")
 _listed("controls", controls, "controls, with their units,", "unit")
-
-
-Write = Callable[[Answer, Path, bool], None]
-
-
-def _outputs(
-    save: Path | None, table: Path | None, fields: Path | None, figure: Path | None, overwrite: bool
-) -> dict[Path, Write]:
-    """The files asked for and how each is written; what cannot be written is refused before anything is solved."""
-    outputs: dict[Path, Write] = {}
-    asked: tuple[tuple[str, Path | None, dict[str, Write]], ...] = (
-        ("--save", save, {".nc": write_netcdf, ".json": write_json}), ("--csv", table, {".csv": write_csv}),
-        ("--fields", fields, {".csv": write_fields}),
-    )
-    for option, path, writers in asked:
-        if path is None:
-            continue
-        if path in outputs:
-            raise SceneError.of(option, str(path), "another file than the other options name")
-        ending = path.suffix.lower()
-        outputs[checked(option, path, writers, overwrite)] = writers[ending]
-        for needed in ("xarray", "h5netcdf", "h5py") if ending == ".nc" else ():
-            require(needed)
-    if figure is not None:
-        outputs[checked_figure(figure)] = _write_figure
-    return outputs
-
-
-def _write_figure(solution: Answer, path: Path, overwrite: bool) -> None:
-    plot(solution).savefig(path, dpi=200)
 
 
 def _show_solution(solution: Answer, seconds: float) -> None:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 import click
 
 from contact.errors import SceneError
 from contact.extras import require
 
+# Of what is made, a file, and whether that may be written over.
+Write = Callable[[Any, Path, bool], Any]
 OVERWRITE = click.option("--overwrite", is_flag=True, help="Write over files of numbers that are there; pictures are drawn anew.")
 
 
@@ -31,3 +34,32 @@ def checked(option: str, path: Path, endings: Iterable[str], overwrite: bool = F
     if path.exists() and not overwrite:
         raise SceneError.of(option, str(path), "a file that is not there yet, or --overwrite given")
     return path
+
+
+class Outputs:
+    """The files that a command is asked for, and how each is written; what cannot be written is refused before any work is done."""
+
+    def __init__(self, overwrite: bool = False) -> None:
+        self._overwrite = overwrite
+        self._writers: dict[Path, Write] = {}
+
+    def add(self, option: str, path: Path | None, writers: Mapping[str, Write]) -> None:
+        """By the endings of its name; None: none is asked for."""
+        if path is None:
+            return
+        if path in self._writers:
+            raise SceneError.of(option, str(path), "another file than the other options name")
+        self._writers[checked(option, path, writers, self._overwrite)] = writers[path.suffix.lower()]
+
+    def add_figure(self, path: Path | None, drawn: Callable[[Any], Any]) -> None:
+        """A picture of what is made."""
+        if path is not None:
+            self._writers[checked_figure(path)] = lambda made, name, _: drawn(made).savefig(name, dpi=200)
+
+    def write(self, made: Any) -> None:
+        for path, write in self._writers.items():
+            write(made, path, self._overwrite)
+
+    def tell(self, err: bool = False) -> None:
+        for path in self._writers:
+            click.echo(f"written: {path}", err=err)

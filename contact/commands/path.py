@@ -10,7 +10,7 @@ import click
 import numpy as np
 
 from contact.commands.options import QUIET, SCENE, TOL, scene_of
-from contact.commands.outputs import OVERWRITE, checked, checked_figure
+from contact.commands.outputs import OVERWRITE, Outputs
 from contact.commands.ranges import values_of
 from contact.commands.trace import show_profile
 from contact.errors import SceneError
@@ -59,29 +59,23 @@ def path_command(
     control, values = _values(problem, {"loads": loads, "pressures": pressures, "approaches": approaches}, back)
     if no_events and problem.law.pulls:
         raise SceneError.of("--no-events", True, f"left out: under {problem.law.name} it matters which way the values go")
-    if table is not None:
-        checked("--csv", table, (".csv",), overwrite)
-    if figure is not None:
-        checked_figure(figure)
+    outputs = Outputs(overwrite)
+    outputs.add("--csv", table, {".csv": lambda found, name, overwrite: found.save(name, overwrite)})
+    outputs.add_figure(figure, lambda found: found.plot())
     with Progress(wanted=not quiet) as progress:
         if no_events:
             alone = tuple(solve_many(problem, values, control, tol=tol, progress=progress))
             found = LoadPath(alone, ((),) * len(alone))
         else:
             found = path(problem, values, tol=tol, progress=progress, control=control, stiffness=stiffness)
-    if table is not None:
-        found.save(table, overwrite)
-    if figure is not None:
-        found.plot().savefig(figure, dpi=200)
+    outputs.write(found)
     if as_json:
         click.echo(json.dumps(found.to_dict(), allow_nan=False))
     if as_json or quiet:
         return
     show_profile(problem.profile)
     _show(found)
-    for written in (table, figure):
-        if written is not None:
-            click.echo(f"written: {written}")
+    outputs.tell()
 
 
 def _values(scene: Scene, given: Mapping[str, str | None], back: bool) -> tuple[str, Array]:

@@ -11,7 +11,7 @@ from typing import Any
 import click
 import numpy as np
 
-from contact.commands.outputs import OVERWRITE, checked, checked_figure
+from contact.commands.outputs import OVERWRITE, Outputs, checked
 from contact.commands.trace_plot import plot_trace
 from contact.errors import SceneError, warn
 from contact.extras import require
@@ -93,8 +93,8 @@ def trace_command(file: Path, figure: Path | None, scene: Path | None, overwrite
     if file.suffix.lower() == ".toml":
         raise SceneError.of("FILE", str(file), "a file of points, as a scene file names one; `contact solve` reads the scene itself")
     keys = {name: KEYS[name][0](text) for name, text in options.items() if text is not None}
-    if figure is not None:
-        checked_figure(figure)
+    outputs = Outputs()
+    outputs.add_figure(figure, lambda read: plot_trace(trace, measured, power_spectrum(read), height_distribution(read)))
     if scene is not None:
         checked("--scene", scene, (".toml",), overwrite)
     trace = load_trace(file, **keys)
@@ -105,9 +105,8 @@ def trace_command(file: Path, figure: Path | None, scene: Path | None, overwrite
         click.echo(json.dumps({"file": str(file), "history": trace.history, **vars(measured)}, allow_nan=False))
     else:
         show_trace(f"trace {file.name}", measured, trace.history)
-    if figure is not None:
-        plot_trace(trace, measured, power_spectrum(profile), height_distribution(profile)).savefig(figure, dpi=200)
-        click.echo(f"written: {figure}", err=as_json)
+    outputs.write(profile)
+    outputs.tell(err=as_json)
     if scene is not None:
         scene.write_text(starting_scene(file, scene.parent, keys, measured, trace.period), encoding="utf-8")
         # What was written must be a scene.

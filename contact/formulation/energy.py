@@ -12,16 +12,15 @@ from collections.abc import Callable
 import numpy as np
 
 from contact.formulation.apart import ApartFields
-from contact.formulation.fields import Fields, ZoneFields
+from contact.formulation.fields import ZoneFields
 from contact.formulation.full import FullFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import panels
 from contact.formulation.tension.loose import LooseFields
 from sie import Array
 
-# Of distances from the left and the right end of an interval, over its half width: a function's values there.
-Function = Callable[[Array, Array], Array]
-
+# What a solution reads, in SI units; zones are counted as the fields have them.
+Fields = ZoneFields | GapFields | FullFields | ApartFields | LooseFields
 # Nodes of a zone to begin with; changes that are none, over the sum of all moduli; how many nodes at most.
 _NODES, _CHANGE, _MOST = 32, 1e-14, 2**17
 
@@ -30,7 +29,6 @@ def elastic_energy(fields: Fields) -> float | None:
     """(1/2) int p u dx [J/m], per period where there is one; None without an approach, or where a strip stands for a period."""
     if isinstance(fields, ApartFields):
         return 0.0
-    assert isinstance(fields, ZoneFields | GapFields | FullFields | LooseFields)
     problem, units = fields.problem, fields.problem.units
     approach = fields.approach
     if approach is None or problem.interaction.strip:
@@ -58,29 +56,16 @@ def _of_zones(fields: ZoneFields | GapFields) -> float:
     for zone, (a, b) in enumerate(table):
         half = 0.5 * (b - a)
 
-        def bears(left: Array, right: Array, zone: int = zone, a: float = a, b: float = b, half: float = half) -> Array:
+        def bears(angle: Array, zone: int = zone, a: float = a, b: float = b, half: float = half) -> Array:
+            left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
             x = np.where(left <= right, a + half * left, b - half * right)
-            return pressure(zone, left, right) * shape(x) * np.sqrt(left * right)
+            return np.asarray(pressure(zone, left, right) * shape(x) * np.sqrt(left * right))
 
         turned = breaks if problem.period is None else a + np.mod(breaks - a, problem.period)
         inside = np.sort(turned[(turned > a) & (turned < b)])
-        total += half * _by_angle(bears, np.arccos(np.clip((inside - 0.5 * (a + b)) / half, -1.0, 1.0))[::-1])
+        inner = np.arccos(np.clip((inside - 0.5 * (a + b)) / half, -1.0, 1.0))[::-1]
+        total += half * _integral(bears, np.concatenate(([0.0], inner, [np.pi])), smooth=len(inner) == 0)
     return total
-
-
-def _by_angle(function: Function, inner: Array) -> float:
-    """Its integral over angles from 0 to pi, in parts between inner ones."""
-    cuts = np.concatenate(([0.0], inner, [np.pi]))
-
-    def sums(count: int) -> tuple[float, float]:
-        if len(inner) == 0:
-            angle, weight = (np.arange(count) + 0.5) * np.pi / count, np.full(count, np.pi / count)
-        else:
-            angle, weight = panels(cuts, count)
-        value = weight * function(2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2)
-        return float(value.sum()), float(np.abs(value).sum())
-
-    return _settled(sums)
 
 
 def _of_period(fields: FullFields) -> float:
@@ -91,19 +76,25 @@ def _of_period(fields: FullFields) -> float:
     start = float(units.scaled(np.array(problem.profile.x0)))
     breaks = start + np.unique(np.mod(np.asarray(problem.forcing.jumps_at) - start, period))
 
+    def bears(x: Array) -> Array:
+        return np.asarray(fields.pressure(units.x(x)) / units.pressure * problem.shape(x))
+
+    first = breaks[0] if len(breaks) else start
+    return _integral(bears, np.append(breaks if len(breaks) else start, first + period), smooth=len(breaks) == 0)
+
+
+def _integral(function: Callable[[Array], Array], cuts: Array, smooth: bool) -> float:
+    """From the first of ascending cuts to the last, by ever more nodes until nothing changes; even ones where it is smooth and repeats."""
+
     def sums(count: int) -> tuple[float, float]:
-        if len(breaks) == 0:
-            x, weight = start + period * np.arange(count) / count, np.full(count, period / count)
+        if smooth:
+            length = cuts[-1] - cuts[0]
+            x, weight = cuts[0] + (np.arange(count) + 0.5) * length / count, np.full(count, length / count)
         else:
-            x, weight = panels(np.append(breaks, breaks[0] + period), count)
-        value = weight * fields.pressure(units.x(x)) / units.pressure * problem.shape(x)
+            x, weight = panels(cuts, count)
+        value = weight * function(x)
         return float(value.sum()), float(np.abs(value).sum())
 
-    return _settled(sums)
-
-
-def _settled(sums: Callable[[int], tuple[float, float]]) -> float:
-    """The first of (a sum, the sum of moduli) by ever more nodes."""
     count, (last, _) = _NODES, sums(_NODES)
     while count < _MOST:
         count *= 2

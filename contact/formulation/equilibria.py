@@ -28,7 +28,7 @@ _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
 
 
 # An end nearer to a sharp corner than this part of the body's width is there; and one that is driven inward by so little is still held.
-_SNAP, _HELD = 1e-14, 1e-10
+_SNAP, HELD = 1e-14, 1e-10
 
 
 # Growth within rounding of none.
@@ -156,8 +156,12 @@ class Equilibria:
         if not np.isfinite(corners).all():
             return here
         if held is None:
-            held = (table == np.array(corners)).T.ravel() & (residual >= -_HELD)
+            held = (table == np.array(corners)).T.ravel() & (residual >= -HELD)
         return here.holding(held)
+
+    def unit(self, here: Point) -> float:
+        """Of the value of the control: what changes that which drives some end by as much as is asked of it."""
+        return 1.0 / float(np.abs(here.whole.by_value).max())
 
     def within(self, table: Array) -> Array:
         """The zones as far as sharp corners let them, and those so near to one up to it; of a body that repeats, in its own period."""

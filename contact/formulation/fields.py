@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +16,7 @@ from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import over_period
-from sie import Array, Mask, nearest_image, wrapped
+from sie import Array, Index, Mask, nearest_image, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
 _PEAKS = 16
@@ -25,37 +25,6 @@ _FAR, _FARTHEST = 1e3, 1e12
 _FAR_POINTS = 512
 # Over what the error of a density makes of the gap on its zones; and over the shape, what nobody takes for a contradiction.
 _MARGIN, _OF_SHAPE = 100.0, 1e-6
-
-
-class Fields(Protocol):
-    """What a solution reads of its fields, SI; zones are counted as the fields have them, `starts` [m] their left ends."""
-
-    def pressure(self, x: ArrayLike) -> Array: ...
-    def pressure_at(self, zone: int, t: ArrayLike) -> Array: ...
-    def gap(self, x: ArrayLike) -> Array: ...
-    def displacement(self, x: ArrayLike) -> Array: ...
-    @property
-    def starts(self) -> Array: ...
-    @property
-    def cohesive(self) -> Array: ...
-    @property
-    def load(self) -> float: ...
-    @property
-    def loads(self) -> Array: ...
-    @property
-    def max_pressure(self) -> float: ...
-    @property
-    def pressure_bound(self) -> float: ...
-    @property
-    def approach(self) -> float | None: ...
-    @property
-    def contact_fraction(self) -> float: ...
-    @property
-    def stiffness(self) -> float | None: ...
-    @property
-    def mean_gap(self) -> float: ...
-    @property
-    def widening_rate(self) -> float: ...
 
 
 class NoZones(sie.Kept):
@@ -190,7 +159,7 @@ class ZoneFields(sie.Kept):
             return (mean_shape(self.problem) + self.mean_displacement + self.level) * units.height
         t, weights = np.polynomial.legendre.leggauss(24)
         total = 0.0
-        for lo, hi, _, _ in self.strip_intervals():
+        for lo, hi, _, _ in self.open_intervals():
             cuts = self._cuts(lo, hi)
             for a, b in zip(cuts[:-1], cuts[1:], strict=True):
                 # The gap leaves an end as d^(3/2): s = sin^2 makes that smooth.
@@ -205,24 +174,23 @@ class ZoneFields(sie.Kept):
         assert self.problem.period is not None
         return self.problem.compression * self.density.total / self.problem.period
 
-    def strip_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
-        """Open intervals with the outermost one cut at the border of the strip, beyond which it is another strip's."""
-        period, centre = self.problem.period, self.problem.centre
-        assert period is not None
-        first, last = float(self.density.zones.a[0]), float(self.density.zones.b[-1])
-        lo, hi = centre - 0.5 * period, centre + 0.5 * period
-        if lo < first:
-            yield lo, first, False, True
-        for right, left in zip(self.density.zones.b[:-1], self.density.zones.a[1:], strict=True):
-            yield float(right), float(left), True, True
-        if hi > last:
-            yield last, hi, True, False
-
     def _cuts(self, lo: float, hi: float) -> Array:
         kinks = self.problem.forcing.kinks[0]
         inner = kinks[(kinks > lo) & (kinks < hi)]
         count = int(np.clip((hi - lo) / self.spacing * 2, 1, 4000))
         return np.unique(np.concatenate((np.linspace(lo, hi, count + 1), inner)))
+
+    def cut_off(self, table: Array, order: Index) -> Array | None:
+        """What rounding has cut off the ends [m] that the rows of a table are, of the zones in this order; None where they have no more
+        digits than their positions."""
+        if not self.problem.forcing.exact:
+            return None
+        units, period, zones = self.problem.units, self.problem.profile.period or 1.0, self.density.zones
+        at, rest = units.length * zones.table[order], units.length * zones.rest.T[order]
+        turns = np.round((table - (units.origin + at)) / period) * period
+        terms = zip(at.ravel(), turns.ravel(), table.ravel(), strict=True)
+        left = np.array([math.fsum((one, units.origin, turn, -told)) for one, turn, told in terms]).reshape(table.shape)
+        return np.asarray(left + rest)
 
     # scaled -----------------------------------------------------------------------------------------------------------
     def inside(self, x: Array) -> Mask:
@@ -309,19 +277,21 @@ class ZoneFields(sie.Kept):
     def open_intervals(self) -> Iterator[tuple[float, float, bool, bool]]:
         """Scaled intervals without contact: (from, to, starts at a zone, ends at a zone); half-lines up to far away."""
         zones, problem = self.density.zones, self.problem
-        if problem.interaction.strip:
-            yield from self.strip_intervals()
-            return
         for right, left in zip(zones.b[:-1], zones.a[1:], strict=True):
             yield float(right), float(left), True, True
         first, last = float(zones.a[0]), float(zones.b[-1])
-        if problem.period is not None:
+        if problem.interaction.strip:
+            # Cut at the border of the strip, beyond which it is another strip's.
+            assert problem.period is not None
+            lo, hi = problem.centre - 0.5 * problem.period, problem.centre + 0.5 * problem.period
+        elif problem.period is not None:
             if first + problem.period > last:
                 yield last, first + problem.period, True, True
             return
-        reach = _FAR * (last - first)
-        lo, hi = self._known
-        lo, hi = lo if np.isfinite(lo) else first - reach, hi if np.isfinite(hi) else last + reach
+        else:
+            reach = _FAR * (last - first)
+            lo, hi = self._known
+            lo, hi = lo if np.isfinite(lo) else first - reach, hi if np.isfinite(hi) else last + reach
         if lo < first:
             yield lo, first, False, True
         if hi > last:

@@ -22,10 +22,10 @@ from contact.formulation.units import Units
 from contact.model.interactions.base import Interaction
 from contact.model.laws.base import Law
 from contact.model.operator import Operator
-from contact.model.profiles.base import Profile
+from contact.model.profiles.base import Profile, onto
 from contact.model.profiles.tilted import Tilted
 from contact.model.substrates.base import Substrate
-from sie import Array, nearest_image
+from sie import Array, Index, nearest_image
 
 
 def minus_one(x: Array) -> Array:
@@ -93,16 +93,15 @@ class Problem(sie.Kept):
         assert self.cell is not None
         return self.centre - 0.5 * self.cell, self.centre + 0.5 * self.cell
 
+    @property
+    def round(self) -> float | None:
+        """Scaled period around which contact may go on; None of bodies between sharp corners, too."""
+        return self.period if self.corners == (-np.inf, np.inf) else None
+
     @cached_property
     def borders(self) -> tuple[float, float]:
         """Scaled limits that no zone may reach: of one isolated cell, or of a measured trace; infinite without."""
-        profile = self.profile
-        if self.period is not None or self.reference:
-            return -np.inf, np.inf
-        if profile.period is not None:
-            known: tuple[float, float] | None = (profile.x0, profile.x0 + profile.period)
-        else:
-            known = profile.extent
+        known = None if self.period is not None or self.reference else self.profile.known
         if known is None:
             return -np.inf, np.inf
         lo, hi = (float(self.units.scaled(np.array(s))) for s in known)
@@ -118,7 +117,7 @@ class Problem(sie.Kept):
         heights = np.concatenate((kinks[:, 1], jumps[:, 2])) * units.length**orders / units.slope
         at = nearest_image(at, self.centre, self.cell if self.reference else self.period)
         resolution = None if profile.resolution is None else profile.resolution / units.length
-        return sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed)
+        return sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed, exact=profile.exact)
 
     def slope(self, x: Array) -> Array:
         """f' over the unit of slope."""
@@ -126,17 +125,11 @@ class Problem(sie.Kept):
 
     def shape(self, x: Array) -> Array:
         """F = (f - min f) / (slope length)."""
-        at = self._on_support(self.units.x(x))
+        at, ends = self.units.x(x), self.profile.support
+        if ends is not None:
+            at = onto(ends, at, 4 * np.finfo(float).eps * (ends[1] - ends[0] + np.abs(at)))
         with np.errstate(over="ignore"):  # far outside heights may overflow to inf: nothing touches there
             return np.asarray((np.asarray(self.profile.height(at)) - self.lowest) / self.units.height)
-
-    def _on_support(self, at: Array) -> Array:
-        """Places [m] with those that rounding has put just beyond a sharp corner moved back onto it."""
-        if self.profile.support is None:
-            return at
-        lo, hi = self.profile.support
-        slack = 4 * np.finfo(float).eps * (hi - lo + np.abs(at))
-        return np.where((at > hi) & (at <= hi + slack), hi, np.where((at < lo) & (at >= lo - slack), lo, at))
 
     def shape_rounding(self, x: Array) -> float:
         """What rounding does to F at scaled points: its departure from straight lines over a few units in the last digit."""
@@ -156,6 +149,14 @@ class Problem(sie.Kept):
     def compression(self) -> float:
         """Displacement of a unit of scaled uniform pressure, in units of height; 0 where it is not counted."""
         return (self.operator.compression or 0.0) / self.units.length
+
+    def bearing(self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array) -> Array:
+        """What has to press on zones, at distances from their ends over the half width."""
+        return np.asarray(density.at(zone, left, right))
+
+    def borne(self, density: sie.AnyDensity) -> float:
+        """Its integral over all zones."""
+        return density.total
 
     @cached_property
     def end(self) -> sie.End:

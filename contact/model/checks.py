@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from math import isfinite
 from numbers import Integral, Real
 from typing import Any
@@ -24,6 +25,18 @@ def finite(field: str, value: Any, allowed: str = "a finite real number") -> flo
     if not isfinite(number):
         raise SceneError.of(field, value, allowed)
     return number
+
+
+@contextmanager
+def of_author(what: str, field: str, given: str = "", hint: str = "") -> Iterator[None]:
+    """What an author's code raises, which may be anything, told as a SceneError; those of its own pass."""
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    except SceneError:
+        raise
+    except Exception as error:
+        raise SceneError(f"{what} raises {type(error).__name__}{given}: {error}{hint}", field) from error
 
 
 def such(field: str, value: Any, allowed: str, holds: Callable[[float], bool]) -> float:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 
 import numpy as np
 import scipy.fft
@@ -144,7 +144,7 @@ class Operator(sie.Kept):
         if not self.compression:
             return kernel
         assert kernel.regular_potential is not None
-        return replace(kernel, regular_potential=_Lowered(kernel.regular_potential, np.pi * self.compression / unit / period))
+        return replace(kernel, regular_potential=partial(_lowered, kernel.regular_potential, np.pi * self.compression / unit / period))
 
     def _line_kernel(self, period: float | None, unit: float) -> sie.Kernel:
         """1/r and the smooth part of a line load, with the images of a strip; its length vanishes far away, or in the datum."""
@@ -155,8 +155,8 @@ class Operator(sie.Kept):
         plain = sie.images(period, shifts, datum=scaled) if period is not None else sie.cauchy(scaled)
         if smooth.is_zero:
             return plain
-        potential = _Lines(smooth.potential, plain.poles, unit, 1.0, self._raised(datum))
-        value = _Lines(smooth.value, plain.poles, unit, unit)
+        potential = partial(_lines, smooth.potential, plain.poles, unit, 1.0, self._raised(datum))
+        value = partial(_lines, smooth.value, plain.poles, unit, unit, 0.0)
         return plain + sie.Smooth(value, potential, of_lag=True, length=smooth.length / unit)
 
     def _raised(self, datum: float | None) -> float:
@@ -178,7 +178,7 @@ class Operator(sie.Kept):
         if not self.is_periodic or kernel.regular_potential is None or self.is_half_plane:
             return kernel
         assert period is not None
-        return replace(kernel, regular_potential=_Lowered(kernel.regular_potential, _mean_beyond(kernel, period)))
+        return replace(kernel, regular_potential=partial(_lowered, kernel.regular_potential, _mean_beyond(kernel, period)))
 
     @property
     def own_columns(self) -> bool:
@@ -223,7 +223,7 @@ class Operator(sie.Kept):
             kernel = self.kernel(1.0)
             if self.is_own:
                 return None if kernel.regular is None else _Rest(kernel)
-            return _Cells(self.smooth_part.primitive, (0.0,), self._raised(self.datum))
+            return partial(_cells, self.smooth_part.primitive, (0.0,), self._raised(self.datum))
         if self.is_half_plane:
             return None
         kernel = self.kernel(1.0)
@@ -236,47 +236,25 @@ class Operator(sie.Kept):
         """The same of a strip and its images, up to a constant; None on a half-plane."""
         if self.is_own or self.smooth_part.is_zero:
             return None
-        return _Cells(self.smooth_part.primitive, self.kernel(1.0).poles)
+        return partial(_cells, self.smooth_part.primitive, self.kernel(1.0).poles, 0.0)
 
 
-@dataclass(frozen=True, eq=False)
-class _Lines:
+def _lines(of: Callable[[Array], Array], poles: tuple[float, ...], unit: float, factor: float, raised: float, x: Array, xi: Array) -> Array:
     """A function of x - xi - s [m] summed over the poles s, times a factor and raised by a constant for each."""
-
-    of: Callable[[Array], Array]
-    poles: tuple[float, ...]
-    unit: float
-    factor: float
-    raised: float = 0.0
-
-    def __call__(self, x: Array, xi: Array) -> Array:
-        lag = x - xi
-        total = sum((self.of((lag - pole) * self.unit) for pole in self.poles), np.zeros(np.shape(lag)))
-        return np.asarray(self.factor * total + len(self.poles) * self.raised)
+    lag = x - xi
+    total = sum((of((lag - pole) * unit) for pole in poles), np.zeros(np.shape(lag)))
+    return np.asarray(factor * total + len(poles) * raised)
 
 
-@dataclass(frozen=True, eq=False)
-class _Cells:
+def _cells(primitive: Callable[[Array], Array], poles: tuple[float, ...], raised: float, lag: Array, width: float) -> Array:
     """The mean of a potential over a cell about the lag [m], by its primitive, summed over images: cells may be wider than it varies."""
-
-    primitive: Callable[[Array], Array]
-    poles: tuple[float, ...]
-    raised: float = 0.0
-
-    def __call__(self, lag: Array, width: float) -> Array:
-        rise = sum((self.primitive(lag - s + 0.5 * width) - self.primitive(lag - s - 0.5 * width) for s in self.poles), np.zeros(len(lag)))
-        return np.asarray(rise / width + self.raised)
+    rise = sum((primitive(lag - s + 0.5 * width) - primitive(lag - s - 0.5 * width) for s in poles), np.zeros(len(lag)))
+    return np.asarray(rise / width + raised)
 
 
-@dataclass(frozen=True, eq=False)
-class _Lowered:
+def _lowered(potential: Potential, by: float, x: Array, xi: Array) -> Array:
     """A potential less a constant."""
-
-    potential: Potential
-    by: float
-
-    def __call__(self, x: Array, xi: Array) -> Array:
-        return np.asarray(self.potential(x, xi) - self.by)
+    return np.asarray(potential(x, xi) - by)
 
 
 @dataclass(frozen=True, eq=False)

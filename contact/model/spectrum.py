@@ -11,12 +11,13 @@ since (1/pi) int cos(k xi) ln|2 sin(pi d / l)| dxi = -cos(kx) / k.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 import sie
 from contact.errors import SceneError
+from contact.model.checks import of_author
 from contact.model.profiles.trigonometric import Sum
 from sie import Array
 
@@ -30,13 +31,8 @@ _FALLING = 16
 def checked(symbol: Callable[[Array], Array], q: Array, of: str) -> Array:
     """L(q); SceneError where it is none of a body. of: what the symbol belongs to."""
     name = f"{of}.symbol(q)"
-    try:
-        with np.errstate(all="ignore"):
-            value = symbol(q.copy())
-    except SceneError:
-        raise
-    except Exception as error:  # the author's code may fail in any way
-        raise SceneError(f"{name} raises {type(error).__name__} for an array of shape {q.shape}: {error}", of) from error
+    with of_author(name, of, f" for an array of shape {q.shape}"):
+        value = symbol(q.copy())
     try:
         found = np.asarray(value)
     except ValueError:
@@ -69,16 +65,10 @@ def excess(symbol: Callable[[Array], Array], period: float, of: str) -> Array:
         count *= 4
 
 
-@dataclass(frozen=True, eq=False)
-class _Waves:
+def _waves(sums: Sum, period: float, x: Array, xi: Array) -> Array:
     """A trigonometric sum of x - xi."""
-
-    sum: Sum
-    period: float
-
-    def __call__(self, x: Array, xi: Array) -> Array:
-        turns = np.asarray((x - xi) / self.period)
-        return self.sum(turns.ravel()).reshape(turns.shape)
+    turns = np.asarray((x - xi) / period)
+    return sums(turns.ravel()).reshape(turns.shape)
 
 
 def kernel_of(excess: Array, period: float) -> sie.Kernel:
@@ -90,4 +80,4 @@ def kernel_of(excess: Array, period: float) -> sie.Kernel:
     value, potential = (Sum.of(np.asarray(c, dtype=np.complex128)) for c in (-2j * np.pi / period * excess, -excess / n))
     # The harmonics fall by so much as exp(-2 pi n length / l) does; but for a few of them there is no telling.
     length = -np.log(_ONE) * period / (2 * np.pi * len(excess)) if len(excess) >= _FALLING else np.inf
-    return plain + sie.Smooth(_Waves(value, period), _Waves(potential, period), of_lag=True, length=float(length))
+    return plain + sie.Smooth(partial(_waves, value, period), partial(_waves, potential, period), of_lag=True, length=float(length))

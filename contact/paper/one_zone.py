@@ -13,12 +13,10 @@ from __future__ import annotations
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from contact.model.checks import positive
-from contact.reference.exact import LocalizedZone, PeriodicParabola, PeriodicWedge, Westergaard, localized_at_load
-from contact.reference.exact.base import Array
-from contact.reference.exact.localized import FIRST_ORDER
+from contact.reference.exact import PeriodicParabola, PeriodicWedge, Westergaard, localized_at_load
+from contact.reference.exact.localized import FIRST_ORDER, Localized
 from contact.reference.exact.parabola import HertzLine
 from contact.reference.exact.sinusoid import IsolatedSinusoid
 from contact.reference.exact.wedge import IsolatedWedge
@@ -27,14 +25,9 @@ Isolated = HertzLine | IsolatedWedge | IsolatedSinusoid
 Periodic = PeriodicParabola | PeriodicWedge | Westergaard
 
 
-class OneZone:
+class OneZone(Localized):
     """Base of the frozen dataclasses of the examples; a family gives `isolated` and `exact`."""
 
-    # Annotations only: fields of the subclasses.
-    period: float
-    E_star: float
-    half_width: float
-    closure: str
     _family: type[HertzLine] | type[IsolatedWedge] | type[IsolatedSinusoid]
     _shape: str
 
@@ -48,14 +41,6 @@ class OneZone:
         """The exact periodic solution of the same half-width."""
         raise NotImplementedError
 
-    def __post_init__(self) -> None:
-        positive("period", self.period)
-        assert self.localized.period == self.period  # LocalizedZone checks the rest
-
-    @property
-    def localized(self) -> LocalizedZone:
-        return LocalizedZone(self.isolated, self.period, self.closure)
-
     @classmethod
     def from_load(cls, load: float, *, period: float, E_star: float, closure: str = FIRST_ORDER, **shape: float) -> Self:
         """The solution at a load per period, on the branch from zero load; OutOfRange past its end."""
@@ -67,43 +52,6 @@ class OneZone:
     def from_mean_pressure(cls, mean_pressure: float, *, period: float, **shape: Any) -> Self:
         """The solution at a mean pressure."""
         return cls.from_load(positive("mean_pressure", mean_pressure) * period, period=period, **shape)
-
-    @property
-    def load(self) -> float:
-        """P per period [N/m], by (16)."""
-        return self.localized.load
-
-    @property
-    def mean_pressure(self) -> float:
-        """P/L [Pa]."""
-        return self.load / self.period
-
-    @property
-    def nominal_load(self) -> float:
-        """P_s of (16), the load whose mean acts outside the strip."""
-        return self.localized.nominal_load
-
-    @property
-    def max_pressure(self) -> float:
-        """p(0) [Pa]; inf under a sharp tip."""
-        return self.localized.max_pressure
-
-    @property
-    def contact_fraction(self) -> float:
-        """2a/L."""
-        return 2.0 * self.half_width / self.period
-
-    @property
-    def zones(self) -> Array:
-        return np.array([[-self.half_width, self.half_width]])
-
-    def pressure(self, x: ArrayLike) -> Array:
-        """p(x) by (17) [Pa]; 0 outside the zone."""
-        return self.localized.pressure(x)
-
-    def pressure_at(self, t: ArrayLike) -> Array:
-        """p at the normalised position t = x/a."""
-        return self.localized.pressure_at(t)
 
     @property
     def load_error(self) -> float:

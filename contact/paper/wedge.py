@@ -54,4 +54,4 @@ class PrintedLocalizedWedge(LocalizedWedge):
         with np.errstate(divide="ignore", invalid="ignore"):
             own = np.arccosh(np.where(inside, self.half_width / x, 1.0))
         alone = self.E_star * self.wedge_slope / pi
-        return np.where(inside, alone * own + (self.localized.pressure(x) - self.isolated.pressure(x)), 0.0)
+        return np.where(inside, alone * own + (super().pressure(x) - self.isolated.pressure(x)), 0.0)

@@ -119,7 +119,7 @@ MUTATIONS = (
         ("tests/contact/test_localized.py",),
     ),
     Mutation(
-        "sign of a jump of the curvature", "sie/jumps/forcing.py",
+        "sign of a jump of the curvature", "sie/jumps/formulas.py",
         "np.where(q == 1, sine, second))", "np.where(q == 1, -sine, second))", ("tests/sie/test_forcing_jumps.py",),
     ),
     Mutation(

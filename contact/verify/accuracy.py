@@ -48,7 +48,8 @@ def _stated(found: Found) -> float:
     density = state.density
     ends = free.end_error + state.end_truncation + found.off
     _, by_left, by_right = density.sensitivity
-    singular, peak = _is_singular(density), _reference(density, found.fields.problem.end)
+    problem = found.fields.problem
+    singular, peak = _is_singular(density), _reference(density, problem.end, problem.borne(density))
     moved = float((ends[:, 0] * by_left + ends[:, 1] * by_right).max(initial=0.0)) / peak
     on_zones = (_SINGULAR if singular else 1) * (state.density_error * state.size / peak + ROUNDING) + _of_jumps(density) / peak
     error = max(float(ends.max(initial=0.0)) + ROUNDING, of_positions(found) + ROUNDING, moved + on_zones) + _of_body(found)
@@ -87,7 +88,10 @@ def too_thin(problem: Problem, table: Array, limit: float = RESOLVED) -> str:
 
 
 def of_positions(found: Found) -> float:
-    """What the ends, given as positions, are rounded to over their zone's width: of narrow zones far from x = 0 more is known."""
+    """What the ends, given as positions, are rounded to over their zone's width: of narrow zones far from x = 0 more is known. Nothing,
+    where what is cut off the positions is told too."""
+    if found.fields.problem.forcing.exact:
+        return 0.0
     units, zones = found.fields.problem.units, found.fields.density.zones
     rounding = np.spacing(np.abs(units.x(zones.table))).max(axis=1) / units.length
     return float((0.5 * rounding / zones.half).max())
@@ -104,16 +108,17 @@ def _is_singular(density: sie.AnyDensity) -> bool:
     return any(end.intensity != 0.0 for end in (*density.zones.left, *density.zones.right))
 
 
-def _reference(density: sie.AnyDensity, free: sie.End) -> float:
+def _reference(density: sie.AnyDensity, free: sie.End, borne: float | None = None) -> float:
     """What errors of the pressure are referred to: its peak, or the mean contact pressure where the peak is infinite; where free ends
-    pull, the largest p sqrt(1 - t^2), which is finite, and not less than such an end makes of it. free: the kind of free ends."""
+    pull, the largest p sqrt(1 - t^2), which is finite, and not less than such an end makes of it. free: the kind of free ends; borne: by
+    all zones, where that is not the density's total."""
     if free.intensity is not None and free.intensity < 0.0:
         angle = (np.arange(_LOOKS) + 0.5) * np.pi / _LOOKS
         left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
         highest = float(np.abs(density.at(np.arange(len(density.zones))[:, None], left, right) * np.sin(angle)).max())
         return max(highest, abs(free.intensity) * float(np.sqrt(2 / density.zones.half).max()))
     if _is_singular(density) or np.any((density.jumps.height > 0) & (density.jumps.order == 0)):
-        return abs(density.total) / float((density.zones.b - density.zones.a).sum())
+        return abs(density.total if borne is None else borne) / float((density.zones.b - density.zones.a).sum())
     return float(density.sensitivity[0].max())
 
 

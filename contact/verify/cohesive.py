@@ -29,13 +29,13 @@ _MOVED = 16.0
 
 @dataclass(frozen=True, eq=False)
 class FoundBeside(Found):
-    """Zones with a tension beside them. beside: what its ends, and these zones with them, may be off by, over their widths."""
+    """Zones with a tension beside them. beside: what it adds to the error."""
 
     beside: float = 0.0
 
     @cached_property
     def error(self) -> float:
-        return super().error + _MOVED * self.beside
+        return super().error + self.beside
 
 
 def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, fields: PulledFields | None = None) -> Certificate:
@@ -49,7 +49,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
         inside = bool(np.all(gap < curve.reach * (1 + _REACH)))
         note = "the gap is below the reach of the tension everywhere: the frictionless contact, less the tension, and as stable"
         return replace(plain, smallest_pressure=least, holds=held and inside, note=note if inside else "the gap is above the reach")
-    (x, gap), table, period = here.look, here.table, curve.problem.period
+    (x, gap), table, period = here.look, here.table, curve.problem.round
     place = wrapped(x, table[0, 0], period)
     i = np.maximum(np.searchsorted(table[:, 0], place, side="right") - 1, 0)
     within = (place > table[i, 0]) & (place < table[i, 1])
@@ -59,7 +59,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
     assert here.q is not None
     rounding = here.q.gap_rounding
     wrong = told & np.where(within, gap > curve.reach + rounding, gap < curve.reach - rounding)
-    missed = float(np.abs(here.residual).max())
+    missed = max(float(np.abs(here.residual).max()), float(-here.whole.residual.min()))
     stability = least_eigenvalue(scaled_second_variation(here))
     if not held:
         note = plain.note or "a sign or the balance fails"
@@ -79,7 +79,7 @@ def certified(plain: Certificate, curve: Cohesive, here: CohesivePoint | None, f
 
 
 def uncertain(curve: Cohesive, here: CohesivePoint) -> float:
-    """What the ends of the tension may be off by, and the zones by it, over the width of either."""
+    """What the ends of the tension may be off by, and the zones by it, over the width of either; and what the pressure is by that."""
     assert here.q is not None
     rounding = here.q.gap_rounding / 16 / curve.reach
     ends = np.abs(np.linalg.solve(here.rates, here.residual)) + np.abs(np.linalg.inv(here.rates)) @ np.full(len(here.residual), rounding)
@@ -87,4 +87,13 @@ def uncertain(curve: Cohesive, here: CohesivePoint) -> float:
     # The load of q is the difference of the tension's and the given one.
     load = 4.0 * np.finfo(np.float64).eps * (abs(here.load) + curve.stress * float(here.widths.sum()))
     follow = np.abs(here.by_ends[:, :-1]) @ ends + np.abs(here.by_ends[:, -1]) * curve.yields * load
-    return float(max((ends / here.widths).max(), (follow / width).max()))
+    return _MOVED * float(max((ends / here.widths).max(), (follow / width).max()))
+
+
+def rounded_load(fields: PulledFields) -> float:
+    """What rounding may make of zones under tension in all of a period: the load of q is that of the tension and the given one, which may
+    nearly cancel."""
+    total, pull = fields.density.total, fields.tension.total
+    rounding = 2 * np.finfo(np.float64).eps * (abs(total - pull) + pull) / total
+    widening = np.abs(fields.spreading) / np.diff(fields.zone_table, axis=1)
+    return float(rounding * max(1.0, widening.max()))

@@ -4,7 +4,7 @@ Many zones are not assembled: there fast sums and GMRES take the place of the ma
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,29 +12,26 @@ from scipy.linalg import lapack, lu_factor, lu_solve
 
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import edge_scale
-from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem, unfit
 from sie.collocation.rounding import density_rounding, intensity_rounding
+from sie.collocation.solved import Carried, Factored, Sizes, Solved, Solver, density_of
 from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import Layout, System
+from sie.collocation.system import System, condition_rows
 from sie.density.density import Density
 from sie.equation.checks import look_at
-from sie.equation.conditions import asked
 from sie.equation.equation import Equation
 from sie.fast.panels import panels_over
 from sie.jumps.forcing import ForcingJumps
 
-# With the last coupled coefficients above this part of the largest, zones lie too close to what is singular beside them.
-UNRESOLVED = 1e-6
 # A reciprocal condition below this is rounding: the rows are of size one.
 _DEPENDENT = 1e-15
 # Points of every zone at which the residual is looked at: none of them a node.
 LOOKS = 15
-_THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
+THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
 # sin(k theta) there, for as many k as the points tell apart, and what finds their amplitudes.
-_FIRST = np.sin(_THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
+_FIRST = np.sin(THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
 _FIRST_OF = np.linalg.pinv(_FIRST)
 # From this number of unknowns on, a matrix costs more than fast sums.
 MANY_UNKNOWNS = 1500
@@ -61,88 +58,8 @@ class TooLarge(SingularSystem):
     """More unknowns than a matrix holds, of an equation that has no fast sums."""
 
 
-@dataclass(eq=False)
-class Sizes:
-    """Modes to start from; kept from one solve to the next so that growth is paid for once.
-
-    primitive_rounding: of the right side's primitive, once it has been looked at.
-    linear: tolerance of solutions by iteration, relative; 0: as tight as rounding allows. rough: whether sums to 1e-7 will do for them.
-    iterations: their number so far.
-    value: of the open condition, if there is one, with which these are found.
-    """
-
-    own: Index
-    least: int | Index
-    profile_evaluations: int = 0
-    kernel_evaluations: int = 0
-    solves: int = 0
-    linear: float = 0.0
-    rough: bool = False
-    value: float = 0.0
-    iterations: int = 0
-    carried: Carried | None = None
-    primitive_rounding: float | None = None
-    wide: Sizes | None = None
-    """Those of the wide zones, where narrow gaps are slits."""
-
-
 @dataclass(frozen=True, eq=False)
-class Carried:
-    """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, unknown coefficients (zones, max m + 1)
-    of m, amplitudes."""
-
-    coarse: CoarseOperator | None
-    coefficients: Array
-    m: Index
-    amplitudes: Array
-
-    @classmethod
-    def of(cls, coarse: CoarseOperator | None, layout: Layout, y: Array) -> Carried:
-        return cls(coarse, layout.padded(y), layout.m, y[layout.coefficients :])
-
-    def near(self, system: IterativeSystem) -> Array:
-        """Unknowns of another system to start from: those of modes that had none are what the right side makes of them."""
-        count = max(self.coefficients.shape[1], system.lowest.shape[1])
-        table, right = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self.coefficients, system.lowest))
-        y = system.layout.flat(np.where(np.arange(count) <= self.m[:, None], table, -right))
-        y[system.layout.coefficients :] = self.amplitudes
-        return y if system.symmetry.keep is None else y[system.symmetry.keep]
-
-
-@dataclass(frozen=True, eq=False)
-class Factored:
-    """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
-    made of; rows: themselves, where intensities are prescribed and will be asked for their rates."""
-
-    lu: Array
-    pivots: Index
-    size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
-    rows: Array | None = field(default=None, repr=False)
-
-    iteration = None
-
-    @property
-    def direct(self) -> Factored:
-        return self
-
-    @property
-    def size(self) -> int:
-        return len(self.lu)
-
-    def __call__(self, right: Array) -> Array:
-        return np.asarray(lu_solve((self.lu, self.pivots), right, check_finite=False))
-
-    def transposed(self, right: Array) -> Array:
-        """Solves with the transposed matrix."""
-        return np.asarray(lu_solve((self.lu, self.pivots), right, trans=1, check_finite=False))
-
-
-# What solves the assembled rows for further right sides: by their factors, or by iteration. direct, iteration: itself, where it does so.
-Solver = Factored | Iterative
-
-
-@dataclass(frozen=True, eq=False)
-class State(Kept):
+class State(Solved):
     """The solution on given zones, with what its error is made of.
 
     Attributes
@@ -174,85 +91,6 @@ class State(Kept):
     (2.0, True)
     """
 
-    density: Density
-    system: System
-    solver: Solver = field(repr=False)
-    unknowns: Array
-    folded_unknowns: Array
-    conditions_from: int
-    condition_scale: Array
-    truncation: Array
-    tails: Array
-    linear_error: Array
-    sizes: Sizes
-
-    def response(self, values: Array, tolerance: float = 0.0) -> Density:
-        """The density caused by unit changes of the side conditions' values: right side zero, conditions = values; tolerance: of a
-        solution by iteration."""
-        y = self.response_unknowns(values, tolerance)
-        return self._homogeneous_density(y)
-
-    def response_unknowns(self, values: Array, tolerance: float = 0.0) -> Array:
-        """The unknowns of `response`, to be put into rows of the system."""
-        right = np.zeros(self.solver.size)
-        right[self.conditions_from :] = values / self.condition_scale
-        iteration = self.iteration
-        return self.symmetry.unfold(self.solver(right) if iteration is None else iteration(right, None, tolerance))
-
-    def values(self, condition: int = 0, change: float = 1.0) -> Array:
-        """A change of the value of one side condition, the first one if none is named, among those of all."""
-        out = np.zeros(len(self.condition_scale))
-        out[self.condition_index[condition]] = change
-        return out
-
-    def with_value(self, condition: int, change: float) -> State:
-        """The state after the value of one side condition has changed."""
-        right = np.zeros(self.solver.size)
-        right[self.conditions_from :] = self.values(condition, change) / self.condition_scale
-        folded = self.folded_unknowns + self.solver(right)
-        unknowns = self.symmetry.unfold(folded)
-        return replace(self, folded_unknowns=folded, unknowns=unknowns, density=density_of(self.system, unknowns))
-
-    def homogeneous(self, right: Array) -> Density:
-        """The density for another right side of the assembled rows, no forcing and no jumps."""
-        return self._homogeneous_density(self.symmetry.unfold(self.solver(right)))
-
-    @property
-    def symmetry(self) -> MirrorSymmetry:
-        return MirrorSymmetry.of(self.system.zones, self.system.layout)
-
-    def with_bounded_ends(self) -> State:
-        """The same state with the density of `Density.with_bounded_ends`."""
-        return replace(self, density=self.density.with_bounded_ends())
-
-    @property
-    def equation(self) -> Equation:
-        return self.system.equation
-
-    @property
-    def levels(self) -> Array:
-        """Level of each solved zone: mean of potential minus the primitive of the right side."""
-        return self.system.level_values(self.unknowns)
-
-    def level_rates(self, values: Array) -> Array:
-        """Change of the levels by unit changes of the side conditions' values."""
-        return self.system.level_changes(self.response_unknowns(values))
-
-    @cached_property
-    def natural(self) -> Array:
-        """Size of each zone's density, but for its total."""
-        return np.abs(self.density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(self.system.known).max(axis=1)
-
-    @property
-    def direct(self) -> Factored | None:
-        """The solver, where it has a matrix."""
-        return self.solver.direct
-
-    @property
-    def iteration(self) -> Iterative | None:
-        """The solver, where it iterates."""
-        return self.solver.iteration
-
     @property
     def whole(self) -> State:
         """The state without slits: this one."""
@@ -271,31 +109,6 @@ class State(Kept):
     def coefficient_noise(self) -> Array:
         """Rounding of what each zone's coefficients add up to."""
         return np.asarray(self.intensity_noise.max(axis=0) / edge_scale(self.density.zones.half))
-
-    @property
-    def field_tail(self) -> float:
-        """The largest of `tails`."""
-        return float(self.tails.max())
-
-    @property
-    def coupled(self) -> int:
-        """How many unknowns are solved for together."""
-        return int(self.solver.size)
-
-    @property
-    def unresolved(self) -> bool:
-        """Whether the most modes that zones are given do not show what the columns do on them."""
-        return self.field_tail > UNRESOLVED and int(self.system.layout.m.max()) >= modes.most(self.system.equation.kernel)
-
-    @property
-    def iterated(self) -> bool:
-        """Whether the unknowns come from an iteration, to its tolerance."""
-        return self.iteration is not None
-
-    def _homogeneous_density(self, y: Array) -> Density:
-        layout = self.system.layout
-        density = self.density
-        return Density(density.zones, density.kernel, layout.padded(y), ForcingJumps.none(), y[layout.coefficients :])
 
     @cached_property
     def size(self) -> float:
@@ -402,33 +215,19 @@ class State(Kept):
     def _residuals(self) -> Array:
         """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone, no nodes."""
         system, zones = self.system, self.density.zones
-        theta = _THETA
-        t = np.cos(theta)
+        t = np.cos(THETA)
         x = (zones.middle[zones.solved][:, None] + zones.half[zones.solved][:, None] * t).ravel()
         transformed = self.density.transform(x)
-        value = transformed - self._right(x) - system.jumps.left_out(x)
+        value = transformed - self.right_side(x) - system.jumps.left_out(x)
         if zones.symmetric:
             # The other half is not solved: data that are no mirror images leave their residual there.
-            mirrored = -transformed - self._right(-x) - system.jumps.left_out(-x)
+            mirrored = -transformed - self.right_side(-x) - system.jumps.left_out(-x)
             value = np.where(np.abs(mirrored) > np.abs(value), mirrored, value)
-        return np.asarray(value.reshape(-1, len(t)) * np.sin(theta))
-
-    def _right(self, x: Array) -> Array:
-        """The equation's right side at points."""
-        equation = self.system.equation
-        columns = zip(self.density.amplitudes, equation.columns, strict=True)
-        return np.asarray(equation.forcing.value(x) + sum(amplitude * column.value(x) for amplitude, column in columns))
-
-    @cached_property
-    def condition_index(self) -> Index:
-        """First row of each side condition among the conditions' rows."""
-        zones = self.density.zones
-        counts = [c.count(zones) for c in self.system.equation.conditions]
-        return np.cumsum([0, *counts], dtype=np.intp)[:-1]
+        return np.asarray(value.reshape(-1, len(t)) * np.sin(THETA))
 
 
 def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, separated: Mask | bool = True) -> float:
-    """Error of the density over its size for residuals of the equation at _THETA on zones (n, LOOKS), which rounding of the jumps'
+    """Error of the density over its size for residuals of the equation at THETA on zones (n, LOOKS), which rounding of the jumps'
     parts has its share in; separated: where these tell the first modes from the rest, of which only the largest value is known, and that
     the density is off by up to as many times as there are modes."""
     low = residuals @ _FIRST_OF.T
@@ -611,39 +410,13 @@ def rows_of(state: State) -> Array:
 def _rows(equation: Equation, system: System, scale: Array | None = None) -> tuple[Array, Array, Array]:
     """Rows of the equation and of the side conditions over the kept unknowns; conditions scaled to size one."""
     matrix, right = system.equation_rows()
-    rows, values = _condition_rows(equation, system.zones, system)
+    rows, values = condition_rows(equation, system, system.layout.size)
     if scale is None:
         scale = np.abs(rows).max(axis=1, initial=0.0)
         if np.any(scale == 0):
             raise SingularSystem("a side condition does not depend on the density")
     matrix = MirrorSymmetry.of(system.zones, system.layout).fold(np.concatenate((matrix, rows / scale[:, None])))
     return matrix, np.concatenate((right, values / scale)), scale
-
-
-def density_of(system: System, y: Array) -> Density:
-    """The density with unknowns y: coefficients up to m from y, those beyond minus the right side's."""
-    layout, g = system.layout, system.g
-    solved = layout.padded(y)
-    out = np.zeros((len(layout.m), max(solved.shape[1], g.shape[1])))
-    out[:, : g.shape[1]] = -g
-    out[:, 0] = 0.0
-    given = np.arange(solved.shape[1]) <= layout.m[:, None]
-    out[:, : solved.shape[1]] = np.where(given, solved - system.taken, out[:, : solved.shape[1]])
-    return Density(system.zones, system.equation.kernel, out, system.jumps, y[layout.coefficients :])
-
-
-def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[Array, Array]:
-    """All side conditions, and the intensity prescribed at ends that do not move, as rows and values."""
-    rows, values = [], []
-    for condition in equation.conditions:
-        matrix, constants, wanted = asked(condition, system, system.layout.size)
-        rows.append(matrix)
-        values.append(wanted - constants)
-    if any(zones.held):
-        for ends, chosen, (matrix, constants) in zip((zones.left, zones.right), zones.held, system.intensities(), strict=True):
-            rows.append(matrix[chosen])
-            values.append(np.array([ends[zones.solved[p]].intensity for p in chosen]) - constants[chosen])
-    return np.concatenate(rows) if rows else np.zeros((0, system.layout.size)), np.concatenate(values or [np.zeros(0)])
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:

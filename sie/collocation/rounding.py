@@ -8,20 +8,17 @@ zone between heavy ones feels what the heights of all are known to.
 
 from __future__ import annotations
 
-from typing import Any, Protocol
-
 import numpy as np
 
-from sie.basis.arrays import Array, Index
+from sie.basis.arrays import Array
 from sie.basis.chebyshev import bounded_part
 from sie.basis.interval import edge_scale
 from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
 from sie.collocation.neighbours import conformal_radius
+from sie.collocation.solved import Solved
 from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import System
-from sie.density.density import Density
-from sie.equation.conditions import of_levels, speaks_of_levels
+from sie.equation.conditions import speaks_of_levels
 from sie.equation.equation import Forcing
 
 EPS = 2.2e-16
@@ -33,33 +30,6 @@ _SHAKEN, _ANGLES = 12, 24
 _BESIDE = 0.03
 # Ends at which the rounding of the primitive is looked at.
 _LOOKS = 32
-
-
-class Solved(Protocol):
-    """What is asked of a solution on given zones (`solve.State`)."""
-
-    @property
-    def density(self) -> Density: ...
-    @property
-    def system(self) -> System: ...
-    @property
-    def direct(self) -> Any: ...
-    @property
-    def iteration(self) -> Any: ...
-    @property
-    def unknowns(self) -> Array: ...
-    @property
-    def conditions_from(self) -> int: ...
-    @property
-    def condition_index(self) -> Index: ...
-    @property
-    def condition_scale(self) -> Array: ...
-    @property
-    def sizes(self) -> Any: ...
-    @property
-    def natural(self) -> Array: ...
-    @property
-    def linear_error(self) -> Array: ...
 
 
 def intensity_rounding(state: Solved) -> Array:
@@ -93,6 +63,7 @@ def _of_others(state: Solved) -> Array | float:
     shaken[: layout.coefficients] = np.where(order > 0, np.repeat(rounding, layout.m + 1) / (1 + order), 0.0)
     shaken[: layout.coefficients] *= np.random.default_rng(0).standard_normal(layout.coefficients)
     out = np.zeros(len(zones))
+    assert state.iteration is not None
     out[zones.solved] = state.iteration.system.felt(shaken)
     out = np.maximum(out, out[::-1]) if zones.symmetric else out
     return np.asarray(SAFETY * edge_scale(zones.half) * out)
@@ -113,23 +84,18 @@ def _of_levels(state: Solved) -> Array | float:
 def _through_rows(state: Solved) -> Array:
     """Root mean square of what the rounding of all rows does to each K, (2, Z)."""
     system, solver = state.system, state.direct
+    assert solver is not None
     zones = system.zones
     (left, _), (right, _) = system.intensities()
     rows = MirrorSymmetry.of(zones, system.layout).fold(np.concatenate((left, right)))
     effect = solver.transposed(rows.T)
-    rounding = EPS * solver.size_of_rows
+    rounding, of_levels = EPS * solver.size_of_rows, state.level_rows.any(axis=1)
     squares = np.zeros(len(rows))
-    taken = np.ones(len(rounding), dtype=bool)
-    for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):
-        count = condition.count(zones)
-        if count == 0 or not speaks_of_levels(condition, zones):
-            continue
-        here = slice(state.conditions_from + first, state.conditions_from + first + count)
-        taken[here] = False
-        by_level = of_levels(condition, zones).T @ (effect[here] / state.condition_scale[first : first + count, None])
+    if of_levels.any():
+        rounding[state.conditions_from :][of_levels] = 0.0
         levels = np.broadcast_to(_level_noise(state), (len(zones.solved),))
-        squares += levels**2 @ by_level**2
-    squares += rounding[taken] ** 2 @ effect[taken] ** 2
+        squares += levels**2 @ (state.level_rows.T @ effect[state.conditions_from :]) ** 2
+    squares += rounding**2 @ effect**2
     return _mirrored(zones, np.sqrt(squares).reshape(2, -1))
 
 
@@ -146,13 +112,11 @@ def density_rounding(state: Solved) -> float:
         return float(np.max(_of_levels(state) / edge_scale(zones.half)))
     chance = np.random.default_rng(0)
     shaken = EPS * solver.size_of_rows[:, None] * chance.standard_normal((solver.size, _SHAKEN))
-    for condition, first in zip(system.equation.conditions, state.condition_index, strict=True):
-        count = condition.count(zones)
-        if count and speaks_of_levels(condition, zones):
-            levels = chance.standard_normal((_SHAKEN, len(zones.solved))).T
-            levels *= np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None]
-            scale = state.condition_scale[first : first + count, None]
-            shaken[state.conditions_from + first : state.conditions_from + first + count] = of_levels(condition, zones) @ levels / scale
+    of_levels = state.level_rows.any(axis=1)
+    if of_levels.any():
+        levels = chance.standard_normal((_SHAKEN, len(zones.solved))).T
+        levels *= np.broadcast_to(_level_noise(state), (len(zones.solved),))[:, None]
+        shaken[state.conditions_from :][of_levels] = state.level_rows[of_levels] @ levels
     symmetry = MirrorSymmetry.of(zones, system.layout)
     changes = [system.layout.padded(symmetry.unfold(change)) for change in solver(shaken).T]
     largest = _largest(np.concatenate(changes)).reshape(_SHAKEN, -1).max(axis=1)

@@ -26,7 +26,7 @@ from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
 from sie.density.moments import moments_of
-from sie.equation.conditions import Linear, multiplicity
+from sie.equation.conditions import Linear, Rows, asked, multiplicity, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.panels import TERMS, Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
@@ -104,26 +104,42 @@ class Targets:
         return cls(zone, lefts, rights, x)
 
 
-def excess(zones: Zones, targets: Targets, sources: Index, shift: float) -> tuple[Array, Array]:
-    """(|z| - 1, sgn z) of the targets seen from zones `sources` shifted by `shift`; (points, sources).
+    def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
+        """(the targets seen from zones `sources` shifted by `shift`; 0 where these are their own zones, else 1), (points, sources) each.
 
-    From the gap between the zones and the distance of the point from its own zone's end, so nothing cancels but the
-    ends. On a source's own zone (shift 0) the excess is negative: there the caller has the closed form of the zone
-    itself.
-    """
-    a, b = zones.a[sources] + shift, zones.b[sources] + shift
-    z = targets.zone
-    right = zones.middle[z][:, None] > zones.middle[sources] + shift
-    (rest_a, rest_b), seen_a, seen_b = zones.rest[:, sources], zones.rest[0, z][:, None], zones.rest[1, z][:, None]
-    past_b = (zones.a[z][:, None] - b) + (seen_a - rest_b) + targets.left[:, None]
-    past_a = (a - zones.b[z][:, None]) + (rest_a - seen_b) + targets.right[:, None]
-    e = np.where(right, past_b, past_a) / zones.half[sources]
-    return e, np.where(right, 1.0, -1.0)
+        From the gap between the zones and the distance of the point from its own zone's end, so nothing cancels but the ends. On its own
+        zone (shift 0) a target is put anywhere: there the caller has the closed form of the zone itself.
+        """
+        a, b = zones.a[sources] + shift, zones.b[sources] + shift
+        z = self.zone
+        right = zones.middle[z][:, None] > zones.middle[sources] + shift
+        (rest_a, rest_b), seen_a, seen_b = zones.rest[:, sources], zones.rest[0, z][:, None], zones.rest[1, z][:, None]
+        past_b = (zones.a[z][:, None] - b) + (seen_a - rest_b) + self.left[:, None]
+        past_a = (a - zones.b[z][:, None]) + (rest_a - seen_b) + self.right[:, None]
+        own = z[:, None] == sources if shift == 0.0 else None
+        e = np.where(right, past_b, past_a) / zones.half[sources]
+        sign = np.where(right, 1.0, -1.0)
+        return (Outside(sign, e), None) if own is None else (Outside(sign, np.where(own, 1.0, e)), np.where(own, 0.0, 1.0))
 
 
-def fields(
-    zones: Zones, kernel: Kernel, targets: Targets, layout: Layout, what: str
-) -> Array:
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Points x outside all zones."""
+
+    x: Array
+
+    def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
+        """See `Targets.seen`."""
+        return outside(zones.a[sources] + shift, zones.b[sources] + shift, self.x[:, None]), None
+
+
+def outside(a: Array, b: Array, x: Array) -> Outside:
+    """Points outside intervals seen from these."""
+    right = x > 0.5 * (a + b)
+    return Outside(np.where(right, 1.0, -1.0), np.where(right, x - b, a - x) / (0.5 * (b - a)))
+
+
+def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layout, what: str) -> Array:
     """What each unknown does at the targets, but for a zone's action on itself: (points, unknown coefficients).
 
     what: "transform", or "potential" (over the zones' half widths).
@@ -133,13 +149,10 @@ def fields(
         sources = np.flatnonzero(layout.m == m)
         block = np.zeros((m + 1, len(targets.x), len(sources)))
         for shift in kernel.poles:
-            e, sign = excess(zones, targets, sources, shift)
-            own = targets.zone[:, None] == sources if shift == 0.0 else None
-            if own is not None:
-                if len(zones) == 1:
-                    continue
-                e = np.where(own, 1.0, e)
-            terms = Outside(sign, e).one_by_one(what == "potential", zones.half[sources] / kernel.datum, None if own is None else ~own)
+            seen, others = targets.seen(zones, sources, shift)
+            if others is not None and len(zones) == 1:
+                continue
+            terms = seen.one_by_one(what == "potential", zones.half[sources] / kernel.datum, others)
             for k, term in zip(range(m + 1), terms, strict=False):
                 block[k] += term
         columns = layout.offset[sources][:, None] + np.arange(m + 1)
@@ -322,20 +335,29 @@ class System:
         return rows, scale * self.known[solved, 0]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
-        rows, constants = self._zero_rows(), np.zeros(len(self.zones.solved))
+        tables, constants = self.weighted(weight, degree)
+        rows = self._zero_rows()
+        for place, (i, values) in enumerate(zip(self.zones.solved, tables, strict=True)):
+            rows[place, self.layout.offset[i] : self.layout.offset[i] + len(values)] = values
+        return rows, constants
+
+    def weighted(self, weight: Callable[[Array], Array], degree: int | None) -> tuple[list[Array], Array]:
+        """(by each solved zone's coefficients, by what is known) of the integrals of a weight times the density."""
+        tables, constants = [], np.zeros(len(self.zones.solved))
+        least = max(self.g.shape[1], int(self.layout.m.max()) + 1, 16) + 16
         known: dict[int, Array] = {}
         for place, i in enumerate(self.zones.solved):
-            m, start = int(self.layout.m[i]), self.layout.offset[i]
-            values = np.pi * self.zones.half[i] * self.moments(weight, i, max(self.g.shape[1], m + 1, 16) + 16, degree)
-            size, count = len(values), min(len(values), m + 1)
-            rows[place, start : start + count] = values[:count]
+            m = int(self.layout.m[i])
+            values = np.pi * self.zones.half[i] * self.moments(weight, i, least, degree)
+            size = len(values)
+            tables.append(values[: m + 1])
             beyond = -self.g[i, m + 1 : size]
             constants[place] = values[m + 1 : m + 1 + len(beyond)] @ beyond
             if len(self.jumps):
                 if size not in known:
                     known[size] = self.jumps.t_coefficients(self.zones, size)
-                constants[place] += values @ known[size][i] - values[:count] @ self.taken[i, :count]
-        return rows, constants
+                constants[place] += values @ known[size][i] - values[: m + 1] @ self.taken[i, : m + 1][:size]
+        return tables, constants
 
     def moments(self, weight: Callable[[Array], Array], zone: int, size: int, degree: int | None = None) -> Array:
         """Means of weight times T_l over a zone (weight 1 / sqrt(1 - t^2)): of a polynomial as many as it has, else as many as it
@@ -380,6 +402,11 @@ class System:
         row = np.zeros((1, self.layout.size))
         row[0, self.layout.amplitude(k)] = 1.0
         return row, np.zeros(1)
+
+    @cached_property
+    def wants_levels(self) -> bool:
+        """Whether a condition speaks of levels."""
+        return any(speaks_of_levels(c, self.zones) for c in self.equation.conditions)
 
     def level_values(self, y: Array) -> Array:
         """Levels of the zones for unknowns y."""
@@ -454,3 +481,17 @@ class System:
         if len(self.by_moments):
             mean[np.searchsorted(solved, self.by_moments)] = self.moment_means
         return mean
+
+
+def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, Array]:
+    """All side conditions, and the intensity prescribed at ends that do not move, as rows over so many unknowns and values."""
+    zones, rows, values = system.zones, [np.zeros((0, size))], [np.zeros(0)]
+    for condition in equation.conditions:
+        matrix, constants, wanted = asked(condition, system, size)
+        rows.append(matrix)
+        values.append(wanted - constants)
+    if any(zones.held):
+        for ends, chosen, (matrix, constants) in zip((zones.left, zones.right), zones.held, system.intensities(), strict=True):
+            rows.append(matrix[chosen])
+            values.append(np.array([ends[zones.solved[p]].intensity for p in chosen]) - constants[chosen])
+    return np.concatenate(rows), np.concatenate(values)

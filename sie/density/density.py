@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -11,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis.arrays import Array, Mask
-from sie.basis.kernels import Regular
-from sie.density.field import CHUNK, Sources, potential_from, regular_at, transform_from
+from sie.density.field import CHUNK, from_zones, regular_at
 from sie.density.located import real_of
 from sie.density.plane import Plane
 from sie.density.series import Series
@@ -81,7 +79,7 @@ class Density(Series):
         if np.iscomplexobj(x):
             return self._in_plane(x, "transform")
         x = real_of(x)
-        return self._summed(x, transform_from, self.kernel.regular)
+        return self._summed(x, False)
 
     @cached_property
     def plane(self) -> Plane:
@@ -97,27 +95,24 @@ class Density(Series):
         if self.kernel.regular is not None and self.kernel.regular_potential is None:
             raise ValueError("the regular kernel has no potential")
         x = real_of(x)
-        return self._summed(x, potential_from, self.kernel.regular_potential)
+        return self._summed(x, True)
 
-    def _summed(self, x: Array, what: Callable[[Series, Array, Sources], Array], regular: Regular | None) -> Array:
+    def _summed(self, x: Array, potential: bool) -> Array:
         """What all zones do at x, by blocks of points, or by fast sums."""
         flat, fast = self.into_period(x).ravel(), None
-        if self.has_series or len(flat) * len(self.sources) > _MANY_PAIRS:
+        regular = self.kernel.regular_potential if potential else self.kernel.regular
+        zone, shift = np.tile(np.arange(len(self.zones)), len(self.kernel.poles)), np.repeat(self.kernel.poles, len(self.zones))
+        if self.has_series or len(flat) * len(zone) > _MANY_PAIRS:
             fast = self.treecode
         if fast is not None:
-            out = fast.potential(flat) if what is potential_from else fast.transform(flat)
+            out = fast.potential(flat) if potential else fast.transform(flat)
             # The far sums of such a kernel have its regular part.
             regular = None if self.kernel.sure else regular
         else:
-            out, block = np.zeros(flat.shape), max(1, CHUNK // len(self.sources))
+            out, block = np.zeros(flat.shape), max(1, CHUNK // len(zone))
             for s in range(0, len(flat), block):
-                out[s : s + block] = what(self, flat[s : s + block], self.sources)
+                out[s : s + block] = from_zones(self, flat[s : s + block, None], zone, shift, potential).sum(axis=1)
         return (out if regular is None else out + regular_at(self, flat, regular)).reshape(x.shape)
-
-    @cached_property
-    def sources(self) -> Sources:
-        """Every zone at every pole of the kernel."""
-        return Sources.of(self.zones, self.kernel)
 
     @cached_property
     def treecode(self) -> Treecode | None:

@@ -1,20 +1,20 @@
 """What a density does anywhere on the line: its transform and its potential, in closed form from every zone and image.
 
-A *source* is a zone moved by one of the kernel's poles; what it does on itself and off it `sie.basis.interval` knows. The rest of the
-kernel is finished by quadrature.
+What a zone, or one moved by one of the kernel's poles, does on itself and off it `sie.basis.interval` knows. The rest of the kernel is
+finished by quadrature.
 """
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import OnLine, potential_of, transform_of
-from sie.basis.kernels import Kernel, Regular
-from sie.basis.zones import Zones
+from sie.basis.kernels import Regular
 from sie.density.series import Series
 from sie.fast.panels import Spread
 
@@ -22,69 +22,29 @@ from sie.fast.panels import Spread
 CHUNK = 16_000
 
 
-@dataclass(frozen=True, eq=False)
-class Sources:
-    """Zones moved by poles: zone index and ends of each, and what rounding has cut off them (`Zones.rest`)."""
-
-    zone: Index
-    a: Array
-    b: Array
-    own: Mask
-    rest: Array
-
-    @classmethod
-    def of(cls, zones: Zones, kernel: Kernel) -> Sources:
-        """Every zone at every pole; `own` marks those that are not moved."""
-        shift = np.asarray(kernel.poles)[:, None]
-        zone = np.tile(np.arange(len(zones)), len(kernel.poles))
-        own = np.repeat(shift[:, 0] == 0.0, len(zones))
-        return cls(zone, (zones.a + shift).ravel(), (zones.b + shift).ravel(), own, zones.rest[:, zone])
-
-    def chosen(self, which: Mask) -> Sources:
-        return Sources(self.zone[which], self.a[which], self.b[which], self.own[which], self.rest[:, which])
-
-    def __len__(self) -> int:
-        return len(self.zone)
-
-
-def seen_from(sources: Sources, x: Array, half: Array) -> OnLine:
-    """Points seen from sources, (points, sources)."""
-    left = ((x[:, None] - sources.a) - sources.rest[0]) / half
-    right = ((sources.b - x[:, None]) + sources.rest[1]) / half
-    return OnLine.of(left, right)
-
-
-def transform_from(density: Series, x: Array, sources: Sources) -> Array:
-    """What sources add to (1/pi) PV int phi K dxi at points x (n,)."""
-    zone = sources.zone
-    seen = seen_from(sources, x, density.zones.half[zone])
-    value, rho = transform_of(*density.bounded, seen, zone), seen.rho
+def from_zones(density: Series, x: Array, zone: Index, shift: Array | float, potential: bool) -> Array:
+    """What zones moved by `shift` do at points by the poles of the kernel: pair by pair, all (n,), or, x (n, 1), at every point."""
+    zones, w, jumps = density.zones, density.zones.half[zone], density.jumps
+    seen = OnLine.of(zones.beyond_a(x - shift, zone) / w, zones.before_b(x - shift, zone) / w)
+    if potential:
+        value = potential_of(density.potential_coefficients, seen, w, density.kernel.datum, zone)
+    else:
+        value = transform_of(*density.bounded, seen, zone)
     if seen.any_on:
-        p, i = np.nonzero(seen.on)
-        value[p, i] = density.own_transform(zone[i], seen.left[p, i], seen.right[p, i])
-    for place in density.jumps.by_zone:
-        for column in np.flatnonzero(zone == place):
-            on = seen.on[:, column]
-            value[on, column] += density.jumps.own_transform(place, seen.left[on, column])
-            z = 0.5 * (seen.left[~on, column] - seen.right[~on, column])
-            value[~on, column] += density.jumps.transform(place, z, rho[~on, column])
-    return np.asarray(value.sum(axis=1))
-
-
-def potential_from(density: Series, x: Array, sources: Sources) -> Array:
-    """What sources add to (1/pi) int phi Lambda dxi at points x (n,)."""
-    zone, datum = sources.zone, density.kernel.datum
-    w = density.zones.half[zone]
-    seen = seen_from(sources, x, w)
-    value, rho = potential_of(density.potential_coefficients, seen, w, datum, zone), seen.rho
-    p, i = np.nonzero(density.is_near(zone, rho, seen.on))
-    if len(p):
-        value[p, i] = density.near_potential(zone[i], seen[p, i])
-    for place in density.jumps.sharp:
-        for column in np.flatnonzero(zone == place):
-            jumps = density.jumps.sharp_potential(place, seen.left[:, column], seen.right[:, column], rho[:, column])
-            value[:, column] += w[column] * (jumps + density.sharp_totals[place] * math.log(w[column] / datum))
-    return np.asarray(value.sum(axis=1))
+        own = np.nonzero(seen.on)
+        value[own] = (density.own_potential if potential else density.own_transform)(zone[own[-1]], seen[own])
+    named = list(jumps.by_zone)
+    if named:
+        carried = np.zeros(len(zones), dtype=bool)
+        carried[named] = True
+        pairs = np.nonzero(np.broadcast_to(carried[zone], value.shape))
+        of, there = zone[pairs[-1]], seen[pairs]
+        if potential:
+            sharp = jumps.sharp_potential_at(of, there.left, there.right, there.rho)
+            value[pairs] += zones.half[of] * (sharp + density.sharp_totals[of] * np.log(zones.half[of] / density.kernel.datum))
+        else:
+            value[pairs] += jumps.transform_at(of, there)
+    return np.asarray(value)
 
 
 def regular_at(density: Series, x: Array, regular: Regular) -> Array:
@@ -93,8 +53,13 @@ def regular_at(density: Series, x: Array, regular: Regular) -> Array:
     if density.panel_moments is not None:
         panels, moments = density.panel_moments
         return panels.at(Spread.of(panels, x), moments, regular is not density.kernel.regular)
-    out = np.zeros(x.shape)
-    for xi, weights in density.quadrature:
+    return by_quadrature(density.quadrature, x, regular)
+
+
+def by_quadrature(parts: list[tuple[Array, Array]], x: NDArray[Any], regular: Callable[..., NDArray[Any]]) -> NDArray[Any]:
+    """Sums over nodes with weights, at real or complex points."""
+    out = np.zeros(x.shape, dtype=x.dtype)
+    for xi, weights in parts:
         block = max(1, CHUNK // weights.size)
         for s in range(0, len(x), block):
             out[s : s + block] += regular(x[s : s + block, None], xi[None, :]) @ weights

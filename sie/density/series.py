@@ -17,7 +17,6 @@ from sie.basis.interval import (
     intensities,
     own_potential,
     own_transform,
-    potential_of,
     slope_scale,
     theta,
     values_on,
@@ -28,7 +27,7 @@ from sie.basis.zones import Zones
 from sie.density.located import Located, real_of
 from sie.density.moments import moments_of, quadrature
 from sie.fast.panels import Panels, panels_over
-from sie.jumps.forcing import SERIES_REACH, ForcingJumps
+from sie.jumps.forcing import ForcingJumps
 
 # Distance from a singular end, over the half width, within which errors of the density are not asked for.
 _BESIDE = 0.01
@@ -162,15 +161,7 @@ class Series(Located):
         # At an end where the density is bounded, the rounding of its intensity is not divided by zero.
         out = values_on(*self.bounded, zone, left, right, self._bounded_ends)
         if len(self.jumps):
-            out = out.copy()
-            flat, flat_zone, flat_left, flat_right = out.reshape(-1), zone.ravel(), left.ravel(), right.ravel()
-            few = self.jumps.few.holds(flat_zone)
-            some, rest = np.flatnonzero(few), np.flatnonzero(~few)
-            flat[some] += self.jumps.few.density(flat_zone[some], flat_left[some], flat_right[some])
-            for i, there in of_zones(flat_zone[rest]):
-                if i in self.jumps.by_zone:
-                    here = rest[there]
-                    flat[here] += self.jumps.density(i, flat_left[here], flat_right[here])
+            out = out + self.jumps.density_at(zone.ravel(), left.ravel(), right.ravel()).reshape(out.shape)
         return np.asarray(out)
 
     def integral_at(self, zone: ArrayLike, angle: ArrayLike) -> Array:
@@ -207,9 +198,9 @@ class Series(Located):
         panels = panels_over(self.kernel, self.zones)
         return None if panels is None else (panels, moments_of(panels, self.zones, self.kernel, self.coefficients, self.jumps))
 
-    def own_transform(self, zone: Index, left: Array, right: Array) -> Array:
+    def own_transform(self, zone: Index, seen: OnLine) -> Array:
         """What the series of zones are transformed to on these, pair by pair."""
-        return own_transform(self.coefficients, zone, left, right)
+        return own_transform(self.coefficients, zone, seen.left, seen.right)
 
     @cached_property
     def potential_coefficients(self) -> Array:
@@ -221,43 +212,13 @@ class Series(Located):
         table[:, 1:] /= np.arange(1, table.shape[1])
         return table
 
-    def near_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of zones at points on them and beside their ends, all but `ForcingJumps.sharp_potential`, pair by pair."""
-        series, value, on, datum = self._own_series, np.empty(len(zone)), seen.on, self.kernel.datum
+    def own_potential(self, zone: Index, seen: OnLine) -> Array:
+        """Potential of zones at points on them, all but `ForcingJumps.sharp_potential`, pair by pair."""
         w = self.zones.half[zone]
-        value[on] = w[on] * own_potential(series, zone[on], seen.left[on], seen.right[on], w[on] / datum)
-        value[~on] = potential_of(series, seen[~on], w[~on], datum, zone[~on])
-        for place, here in of_zones(zone) if self.jumps.summed else ():
-            if place in self.jumps.summed:
-                jumps = self.jumps.summed_potential(place, seen.left[here], seen.right[here], seen.rho[here])
-                value[here] += w[here] * (jumps + self.summed_totals[place] * np.log(w[here] / datum))
-        return value
-
-    def is_near(self, zone: Index, rho: Array, on: Mask) -> Mask:
-        """Where `near_potential` is to be asked: on the zones, and where series of jumps end too soon."""
-        if not self.jumps.summed:
-            return on
-        summed = np.zeros(len(self.zones), dtype=bool)
-        summed[list(self.jumps.summed)] = True
-        return np.asarray(on | (summed[zone] & (np.abs(rho) > SERIES_REACH)))
-
-    @cached_property
-    def _own_series(self) -> Array:
-        """`potential_coefficients` without the jumps that have closed forms there."""
-        if not self.jumps.summed:
-            return self.potential_coefficients
-        table = self.coefficients.copy()
-        table[:, 1:] /= np.arange(1, table.shape[1])
-        return table
-
-    @cached_property
-    def summed_totals(self) -> Array:
-        """c_0 of the jumps whose potential is a series, per zone."""
-        high = self.jumps.high_coefficients(self.zones)
-        return np.asarray(high[:, :1].sum(axis=1))
+        return w * own_potential(self.potential_coefficients, zone, seen.left, seen.right, w / self.kernel.datum)
 
     @cached_property
     def sharp_totals(self) -> Array:
         """c_0 of the jumps of `ForcingJumps.sharp_potential`, per zone."""
-        jumps = self.jumps.t_coefficients(self.zones, 1)[:, 0]
-        return np.asarray(jumps - self.summed_totals)
+        high = self.jumps.high_coefficients(self.zones)[:, :1]
+        return np.asarray(self.jumps.t_coefficients(self.zones, 1)[:, 0] - high.sum(axis=1))

@@ -10,11 +10,12 @@ from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebint
 
 from sie.basis.arrays import Array, Index
-from sie.basis.interval import OnLine, Outside, of_t, potential_of, transform_of
-from sie.basis.sums import of_zones
+from sie.basis.interval import Outside, of_t
 from sie.basis.zones import Zones
+from sie.density.field import from_zones
 from sie.density.series import Series
 from sie.fast.far import FarSum, Nested
 from sie.fast.piecewise import clenshaw
@@ -36,7 +37,7 @@ class Treecode:
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
         self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
-        sources = Nested(Tree.over(zones.a, zones.b))
+        sources = Nested(Tree.over(zones.a, zones.b, zones.rest))
         far = FarSum(sources, Nested(Tree.over(ends[:-1], ends[1:]), kept=False), density.kernel)
         near = far.near
         self.source, self.shift = near.source, near.shift
@@ -50,16 +51,9 @@ class Treecode:
     @cached_property
     def potential_series(self) -> Array:
         """Series of the potential: the primitive of the transform's, with the given value at the middle of the cell."""
-        f = np.zeros((len(self.series), TERMS + 2))
-        f[:, :TERMS] = self.series
-        out = np.zeros((len(f), TERMS + 1))
-        k = np.arange(2, TERMS + 1)
-        out[:, 1] = f[:, 0] - 0.5 * f[:, 2]
-        out[:, 2:] = (f[:, 1:TERMS] - f[:, 3 : TERMS + 2]) / (2 * k)
-        out *= self.half[:, None]
-        even = np.arange(2, TERMS + 1, 2)
-        out[:, 0] = self.value - out[:, 2::2] @ np.cos(0.5 * np.pi * even)
-        return out
+        out = chebint(self.series, axis=1) * self.half[:, None]
+        out[:, 0] += self.value
+        return np.asarray(out)
 
     def transform(self, x: Array) -> Array:
         return self._summed(x, self.series, False)
@@ -86,7 +80,7 @@ class Treecode:
             count = self.start[cells + 1] - self.start[cells]
             row = np.repeat(np.arange(len(part)), count)
             pair = np.arange(len(row)) + np.repeat(self.start[cells] - (np.cumsum(count) - count), count)
-            near = self._near(part[row], self.source[pair], self.shift[pair], potential)
+            near = from_zones(self.density, part[row], self.source[pair], self.shift[pair], potential)
             out[places] = value + np.bincount(row, near, minlength=len(part))
         return out
 
@@ -100,49 +94,6 @@ class Treecode:
             yield slice(begin, end)
             begin = end
 
-    def _near(self, x: Array, zone: Index, shift: Array, potential: bool) -> Array:
-        """What a zone moved by `shift` does at x, pair by pair."""
-        density = self.density
-        w = density.zones.half[zone]
-        left, right = density.zones.beyond_a(x - shift, zone) / w, density.zones.before_b(x - shift, zone) / w
-        seen = OnLine.of(left, right)
-        on, rho = seen.on, seen.rho
-        value = np.empty(len(x))
-        own = np.asarray(density.is_near(zone, rho, on)) if potential else on
-        off, near = np.flatnonzero(~own), np.flatnonzero(own)
-        if potential:
-            value[off] = potential_of(density.potential_coefficients, seen[off], w[off], density.kernel.datum, zone[off])
-        else:
-            value[off] = transform_of(*density.bounded, seen[off], zone[off])
-        if len(near) and potential:
-            value[near] = density.near_potential(zone[near], seen[near])
-        elif len(near):
-            value[near] = density.own_transform(zone[near], left[near], right[near])
-        jumps = density.jumps
-        few = jumps.few.holds(zone) & (jumps.few.potentials or not potential)
-        some = np.flatnonzero(few)
-        if len(some) and potential:
-            sharp = jumps.few.potential(zone[some], left[some], right[some], rho[some])
-            value[some] += w[some] * (sharp + density.sharp_totals[zone[some]] * np.log(w[some] / density.kernel.datum))
-        elif len(some):
-            here, off = some[on[some]], some[~on[some]]
-            value[here] -= jumps.few.smooth_part(zone[here], left[here])
-            value[off] += jumps.few.transform(zone[off], 0.5 * (left[off] - right[off]), rho[off])
-        jumping = set(jumps.sharp) if potential else set(jumps.by_zone)
-        rest = np.flatnonzero(~few)
-        for i, there in of_zones(zone[rest]) if jumping else ():
-            if i not in jumping:
-                continue
-            places = rest[there]
-            if potential:
-                sharp = jumps.sharp_potential(i, left[places], right[places], rho[places])
-                value[places] += w[places] * (sharp + density.sharp_totals[i] * np.log(w[places] / density.kernel.datum))
-            else:
-                inside, z = on[places], 0.5 * (left[places] - right[places])
-                value[places[inside]] += jumps.own_transform(i, left[places[inside]])
-                value[places[~inside]] += jumps.transform(i, z[~inside], rho[places[~inside]])
-        return value
-
     def _beyond(self, x: Array, potential: bool) -> Array:
         """Outside the cells of a kernel that has no period: from the moments of all zones, but near an image one by one."""
         zones, datum = self.density.zones, self.density.kernel.datum
@@ -152,8 +103,7 @@ class Treecode:
             left, right = x - (zones.a[0] + shift), (zones.b[-1] + shift) - x
             e = np.maximum(-left, -right) / half
             for k in np.flatnonzero(e < SEPARATION):
-                every = np.arange(len(zones))
-                out[k] += self._near(np.full(len(zones), x[k]), every, np.full(len(zones), shift), potential).sum()
+                out[k] += from_zones(self.density, x[k, None, None], np.arange(len(zones)), shift, potential).sum()
             far = np.flatnonzero(e >= SEPARATION)
             seen = Outside(np.where(left[far] > 0, 1.0, -1.0), e[far])
             widths, row = np.full(len(far), half), np.zeros(len(far), dtype=np.intp)

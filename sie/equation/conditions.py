@@ -78,8 +78,9 @@ class Rows(Protocol):
 class Condition:
     """Base: a linear statement about the density and the unknown amplitudes.
 
-    A condition of one's own has `count(zones)`, how many rows it has, and `rows(system)`, (matrix, constants, values) of shapes
-    (count, unknowns), (count,), (count,) with matrix @ unknowns + constants = values; see `Rows` for what `system` tells.
+    A condition of one's own has `rows(system)`, (matrix, constants, values) of shapes (count, unknowns), (count,), (count,) with
+    matrix @ unknowns + constants = values, and `count(zones)`, how many rows it has, if these are not one; see `Rows` for what `system`
+    tells.
 
     Attributes
     ----------
@@ -111,7 +112,8 @@ class Condition:
     """Whether the condition speaks of potentials."""
 
     def count(self, zones: Zones) -> int:
-        raise NotImplementedError
+        """How many rows it has."""
+        return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         """(matrix, constants, values): matrix @ unknowns + constants = values."""
@@ -196,7 +198,8 @@ class Trial:
         return self.level, np.zeros(len(self.level))
 
     def level_steps(self) -> Linear:
-        return np.diff(self.level, axis=0), np.zeros(len(self.level) - 1)
+        matrix, constants = self.levels()
+        return np.diff(matrix, axis=0), np.diff(constants)
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         solved = self.zones.solved
@@ -281,9 +284,6 @@ class Total(Condition):
     def open(self) -> bool:  # type: ignore[override]
         return self.value is None
 
-    def count(self, zones: Zones) -> int:
-        return 1
-
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         return summed(system, system.totals(), self.value or 0.0)
 
@@ -318,9 +318,6 @@ class Weighted(Condition):
     weight: Callable[[Array], Array]
     value: float
     degree: int | None = None
-
-    def count(self, zones: Zones) -> int:
-        return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         return summed(system, system.integrals(self._even if system.zones.symmetric else self.weight, self.degree), self.value)
@@ -389,9 +386,6 @@ class ZoneMoments(Condition):
     """
 
     value: float
-
-    def count(self, zones: Zones) -> int:
-        return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         zones = system.zones
@@ -528,9 +522,6 @@ class Amplitude(Condition):
     @property
     def open(self) -> bool:  # type: ignore[override]
         return self.value is None
-
-    def count(self, zones: Zones) -> int:
-        return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         matrix, constants = system.amplitude(self.k)

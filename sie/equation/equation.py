@@ -70,6 +70,8 @@ class Forcing(Kept):
         digits that the primitive has lost.
     placed : callable or None
         Where x comes to stand when `value` rounds it; None: x itself. Narrow zones far from the origin see it.
+    exact : bool
+        Whether `value` loses nothing of the places that it is given: then ends of zones are kept to more digits than their positions have.
     looked_at : bool
         Whether it is known to be in order, and its primitive to rise as its value says: then that is not looked at again.
 
@@ -102,6 +104,7 @@ class Forcing(Kept):
     singular_between: bool = False
     resolution: float | None = None
     placed: Function | None = None
+    exact: bool = False
     looked_at: bool = False
 
     def sampled(self, start: Array, away: Array, slope: Function) -> Array:

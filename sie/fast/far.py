@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebint, chebval
 
 from sie.basis import chebyshev
 from sie.basis.arrays import Array
@@ -24,19 +25,11 @@ _BLOCK = 512
 # Terms that leave 1e-7 of a sum: enough for what is corrected afterwards, at a quarter of the time.
 ROUGH = 12
 _TWICE = np.array([1.0] + [2.0] * (TERMS - 1))
-_ORDER = np.arange(TERMS)
 
 
 def antiderivatives(s: Array) -> Array:
     """int_0^s T_k, k = 0 ... TERMS - 1, along a new last axis."""
-    theta = np.arccos(np.clip(s, -1.0, 1.0))[..., None]
-    up, down = _ORDER + 1, np.maximum(_ORDER - 1, 1)
-    at_zero = np.cos(up * np.pi / 2) / (2 * up) - np.where(_ORDER > 1, np.cos((_ORDER - 1) * np.pi / 2) / (2 * down), 0.0)
-    out = np.cos(up * theta) / (2 * up) - np.where(_ORDER > 1, np.cos((_ORDER - 1) * theta) / (2 * down), 0.0)
-    out, at_zero = np.asarray(out), np.asarray(at_zero)
-    out[..., 0] *= 2  # int T_0 = T_1
-    at_zero[0] *= 2
-    return np.asarray(out - at_zero)
+    return np.moveaxis(np.asarray(chebval(s, chebint(np.eye(TERMS))), dtype=float), 0, -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +45,7 @@ class Nested:
         tree = self.tree
         up = np.maximum(tree.parent, 0)
         width = np.maximum(tree.hi[up] - tree.lo[up], 1e-300)
-        alpha = ((tree.lo - tree.lo[up]) - (tree.hi[up] - tree.hi)) / width
+        alpha = (((tree.lo - tree.lo[up]) - (tree.hi[up] - tree.hi)) + tree.rest.sum(axis=0)) / width
         return alpha, (tree.hi - tree.lo) / width
 
     @cached_property
@@ -132,12 +125,6 @@ class _Nodes:
     to_series: Array
 
 
-def _to_series(terms: int) -> Array:
-    out = chebyshev.t_matrix(terms, terms) * (2 / terms)
-    out[:, 0] *= 0.5
-    return out
-
-
 class FarSum:
     """What the far zones do on target intervals: (series of the transform, potential at the middle in two words)."""
 
@@ -147,8 +134,8 @@ class FarSum:
         far, self.near = interactions(t, s, kernel.poles)
         self.far = far
         self._right = t.lo[far.target] > s.lo[far.source] + far.shift
-        past = t.lo[far.target] - (s.hi[far.source] + far.shift)
-        before = (s.lo[far.source] + far.shift) - t.hi[far.target]
+        past = (t.lo[far.target] - (s.hi[far.source] + far.shift)) + (t.rest[0, far.target] - s.rest[1, far.source])
+        before = ((s.lo[far.source] + far.shift) - t.hi[far.target]) + (s.rest[0, far.source] - t.rest[1, far.target])
         self._gap = np.where(self._right, past, before)
         self._half, self._width = s.half[far.source], t.half[far.target]
         self._sign = np.where(self._right, 1.0, -1.0)
@@ -166,7 +153,7 @@ class FarSum:
     def _at(self, terms: int) -> _Nodes:
         nodes = chebyshev.gauss(terms)[:, None]
         seen = Outside(self._sign, (self._gap + self._width * (1 + np.where(self._right, nodes, -nodes))) / self._half)
-        return _Nodes(seen.rho, 1 / (seen.root * self._half), _to_series(terms))
+        return _Nodes(seen.rho, 1 / (seen.root * self._half), chebyshev.to_series(terms))
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
@@ -180,7 +167,7 @@ class FarSum:
         x = 0.5 * (t.lo[0] + t.hi[0]) + t.half[0] * chebyshev.gauss(TERMS)
         xi = 0.5 * (s.lo[0] + s.hi[0]) + s.half[0] * chebyshev.gauss(TERMS)
         from_moments = chebyshev.t_matrix(TERMS, TERMS) * _TWICE / TERMS
-        values = _to_series(TERMS).T @ kernel.regular(x[:, None], xi) @ from_moments
+        values = chebyshev.to_series(TERMS).T @ kernel.regular(x[:, None], xi) @ from_moments
         middle = kernel.regular_potential(np.array([0.5 * (t.lo[0] + t.hi[0])]), xi) @ from_moments
         return np.asarray(values), np.asarray(middle)
 

@@ -100,9 +100,7 @@ class PiecewiseTransform:
         for s in range(0, len(w), _PAIRS):
             some = cells[s : s + _PAIRS, None]
             values[some[:, 0]] -= self._near(some, w[some] * left, w[some] * right)
-        to_series = chebyshev.t_matrix(TERMS, TERMS) * (2 / TERMS)
-        to_series[:, 0] *= 0.5
-        return np.asarray(series + values @ to_series)
+        return np.asarray(series + values @ chebyshev.to_series(TERMS))
 
     def _from(self, target: Index, source: Index, shift: Array, local: Array, moments: Array) -> Array:
         """What cells `source` do at the nodes of cells `target`, pair by pair: (pairs, nodes)."""

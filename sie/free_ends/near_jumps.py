@@ -38,61 +38,35 @@ def bent_steps(
     """Steps (2, Z) of the left and right ends: `plain` = 2 K / A but where a jump is near. No step is longer than
     `inward` or `outward` of the width there. k, slopes: K less its target, and A, positive where they push outward; A is 0 where it
     is not to be relied on."""
-    if len(forcing.density_jumps_at):
-        return _beside_logarithms(forcing, zones, period, k, slopes, plain, inward, outward)
-    kinks = forcing.kinks
-    rising = kinks[1] > 0
-    if not np.any(rising):
-        return plain
-    inside, outside = _nearest(zones, kinks[0][rising], kinks[1][rising], period)
-    width = zones.b - zones.a
-    near = np.minimum(inside[0], outside[0])
-    # Where A is no guide yet, a jump outside is one: the end stops soon after it.
-    guided = (slopes > 0) | ((k > 0) & (outside[0] < width))
-    bent = (near < width) & (near < _FAR * np.abs(plain)) & guided
-    if not np.any(bent):
-        return plain
-    side = np.nonzero(bent)
-    width = width[side[1]]
-    (r, j_in), (y, j_out) = ((d[side], j[side]) for d, j in (inside, outside))
-    left_behind = np.clip(2 * (1 - r / width), 0.0, 2.0)
-    c_in = np.where(r < width, j_in / np.pi * np.sqrt(2 * left_behind), 0.0)
-    c_out = np.where(y < width, 2 * j_out / np.pi, 0.0)
-    r, y = np.minimum(r, width), np.minimum(y, width)
-    straight = np.maximum(slopes[side] - c_in / np.sqrt(r), 0.0)
-
-    def intensity(delta: Array) -> Array:
-        bend = c_in * (np.sqrt(np.maximum(r + delta, 0)) - np.sqrt(r)) + c_out * np.sqrt(np.maximum(delta - y, 0))
-        return np.asarray(k[side] - 0.5 * straight * delta - bend)
-
-    steps, kink = plain.copy(), np.where(r < y, -r, y)
-    steps[side] = _root(intensity, -inward * width, outward * width, kink)
-    return steps
-
-
-def _beside_logarithms(
-    forcing: Forcing, zones: Zones, period: float | None, k: Array, slopes: Array, plain: Array, inward: float,
-    outward: float,
-) -> Array:
-    at, heights = forcing.logarithms
+    of_density = len(forcing.density_jumps_at) > 0
+    at, heights = forcing.logarithms if of_density else forcing.kinks
     width, steps = zones.b - zones.a, plain.copy()
     inside, outside = _nearest(zones, at[heights > 0], heights[heights > 0], period)
-    bent = (np.minimum(inside[0], outside[0]) < np.minimum(width, _FAR * np.abs(plain))) & (slopes > 0)
+    # Where A is no guide yet, a jump outside is one: the end stops soon after it.
+    guided = (slopes > 0) | ((not of_density) & (k > 0) & (outside[0] < width))
+    bent = (np.minimum(inside[0], outside[0]) < np.minimum(width, _FAR * np.abs(plain))) & guided
     if np.any(bent):
         side = np.nonzero(bent)
         width = width[side[1]]
         (r, j_in), (y, j_out) = ((d[side], j[side]) for d, j in (inside, outside))
         c_in, c_out = np.where(r < width, 2 * j_in / np.pi, 0.0), np.where(y < width, 2 * j_out / np.pi, 0.0)
-        r, y = np.minimum(r, width), np.clip(y, 1e-300, width)
-        # Right on a logarithm A is infinite, and all of it is bent.
+        if not of_density:
+            c_in = c_in * np.sqrt(np.clip(1 - r / width, 0.0, 1.0))
+        r, y = np.clip(r, 1e-300, width), np.clip(y, 1e-300, width)
+        # What is in A already, and what lies on the other side of the end, by motions towards that.
+        (c, here), (beyond, there), sign = ((c_out, y), (c_in, r), -1.0) if of_density else ((c_in, r), (c_out, y), 1.0)
+        # Right on a jump A is infinite, and all of it is bent.
         with np.errstate(invalid="ignore"):
-            straight = np.where(np.isinf(slopes[side]), 0.0, np.maximum(slopes[side] - c_out / np.sqrt(y), 0.0))
+            straight = np.where(np.isinf(slopes[side]), 0.0, np.maximum(slopes[side] - c / np.sqrt(here), 0.0))
 
         def intensity(delta: Array) -> Array:
-            bend = c_out * (np.sqrt(y) - np.sqrt(np.maximum(y - delta, 0))) - c_in * np.sqrt(np.maximum(-delta - r, 0))
-            return np.asarray(k[side] - 0.5 * straight * delta - bend)
+            moved = sign * delta
+            bend = c * (np.sqrt(np.maximum(here + moved, 0)) - np.sqrt(here)) + beyond * np.sqrt(np.maximum(moved - there, 0))
+            return np.asarray(k[side] - 0.5 * straight * delta - sign * bend)
 
         steps[side] = _root(intensity, -inward * width, outward * width, np.where(r < y, -r, y))
+    if not of_density:
+        return steps
     negative = _nearest(zones, at[heights < 0], heights[heights < 0], period)[0][0]
     return np.maximum(steps, -_SHORT_OF * negative)
 

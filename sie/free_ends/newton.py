@@ -19,10 +19,11 @@ from sie.basis.arrays import Array, Index, Mask
 from sie.basis.ends import FREE, SINGULAR, End
 from sie.basis.zones import Zones
 from sie.collocation import modes
-from sie.collocation.fixed import SingularSystem, Sizes, State, first_sizes, sizes_of
+from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_of
+from sie.collocation.solved import Sizes
 from sie.density.density import Density
 from sie.equation.equation import Equation
-from sie.free_ends.end_rates import NEUTRAL_FROM, end_rates
+from sie.free_ends.end_rates import DirectMotions, motions_of
 from sie.free_ends.gap_steps import gap_steps
 from sie.free_ends.iterated import STEP, IteratedMotions
 from sie.free_ends.motions import spread
@@ -41,8 +42,10 @@ _BORDERINGS = 12
 # was: what that leaves of a step is this part of it.
 _SAME_RESPONSE = 0.01
 
-# Of a solution by iteration that is wanted no better than this, sums are rough.
-_ROUGHLY = 1e-7
+# Of a solution by iteration that is wanted no better than this, sums are rough; the last one, if no better than that.
+_ROUGHLY, _ROUGH_ENOUGH = 1e-7, 5e-7
+# From this number of zones on: what series fall to before the last step, over the cube of the move before, and at least.
+_MANY, _OF_CUBE, _LONGEST_FALL = 1000, 1e-3, 1e-4
 # What zones said to be near are expected to move by, over their widths: what a rougher solution would add does not fall as steps do.
 _STEP_NEAR = 1e-4
 
@@ -86,6 +89,8 @@ class Free:
         See above; None: nothing was found.
     reason : str
         Why the search stopped.
+    left : ndarray
+        The remaining outward moves (2, Z) where the ends have come to rest.
 
     Examples
     --------
@@ -107,6 +112,13 @@ class Free:
     met: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     stable: bool | None = None
     reason: str = ""
+    left: Array = field(default_factory=lambda: np.zeros((2, 0)))
+
+    @property
+    def next_zones(self) -> Zones:
+        """The zones after the remaining moves too."""
+        zones = self.density.zones
+        return zones.moved(self.left) if self.left.shape[1] else zones
 
     @property
     def density(self) -> AnyDensity:
@@ -127,6 +139,8 @@ def find_ends(
     off: float = 1.0,
     like: AnyState | None = None,
     limited: End = FREE,
+    few: float = 0.0,
+    patient: int = 0,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -162,6 +176,8 @@ def find_ends(
         A solution on about the same zones, with as many modes to begin with.
     limited : End
         The kind of an end that leaves a limit.
+    few, patient : float, int
+        Part of all ends that need not have come to rest after so many steps: of very many, a first look at what they are the ends of.
 
     Returns
     -------
@@ -182,19 +198,23 @@ def find_ends(
     """
     decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
     opened = equation.open_condition
+    keeps = equation.forcing.cornered or equation.forcing.exact
     off = min(off, _STEP_NEAR) if near else off
-    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off)
+    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off, few, patient)
     sizes = first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
     unit: Unit | None = None
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
-        sizes.linear, sizes.rough, sizes.value = progress.linear, progress.linear > max(_ROUGHLY, progress.tightest), value
-        state = _state(equation, zones, decay, sizes, value)
-        loose = state.iterated and sizes.linear > progress.tightest
+        sizes.linear, sizes.value = progress.linear, value
+        sizes.rough = progress.linear > max(_ROUGHLY, min(progress.tightest, _ROUGH_ENOUGH))
+        # Series of many zones are no longer than the next move asks for.
+        fall = max(decay, min(_LONGEST_FALL, _OF_CUBE * progress.last**3)) if len(zones) >= _MANY else decay
+        state = _state(equation, zones, fall, sizes, value)
+        loose = state.iterated and (sizes.linear > progress.tightest or fall > decay)
         zones, let_go = _let_go(zones, limits, state.density, limited)
         if let_go and zones.follow_ends:
             # The rates are those of the ends that move now.
-            state = _state(equation, zones, decay, sizes, value)
+            state = _state(equation, zones, fall, sizes, value)
         if opened is not None and (unit is None or unit.moved(zones) > _SAME_RESPONSE):
             unit = Unit.of(state, sizes)
         motion = _newton(state, zones, signs, unit)
@@ -217,7 +237,7 @@ def find_ends(
                     return Free(state, False, nowhere, nowhere, tuple(progress.trace), value, reason=_NEUTRAL)
                 uncertain = (more * (motion.noise + STEP * np.abs(motion.delta)) / (zones.b - zones.a)).T
                 rest = replace(rest, error=rest.error + uncertain, rounding=rest.rounding + uncertain)
-                motion = replace(motion, turn=replace(motion.turn, growth=_iterated_growth(motions, side, unit)))
+                motion = replace(motion, turn=replace(motion.turn, growth=_growth(motions, side, unit)))
             return _found(state, progress, rest, motion, value, bounded_ends)
         hopeless = progress.is_hopeless(motion.certain) or (equation.grows and state.unresolved) or (near and not progress.is_near())
         if hopeless or len(progress.trace) > max_steps:
@@ -227,7 +247,7 @@ def find_ends(
         value += motion.change
         closes = _closes(zones, equation, motion.delta)
         vanishes = motion.delta.sum(axis=0) <= zones.a - zones.b
-        zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), equation.forcing.cornered), limits)
+        zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), keeps), limits)
         lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes)
         if len(lost) or len(met):
             reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.past_fold]))
@@ -255,7 +275,8 @@ def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, valu
     stable = motion.turn is None or motion.turn.growth < 0.0
     reason = _FOUND if stable else _UNSTABLE
     return Free(
-        state, True, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), stable=stable, reason=reason
+        state, True, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), stable=stable, reason=reason,
+        left=_limit(state.density.zones, state.equation, motion.delta),
     )
 
 
@@ -315,6 +336,8 @@ def _of_places(state: AnyState, corners: Array) -> Array:
     sqrt(w / 2) g' e, where A is sqrt(2 w) g' if it comes from the smooth part of g alone. What comes from corners within a zone does
     not count, since the ends' distances from these are known."""
     zones = state.density.zones
+    if state.equation.forcing.exact:
+        return np.zeros((2, len(zones)))
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
     if state.density.slit_count or not np.isfinite(corners).any():
         return rounding
@@ -473,68 +496,24 @@ def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
 def _full_newton(
     equation: Equation, state: State, residual: Array, noise_k: Array, unit: Unit | None, signs: Array
 ) -> tuple[Array, Array, float, float]:
-    """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth of a push (`Free.stable`) by Newton
-    with the full Jacobian dK_i/d(end_j), for prescribed intensities.
+    """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth of a push (`Free.stable`; not a number
+    by iteration, where it is left open) by Newton with the full Jacobian dK_i/d(end_j), for prescribed intensities.
 
     The rates are those of `end_rates`; of a mirrored pair of ends, the right one stands for both.
     """
-    zones = state.density.zones
-    if state.iteration is not None:
-        return _iterated_newton(equation, state, residual, noise_k, unit)
-    rates = end_rates(state)
-    ends, jacobian = rates.ends, rates.intensities
-    driven = np.array([float(signs[side, 0]) for side, _ in ends])[:, None] * jacobian
-    # Rounding alone keeps the rates of a motion that changes nothing from being zero.
-    if len(ends) and not np.linalg.cond(jacobian) < NEUTRAL_FROM:
-        return np.full_like(residual, np.inf), noise_k, 0.0, 0.0
-    inverse = np.linalg.inv(jacobian)
-    at_ends = tuple(np.array(ends, dtype=np.intp).reshape(-1, 2).T)
-    delta = spread(state, ends, -inverse @ residual[at_ends])
-    noise = spread(state, ends, np.abs(inverse) @ noise_k[at_ends])
-    if unit is None:
-        return delta, noise, 0.0, _growth(driven)
-    slope = spread(state, ends, -inverse @ unit.intensities[at_ends])
-    delta, change = _bordered(equation, zones, delta, slope)
-    return delta, noise, change, _growth(driven, *_along(equation, zones, unit, at_ends, signs))
+    motions = motions_of(state)
+    at_ends, change = (motions.side, motions.zone), 0.0
+    delta, noise = spread(state, motions.ends, motions.meeting(-residual[at_ends])), motions.local(noise_k)
+    if unit is not None:
+        slope = spread(state, motions.ends, motions.meeting(-unit.intensities[at_ends]))
+        delta, change = _bordered(equation, state.density.zones, delta, slope)
+    return delta, noise, change, math.nan if state.iterated else _growth(motions, signs, unit)
 
 
-def _iterated_newton(
-    equation: Equation, state: State, residual: Array, noise_k: Array, unit: Unit | None
-) -> tuple[Array, Array, float, float]:
-    """The same by iteration; the growth is left open."""
-    assert state.iteration is not None
-    motions = IteratedMotions(state, state.iteration)
-    at_ends = motions.side, motions.zone
-    delta = spread(state, motions.ends, motions.meeting(-residual[at_ends]))
-    noise = motions.local(noise_k)
-    if unit is None:
-        return delta, noise, 0.0, math.nan
-    slope = spread(state, motions.ends, motions.meeting(-unit.intensities[at_ends]))
-    delta, change = _bordered(equation, state.density.zones, delta, slope)
-    return delta, noise, change, math.nan
-
-
-def _iterated_growth(motions: IteratedMotions, signs: Array, unit: Unit | None) -> float:
-    """The growth at a state that was found by iteration."""
+def _growth(motions: DirectMotions | IteratedMotions, signs: Array, unit: Unit | None) -> float:
+    """How a push of the ends grows; with a condition on the ends, which the unknown value keeps: of motions along it."""
     if unit is None:
         return motions.growth(signs[:, 0])
-    at_ends = motions.side, motions.zone
-    return motions.growth(signs[:, 0], *_along(motions.state.equation, motions.zones, unit, at_ends, signs))
-
-
-def _along(
-    equation: Equation, zones: Zones, unit: Unit, at_ends: tuple[Index, ...], signs: Array
-) -> tuple[Array, Array]:
-    """(gradient of the condition on the ends by their motions, what drives them by a unit of the unknown value)."""
-    _, by_left, by_right = equation.end_conditions[0].residual(zones)
-    return np.array([by_left, by_right])[at_ends], signs[at_ends[0], 0] * unit.intensities[at_ends]
-
-
-def _growth(driven: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
-    """Largest real part of the eigenvalues of what drives the ends by their motions; with a condition on the ends, which the unknown value
-    keeps: of motions along it."""
-    if normal is not None and by_value is not None:
-        driven = driven - np.outer(by_value, normal @ driven) / (normal @ by_value)
-        along = np.linalg.svd(normal[None])[2][1:]
-        driven = along @ driven @ along.T
-    return float(np.linalg.eigvals(driven).real.max(initial=-np.inf))
+    at_ends, state = (motions.side, motions.zone), motions.state
+    _, by_left, by_right = state.equation.end_conditions[0].residual(state.density.zones)
+    return motions.growth(signs[:, 0], np.array([by_left, by_right])[at_ends], signs[at_ends[0], 0] * unit.intensities[at_ends])

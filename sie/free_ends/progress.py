@@ -68,12 +68,15 @@ class Rest:
 
 @dataclass(eq=False)
 class Progress:
-    """The steps so far of a search for ends from zones of these widths and gaps. off: what they are off by at first over these widths."""
+    """The steps so far of a search for ends from zones of these widths and gaps. off: what they are off by at first over these widths;
+    few: part of all ends that need not come to rest, after so many `patient` steps."""
 
     tolerance: float
     first_width: Array
     first_gap: Array
     off: float = 1.0
+    few: float = 0.0
+    patient: int = 0
     trace: list[Step] = field(default_factory=list)
     turns: list[Turn] = field(default_factory=list)
     best: float = np.inf
@@ -102,7 +105,8 @@ class Progress:
         width, delta = zones.b - zones.a, np.abs(motion.delta)
         move = float((delta / width).max(initial=0.0))
         self.trace.append(Step(zones.table, move, value if opened else None))
-        rests = bool(np.all(delta <= np.maximum(self.tolerance * np.minimum(width, corners), motion.noise)))
+        at_rest = delta <= np.maximum(self.tolerance * np.minimum(width, corners), motion.noise)
+        rests = bool(np.all(at_rest)) or (len(self.trace) > self.patient and bool(np.mean(at_rest) >= 1.0 - self.few))
         self.stalled = self.stalled + 1 if move > 0.5 * self.best else 0
         self.best = min(self.best, move)
         quiet = bool(np.all(delta < np.clip(100 * motion.noise, 1e-6 * width, 1e-2 * width)))
@@ -113,7 +117,8 @@ class Progress:
         least = max(self.tolerance, 1e-14, largest * move if stuck else 0.0)
         known = abs(motion.change) <= least * abs(value + motion.change)
         rounding = (motion.noise / width).T
-        return Rest(motion.certain and (rests or stuck) and known, rounding + MARGIN * largest * (delta / width).T, rounding)
+        certain = motion.certain or self.few > 0.0
+        return Rest(certain and (rests or stuck) and known, rounding + MARGIN * largest * (delta / width).T, rounding)
 
     def is_hopeless(self, certain: bool) -> bool:
         """At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones."""

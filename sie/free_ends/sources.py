@@ -16,11 +16,9 @@ import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index
-from sie.basis.interval import Outside, edge_scale
-from sie.basis.kernels import Kernel
+from sie.basis.interval import edge_scale
 from sie.collocation.fixed import State
-from sie.collocation.system import Layout, add_regular
-from sie.equation.conditions import of_levels, speaks_of_levels
+from sie.collocation.system import Places, fields, outside
 
 # A power of rho below this is nothing.
 _NOTHING = 1e-18
@@ -99,8 +97,8 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
     if zones.symmetric:
         raise ValueError("sources are for zones that are all solved for")
     at, cases = np.asarray(at, dtype=float), strengths.shape[1]
-    poles = np.array(kernel.poles)
-    seen = _seen(zones, at[:, None] + poles)  # (Z, S, poles)
+    poles, a, b = np.array(kernel.poles), zones.a[:, None, None], zones.b[:, None, None]
+    seen = outside(a, b, at[:, None] + poles)  # (Z, S, poles)
     up = seen.rho
     g = np.zeros((len(zones), int(layout.m.max()) + 1, len(at)))
     for m in np.unique(layout.m):
@@ -121,13 +119,7 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
         row += m
     own_level = -(mean @ strengths)
     right[state.conditions_from :] = values / state.condition_scale[:, None]
-    first = state.conditions_from
-    for condition in state.equation.conditions:
-        rows = condition.count(zones)
-        if rows and speaks_of_levels(condition, zones):
-            scale = state.condition_scale[first - state.conditions_from : first - state.conditions_from + rows, None]
-            right[first : first + rows] -= of_levels(condition, zones) @ own_level / scale
-        first += rows
+    right[state.conditions_from :] -= state.level_rows @ own_level
     unknowns = _solved(state, right)
     table = np.array([layout.padded(column) for column in unknowns.T]).reshape(cases, len(zones), -1)
     beyond = (2 / np.pi) / zones.half[:, None, None] * up ** (layout.m[:, None, None] + 1)
@@ -139,23 +131,13 @@ def answers(state: State, at: Array, strengths: Array, values: Array, places: Ar
         table.sum(axis=2).T + (beyond / (1 - up)).sum(axis=2) @ strengths,
     ])
     levels = np.zeros((0, cases))
-    if any(speaks_of_levels(condition, zones) for condition in state.equation.conditions):
+    if system.wants_levels:
         levels = system.levels()[0] @ unknowns + own_level
     places = density.into_period(np.asarray(places, dtype=float))
-    potentials = _beyond_potential(zones, _seen(zones, places[:, None] - poles).rho, up, layout.m) @ strengths
-    potentials += _potentials(zones, kernel, layout, places) @ unknowns
+    potentials = _beyond_potential(outside(a, b, places[:, None] - poles).rho, up, layout.m) @ strengths
+    unknowns[: layout.coefficients] *= np.repeat(zones.half, layout.m + 1)[:, None]
+    potentials += fields(zones, kernel, Places(places), layout, "potential") @ unknowns
     return Answers(intensities, levels, potentials)
-
-
-def _seen(zones, x: Array) -> Outside:  # type: ignore[no-untyped-def]
-    """Places (N, poles) outside the zones, seen from each: (Z, N, poles)."""
-    return _seen_from(zones.a, zones.b, x)
-
-
-def _seen_from(a: Array, b: Array, x: Array) -> Outside:
-    a, b = a[:, None, None], b[:, None, None]
-    right = x > 0.5 * (a + b)
-    return Outside(np.where(right, 1.0, -1.0), np.where(right, x - b, a - x) / (0.5 * (b - a)))
 
 
 def _regular(state: State, at: Array, g: Array, mean: Array) -> None:
@@ -181,30 +163,10 @@ def _solved(state: State, right: Array) -> Array:
     return np.column_stack([iteration(column, None, 0.0) for column in right.T])
 
 
-def _potentials(zones, kernel: Kernel, layout: Layout, x: Array) -> Array:  # type: ignore[no-untyped-def]
-    """Potential at places x outside the zones by each unknown (P, unknowns)."""
-    out = np.zeros((len(x), layout.size))
-    if len(x) == 0:
-        return out
-    poles = np.array(kernel.poles)
-    for m in np.unique(layout.m):
-        some = np.flatnonzero(layout.m == m)
-        seen = _seen_from(zones.a[some], zones.b[some], x[:, None] - poles)
-        terms = seen.one_by_one(True, zones.half[some][:, None, None] / kernel.datum)
-        block = np.array([term.sum(axis=2) for _, term in zip(range(int(m) + 1), terms, strict=False)])
-        out[:, layout.offset[some][:, None] + np.arange(int(m) + 1)] = block.transpose(2, 1, 0)
-    if kernel.regular is not None:
-        if kernel.regular_potential is None:
-            raise ValueError("the regular kernel has no potential")
-        add_regular(out, zones, kernel, kernel.regular_potential, x, layout, True)
-    out[:, : layout.coefficients] *= np.repeat(zones.half, layout.m + 1)
-    return out
-
-
-def _beyond_potential(zones, seen: Array, up: Array, m: Index) -> Array:  # type: ignore[no-untyped-def]
+def _beyond_potential(seen: Array, up: Array, m: Index) -> Array:
     """Potential of (2/(pi w)) rho^l, l > m, of unit sources (Z, S, poles) at places (Z, P, poles): -(2/pi) sum_{l > m} (rho rho')^l / l."""
     out = np.zeros((seen.shape[1], up.shape[1]))
-    for i in range(len(zones)):
+    for i in range(len(m)):
         least = _NOTHING ** (1.0 / (int(m[i]) + 1))
         for q in range(seen.shape[2]):
             # Of pairs far from the zone nothing is left.

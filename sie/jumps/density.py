@@ -29,20 +29,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import LOG2 as _LOG2
-from sie.basis.interval import Complex, InPlane, Outside, theta
+from sie.basis.interval import Complex, InPlane, theta
 from sie.basis.kernels import Kernel
-from sie.basis.sums import pair_blocks
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
-from sie.jumps.forcing import SERIES, ForcingJumps, of_sines, power
+from sie.jumps.forcing import ForcingJumps
+from sie.jumps.formulas import HIGHEST, of_sines, raised
 from sie.jumps.local_spline import LocalSpline
-from sie.jumps.pairs import FewDensityJumps, FewJumps
+from sie.jumps.pairs import FewJumps
 
 # From this number of jumps of order 2 on a spline takes their place. What the powers of n of them lose, n^2 units in the last digit, the
 # zones beside this one see; those of the right side need not tell these, since what is seen of them is found from g itself.
 _MANY = 128
+# Coefficients that a spline's potential is summed from: they fall as l^(-3).
+_SERIES = 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,43 +120,32 @@ class DensityJumps(ForcingJumps):
         return found if spline is None else found._with_splines(zones, spline, LocalSpline.inside, _MANY)
 
     def __len__(self) -> int:
-        return len(self.zone) + (0 if self.logarithms is None else len(self.logarithms.near))
+        return len(self.zone) + len(self.near)
 
-    def _exterior(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
-        """The logarithms near a zone, outside it."""
-        if self.logarithms is None or zone not in self.logarithms.near.by_zone:
-            return None
-        return self.logarithms.near, self.logarithms.near.by_zone[zone]
+    @property
+    def near(self) -> ExteriorLogarithms:
+        return super().near if self.logarithms is None else self.logarithms.near
 
     @cached_property
     def by_zone(self) -> dict[int, Index]:
-        found = self.grouped()
-        if self.logarithms is not None:
-            found = {i: np.zeros(0, np.intp) for i in self.logarithms.near.by_zone} | found
-        return found
-
-    @cached_property
-    def sharp(self) -> list[int]:
-        return sorted({*self.zone[self.closed].tolist(), *(self.logarithms.near.by_zone if self.logarithms is not None else ())})
+        return {i: np.zeros(0, np.intp) for i in self.near.by_zone} | self.grouped()
 
     @cached_property
     def kinked(self) -> list[int]:
-        return sorted({*self.zone[self.order == 0].tolist(), *(self.logarithms.near.by_zone if self.logarithms is not None else ())})
+        return sorted({*self.zone[self.order == 0].tolist(), *self.near.by_zone})
 
     # the right side -------------------------------------------------------------------------------------------------
-    _pairs = FewDensityJumps
-
     @cached_property
     def few(self) -> FewJumps:
         """None beside logarithms of the right side."""
-        return FewJumps.none() if self.logarithms is not None else super().few
+        return super().few if self.logarithms is None else FewJumps.of(self, self.zone)
 
     def adds_to(self, zone: int) -> bool:
         return self.logarithms is not None or zone in self.by_zone
 
     def smooth_part(self, zone: int, left: Array) -> Array:
         out = np.zeros(left.shape) if self.logarithms is None else self.logarithms.on_zone(zone, left)
-        return out - self._on_zone(zone, left, 1)
+        return out - self._transformed(zone, left, 1)
 
     def level_part(self, zone: int, left: Array) -> Array:
         return np.zeros(left.shape)
@@ -167,18 +158,7 @@ class DensityJumps(ForcingJumps):
 
     # the density ----------------------------------------------------------------------------------------------------
     def density(self, zone: int, left: Array, right: Array) -> Array:
-        k = self.by_zone[zone]
-        from_right, from_left = theta(left, right), theta(right, left)
-        out = np.empty(len(left))
-        for here in pair_blocks(len(left), len(k)):
-            away = left[here, None] - self.left[k]
-            eta = np.where(away > 0, from_right[here, None], -from_left[here, None])
-            eta = np.where(away == 0, 0.5 * (from_right - from_left)[here, None], eta)
-            out[here] = (power(away, self.order[k]) * eta) @ (self.height[k] / np.pi)
-        if zone in self.splines:
-            out += self.splines[zone].density(left, right)
-        exterior = self._exterior(zone)
-        return out if exterior is None else out + exterior[0].density(exterior[1], left, right)
+        return super().density(zone, left, right) + self.near.density(self.near.of(zone), left, right)
 
     def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
         """d/dtheta of `density`, by differences."""
@@ -206,143 +186,77 @@ class DensityJumps(ForcingJumps):
         third = (sine - sine**3 / 3 - inner * cosine**3) / 3
         square = third - 2 * shift * second + shift**2 * first
         part = np.where(q == 0, first, np.where(q == 1, second - shift * first, square)) * self.height[k] / np.pi
-        total = np.pi * self._coefficients(k, np.arange(len(k)), len(k), 1)[:, 0]
+        total = np.pi * self.coefficients(k, np.arange(len(k)), len(k), 1)[:, 0]
         out = np.asarray(np.where(on_right, total - part, np.where(q == 1, 1.0, -1.0) * part).sum(axis=1))
         if zone in self.splines:
             out += self.splines[zone].integral(left)
-        exterior = self._exterior(zone)
-        return out if exterior is None else out + exterior[0].integral(exterior[1], left, right)
+        return out + self.near.integral(self.near.of(zone), left, right)
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
         scale, n = self.height / np.pi, len(zones)
         left = np.bincount(self.zone, -scale * (-self.left) ** self.order, minlength=n)
         right = np.bincount(self.zone, scale * self.right**self.order, minlength=n)
-        if self.logarithms is not None:
-            near = self.logarithms.near
-            more = (np.bincount(near.zone, part, minlength=n) for part in near.edge_slopes())
-            left, right = (one + two for one, two in zip((left, right), more, strict=True))
+        more = [np.bincount(self.near.zone, part, minlength=n) for part in self.near.edge_slopes()]
+        left, right = left + more[0], right + more[1]
         return np.asarray(left, dtype=float), np.asarray(right, dtype=float)
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
         out = super().t_coefficients(zones, count)
-        if self.logarithms is not None and len(self.logarithms.near) and count:
-            near = self.logarithms.near
-            np.add.at(out, near.zone, of_sines(near.sine_coefficients(count + 1))[:, :count])
+        np.add.at(out, self.near.zone, of_sines(self.near.sine_coefficients(count + 1))[:, :count])
         return out
 
     def first_coefficients(self, zones: Zones, counts: Index) -> Array:
-        if self.logarithms is None or not len(self.logarithms.near):
+        if not len(self.near):
             return super().first_coefficients(zones, counts)
         count = int(counts.max(initial=0))
         return np.where(np.arange(count) < counts[:, None], self.t_coefficients(zones, count), 0.0)
 
     def high_coefficients(self, zones: Zones) -> Array:
-        out = super().high_coefficients(zones)
-        if self.splines and out.shape[1] == 0:
-            out = np.zeros((len(zones), SERIES))
+        out = np.zeros((len(zones), _SERIES if self.splines else 0))
         for zone, spline in self.splines.items():
-            out[zone] += spline.t_coefficients(out.shape[1])
+            out[zone] = spline.t_coefficients(_SERIES)
         return out
 
     # what the kernel makes of it ------------------------------------------------------------------------------------
     def own_transform(self, zone: int, left: Array) -> Array:
-        return self._on_zone(zone, left, 0)
+        return self._transformed(zone, left, 0)
 
-    def _on_zone(self, zone: int, left: Array, least: int) -> Array:
+    def _transformed(self, zone: int, left: Array, least: int) -> Array:
         """Transform on the zone itself of its parts of order `least` and above."""
         k = self.by_zone.get(zone)
         if k is None:
             return np.zeros(left.shape)
-        k = k[self.order[k] >= least]
-        out, q = np.empty(left.shape), self.order[k]
-        for here in pair_blocks(len(left), len(k)):
-            away = left[here, None] - self.left[k]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                logs = np.log(2 * np.abs(away))
-                value = np.where((q > 0) & (away == 0), 0.0, power(away, q) * logs) - self._polynomial(k, left[here, None] - 1)
-            out[here] = value @ (self.height[k] / np.pi)
+        out = self._on_zone(k[self.order[k] >= least], left)
         if zone in self.splines:
             out += self.splines[zone].own_transform(left)
-        exterior = self._exterior(zone) if least == 0 else None
-        return out if exterior is None else out + exterior[0].own_transform(exterior[1], left)
+        return out if least else out + self.near.own_transform(self.near.of(zone), left)
 
     def transform(self, zone: int, z: Array, rho: Array) -> Array:
-        out = super().transform(zone, z, rho) if len(self.by_zone[zone]) or zone in self.splines else np.zeros(rho.shape)
-        exterior = self._exterior(zone)
-        return out if exterior is None else out + exterior[0].transform(exterior[1], rho)
-
-    def _plain(self, k: Index, rho: Array) -> Array:
-        # |1 - rho e^{i phi}|^2 from the distance to the nearer end, where both terms are positive.
-        rho = rho[:, None]
-        end = np.where(rho > 0, self.right[k], self.left[k])
-        return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))
-
-    def _polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
-        q, s = self.order[k], self.s[k]
-        second = -(t - 2 * s) * s - np.cos(2 * self.phi[k]) / 4
-        return np.where(q == 0, 0.0, np.where(q == 1, -s, second))
-
-    @property
-    def summed(self) -> dict[int, Index]:
-        """None: a local spline has no closed potential."""
-        return {}
+        return super().transform(zone, z, rho) + self.near.transform(self.near.of(zone), rho)
 
     def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
         """Potential of a zone's closed parts over w, less c_0 log(w); on the zone rho = e^{i theta}.
 
-        Of q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)); of others see `_near_potential`.
+        Of q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)); of others see `_potential`.
         """
         root = np.sqrt(np.maximum(left * right, 0.0))
         turned = np.where((left >= 0) & (right >= 0), 0.5 * (left - right) + 1j * root, rho)
         k = self.by_zone[zone]
         out = np.zeros(turned.shape)
-        higher = k[self.closed[k] & (self.order[k] > 0)]
+        higher = k[self.order[k] > 0]
         if len(higher):
             out += self._by_reach(higher, left, right, rho)
-        for place in k[self.order[k] == 0]:
+        log = np.log(2 * np.abs(turned))
+        own = self._of_kinks(k[self.order[k] == 0], log, turned) + self.near.potential(self.near.of(zone), log, turned)
+        return out + np.real(own)
+
+    def _of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
+        """Potential over w, less c_0 log(w), of jumps k of the density itself; log: of 2 rho."""
+        out = np.zeros(rho.shape, dtype=complex)
+        for place in k:
             up = np.exp(1j * self.phi[place])
-            own = np.real(up) * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
-            both = np.real(potential_series(up, turned) + potential_series(np.conj(up), turned))
-            out += self.height[place] / np.pi * (own - both / 2)
-        exterior = self._exterior(zone)
-        if exterior is not None:
-            near, k = exterior
-            for up, weight in zip(near.rho[k], near.weight[k], strict=True):
-                own = up * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
-                out = out + weight * (own - np.real(potential_series(up, turned)))
-        return np.asarray(out)
-
-    def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: Mask) -> Array:
-        """The primitive of the transform that goes with -c_0 ln(2 |rho|) far away, with L = ln(1 - 2 rho cos(phi) + rho^2),
-
-            (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz + C_q,
-            R = sgn(z) sqrt(z^2 - 1),   int dz / R = -ln |rho| =: g;   R = g = 0 on the zone.
-        """
-        z, seen = 0.5 * (left - right)[:, None], Outside(np.where(left > 0, 1.0, -1.0), np.where(on, 0.0, np.maximum(-left, -right)))
-        away = left[:, None] - self.left[k]
-        with np.errstate(divide="ignore"):
-            log = np.log(2 * np.abs(away))
-        log[~on] = self._plain(k, rho[~on])
-        return self.potential_by(k, away, z, log, seen.log[:, None], seen.root[:, None])
-
-    def potential_by(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
-        """Sum of the primitives of jumps k, of order 1 and 2, with z - s, L, g and R at hand, real or complex."""
-        log, g = turn, grown
-        out = np.zeros(len(z), dtype=log.dtype)
-        for q in (1, 2):
-            of = np.flatnonzero(self.order[k] == q)
-            if len(of) == 0:
-                continue
-            from_s, s = away[:, of], self.s[k[of]]
-            main = from_s ** (q + 1) * (np.where(from_s == 0, 0.0, log[:, of]) / (q + 1) - 1 / (q + 1) ** 2)
-            if q == 1:
-                rest = 0.5 * (0.5 * (z * root + g) - 2 * s * root + s * s * g) + s * z - (0.25 + 0.5 * s * s) * _LOG2 - 0.5 * s * s
-            else:
-                turned = (z * z + 2) * root / 3 - 1.5 * s * (z * root + g) + s * s * (3 * root - s * g)
-                double = np.cos(2 * self.phi[k[of]])
-                constant = -(3 * s + np.cos(3 * self.phi[k[of]]) / 3) / 12 + s * double / 4 - s**3 + (1.5 * s + s**3) / 9 + 0.25 * s
-                rest = turned / 3 + s * z * (0.5 * z - 2 * s) + 0.25 * z * double + (0.5 * s + s**3 / 3) * _LOG2 - constant
-            out += (main + rest) @ (self.height[k[of]] / np.pi)
+            both = potential_series(up, rho) + potential_series(np.conj(up), rho)
+            out += self.height[place] / np.pi * (np.real(up) * (log - rho**2 / 2) - both / 2)
         return out
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
@@ -355,24 +269,54 @@ class DensityJumps(ForcingJumps):
         """Its derivative by zeta."""
         return np.asarray(1 / away - 1 / seen.root[:, None])
 
-    def polynomial(self, k: Index, zeta: Complex) -> tuple[NDArray[Any], NDArray[Any]]:
-        """P_q and its derivative."""
-        return self._polynomial(k, zeta), np.where(self.order[k] == 2, -self.s[k], 0.0)
+    def polynomial_slope(self, k: Index) -> Array:
+        return np.where(self.order[k] == HIGHEST, -self.s[k], 0.0)
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
         """Potential of jumps k over w, less c_0 log(w)."""
-        out = np.asarray(self.potential_by(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None]))
-        for place in k[self.order[k] == 0]:
-            up = np.exp(1j * self.phi[place])
-            own = np.real(up) * (np.log(2.0) - seen.log - seen.rho**2 / 2)
-            both = potential_series(up, seen.rho) + potential_series(np.conj(up), seen.rho)
-            out = out + self.height[place] / np.pi * (own - both / 2)
-        return out
+        higher = self.order[k] > 0
+        out = super().plane_potential(k[higher], seen, away[:, higher], log[:, higher])
+        return np.asarray(out + self._of_kinks(k[~higher], _LOG2 - seen.log, seen.rho))
 
-    def logarithms_near(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
-        return self._exterior(zone)
+    # the closed forms -------------------------------------------------------------------------------------------------
+    def polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
+        q, s = self.order[k], self.s[k]
+        second = -(t - 2 * s) * s - np.cos(2 * self.phi[k]) / 4
+        return np.where(q == 0, 0.0, np.where(q == 1, -s, second))
 
-    def _sine_weights(self, k: Index, j: Array) -> Array:
+    def turn(self, k: Index, away: Array) -> Array:
+        # At the jump itself only powers of the distance are left.
+        with np.errstate(divide="ignore"):
+            return np.log(np.where((away == 0) & (self.order[k] > 0), 1.0, 2 * np.abs(away)))
+
+    def turn_off(self, k: Index, rho: Array) -> Array:
+        # |1 - rho e^{i phi}|^2 from the distance to the nearer end, where both terms are positive.
+        end = np.where(rho > 0, self.right[k], self.left[k])
+        return np.asarray(np.log((1 - np.abs(rho)) ** 2 + 2 * np.abs(rho) * end))
+
+    def shape(self, k: Index, left: Array, right: Array) -> Array:
+        """eta."""
+        away, from_right, from_left = left - self.left[k], theta(left, right), theta(right, left)
+        return np.where(away == 0, 0.5 * (from_right - from_left), np.where(away > 0, from_right, -from_left))
+
+    def _potential(self, q: int, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
+        """Of q = 1 and 2 the primitive of the transform that goes with -c_0 ln(2 |rho|) far away, L = ln(1 - 2 rho cos(phi) + rho^2),
+
+            (z - s)^(q+1) (L / (q+1) - 1 / (q+1)^2) + int (z - s)^(q+1) / R dz / (q+1) - int P_q dz + C_q,
+            R = sgn(z) sqrt(z^2 - 1),   int dz / R = -ln |rho| =: g;   R = g = 0 on the zone.
+        """
+        s, g = self.s[k], grown
+        main = raised(away, q + 1) * (turn / (q + 1) - 1 / (q + 1) ** 2)
+        if q == 1:
+            rest = 0.5 * (0.5 * (z * root + g) - 2 * s * root + s * s * g) + s * z - (0.25 + 0.5 * s * s) * _LOG2 - 0.5 * s * s
+        else:
+            turned = (z * z + 2) * root / 3 - 1.5 * s * (z * root + g) + s * s * (3 * root - s * g)
+            double = np.cos(2 * self.phi[k])
+            constant = -(3 * s + np.cos(3 * self.phi[k]) / 3) / 12 + s * double / 4 - s**3 + (1.5 * s + s**3) / 9 + 0.25 * s
+            rest = turned / 3 + s * z * (0.5 * z - 2 * s) + 0.25 * z * double + (0.5 * s + s**3 / 3) * _LOG2 - constant
+        return main + rest
+
+    def sine_weights(self, k: Index, j: Array) -> Array:
         # By the angle from the nearer end: beside either, its multiples keep their digits.
         from_left = (self.psi < self.phi)[k][:, None]
         cosines = np.cos(j * np.minimum(self.phi, self.psi)[k][:, None])

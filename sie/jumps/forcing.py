@@ -27,20 +27,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from typing import Any, ClassVar, Self
+from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sie.basis.arrays import Array, Index, Mask
-from sie.basis.interval import Complex, InPlane, Outside, theta
-from sie.basis.kept import Kept
-from sie.basis.sums import PAIRS as _PAIRS
+from sie.basis.interval import Complex, InPlane, OnLine, theta
 from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
-from sie.jumps.exterior import ExteriorLogarithms
+from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
+from sie.jumps.formulas import HIGHEST, Jumps
 from sie.jumps.local_spline import MANY, LocalSpline
-from sie.jumps.pairs import FewJumps, far_potential, far_transform, kappa, potential_rest
+from sie.jumps.pairs import FewJumps, far_potential, far_transform
 from sie.jumps.zone_spline import ZoneSpline
 
 # What takes the place of very many jumps of order 2 in one zone, of the right side's or of the density's own: with the same methods, of
@@ -48,14 +46,6 @@ from sie.jumps.zone_spline import ZoneSpline
 Spline = LocalSpline | ZoneSpline
 MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
-HIGHEST = 2
-# Of q over p; zero for p > q.
-_BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
-# Potentials of so many jumps as this are summed from their coefficients, which fall as l^(-1-q).
-_MANY = 64
-SERIES = 1024
-# Below this rho nothing is left of the terms after these.
-SERIES_REACH = float(2.0 ** (-52 / SERIES))
 # InPlane from farther than this rho, the closed form cancels and the series is short.
 _FAR = 0.25
 # Up to which rho how many terms of the series are enough.
@@ -69,15 +59,9 @@ _TOGETHER = 256
 
 
 @dataclass(frozen=True, eq=False)
-class ForcingJumps(Kept):
-    """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!, and q. splines: of zones with very many
-    jumps of order 2, what carries most of these."""
+class ForcingJumps(Jumps):
+    """Jumps inside the zones. splines: of zones with very many jumps of order 2, what carries most of these."""
 
-    zone: Index
-    left: Array
-    right: Array
-    height: Array
-    order: Index
     splines: dict[int, Spline] = field(default_factory=dict)
 
     @classmethod
@@ -131,28 +115,6 @@ class ForcingJumps(Kept):
             order=np.append(self.order[keep], np.full(len(zone), HIGHEST)), splines=splines,
         )
 
-    def __len__(self) -> int:
-        return len(self.zone)
-
-    @cached_property
-    def phi(self) -> Array:
-        """Angle of each jump, s = cos(phi)."""
-        return theta(self.left, self.right)
-
-    @cached_property
-    def psi(self) -> Array:
-        """pi - phi, to all its digits beside the left end."""
-        return theta(self.right, self.left)
-
-    @cached_property
-    def sine(self) -> Array:
-        """sin(phi), to all its digits beside either end."""
-        return np.asarray(np.sin(np.minimum(self.phi, self.psi)))
-
-    @cached_property
-    def s(self) -> Array:
-        return 0.5 * (self.left - self.right)
-
     @property
     def count(self) -> Index:
         """Jumps in each zone, those of its spline included, as far as there are zones with any."""
@@ -196,44 +158,77 @@ class ForcingJumps(Kept):
         found = {zone: order[start:end] for zone, start, end in zip(zones.tolist(), bounds[:-1], bounds[1:], strict=True)}
         return {zone: np.zeros(0, np.intp) for zone in self.splines} | found
 
-    def _polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:
-        """P_q(t) of jumps k at t (..., 1), for each jump along the last axis."""
-        sine, q, s = self.sine[k], self.order[k], self.s[k]
-        second = (t - 2 * s) * sine + np.sin(2 * self.phi[k]) / 4
-        return np.where(q == 0, 0.0, np.where(q == 1, sine, second))
-
     def smooth_part(self, zone: int, left: Array) -> Array:
         """What to add to g at points of a zone, given by their distance from its left end over w, to make it smooth."""
         k = self.by_zone.get(zone)
         if k is None:
             return np.zeros(left.shape)
-        out = self._added(k, left)
+        out = -self._on_zone(k, left)
         if zone in self.splines:
             out -= self.splines[zone].own_transform(left)
         return out
 
-    _pairs: ClassVar[type[FewJumps]] = FewJumps
-
     @cached_property
     def few(self) -> FewJumps:
         """The jumps of all zones with few of them, and no spline."""
-        parts = self.left, self.right, self.phi, self.psi, self.sine, self.height / np.pi
-        return self._pairs.of(self.zone, np.array(list(self.splines), dtype=np.intp), parts, self.order, self._coefficients)
+        return FewJumps.of(self, list(self.splines))
+
+    # pair by pair, few jumps of many zones together -----------------------------------------------------------------
+    def density_at(self, zone: Index, left: Array, right: Array) -> Array:
+        """`density` of zones (n,) at points."""
+        return self._at(
+            zone, lambda some: self.few.density(zone[some], left[some], right[some]),
+            lambda i, some: self.density(i, left[some], right[some]),
+        )
+
+    def transform_at(self, zone: Index, seen: OnLine) -> Array:
+        """`own_transform` on the zones, `transform` off them."""
+        out, on, off = np.empty(len(zone)), np.flatnonzero(seen.on), np.flatnonzero(~seen.on)
+        z, rho = 0.5 * (seen.left - seen.right), seen.rho
+        out[on] = self._at(
+            zone[on], lambda some: -self.few.smooth_part(zone[on[some]], seen.left[on[some]]),
+            lambda i, some: self.own_transform(i, seen.left[on[some]]),
+        )
+        out[off] = self._at(
+            zone[off], lambda some: self.few.transform(zone[off[some]], z[off[some]], rho[off[some]]),
+            lambda i, some: self.transform(i, z[off[some]], rho[off[some]]),
+        )
+        return out
+
+    def sharp_potential_at(self, zone: Index, left: Array, right: Array, rho: Array) -> Array:
+        """`sharp_potential` of zones that have it."""
+        return self._at(
+            zone, lambda some: self.few.potential(zone[some], left[some], right[some], rho[some]),
+            lambda i, some: self.sharp_potential(i, left[some], right[some], rho[some]),
+        )
+
+    def _at(self, zone: Index, of_few: Callable[[Index], Array], of_zone: Callable[[int, Index], Array]) -> Array:
+        """What the jumps of zones do at points: of those with few by all these points, of each other zone by its own ones."""
+        out, few = np.zeros(len(zone)), self.few.holds(zone)
+        some, rest = np.flatnonzero(few), np.flatnonzero(~few)
+        out[some] = of_few(some)
+        for i, there in of_zones(zone[rest]):
+            if i in self.by_zone:
+                out[rest[there]] = of_zone(i, rest[there])
+        return out
 
     def level_part(self, zone: int, left: Array) -> Array:
         """The same of the jumps of g itself alone: they have no slope."""
         if zone not in self.kinked:
             return np.zeros(left.shape)
         k = self.by_zone[zone]
-        return self._added(k[self.order[k] == 0], left)
+        return -self._on_zone(k[self.order[k] == 0], left)
 
-    def _added(self, k: Index, left: Array) -> Array:
-        out = np.empty(left.shape)
-        for here in pair_blocks(len(left), len(k)):
-            away = left[here, None] - self.left[k]
-            angle = np.where(away > 0, -self.psi[k], self.phi[k])
-            out[here] = (angle * power(away, self.order[k]) + self._polynomial(k, left[here, None] - 1)) @ (self.height[k] / np.pi)
+    def _summed(self, k: Index, points: int, of: Callable[[slice], Array]) -> Array:
+        """Sums over jumps k; of: what is summed, over h / pi, at a stretch of the points by the jumps."""
+        out, weight = np.empty(points), self.height[k] / np.pi
+        for here in pair_blocks(points, len(k)):
+            out[here] = of(here) @ weight
         return out
+
+    def _on_zone(self, k: Index, left: Array) -> Array:
+        """What the kernel makes of jumps k of one zone on it."""
+        return self._summed(k, len(left), lambda here: self.on_zone(k, left[here, None]))
 
     def mean_offsets(self, zones: Zones) -> Array:
         """Mean over each zone of the primitive of g (zero where its values at the ends are), less what the smooth
@@ -259,7 +254,7 @@ class ForcingJumps(Kept):
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
         """First `count` coefficients c_l of these parts as sums of T_l / sqrt(1 - t^2); shape (zones, count)."""
-        out = self._coefficients(np.arange(len(self.zone)), self.zone, len(zones), count)
+        out = self.coefficients(np.arange(len(self.zone)), self.zone, len(zones), count)
         for zone, spline in self.splines.items():
             out[zone] += spline.t_coefficients(count)
         return out
@@ -272,46 +267,14 @@ class ForcingJumps(Kept):
             some = np.flatnonzero(counts == count)
             k = np.flatnonzero(counts[self.zone] == count)
             row[some] = np.arange(len(some))
-            out[some, :count] = self._coefficients(k, row[self.zone[k]], len(some), int(count))
+            out[some, :count] = self.coefficients(k, row[self.zone[k]], len(some), int(count))
         for zone, spline in self.splines.items():
             out[zone, : counts[zone]] += spline.t_coefficients(int(counts[zone]))
         return out
 
-    def _sine_weights(self, k: Index, j: Array) -> Array:
-        """b_j of jumps k where their function is sum_j (2/j) b_j sin(j theta)."""
-        from_left = (self.psi < self.phi)[k][:, None]
-        sines = np.sin(j * np.minimum(self.phi, self.psi)[k][:, None])
-        return np.asarray(np.where(from_left & (j % 2 == 0), -sines, sines))
-
-    def _coefficients(self, k: Index, row: Index, rows: int, count: int) -> Array:
-        """Coefficients of jumps k, added up in rows (rows, count): (t - s)^q is expanded in powers of t, so that what is done with
-        series is done once a row."""
-        highest = int(self.order[k].max(initial=0))
-        j = np.arange(1.0, count + highest + 2)
-        powers = np.zeros((highest + 1, rows, len(j)))
-        order = np.argsort(row, kind="stable")
-        block = max(1, _PAIRS // len(j))
-        for begin in range(0, len(k), block):
-            part = order[begin : begin + block]
-            some, into = k[part], row[part]
-            first = np.flatnonzero(np.diff(into, prepend=-1))
-            sines = self._sine_weights(some, j) * (2 / (np.pi * j))
-            q, s = self.order[some], self.s[some]
-            for power in range(int(q.max()) + 1):
-                weight = self.height[some] * _BINOMIAL[q, power] * (-s) ** np.maximum(q - power, 0)
-                powers[power, into[first]] += np.add.reduceat(weight[:, None] * sines, first, axis=0)
-        c = of_sines(powers[highest])
-        for series in powers[:highest][::-1]:
-            c = _times_t(c) + of_sines(series)
-        return np.asarray(c[:, :count])
-
     def high_coefficients(self, zones: Zones) -> Array:
         """Coefficients of the parts that have no closed potential, as many as potentials near an end need; (zones, 0) if none."""
-        high = np.flatnonzero(~self.closed)
-        out = np.zeros((len(zones), SERIES if len(high) else 0))
-        if len(high):
-            out += self._coefficients(high, self.zone[high], len(zones), SERIES)
-        return out
+        return np.zeros((len(zones), 0))
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
         """Coefficient of the angle from the left and from the right end, per zone: kappa ~ theta cot(phi/2)."""
@@ -327,12 +290,7 @@ class ForcingJumps(Kept):
     def density(self, zone: int, left: Array, right: Array) -> Array:
         """Sum of the parts of a zone at points (n,) given by their distances from its ends over w."""
         k = self.by_zone[zone]
-        out = np.empty(len(left))
-        for here in pair_blocks(len(left), len(k)):
-            away, own = self._kappa(k, left[here], right[here])
-            with np.errstate(invalid="ignore"):
-                value = np.where(self.order[k] == 0, own, np.where(away == 0, 0.0, power(away, self.order[k]) * own))
-            out[here] = value @ (self.height[k] / np.pi)
+        out = self._summed(k, len(left), lambda here: self.of_density(k, left[here, None], right[here, None]))
         if zone in self.splines:
             out += self.splines[zone].density(left, right)
         return out
@@ -340,22 +298,17 @@ class ForcingJumps(Kept):
     def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
         """d/dtheta of `density` at points that are no jumps: d kappa/dtheta = sin(phi) / (t - s)."""
         k = self.by_zone[zone]
-        out = np.empty(len(left))
-        for here in pair_blocks(len(left), len(k)):
-            away, own = self._kappa(k, left[here], right[here])
-            q, sine = self.order[k], np.sqrt(left[here] * right[here])[:, None]
+
+        def slopes(here: slice) -> Array:
+            l, r = left[here, None], right[here, None]
+            away, own, q = l - self.left[k], self.shape(k, l, r), self.order[k]
             with np.errstate(divide="ignore", invalid="ignore"):
-                value = away ** (q - 1.0) * (self.sine[k] - q * sine * np.minimum(own, -np.log(_TINY)))
-            out[here] = value @ (self.height[k] / np.pi)
+                return np.asarray(away ** (q - 1.0) * (self.sine[k] - q * np.sqrt(l * r) * np.minimum(own, -np.log(_TINY))))
+
+        out = self._summed(k, len(left), slopes)
         if zone in self.splines:
             out += self.splines[zone].angular_slope(left, right)
         return out
-
-    def _kappa(self, k: Index, left: Array, right: Array) -> tuple[Array, Array]:
-        """t - s and kappa of jumps k at points (n,), (n, jumps) each."""
-        up, vp = np.sqrt(right[:, None] * self.left[k]), np.sqrt(left[:, None] * self.right[k])
-        away = left[:, None] - self.left[k]
-        return away, kappa(up, vp, away)
 
     def beside_kinks(self, zone: int, nearest: float, theta: Array) -> Array:
         """Angles of a zone at which its density is asked for: those given, and right beside the largest kinks, but none nearer
@@ -375,49 +328,39 @@ class ForcingJumps(Kept):
         """Transform of a zone's parts off the zone: by their closed forms, or by the series of all of them together where
         that is shorter or the closed forms cancel."""
         k = self.by_zone[zone]
-        far = np.abs(rho)
-        terms = np.zeros(len(rho), dtype=np.intp)
-        for reach, count in _SERIES_TO:
-            if reach <= _FAR or count <= 8 * len(k):
-                terms[(terms == 0) & (far < reach)] = count
+        terms = self._terms(k, rho)
         out = np.empty(len(rho))
         near = np.flatnonzero(terms == 0)
-        out[near] = self._closed_transform(k, z[near], rho[near])
+        out[near] = self._summed(k, len(near), lambda here: self.off_zone(k, z[near[here], None], rho[near[here], None]))
         for count in np.unique(terms[terms > 0]):
             here = np.flatnonzero(terms == count)
-            out[here] = far_transform(self._summed(zone)[:count], rho[here])
+            out[here] = far_transform(self._series(zone)[:count], rho[here])
         if zone in self.splines:
             out += self.splines[zone].transform_off(z, rho)
         return out
 
-    def _closed_transform(self, k: Index, z: Array, rho: Array) -> Array:
-        out = np.empty(len(z))
-        block = max(1, _PAIRS // max(1, len(k)))
-        q, weight = self.order[k], self.height[k] / np.pi
-        for s in range(0, len(z), block):
-            here = slice(s, s + block)
-            powers = power(z[here, None] - self.s[k], q)
-            out[here] = (powers * self._plain(k, rho[here]) - self._polynomial(k, z[here, None])) @ weight
-        return out
+    @staticmethod
+    def _terms(k: Index, rho: Array) -> Index:
+        """How many terms of the series of jumps k take the place of their closed forms at rho; 0: none."""
+        terms = np.zeros(len(rho), dtype=np.intp)
+        for reach, count in _SERIES_TO:
+            if reach <= _FAR or count <= 8 * len(k):
+                terms[(terms == 0) & (np.abs(rho) < reach)] = count
+        return terms
 
-    def _summed(self, zone: int) -> Array:
+    def _series(self, zone: int) -> Array:
         """Coefficients of T_l / sqrt(1 - t^2) of all parts of a zone together."""
         if zone not in self._sums:
             # With the zones after it, which are asked for next: one by one takes several times as long.
             zones = [other for other in self.by_zone if zone <= other < zone + _TOGETHER]
             row = np.repeat(np.arange(len(zones)), [len(self.by_zone[other]) for other in zones])
             k = np.concatenate([self.by_zone[other] for other in zones])
-            self._sums.update(zip(zones, self._coefficients(k, row, len(zones), _SERIES_TO[-1][1]), strict=True))
+            self._sums.update(zip(zones, self.coefficients(k, row, len(zones), _SERIES_TO[-1][1]), strict=True))
         return self._sums[zone]
 
     @cached_property
     def _sums(self) -> dict[int, Array]:
         return {}
-
-    def _plain(self, k: Index, rho: Array) -> Array:
-        """pi over h times the transform of parts with q = 0 off the zone, (points, jumps)."""
-        rho = rho[:, None]
-        return np.asarray(2 * np.arctan2(rho * self.sine[k], 1 - rho * np.cos(self.phi[k])))
 
     def adds_to(self, zone: int) -> bool:
         """Whether `smooth_part` has anything to add on a zone."""
@@ -431,17 +374,13 @@ class ForcingJumps(Kept):
         """What the right side has at points x beyond the values that the caller gives: nothing."""
         return np.zeros(x.shape)
 
-    def chosen(self, which: Mask | Index) -> ForcingJumps:
-        """Those of the jumps alone."""
-        return ForcingJumps(self.zone[which], self.left[which], self.right[which], self.height[which], self.order[which])
-
     def integral(self, zone: int, left: Array, right: Array) -> Array:
         """Integral of a zone's parts from its left end, at distances from the ends over w, of kinks alone:
         int kappa dt = (t - s) kappa - theta sin(phi)."""
         k = self.by_zone[zone]
         if np.any(self.order[k] > 0):
             raise ValueError("the integral along a zone is for kinks alone, or for densities without jumps of the right side")
-        away, own = self._kappa(k, left, right)
+        away, own = left[:, None] - self.left[k], self.shape(k, left[:, None], right[:, None])
         behind = theta(right, left)
         parts = np.where(away == 0, 0.0, away) * np.where(away == 0, 0.0, own) + self.sine[k] * behind[:, None]
         return np.asarray(parts @ (self.height[k] / np.pi))
@@ -449,58 +388,31 @@ class ForcingJumps(Kept):
     def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
         """Potential of a zone's closed parts over w, less c_0 log(w), at points by their distances from its ends over w,
         positive on the zone, and rho off it (see the head of this file)."""
-        k = self.by_zone[zone]
-        out = self._by_reach(k[self.closed[k]], left, right, rho)
+        out = self._by_reach(self.by_zone[zone], left, right, rho)
         if zone in self.splines:
             out += self.splines[zone].potential(left, right, rho)
         return out
 
-    @cached_property
-    def summed(self) -> dict[int, Index]:
-        """By zone, the jumps whose potential is a series far from it. On it and beside its ends this falls too slowly."""
-        open_ones = np.flatnonzero(~self.closed)
-        return {zone: open_ones[here] for zone, here in of_zones(self.zone[open_ones])}
-
-    def summed_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
-        """Potential over w, less c_0 log(w), of the jumps of a zone in `summed` by their closed forms, as `sharp_potential`."""
-        return self._by_reach(self.summed[zone], left, right, rho)
-
     def _by_reach(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
         """Potential of jumps k of one zone: by their series far from it, where the closed forms cancel."""
-        out = np.empty(left.shape)
-        on = (left >= 0) & (right >= 0)
-        far = ~on & (np.abs(rho) < _FAR)
-        if far.any():
+        out, on = np.empty(left.shape), (left >= 0) & (right >= 0)
+        terms = np.where(on, 0, self._terms(k, rho))
+        if terms.any():
             zone = int(self.zone[k[0]]) if len(k) else -1
             whole = zone in self.by_zone and len(k) == len(self.by_zone[zone])
-            count = _SERIES_TO[0][1]
-            c = self._summed(zone)[:count] if whole else self._coefficients(k, np.zeros_like(k), 1, count)[0]
-            out[far] = far_potential(c, rho[far])
-        near = np.flatnonzero(~far)
-        block = max(1, _PAIRS // max(1, len(k)))
-        for start in range(0, len(near), block):
-            here = near[start : start + block]
-            out[here] = self._near_potential(k, left[here], right[here], rho[here], on[here])
+            c = self._series(zone) if whole else self.coefficients(k, np.zeros_like(k), 1, _SERIES_TO[-1][1])[0]
+            for count in np.unique(terms[terms > 0]):
+                out[terms == count] = far_potential(c[:count], rho[terms == count])
+        inside, near = np.flatnonzero(on), np.flatnonzero(~on & (terms == 0))
+        for some, seen in ((inside, None), (near, rho[near, None])):
+            out[some] = self._closed(k, left[some, None], right[some, None], seen)
         return out
 
-    def _near_potential(self, k: Index, left: Array, right: Array, rho: Array, on: Mask) -> Array:
-        z, seen = 0.5 * (left - right), Outside(np.where(left > 0, 1.0, -1.0), np.where(on, 0.0, np.maximum(-left, -right)))
-        away = left[:, None] - self.left[k]
-        turn = np.where(away > 0, self.psi[k], -self.phi[k])
-        turn[~on] = self._plain(k, rho[~on])
-        return self.potential_by(k, away, z[:, None], turn, seen.log[:, None], seen.root[:, None])
-
-    def potential_by(self, k: Index, away: Any, z: Any, turn: Any, grown: Any, root: Any) -> Any:
-        """Sum of the closed potentials of jumps k (see the head of this file), z - s, F, A and B at hand, real or complex."""
-        out = np.zeros(len(z), dtype=turn.dtype)
-        for q in range(HIGHEST + 1):
-            of = np.flatnonzero(self.order[k] == q)
-            if len(of) == 0:
-                continue
-            sine = self.sine[k[of]]
-            rest = potential_rest(q, self.s[k[of]], sine, z, grown, root)
-            out += (away[:, of] ** (q + 1) * turn[:, of] / (q + 1) + sine * rest) @ (self.height[k[of]] / np.pi)
-        return out
+    def _closed(self, k: Index, left: Array, right: Array, rho: Array | None) -> Array:
+        """By the closed forms at points (n, 1), on the zone (rho None) or off it."""
+        if rho is None:
+            return self._summed(k, len(left), lambda here: self.potential_on(k, left[here], right[here]))
+        return self._summed(k, len(left), lambda here: self.potential_off(k, left[here], right[here], rho[here]))
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
@@ -513,31 +425,19 @@ class ForcingJumps(Kept):
         """Its derivative by zeta."""
         return np.asarray(-self.sine[k] / (away * seen.root[:, None]))
 
-    def polynomial(self, k: Index, zeta: Complex) -> tuple[NDArray[Any], NDArray[Any]]:
-        """P_q and its derivative."""
-        return self._polynomial(k, zeta), np.where(self.order[k] == HIGHEST, self.sine[k], 0.0)
+    def polynomial_slope(self, k: Index) -> Array:
+        """Derivative of P_q."""
+        return np.where(self.order[k] == HIGHEST, self.sine[k], 0.0)
 
     def plane_potential(self, k: Index, seen: InPlane, away: Complex, log: Complex) -> Complex:
         """Potential of jumps k over w, less c_0 log(w)."""
-        found: Complex = self.potential_by(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None])
-        return found
+        parts = self.potential_of(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None])
+        return np.asarray(parts @ (self.height[k] / np.pi))
 
-    def logarithms_near(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
-        """Logarithms of the right side that lie near a zone, outside it."""
-        return None
-
-    @cached_property
-    def sharp(self) -> list[int]:
-        """Zones with jumps whose potential is `sharp_potential`."""
-        return sorted({*self.zone[self.closed].tolist(), *self.splines})
-
-    @cached_property
-    def closed(self) -> Mask:
-        """Jumps whose potential is a closed form: all but the knots of a spline, where a zone has so many that their series is
-        shorter, and falls fast enough."""
-        if len(self) == 0:
-            return np.zeros(0, dtype=bool)
-        return np.asarray((self.order < HIGHEST) | (np.bincount(self.zone)[self.zone] <= _MANY))
+    @property
+    def near(self) -> ExteriorLogarithms:
+        """Logarithms of the right side that lie near zones, outside them."""
+        return NOWHERE
 
     @cached_property
     def kinked(self) -> list[int]:
@@ -548,27 +448,6 @@ class ForcingJumps(Kept):
 def _from_left(f: Callable[[Array], Array], zones: Zones, zone: int, left: Array) -> Array:
     """f at distances from the zone's left end over its half width."""
     return f(zones.a[zone] + zones.half[zone] * left)
-
-
-def power(away: Array, order: Index) -> Array:
-    """away^order; general powers take ten times as long as squares, which knots of splines ask for alone."""
-    return away * away if np.all(order == HIGHEST) else away**order
-
-
-def of_sines(beta: Array) -> Array:
-    """Coefficients of T_l / sqrt(1 - t^2), l = 0, 1, ..., from those of sin(j theta), j = 1, 2, ..., along the last axis."""
-    c = 0.5 * beta
-    c[..., 2:] -= 0.5 * beta[..., :-2]
-    return np.asarray(c)
-
-
-def _times_t(c: Array) -> Array:
-    """Coefficients of t times sum c_l T_l, the last one lost."""
-    out = np.zeros_like(c)
-    out[:, 1:] += 0.5 * c[:, :-1]
-    out[:, 1] += 0.5 * c[:, 0]
-    out[:, :-1] += 0.5 * c[:, 1:]
-    return out
 
 
 _NONE = ForcingJumps(np.zeros(0, np.intp), np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(0, np.intp))

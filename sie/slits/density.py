@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -17,7 +17,7 @@ from sie.basis.kernels import Kernel, cauchy
 from sie.basis.places import wrapped
 from sie.basis.zones import Zones
 from sie.density.density import Density
-from sie.density.field import Sources, potential_from, transform_from
+from sie.density.field import from_zones
 from sie.density.located import Located
 from sie.density.series import LOOKS
 from sie.jumps.forcing import ForcingJumps
@@ -182,22 +182,22 @@ class SlitDensity(Located):
         w = wide.half[i]
         from_left, from_right = (merged.start[piece] + lf * half) / w, (merged.rest[piece] + rt * half) / w
         out = self._edged.at(i, from_left, from_right).copy()
-        begin, end = self.zones.a + merged.shift, self.zones.b + merged.shift
         for here, row in zip(self.slits, self._tilde, strict=True):
             on = np.flatnonzero(i == here.zone)
             if len(on) == 0:
                 continue
             added = np.zeros(len(on))
             p = piece[on]
-            for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):
-                past = begin[p] >= b
-                away = np.where(past, begin[p] - b + lf[on] * half[on], a - end[p] + rt[on] * half[on])
+            begin, end = merged.start[p], merged.stop[p]
+            for slit, a, b, d in zip(here.slits, here.start, here.stop, row, strict=True):
+                past = begin >= b
+                away = np.where(past, begin - b + lf[on] * half[on], a - end + rt[on] * half[on])
                 for side in (past, ~past):
                     added[side] += off_slit(away[side] / slit.width, 1.0 if side is past else -1.0, d)
             out[on] += np.sqrt(from_left[on] * from_right[on]) * added
             for k, kink in self.kinks_of(here):
-                past = begin[p] >= here.b[k]
-                away = np.where(past, begin[p] - here.b[k] + lf[on] * half[on], here.a[k] - end[p] + rt[on] * half[on])
+                past = begin >= here.stop[k]
+                away = np.where(past, begin - here.stop[k] + lf[on] * half[on], here.start[k] - end + rt[on] * half[on])
                 out[on] += kink.beside(from_left[on], from_right[on], away / here.slits[k].width, past)
         if self.bounded_ends:
             zero_left = np.array([e.intensity == 0.0 for e in self.zones.left])[piece] & (lf == 0)
@@ -218,8 +218,7 @@ class SlitDensity(Located):
         wide = self.merged.wide
         for here, row in zip(self.slits, self._tilde, strict=True):
             scale = slope_scale(wide.half[here.zone])
-            for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):
-                before, after = a - wide.a[here.zone], wide.b[here.zone] - b
+            for slit, before, after, d in zip(here.slits, here.start, here.rest, row, strict=True):
                 left[here.zone] += scale * off_slit(np.array([before / slit.width]), -1.0, d)[0]
                 right[here.zone] += scale * off_slit(np.array([after / slit.width]), 1.0, d)[0]
             for _, kink in self.kinks_of(here):
@@ -299,7 +298,7 @@ class SlitDensity(Located):
         """Integral over each piece: that of its wide zone, or by Gauss-Chebyshev beside slits, doubled until it stays; of the
         logarithms of kinks in closed form."""
         out = self.whole.totals[self.merged.piece_zone].copy()
-        wide, kinks = self.merged.wide, self.jumps.chosen(self.jumps.order == 0)
+        wide, kinks = self.merged.wide, replace(self.jumps.chosen(self.jumps.order == 0), splines={})
         for piece in np.flatnonzero((self.merged.slit_before >= 0) | (self.merged.slit_after >= 0)):
             zone = int(self.merged.piece_zone[piece])
             before, after = self.zones.a[piece] - wide.a[zone], wide.b[zone] - self.zones.b[piece]
@@ -364,7 +363,7 @@ class SlitDensity(Located):
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.transform(flat))
-        self._near_slits(flat, out, transform_from, self._transform)
+        self._near_slits(flat, out, False)
         out -= self.slack(self._into_wide(flat))
         return np.asarray(out.reshape(x.shape))
 
@@ -381,7 +380,7 @@ class SlitDensity(Located):
         x = np.asarray(x, dtype=float)
         flat = x.ravel()
         out = np.array(self.whole.potential(flat))
-        self._near_slits(flat, out, potential_from, self._potential)
+        self._near_slits(flat, out, True)
         place = self._into_wide(flat)
         # On a wide zone P[s] raises the potential by its mean opening, and takes the opening away.
         i = np.maximum(np.searchsorted(self.merged.wide.a, place, side="right") - 1, 0)
@@ -408,23 +407,21 @@ class SlitDensity(Located):
         zones = Zones.of(self.merged.wide.table[some])
         return Density(zones, self.kernel, whole - smooth, ForcingJumps.none(), np.zeros(0))
 
-    def _near_slits(
-        self, x: Array, out: Array, told_from: Callable[[Density, Array, Sources], Array], what: Callable[..., Array]
-    ) -> None:
+    def _near_slits(self, x: Array, out: Array, potential: bool) -> None:
         """Puts right what the slits do close to their wide zones and to images of these, where as many of their coefficients as
         others are told do not tell it: takes that out of `out`, and off the zone puts in what they do."""
         x = self.smooth.into_period(x)
         order = np.argsort(x, kind="stable")
         ascending = x[order]
-        wide, sources = self.merged.wide, self._told_density.sources
+        wide, what = self.merged.wide, self._potential if potential else self._transform
         for number, (here, row) in enumerate(zip(self.slits, self.series, strict=True)):
             w = wide.half[here.zone]
-            for source in np.flatnonzero(sources.zone == number):
-                a, b = sources.a[source], sources.b[source]
+            for shift in self.kernel.poles:
+                a, b = wide.a[here.zone] + shift, wide.b[here.zone] + shift
                 first, last = np.searchsorted(ascending, [a - _TELLS * w, b + _TELLS * w])
                 for start in range(first, last, _BLOCK):
                     some = order[start : min(start + _BLOCK, last)]
-                    out[some] -= told_from(self._told_density, x[some], sources.chosen(np.array([source])))
+                    out[some] -= from_zones(self._told_density, x[some], np.full(len(some), number), shift, potential)
                     left, right = (x[some] - a) / w, (b - x[some]) / w
                     off = (left < 0) | (right < 0)
                     seen = Outside(np.where(left[off] < 0, -1.0, 1.0), -np.minimum(left[off], right[off]))

@@ -16,7 +16,7 @@ Off its own zone P[s] acts through its coefficients s_k = (2/pi) int s sin(k phi
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +26,8 @@ from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Outside, fall, root_on, theta, transform_of
 from sie.basis.kept import Kept
-from sie.jumps.forcing import HIGHEST, ForcingJumps
+from sie.jumps.forcing import ForcingJumps
+from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
 
@@ -145,8 +146,11 @@ class Slits(Kept):
         self.which = np.flatnonzero(merged.slit_zone == zone)
         a, b = merged.slits.a[self.which], merged.slits.b[self.which]
         w = self.w = float(merged.wide.half[zone])
-        start, rest = (a - merged.wide.a[zone]) / w, (merged.wide.b[zone] - b) / w
-        half = 0.5 * (b - a)
+        # Distances of their ends from the left end of the zone, and of the right ones from its right end.
+        every, (cut_a, cut_b) = np.full(len(a), zone), merged.slits.rest[:, self.which]
+        self.start, self.stop = merged.wide.beyond_a(a, every) + cut_a, merged.wide.beyond_a(b, every) + cut_b
+        self.rest = merged.wide.before_b(b, every) - cut_b
+        start, rest, half = self.start / w, self.rest / w, merged.slits.half[self.which]
         # Distances to the far ends of the pieces on both sides, and to jumps: the nearest singularities.
         before = np.concatenate(([start[0] * w], a[1:] - b[:-1]))
         after = np.concatenate((a[1:] - b[:-1], [rest[-1] * w]))
@@ -203,10 +207,7 @@ class Slits(Kept):
             return np.zeros(self.offset[-1])
         # Those of other zones have no part in it.
         keep = np.setdiff1d(np.flatnonzero(jumps.zone == self.zone), self._inside, assume_unique=True)
-        rest = replace(
-            jumps, zone=jumps.zone[keep], left=jumps.left[keep], right=jumps.right[keep], height=jumps.height[keep],
-            order=jumps.order[keep],
-        )
+        rest = jumps.chosen(keep)
         out = self._of_kinks()
         if self.zone not in rest.by_zone:
             return out
@@ -256,9 +257,9 @@ class Slits(Kept):
                     matrix[rows, columns] = np.eye(slit.modes, slit.modes + 1, 1)
                     continue
                 if j < i:
-                    away, sign = self.a[i] - self.b[j] + slit.width * left, 1.0
+                    away, sign = self.start[i] - self.stop[j] + slit.width * left, 1.0
                 else:
-                    away, sign = self.a[j] - self.b[i] + slit.width * right, -1.0
+                    away, sign = self.start[j] - self.stop[i] + slit.width * right, -1.0
                 matrix[rows, columns] = -chebyshev.project_rows(off_slit_rows(away / other.width, sign, other.modes + 1))
         lu, pivots = lu_factor(matrix, check_finite=False)
         return lu, pivots

@@ -18,24 +18,21 @@ from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
 from sie.basis.zones import Zones
 from sie.collocation.fixed import (
-    LOOKS,
-    Carried,
+    THETA,
     SingularSystem,
-    Sizes,
-    Solver,
     State,
-    density_of,
     field_tails,
     first_sizes,
     more_modes,
     residual_error,
     solve_fixed,
 )
+from sie.collocation.solved import Answered, Carried, Sizes, Solver, density_of
+from sie.collocation.system import System
 from sie.density.density import Density
-from sie.equation.conditions import Linear, asked
+from sie.equation.conditions import Linear, Trial, asked
 from sie.equation.equation import Equation
 from sie.fast.krylov import gmres
-from sie.jumps.forcing import ForcingJumps
 from sie.slits.density import SlitDensity
 from sie.slits.merged import Merged, merge
 from sie.slits.slits import TOLD, Slits
@@ -57,45 +54,29 @@ _SAFETY = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Opened:
+class Opened(Trial):
     """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only."""
 
-    zones: Zones
     s: Array
     mean_opening: Array
-    moments: Callable[[Callable[[Array], Array], int, int, int | None], Array]
-    coupled: Index
-    multiple: Array
+    system: System
 
-    def _constants(self, values: Array) -> Linear:
-        return np.zeros((len(values), 0)), values
-
-    def totals(self) -> Linear:
-        return self._constants(np.zeros(len(self.zones.solved)))
+    @classmethod
+    def of(cls, s: Array, mean_opening: Array, system: System) -> Opened:
+        nothing = np.zeros((len(system.zones.solved), 0))
+        return cls(system.zones, nothing, nothing, s, mean_opening, system)
 
     def levels(self) -> Linear:
-        return self._constants(self.mean_opening[self.zones.solved])
-
-    def level_steps(self) -> Linear:
-        return self._constants(np.diff(self.mean_opening[self.zones.solved]))
+        return self.level, self.mean_opening[self.zones.solved]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         """Beyond the coupled modes, whose coefficients are unknowns, s adds to those of the density."""
         out = np.zeros(len(self.zones.solved))
         for place, i in enumerate(self.zones.solved):
-            values = self.moments(weight, int(i), self.s.shape[1], degree)
-            beyond = np.arange(self.coupled[i] + 1, min(self.s.shape[1], len(values)))
+            values = self.system.moments(weight, int(i), self.s.shape[1], degree)
+            beyond = np.arange(self.system.layout.m[i] + 1, min(self.s.shape[1], len(values)))
             out[place] = np.pi * self.zones.half[i] * (values[beyond] @ self.s[i, beyond])
-        return self._constants(out)
-
-    def intensities(self) -> tuple[Linear, Linear]:
-        raise AssertionError("a condition on intensities is of a user's own, and is solved zone by zone (`merged`)")
-
-    def amplitude(self, k: int) -> Linear:
-        return self._constants(np.zeros(1))
-
-    def multiplicity(self) -> Array:
-        return self.multiple
+        return self.level, out
 
 
 class SlitsNotConverged(SingularSystem):
@@ -235,10 +216,10 @@ class SlitSystem(Kept):
 
     def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """What s adds to the right side of the wide zones' rows."""
-        system, zones, base = self.system, self.merged.wide, self.base
+        system, base = self.system, self.base
         s = self.s_table(d, homogeneous)
         rows = -system.layout.flat(s)[system.diagonal]
-        view = Opened(zones, s, self.mean_openings(d, homogeneous), system.moments, system.layout.m, system.multiplicity())
+        view = Opened.of(s, self.mean_openings(d, homogeneous), system)
         constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
         return np.concatenate((rows, conditions))
@@ -247,11 +228,7 @@ class SlitSystem(Kept):
         """(state of the wide zones, density) for solved unknowns."""
         base, system = self.base, self.system
         y = self._unfold(folded)
-        if homogeneous:
-            layout = system.layout
-            whole = Density(self.merged.wide, base.density.kernel, layout.padded(y), ForcingJumps.none(), y[layout.coefficients :])
-        else:
-            whole = density_of(system, y)
+        whole = base.homogeneous(y) if homogeneous else density_of(system, y)
         s = self.s_table(d, homogeneous)
         count = max(s.shape[1], whole.coefficients.shape[1])
         table = np.pad(whole.coefficients, ((0, 0), (0, count - whole.coefficients.shape[1])))
@@ -270,7 +247,7 @@ class SlitSystem(Kept):
 
 
 @dataclass(frozen=True, eq=False)
-class SlitState(Kept):
+class SlitState(Answered):
     """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the slits.
 
     wide: state of the wide zones, slits included; rest: what alternating left, over the largest coefficient.
@@ -287,13 +264,6 @@ class SlitState(Kept):
     def merged(self) -> Merged:
         return self.slit_system.merged
 
-    def with_bounded_ends(self) -> SlitState:
-        return replace(self, density=self.density.with_bounded_ends())
-
-    @property
-    def equation(self) -> Equation:
-        return self.wide.equation
-
     @property
     def solver(self) -> Solver:
         return self.wide.solver
@@ -303,19 +273,8 @@ class SlitState(Kept):
         return self.wide.condition_scale
 
     @property
-    def condition_index(self) -> Index:
-        return self.wide.condition_index
-
-    def values(self, condition: int = 0, change: float = 1.0) -> Array:
-        return self.wide.values(condition, change)
-
-    @property
     def linear_error(self) -> Array:
         return self.wide.linear_error[self.merged.piece_zone]
-
-    @property
-    def coupled(self) -> int:
-        return self.wide.coupled
 
     @property
     def whole(self) -> State:
@@ -325,14 +284,6 @@ class SlitState(Kept):
     def wide_of(self, zones: Index) -> tuple[State, Index]:
         """The state of the wide zones, and the places of zones among these."""
         return self.wide, self.merged.piece_zone[zones]
-
-    @property
-    def unresolved(self) -> bool:
-        return self.wide.unresolved
-
-    @property
-    def iterated(self) -> bool:
-        return self.wide.iterated
 
     # further right sides --------------------------------------------------------------------------------------------
     def _answer(self, values: Array, loose: float = 0.0) -> tuple[Array, tuple[Array, ...]]:
@@ -400,28 +351,22 @@ class SlitState(Kept):
                 out[here.zone] = max(out[here.zone], last * fall * len(d))
         return out
 
-    @cached_property
-    def _sizes(self) -> Array:
-        """The largest coefficient of each wide zone."""
-        known = np.abs(self.wide.system.known).max(axis=1, initial=0.0)
-        return np.asarray(np.abs(self.wide.density.coefficients).max(axis=1) + known)
-
     @property
     def size(self) -> float:
         """See `State.size`."""
-        return float(self._sizes.max())
+        return self.wide.size
 
     @cached_property
     def _neglected(self) -> Array:
         """Sum of the coefficients that each wide zone neglects, as in `State`."""
         wide = self.wide
-        neglected = wide.neglected * self._sizes / np.maximum(wide.sizes.own[: len(self._sizes)], 1)
+        neglected = wide.neglected * self.wide.zone_sizes / np.maximum(wide.sizes.own[: len(self.wide.zone_sizes)], 1)
         return np.asarray(np.minimum(neglected, 10 * self._residual))
 
     @cached_property
     def missing(self) -> Array:
         """What is neglected of each wide zone's coefficients and of the equation between its nodes, in all."""
-        rounding = 2e-15 * self._sizes + self.wide.jumps_rounding
+        rounding = 2e-15 * self.wide.zone_sizes + self.wide.jumps_rounding
         return np.asarray(self._neglected + 3 * np.maximum(self._residual - rounding, 0.0) + self._tails)
 
     @cached_property
@@ -435,13 +380,11 @@ class SlitState(Kept):
     def _residuals(self) -> Array:
         """Residual of the equation times the wide zone's sqrt(1 - t^2) at a few points of each piece."""
         zones, merged = self.density.zones, self.merged
-        theta = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
-        x = (zones.middle[:, None] + zones.half[:, None] * np.cos(theta)).ravel()
-        value = self.density.transform(x) - self.equation.forcing.value(x)
-        for amplitude, column in zip(self.density.amplitudes, self.equation.columns, strict=True):
-            value = value - amplitude * column.value(x)
-        left = merged.start[:, None] + (zones.half[:, None] * (1 + np.cos(theta)))
-        right = merged.rest[:, None] + (zones.half[:, None] * (1 - np.cos(theta)))
+        t = np.cos(THETA)
+        x = (zones.middle[:, None] + zones.half[:, None] * t).ravel()
+        value = self.density.transform(x) - self.right_side(x)
+        left = merged.start[:, None] + (zones.half[:, None] * (1 + t))
+        right = merged.rest[:, None] + (zones.half[:, None] * (1 - t))
         root = np.sqrt(left * right) / merged.wide.half[merged.piece_zone][:, None]
         return np.asarray(value.reshape(root.shape) * root)
 

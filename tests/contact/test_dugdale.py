@@ -263,8 +263,6 @@ def test_what_does_not_go_with_it_is_refused_by_name():
     law = contact.Dugdale(1e-5, 1e-2)
     with pytest.raises(contact.SceneError, match="dugdale goes with isolated and periodic"):
         contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Localized(), law=law, load=0.01)
-    with pytest.raises(contact.SceneError, match="sharp corners"):
-        contact.Scene(contact.Flat(1.0), E, contact.Isolated(), law=law, load=0.01)
     with pytest.raises(contact.SceneError, match="the controls of dugdale are"):
         contact.Scene(contact.Sinusoid(DELTA, 1.0), E, contact.Periodic(), law=law, contact_fraction=0.5)
     with pytest.raises(contact.SceneError, match="pull-off is told of contact that is not nearly full"):
@@ -332,3 +330,20 @@ def test_a_zone_opens_where_what_it_bears_falls_below_zero_between_two_looks():
     profile, law = contact.Biquadratic(1.0, 0.2), contact.Dugdale(1e-5, 5e-3)
     solution = contact.solve(contact.Scene(profile, 1.0, contact.Isolated(), law=law, load=1.6675e-3))
     assert solution.certificate.holds
+
+
+def test_ends_next_to_pull_off_are_off_by_rounding_times_the_condition():
+    curve = exact.DugdaleCylinder(1.0, 1.0, 1e-6, (1e-6 / np.pi) ** (1 / 3))
+    load = 0.99 * curve.pull_off().load
+    found = contact.solve(contact.Scene(contact.Parabola(1.0), 1.0, contact.Isolated(), law=contact.Dugdale(1e-6, curve.stress), load=load))
+    # Relative changes of the load move them eight times as much.
+    assert found.zones[0, 1] == pytest.approx(curve.at_load(load).half_width, rel=1e-13)
+    assert found.error < 2e-12
+
+
+def test_the_error_of_a_wave_under_tension_everywhere_knows_that_load_and_tension_cancel():
+    curve = exact.DugdaleWave(0.01, 1.0, 1.0, 1e-5, 1e-2 * (1e-5 / np.pi) ** (1 / 3) * 0.01 ** (1 / 3))
+    load = (1 - 1e-6) * curve.pull_off().load
+    scene = contact.Scene(contact.Sinusoid(0.01, 1.0), 1.0, contact.Periodic(), law=contact.Dugdale(1e-5, curve.stress), load=load)
+    found, wanted = contact.solve(scene), curve.at_load(load)
+    assert abs(np.diff(found.zones)[0, 0] / (2 * wanted.half_width) - 1) < found.error < 1e-8

@@ -22,10 +22,10 @@ import numpy as np
 import sie
 from contact.errors import OutOfRange
 from contact.formulation.controls import Control
-from contact.formulation.equilibria import Equilibria, Point
+from contact.formulation.equilibria import HELD, Equilibria, Point
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.formulation.tension.contact import TIGHT, Lost, contact_under, look_around, looked
+from contact.formulation.tension.contact import TIGHT, Lost, contact_under, edge_slopes, look_around, looked
 from contact.formulation.tension.intervals import fitted, interval_of
 from contact.formulation.tension.pulled import Pulled
 from sie import Array, Mask
@@ -34,8 +34,8 @@ from sie import Array, Mask
 _TOUCHING = 1e-12
 # To which the densities are solved that rates are told of where zones are many: of a state, and of one on the way.
 _OF_RATES, _OF_ROUGH_RATES = 1e-10, 1e-4
-# Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
-_SETTLING, _SETTLED, _SQUARED, _ANOTHER = 8, 1e-12, 1e-6, 1e-2
+# Newton's steps to an equilibrium near by; over the widths, a step that is rounding, and one that is of another equilibrium.
+_SETTLING, _SETTLED, _ANOTHER = 8, 1e-15, 1e-2
 # States that are remembered.
 _KNOWN = 256
 
@@ -120,10 +120,45 @@ class Cohesive(Equilibria):
 
     # one state --------------------------------------------------------------------------------------------------------
     def at(self, table: Array, value: float, tolerance: float = TIGHT, held: Mask | None = None) -> CohesivePoint:
-        """The contact under the tension on given intervals; zones are looked for from those of the last state. held: none, as there are no
-        sharp corners."""
-        zones = _followed(self._nearest(table), table, value, self.problem.period) if self.known else np.zeros((0, 2))
-        return self.from_zones(table, value, zones, tolerance)
+        """The contact under the tension on given intervals, no farther than to sharp corners; zones are looked for from those of the last
+        state. held: at corners; None: those that are there and are not driven inward."""
+        table = self.within(table)
+        zones = self._followed(self._nearest(table), table, value) if self.known else np.zeros((0, 2))
+        return self._holding(self.from_zones(table, value, zones, tolerance), held)
+
+    def _holding(self, here: CohesivePoint, held: Mask | None) -> CohesivePoint:
+        if held is None or here.corners is None or np.array_equal(held, here.held):
+            return here
+        found = here.holding(held)
+        assert isinstance(found, CohesivePoint)
+        return found
+
+    def fitted(self, zones: Array, table: Array) -> Array:
+        """Zones cut to lie within intervals."""
+        return fitted(zones, table, self.problem.round, corners=self.problem.corners)
+
+    def _followed(self, before: Known, table: Array, value: float) -> Array:
+        """Where the zones of a state are about to be after its intervals and the value have moved."""
+        zones = before.zones
+        if len(before.table) != len(table):
+            return self.fitted(zones, table)
+        outward = np.concatenate((before.table[:, 0] - table[:, 0], table[:, 1] - before.table[:, 1]))
+        move = before.by_ends @ np.append(outward, value - before.value)
+        count = len(zones)
+        width = np.diff(zones, axis=1)[:, 0]
+        i = interval_of(zones, before.table)
+        left = np.clip(move[:count], -0.4 * width, None)
+        right = np.clip(move[count:], -0.4 * width, None)
+        new = zones + np.column_stack((-left, right))
+        # Nearer to the end of an interval than a part of what it was a zone does not come at once.
+        room = np.array([zones[:, 0] - before.table[i, 0], before.table[i, 1] - zones[:, 1]])
+        new[:, 0] = np.maximum(new[:, 0], table[i, 0] + 0.2 * room[0])
+        new[:, 1] = np.minimum(new[:, 1], table[i, 1] - 0.2 * room[1])
+        middle, share = 0.5 * (zones[1:, 0] + zones[:-1, 1]), 1e-3 * (zones[1:, 0] - zones[:-1, 1])
+        new[1:, 0], new[:-1, 1] = np.maximum(new[1:, 0], middle + share), np.minimum(new[:-1, 1], middle - share)
+        if np.any(new[:, 1] <= new[:, 0]) or np.any(new[1:, 0] <= new[:-1, 1]):
+            return self.fitted(zones, table)
+        return np.asarray(new)
 
     def _nearest(self, table: Array) -> Known:
         """Of the states known, the one of the nearest intervals as many as these; else the last."""
@@ -133,6 +168,7 @@ class Cohesive(Equilibria):
 
     def from_zones(self, table: Array, value: float, zones: Array, tolerance: float = TIGHT) -> CohesivePoint:
         """The same from a first guess of the zones."""
+        table = self.within(table)
         for curve, last, tightly in self.recent:
             if tightly <= tolerance and curve == self and last.value == value and np.array_equal(last.table, table):
                 return last
@@ -162,7 +198,7 @@ class Cohesive(Equilibria):
         self, pulled: Pulled, value: float, zones: Array, tolerance: float = TIGHT
     ) -> tuple[ZoneFields, tuple[Array, Array]]:
         """(fields of q on the zones of contact under a tension and a value of the control, the gap beside them)."""
-        return contact_under(pulled, self.control(pulled, value), zones, self.formal, tolerance)
+        return contact_under(pulled, lambda at: self.control(at, value), zones, self.formal, tolerance)
 
     def under_all(self, value: float, zones: Array) -> CohesivePoint:
         """The contact under tension in all of a period; as stable as the frictionless one."""
@@ -212,6 +248,13 @@ class Cohesive(Equilibria):
         pulled = self.everywhere if here.everywhere else Pulled.of(self.problem, self.stress, here.table)
         return np.asarray(pulled.shape(x) + here.level)
 
+    def unit(self, here: Point) -> float:
+        if here.whole.by_value.any():
+            return super().unit(here)
+        # Contact covers all ends: what the tension could bear, or its reach.
+        bears = self.stress * float(np.diff(here.table, axis=1).sum())
+        return bears if self.held.load is not None else self.reach + self.yields * bears
+
     # how it follows ---------------------------------------------------------------------------------------------------
     def settled(self, here: Point) -> CohesivePoint:
         """The equilibrium near by, tightly."""
@@ -221,8 +264,8 @@ class Cohesive(Equilibria):
         before = np.inf
         for _ in range(_SETTLING):
             size, tight = float(np.abs(here.newton / here.widths).max()), self.recent[0][2] <= TIGHT
-            # Newton's steps square what is missed: after one as small as that, rounding is left.
-            if size > _ANOTHER or (tight and (size < _SETTLED or before < _SQUARED or size > 0.5 * before)):
+            # Steps that do not fall any more are rounding.
+            if size > _ANOTHER or (tight and (size < _SETTLED or size > 0.5 * before)):
                 break
             before = size if tight else np.inf
             here = self.at(here.moved(here.newton), here.value)
@@ -238,26 +281,48 @@ class Cohesive(Equilibria):
             state = sie.solve_fixed(pulled.equation(self.control(pulled, value)), state.density.zones, of_rates, direct=True)
         tension, density, count = pulled.pulling, state.density, len(table)
         at = np.concatenate((table[:, 0], table[:, 1]))
-        strengths = np.hstack((self.stress * np.eye(2 * count), np.zeros((2 * count, 1))))
-        values = np.zeros((len(state.condition_scale), 2 * count + 1))
+        # An end that contact covers is held at its corner.
+        beside = ~np.isin(at, density.zones.table)
+        free, open_ = at[beside], np.flatnonzero(beside)
+        strengths = np.hstack((self.stress * np.eye(len(free)), np.zeros((len(free), 1))))
+        values = np.zeros((len(state.condition_scale), len(free) + 1))
         first = state.condition_index[0]
         if self.held.load is not None:
             values[first, :-1], values[first, -1] = self.stress, 1.0
         else:
             # Minus the value stands in the row of every zone.
-            values[first : first + len(density.zones)] = np.append(np.full(2 * count, -self.yields * self.stress), -1.0)
-        answers = sie.answers(state, at, strengths, values, at)
-        level = np.append(np.zeros(2 * count), -1.0) if self.held.approach is not None else answers.levels.mean(axis=0)
+            values[first : first + len(density.zones)] = np.append(np.full(len(free), -self.yields * self.stress), -1.0)
+        answers = sie.answers(state, free, strengths, values, free)
+        level = np.append(np.zeros(len(free)), -1.0) if self.held.approach is not None else answers.levels.mean(axis=0)
         change = level - answers.potentials
-        matrix = change[:, :-1]
-        between = self.explicit(pulled, at, density.transform(at))
-        gap = fields.formal_gap(at)
+        transform, gap = np.zeros(2 * count), np.zeros(2 * count)
+        transform[beside], gap[beside] = density.transform(free), fields.formal_gap(free)
+        matrix, by_value = np.zeros((2 * count, 2 * count)), np.zeros(2 * count)
+        matrix[np.ix_(open_, open_)], by_value[beside] = change[:, :-1], change[:, -1]
+        by_all = np.append(open_, 2 * count)
+        levels, moved = np.zeros(2 * count + 1), np.zeros((2 * len(density.zones), 2 * count + 1))
+        levels[by_all] = level
         with np.errstate(divide="ignore"):
-            moved = 2 * answers.intensities / np.array(density.edge_slopes)[:, :, None]
-        return CohesivePoint(
-            table, value, 1 - gap / self.reach, -(matrix + between) / self.reach, -change[:, -1] / self.reach,
-            density.total - tension.total, float(fields.level), density.zones.table, fields, moved.reshape(-1, 2 * count + 1), level, look,
+            moves = 2 * answers.intensities / edge_slopes(pulled, state)[:, :, None]
+        corners = np.array(pulled.corners)
+        moves[(density.zones.table == corners).T] = 0.0
+        moved[:, by_all] = moves.reshape(-1, len(by_all))
+        rates = -(matrix + self.explicit(pulled, at, transform)) / self.reach
+        rates[~beside], rates[:, ~beside] = 0.0, 0.0
+        here = CohesivePoint(
+            table, value, 1 - gap / self.reach, rates, -by_value / self.reach, density.total - tension.total, float(fields.level),
+            density.zones.table, fields, moved, levels, look,
         )
+        return self._at_corners(here)
+
+    def _at_corners(self, here: CohesivePoint) -> CohesivePoint:
+        """With ends held that are at sharp corners and not driven inward."""
+        corners = np.array(self.problem.corners)
+        if not np.isfinite(corners).all():
+            return here
+        found = here.holding((here.table == corners).T.ravel() & (here.residual >= -HELD))
+        assert isinstance(found, CohesivePoint)
+        return found
 
     def _without_contact(self, table: Array, value: float, pulled: Pulled) -> CohesivePoint:
         """The surfaces as they pull without touching, the load not being held: their gap is explicit."""
@@ -269,47 +334,20 @@ class Cohesive(Equilibria):
         rates = self.explicit(pulled, at, np.zeros(2 * count)) - self.yields * self.stress
         none, by_ends = np.zeros((0, 2)), np.zeros((0, 2 * count + 1))
         of_level = np.append(np.full(2 * count, -self.yields * self.stress), -1.0)
-        return CohesivePoint(
+        return self._at_corners(CohesivePoint(
             table, value, 1 - gap / self.reach, -rates / self.reach, np.full(2 * count, 1.0 / self.reach), -pull, level, none, None,
             by_ends, of_level, look,
-        )
+        ))
 
     def explicit(self, pulled: Pulled, at: Array, transform: Array) -> Array:
         """Rates of the gap at the ends of the tension by their outward motions, but for what the contact answers; transform: of q there."""
         tension, count = pulled.pulling, len(at) // 2
-        table = tension.table
         lag = at[:, None] - at
         np.fill_diagonal(lag, 1.0)
         between = self.stress / np.pi * tension.log(lag)
-        own = np.concatenate((tension.log(table[:, 1] - table[:, 0]),) * 2) * self.stress / np.pi
-        # The slope that the other intervals make there: of all ends but its own interval's.
-        signs = np.concatenate((np.ones(count), -np.ones(count)))
-        alone = np.tile(np.eye(count, dtype=bool), (2, 2))
-        others = np.where(alone, 0.0, between) @ signs
+        # The slope that all other ends make there; of its own and of its motion nothing is left together.
+        slopes = self.stress / np.pi * tension.logs(at) * np.concatenate((np.ones(count), -np.ones(count)))
+        np.fill_diagonal(slopes, 0.0)
         outward = np.concatenate((-np.ones(count), np.ones(count)))
-        np.fill_diagonal(between, own + outward * (pulled.own_slope(at) - transform + others))
+        np.fill_diagonal(between, outward * (pulled.own_slope(at) - transform + slopes.sum(axis=1)))
         return between
-
-
-def _followed(before: Known, table: Array, value: float, period: float | None) -> Array:
-    """Where the zones of a state are about to be after its intervals and the value have moved."""
-    zones = before.zones
-    if len(before.table) != len(table):
-        return fitted(zones, table, period)
-    outward = np.concatenate((before.table[:, 0] - table[:, 0], table[:, 1] - before.table[:, 1]))
-    move = before.by_ends @ np.append(outward, value - before.value)
-    count = len(zones)
-    width = np.diff(zones, axis=1)[:, 0]
-    i = interval_of(zones, before.table)
-    left = np.clip(move[:count], -0.4 * width, None)
-    right = np.clip(move[count:], -0.4 * width, None)
-    new = zones + np.column_stack((-left, right))
-    # Nearer to the end of an interval than a part of what it was a zone does not come at once.
-    room = np.array([zones[:, 0] - before.table[i, 0], before.table[i, 1] - zones[:, 1]])
-    new[:, 0] = np.maximum(new[:, 0], table[i, 0] + 0.2 * room[0])
-    new[:, 1] = np.minimum(new[:, 1], table[i, 1] - 0.2 * room[1])
-    middle, share = 0.5 * (zones[1:, 0] + zones[:-1, 1]), 1e-3 * (zones[1:, 0] - zones[:-1, 1])
-    new[1:, 0], new[:-1, 1] = np.maximum(new[1:, 0], middle + share), np.minimum(new[:-1, 1], middle - share)
-    if np.any(new[:, 1] <= new[:, 0]) or np.any(new[1:, 0] <= new[:-1, 1]):
-        return fitted(zones, table, period)
-    return np.asarray(new)

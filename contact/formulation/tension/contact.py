@@ -63,23 +63,24 @@ class Covered(NoState):
 
 
 def contact_under(
-    pulled: Pulled, control: Control, zones: Array, formal: bool = False, tolerance: float = TIGHT
+    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, formal: bool = False, tolerance: float = TIGHT
 ) -> tuple[ZoneFields, tuple[Array, Array]]:
-    """(fields of q on the zones of contact under a tension, the gap beside them). formal: as many zones as are given, whatever the
-    signs; tolerance: of the density."""
-    if control.load is not None and not control.load > 0.0:
+    """(fields of q on the zones of contact under a tension, the gap beside them). control: that of q; formal: as many zones as are given,
+    whatever the signs; tolerance: of the density."""
+    load = control(pulled).load
+    if load is not None and not load > 0.0:
         raise Lost
     if len(zones) == 0:
         zones = _lowest(pulled)
     for done in range(_ROUNDS):
         # Where narrow gaps close or open within an interval, their ends act on each other: the engine's own steps know how.
-        state = (_settled if done < _PLAIN else _searched)(pulled, control, zones, tolerance)
-        fields = ZoneFields(pulled, state)
+        plain = done < _PLAIN or pulled.corners != (-np.inf, np.inf)
+        fields = ZoneFields(*(_settled if plain else _searched)(pulled, control, zones, tolerance))
         look = look_at(fields)
         found = None if formal else _corrected(fields, look)
         if found is None:
             return fields, look
-        zones = fitted(found, pulled.pulling.table, pulled.period, pulled.pulling.everywhere)
+        zones = fitted(found, pulled.pulling.table, pulled.round, pulled.pulling.everywhere, pulled.corners)
         if len(zones) == 0:
             raise Lost
     raise NotConverged("the zones under a given tension did not settle")
@@ -95,23 +96,31 @@ def _lowest(pulled: Pulled) -> Array:
     return np.array([[x[i, j] - half, x[i, j] + half]])
 
 
-def _settled(pulled: Pulled, control: Control, zones: Array, tolerance: float) -> sie.State:
-    """Newton on the ends of zones whose number is given, or falls."""
-    equation, first = pulled.equation(control), np.diff(zones, axis=1)[:, 0]
+def _settled(
+    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerance: float
+) -> tuple[Pulled, sie.State]:
+    """Newton on the ends of zones whose number is given, or falls; (the tension as these zones have it, the state)."""
+    first = np.diff(zones, axis=1)[:, 0]
     before: tuple[Array, Array] | None = None
     best, stuck = np.inf, 0
     # Newton's steps square what is missed, and one more is taken.
     done, last = (_DONE, _LAST) if tolerance <= TIGHT else (_ROUGHLY, _ROUGHLY_LAST)
+
+    def solved(zones: Array) -> tuple[Pulled, sie.State]:
+        here = pulled.over(zones)
+        return here, sie.solve_fixed(here.equation(control(here)), sie.Zones.of(zones, pulled.end, pulled.end), tolerance)
+
     for _ in range(_STEPS):
-        state = sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), tolerance)
-        k, slope = np.array(state.density.intensities), np.array(state.density.edge_slopes)
+        here, state = solved(zones)
+        k, slope = np.array(state.density.intensities), edge_slopes(here, state)
         width, (room, shared) = np.diff(zones, axis=1)[:, 0], _room(pulled, zones)
+        held, rests = _held(here, zones, k)
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.where(slope > 0, 2 * k / slope, np.copysign(np.inf, k))
         if before is not None and len(before[0]) == len(zones):
             # An end that has gone too far, and nearly as far as it was off, is between its last two places.
             back = np.array([zones[:, 0] - before[0][:, 0], before[0][:, 1] - zones[:, 1]])
-            turned = (k * before[1] < 0) & (np.abs(k) > _AS_FAR * np.abs(before[1]))
+            turned = (k * before[1] < 0) & (np.abs(k) > _AS_FAR * np.abs(before[1])) & ~held
             step = np.where(turned, back * k / np.where(turned, k - before[1], 1.0), step)
         before = zones, k
         # Beside the end of an interval K goes with the root of the distance from there.
@@ -120,13 +129,15 @@ def _settled(pulled: Pulled, control: Control, zones: Array, tolerance: float) -
         near = np.clip(1 - np.where(alone, step, 0.0) / (2 * own), np.sqrt(_NEARER), 4.0)
         rooted = np.where(alone, own * (1 - near**2), step)
         step = np.where(np.abs(step) < 0.1 * room, step, rooted)
-        least = np.minimum(width, np.where(shared, np.inf, np.maximum(room, 1e-300)))
+        step = np.where(held, np.where(rests, 0.0, _released(here, k, step)), step)
+        least = np.minimum(width, np.where(shared | held, np.inf, np.maximum(room, 1e-300)))
         miss = float(np.abs(step / least).max())
         best, stuck = min(best, miss), stuck + 1 if miss > 0.5 * best else 0
         # Of narrow strips rounding leaves more.
         if miss < done or (stuck > 2 and miss < _ROUNDED):
-            return state
-        covers = ~shared & (room < _COVERED * width) & (step > 0.5 * room)
+            return here, state
+        reaches = _reaches(here, zones, k, step, room, shared)
+        covers = ~shared & (room < _COVERED * width) & (step > 0.5 * room) & ~held & ~reaches
         if covers.any():
             i = interval_of(zones, pulled.pulling.table)
             ends = np.zeros((2, len(pulled.pulling.table)), dtype=bool)
@@ -134,24 +145,70 @@ def _settled(pulled: Pulled, control: Control, zones: Array, tolerance: float) -
                 ends[side, i[covers[side]]] = True
             raise Covered(ends.ravel())
         limit = np.minimum(_OUTWARD * width, np.where(shared, _INTO_GAP, 1 - _NEARER) * room)
-        moved = np.clip(step, -_INWARD * width, limit)
-        if float(np.abs(moved / least).max()) < last:
-            zones = zones + np.column_stack((-moved[0], moved[1]))
-            return sie.solve_fixed(equation, sie.Zones.of(zones, pulled.end, pulled.end), tolerance)
-        lost = (width < _GONE * first) & (step < -_INWARD * width).all(axis=0)
+        moved = np.where(reaches, room, np.clip(step, -_INWARD * width, limit))
+        if float(np.abs(moved / least).max()) < last and not reaches.any():
+            return solved(_moved(here, zones, moved, reaches))
+        lost = (width < _GONE * first) & ((step < -_INWARD * width) | (held & rests)).all(axis=0)
         if lost.any():
             if lost.all():
                 raise Lost
             zones, first = zones[~lost], first[~lost]
             continue
-        zones = zones + np.column_stack((-moved[0], moved[1]))
+        zones = _moved(here, zones, moved, reaches)
         zones, first = _joined(zones, first, step)
     raise NotConverged("the ends of zones under a given tension did not come to rest")
 
 
-def _searched(pulled: Pulled, control: Control, zones: Array, tolerance: float) -> sie.AnyState:
+def _moved(pulled: Pulled, zones: Array, moved: Array, reaches: Mask) -> Array:
+    """The zones with ends moved outward, those that reach a sharp corner up to it."""
+    zones = zones + np.column_stack((-moved[0], moved[1]))
+    return np.where(reaches.T, np.broadcast_to(pulled.corners, zones.shape), zones)
+
+
+def edge_slopes(pulled: Pulled, state: sie.AnyState) -> Array:
+    """A at the ends (2, Z) of p + s, of which K is told by a motion of the end: where the other end is held at a corner q has less."""
+    slope, zones = np.array(state.density.edge_slopes), state.density.zones
+    left, right = pulled.pulling.spread
+    more = 2 * pulled.pulling.stress / np.pi / np.sqrt(2 * zones.half)
+    if left is not None:
+        slope[1, 0] += more[0]
+    if right is not None:
+        slope[0, -1] += more[-1]
+    return slope
+
+
+def _held(pulled: Pulled, zones: Array, k: Array) -> tuple[Mask, Mask]:
+    """Which ends (2, n) are at sharp corners, and which of these stay there: pressed on, or by rounding not."""
+    held = (zones == np.array(pulled.corners)).T
+    return held, held & (k >= -_PULLS * np.abs(k).max())
+
+
+def _released(pulled: Pulled, k: Array, step: Array) -> Array:
+    """Outward steps of ends that leave a corner: of a strip with the tension s that has -K, (pi K/2 s)^2, where it is narrow."""
+    stress = pulled.pulling.stress if len(pulled.pulling.table) else 0.0
+    return -((np.pi * k / (2 * stress)) ** 2) if stress else np.where(np.isfinite(step), -np.abs(step), step)
+
+
+def _reaches(pulled: Pulled, zones: Array, k: Array, step: Array, room: Array, shared: Mask) -> Mask:
+    """Which ends go up to the sharp corner that is next to them: of K the strip up to there takes 2 s/pi times the root of its width."""
+    lo, hi = pulled.corners
+    if not np.isfinite(lo) or len(zones) == 0:
+        return np.zeros(k.shape, dtype=bool)
+    out, table = np.zeros(k.shape, dtype=bool), pulled.pulling.table
+    own = table[interval_of(zones, table)] if len(table) else np.broadcast_to([lo, hi], zones.shape)
+    for side, i, corner in ((0, 0, lo), (1, -1, hi)):
+        if zones[i, side] != corner and not shared[side, i] and own[i, side] == corner:
+            narrow = room[side, i] < _INWARD * (zones[i, 1] - zones[i, 0])
+            part = 2 / np.pi * pulled.pulling.stress * np.sqrt(room[side, i]) if len(table) else 0.0
+            out[side, i] = narrow and step[side, i] > 0.0 and (k[side, i] > part if part else step[side, i] > room[side, i])
+    return out
+
+
+def _searched(
+    pulled: Pulled, control: Callable[[Pulled], Control], zones: Array, tolerance: float
+) -> tuple[Pulled, sie.AnyState]:
     """The same by the engine's search, of zones that stay within their intervals."""
-    equation, table, everywhere = pulled.equation(control), pulled.pulling.table, pulled.pulling.everywhere
+    equation, table, everywhere = pulled.equation(control(pulled)), pulled.pulling.table, pulled.pulling.everywhere
     for _ in range(_ROUNDS):
         free = sie.find_ends(equation, sie.Zones.of(zones, pulled.end, pulled.end), 1e-10)
         ended = free.density.zones.table
@@ -167,13 +224,13 @@ def _searched(pulled: Pulled, control: Control, zones: Array, tolerance: float) 
         else:
             i = interval_of(ended, table) if len(table) else np.zeros(len(ended), dtype=np.intp)
             within = everywhere or len(table) == 0 or bool(np.all((ended[:, 0] > table[i, 0]) & (ended[:, 1] < table[i, 1])))
-            return free.state if free.converged and within else _settled(pulled, control, zones, tolerance)
+            return (pulled, free.state) if free.converged and within else _settled(pulled, control, zones, tolerance)
     raise NotConverged("the number of zones under a given tension did not settle")
 
 
 def _room(pulled: Pulled, zones: Array) -> tuple[Array, Mask]:
     """(how far each end (2, n) is from what is next to it, whether that is another zone: else the end of its interval)."""
-    period, tension = pulled.period, pulled.pulling
+    period, tension, (lo, hi) = pulled.round, pulled.pulling, pulled.corners
     if period is None:
         gaps = np.concatenate(([np.inf], zones[1:, 0] - zones[:-1, 1], [np.inf]))
     else:
@@ -181,6 +238,9 @@ def _room(pulled: Pulled, zones: Array) -> tuple[Array, Mask]:
         around = zones[0, 0] + period - zones[-1, 1]
         gaps = np.concatenate(([around], inner, [around]))
     beside = np.array([gaps[:-1], gaps[1:]])
+    if len(tension.table) == 0 and np.isfinite(lo):
+        away = np.array([zones[:, 0] - lo, hi - zones[:, 1]])
+        return np.minimum(beside, away), beside < away
     if tension.everywhere or len(tension.table) == 0:
         return beside, np.ones(beside.shape, dtype=bool)
     i = interval_of(zones, tension.table)
@@ -228,8 +288,8 @@ def looked(gap: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
 
 def look_around(pulled: Pulled, zones: Array) -> Array:
     """Places without contact, closer beside the ends of the zones and of the tension."""
-    table, period = pulled.pulling.table, pulled.period
-    lo, hi = pulled.borders
+    table, period = pulled.pulling.table, pulled.round
+    lo, hi = np.maximum(pulled.borders[0], pulled.corners[0]), np.minimum(pulled.borders[1], pulled.corners[1])
     both = np.concatenate((table.ravel(), zones.ravel()))
     if period is not None:
         marks = np.concatenate((table.ravel(), table.ravel() + period, table.ravel() - period))
@@ -241,7 +301,7 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
         span = float(both.max() - both.min())
         marks = np.concatenate((table.ravel(), both.min() - span * _CUTS, both.max() + span * _CUTS))
         left, right = max(lo, both.min() - _FAR * span), min(hi, both.max() + _FAR * span)
-        edges = [(float(b), float(a)) for b, a in zip([left, *zones[:, 1]], [*zones[:, 0], right], strict=True)]
+        edges = [(float(b), float(a)) for b, a in zip([left, *zones[:, 1]], [*zones[:, 0], right], strict=True) if b < a]
     resolution = pulled.profile.resolution
     spacing = np.inf if resolution is None else resolution / pulled.units.length
     found = []
@@ -253,7 +313,9 @@ def look_around(pulled: Pulled, zones: Array) -> Array:
     if period is not None and len(kinks):
         kinks = np.concatenate((kinks - period, kinks, kinks + period))
     held = [kinks[(kinks > a) & (kinks < b)] for a, b in edges]
-    return np.unique(np.concatenate((*found, *held)))
+    # A body is lowest at its corners, or not.
+    free = [corner for corner in pulled.corners if np.isfinite(corner) and not np.any(zones == corner)]
+    return np.unique(np.concatenate((np.zeros(0), *found, *held, free)))
 
 
 def _looked_closer(fields: ZoneFields, zone: int, place: Array, q: Array, least: float) -> tuple[Array, Array]:
@@ -267,7 +329,7 @@ def _looked_closer(fields: ZoneFields, zone: int, place: Array, q: Array, least:
         x = np.concatenate([place[i - 1] + (place[i + 1] - place[i - 1]) * _BETWEEN for i in inner])
         x = np.unique(x[~np.isin(x, place)])
         left, right = (x - zones.a[zone]) / zones.half[zone], (zones.b[zone] - x) / zones.half[zone]
-        more = density.at(np.full(len(x), zone), left, right) / np.sqrt(left * right)
+        more = fields.problem.bearing(density, np.full(len(x), zone), left, right) / np.sqrt(left * right)
         order = np.argsort(np.concatenate((place, x)), kind="stable")
         place, q = np.concatenate((place, x))[order], np.concatenate((q, more))[order]
     return place, q
@@ -284,7 +346,7 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
     for i, n in enumerate(counts):
         theta = (np.arange(n) + 0.5) * np.pi / n
         left, right = 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
-        q = density.at(np.full(n, i), left, right)[::-1] / np.sqrt(left * right)
+        q = fields.problem.bearing(density, np.full(n, i), left, right)[::-1] / np.sqrt(left * right)
         place = zones.a[i] + zones.half[i] * left[::-1]
         begin, least = float(zones.a[i]), -_PULLS * np.abs(q).max()
         place, q = _looked_closer(fields, int(i), place, q, least)
@@ -305,7 +367,9 @@ def _corrected(fields: ZoneFields, look: tuple[Array, Array]) -> Array | None:
         if (s == 0 or lo in zones.table) and (e == len(x) - 1 or hi in zones.table):
             continue
         middle, half = 0.5 * (x[s] + x[e]), 0.5 * _NEW * max(x[e] - x[s], 0.2 * (hi - lo))
-        out.append((float(middle - half), float(middle + half)))
+        # At a sharp corner it begins there.
+        middle += half if x[s] == fields.problem.corners[0] else -half if x[e] == fields.problem.corners[1] else 0.0
+        out.append((float(max(middle - half, fields.problem.corners[0])), float(min(middle + half, fields.problem.corners[1]))))
         changed = True
     if not changed:
         return None

@@ -74,6 +74,8 @@ class PulledFields(ZoneFields):
     def mean_gap(self) -> float:
         own = self.law_problem
         assert own is not None
+        if own.corners != (-np.inf, np.inf):
+            return np.inf
         return (mean_shape(own) + self.mean_displacement + self.level) * self.problem.units.height
 
     @property
@@ -84,10 +86,15 @@ class PulledFields(ZoneFields):
     def loads(self) -> Array:
         """Of the zones of contact; the tension beside them is not in it."""
         zones = self.density.zones
-        return (self.density.totals - self.tension.stress * (zones.b - zones.a)) * self.problem.units.load
+        own = self.tension.stress * (zones.b - zones.a)
+        for side, zone in ((0, 0), (-1, -1)):
+            if self.tension.spread[side] is not None:
+                own[zone] -= self.tension.stress * zones.half[zone]
+        return (self.density.totals - own) * self.problem.units.load
 
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
-        return super().pressure_at(zone, t) - self._pull
+        t, last = np.asarray(t, dtype=float), len(self.density.zones) - 1
+        return super().pressure_at(zone, t) - self._pull * (1 - self.tension.lacks(zone % (last + 1), last, 1 + t, 1 - t))
 
     @cached_property
     def max_pressure(self) -> float:
@@ -96,7 +103,7 @@ class PulledFields(ZoneFields):
     def pressure(self, x: ArrayLike) -> Array:
         scaled = self._scaled(x)
         q = self.density(scaled)
-        return np.asarray(q * self.problem.units.pressure - self._pull * self.tension.holds(scaled))
+        return np.asarray(q * self.problem.units.pressure - self._pull * self.tension.share(scaled))
 
     @property
     def _pull(self) -> float:
@@ -105,7 +112,7 @@ class PulledFields(ZoneFields):
         return self.law_problem.law.tension
 
     def second_variation(self, yields: float | None = None) -> Array:
-        """d^2 energy/ds_i ds_j by outward motions of the ends of the tension, times the roots of their intervals' widths and over 2 w.
+        """d^2 energy/ds_i ds_j by outward motions of the free ends of the tension, times the roots of their intervals' widths and over 2 w.
         yields: see `contact.formulation.controls.Control`."""
         assert self.law_problem is not None
         total = float(self.density.total - self.tension.total)
@@ -117,7 +124,16 @@ class PulledFields(ZoneFields):
     def borne_beside(self) -> float:
         stress, zones = self.tension.stress, self.density.zones.table
         apart = beside(lambda x: self.standing_shape(x) - self.scaled_gap(x), self.pulled, zones, self.spacing)
-        return -stress * (apart + on_zones(self.standing_shape, self.pulled, zones, self.spacing))
+        return -stress * (apart + on_zones(self.standing_shape, self.pulled, zones, self.spacing) - self._not_pulled(zones))
+
+    def _not_pulled(self, zones: Array) -> float:
+        """int (1 - eta) F dx on zones that are held at sharp corners."""
+        out, breaks = 0.0, np.asarray(self.pulled.forcing.jumps_at)
+        for side, zone in enumerate(self.tension.spread):
+            if zone is not None:
+                places, weights = zone.lacking(side, int(np.ceil(4 * zone.half / self.spacing)), breaks)
+                out += float(self.standing_shape(places) @ weights)
+        return out
 
     @cached_property
     def opened(self) -> float:
@@ -136,8 +152,9 @@ def fields_of(curve: Cohesive, here: Point) -> PulledFields | LooseFields:
 
 def scaled_second_variation(here: CohesivePoint) -> Array:
     """See `PulledFields.second_variation`."""
-    root = np.sqrt(here.widths)
-    return np.asarray(-0.5 * root[:, None] * here.rates * root)
+    free = ~here.held
+    root = np.sqrt(here.widths[free])
+    return np.asarray(-0.5 * root[:, None] * here.rates[np.ix_(free, free)] * root)
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,8 +32,10 @@ def interval_of(zones: Array, table: Array) -> Index:
     return np.maximum(np.searchsorted(table[:, 0], zones.mean(axis=1), side="right") - 1, 0)
 
 
-def fitted(zones: Array, table: Array, period: float | None, everywhere: bool = False) -> Array:
-    """Zones moved by periods into intervals, and cut to lie within."""
+def fitted(
+    zones: Array, table: Array, period: float | None, everywhere: bool = False, corners: tuple[float, float] = (-np.inf, np.inf)
+) -> Array:
+    """Zones moved by periods into intervals, and cut to lie within; up to sharp corners they may reach."""
     if everywhere or len(table) == 0:
         return zones[np.argsort(zones[:, 0])]
     out = []
@@ -46,16 +48,20 @@ def fitted(zones: Array, table: Array, period: float | None, everywhere: bool = 
         if middle >= hi or middle <= lo:
             continue
         slack = 1e-2 * (hi - lo)
-        a, b = (max(a, lo + slack) if a <= lo else a), (min(b, hi - slack) if b >= hi else b)
+        a = a if a > lo else lo if lo == corners[0] else lo + slack
+        b = b if b < hi else hi if hi == corners[1] else hi - slack
         if a < b:
             out.append((a, b))
     found = np.array(out).reshape(-1, 2)
     return np.asarray(found[np.argsort(found[:, 0])])
 
 
-def below(zones: Array, look: tuple[Array, Array], reach: float, period: float | None, wide: bool = False) -> Array:
+def below(
+    zones: Array, look: tuple[Array, Array], reach: float, period: float | None, wide: bool = False,
+    corners: tuple[float, float] = (-np.inf, np.inf),
+) -> Array:
     """Intervals about zones in which the gap is below the reach, by its samples beside these, and up to half of the way to where it is told
-    to be equal; wide: beyond that. Closed where it is so everywhere."""
+    to be equal, or up to sharp corners; wide: beyond that. Closed where it is so everywhere."""
     ends = zones.ravel() if period is None else np.append(zones.ravel(), zones[0] + period)
     x, gap = np.concatenate((look[0], ends)), np.concatenate((look[1], np.zeros(len(ends))))
     order = np.lexsort((gap, x))
@@ -63,7 +69,7 @@ def below(zones: Array, look: tuple[Array, Array], reach: float, period: float |
     runs = runs_of(gap < reach)
     if period is not None and len(runs) == 1 and runs[0] == (0, len(x) - 1):
         raise Closed
-    if period is None and (runs[0][0] == 0 or runs[-1][1] == len(x) - 1):
+    if period is None and not np.isfinite(corners[0]) and (runs[0][0] == 0 or runs[-1][1] == len(x) - 1):
         raise OutOfRange("the tension reaches the border of the part of the profile that is known")
 
     def crossing(inner: int, outer: int) -> float:
@@ -71,7 +77,8 @@ def below(zones: Array, look: tuple[Array, Array], reach: float, period: float |
         way = 0.5 * (1 + way) if wide else 0.5 * way
         return float(x[inner] + (x[outer] - x[inner]) * way)
 
-    out = [[crossing(s, s - 1) if s else np.nan, crossing(e, e + 1) if e < len(x) - 1 else np.nan] for s, e in runs]
+    first, last = corners if np.isfinite(corners[0]) else (np.nan, np.nan)
+    out = [[crossing(s, s - 1) if s else first, crossing(e, e + 1) if e < len(x) - 1 else last] for s, e in runs]
     if np.isnan(out[0][0]):
         assert period is not None
         out[0][0] = out.pop()[0] - period

@@ -7,6 +7,10 @@ profile that the tension alone has deformed,
 
 of height f + s V, V' = T, and q vanishes where a zone ends: its logarithms lie at the ends of I, outside the zones. V comes from the
 double antiderivative of K, y (ln|y| - 1) for a pole, Clausen's integral for all periods: -(L/2 pi) Cl_2(2 pi y/L) (DLMF 25.12.9).
+
+Where a zone is held at a sharp corner its interval ends there, too, and p has no tension in it: there p = q - s eta, eta falling
+from 1 at the zone's other end to 0 at the corner as the angle over pi does. That is a tension whose end is spread over the zone
+(spread.py), and q has roots alone at both ends.
 """
 
 from __future__ import annotations
@@ -20,7 +24,8 @@ from scipy.special import zeta
 
 import sie
 from contact.formulation.problem import Problem
-from sie import Array, Mask, nearest_image, wrapped
+from contact.formulation.tension.spread import Spread
+from sie import Array, Index, Mask, nearest_image, wrapped
 
 # Nodes on a panel of the quadrature of a kernel's regular potential, and panels to the length over which it varies.
 _NODES, _PER_LENGTH = 16, 4.0
@@ -33,7 +38,8 @@ _CLAUSEN = zeta(2.0 * _ORDERS) / (_ORDERS * (2 * _ORDERS + 1))
 
 @dataclass(frozen=True, eq=False)
 class Tension(sie.Kept):
-    """stress: scaled; table: the intervals (m, 2), scaled, ascending; everywhere: it acts on a whole period."""
+    """stress: scaled; table: the intervals (m, 2), scaled, ascending; everywhere: it acts on a whole period. spread: the zones held at the
+    left and at the right corner, over which the first and the last end are spread."""
 
     stress: float
     table: Array
@@ -41,6 +47,7 @@ class Tension(sie.Kept):
     plain: bool
     everywhere: bool = False
     compression: float = 0.0
+    spread: tuple[Spread | None, Spread | None] = (None, None)
 
     @property
     def period(self) -> float | None:
@@ -56,7 +63,27 @@ class Tension(sie.Kept):
 
     @property
     def total(self) -> float:
-        return self.stress * self.width
+        """Of the tension in q - p."""
+        return self.stress * (self.width - sum(zone.half for zone in self.spread if zone is not None))
+
+    def lacks(self, zone: Index | int, last: int, left: Array, right: Array) -> Array:
+        """1 - eta on zones, at distances from their ends over the half width; last: index of the last zone."""
+        out = np.zeros(np.broadcast_shapes(np.shape(zone), np.shape(left)))
+        for side, at, far, near in ((0, 0, left, right), (1, last, right, left)):
+            if self.spread[side] is not None:
+                angle = 2 / np.pi * np.arctan2(np.sqrt(np.maximum(near, 0.0)), np.sqrt(np.maximum(far, 0.0)))
+                out = out + np.where(np.asarray(zone) == at, angle, 0.0)
+        return out
+
+    def share(self, x: Array) -> Array:
+        """eta on the intervals, else 0."""
+        out = self.holds(x).astype(float)
+        for side, zone in enumerate(self.spread):
+            if zone is not None:
+                t = nearest_image(x - zone.middle, 0.0, self.period) / zone.half
+                angle = np.arccos(np.clip(t if side == 0 else -t, -1.0, 1.0)) / np.pi
+                out -= np.where(np.abs(t) <= 1.0, angle, 0.0)
+        return out
 
     def holds(self, x: Array) -> Mask:
         """Whether points lie in an interval."""
@@ -72,26 +99,51 @@ class Tension(sie.Kept):
         """s T."""
         if self.everywhere:
             return np.zeros(np.shape(x))
-        return self.stress / np.pi * self._between(self.log, x)
+        return self.stress / np.pi * self._between(self.log, self._spread_log, x)
 
     def height(self, x: Array) -> Array:
         """s V."""
         if self.everywhere:
             return np.full(np.shape(x), -self.stress * self.compression)
-        out = self._between(self._primitive, x)
+        out = self._between(self._primitive, self._spread_primitive, x)
         if not self.plain and len(self.table):
             out += self._regular(np.asarray(x, dtype=float))
         return self.stress / np.pi * out
 
-    def _between(self, function: Callable[[Array], Array], x: Array) -> Array:
+    def logs(self, x: Array) -> Array:
+        """Lambda at places (P,) of unit loads at all left and then all right ends (P, 2 m)."""
+        values = self._of_ends(self.log, self._spread_log, x)
+        return np.hstack((values[:, ::2], values[:, 1::2]))
+
+    def _of_ends(self, function: Callable[[Array], Array], spread: Callable[[Array, Spread], Array], x: Array) -> Array:
+        values = function(x[:, None] - self.table.ravel())
+        for column, zone in zip((0, -1), self.spread, strict=True):
+            if zone is not None:
+                values[:, column] = spread(x, zone)
+        return values
+
+    def _between(self, function: Callable[[Array], Array], spread: Callable[[Array, Spread], Array], x: Array) -> Array:
         """Sum of the differences of a function of the distance from both ends of the intervals, many places and ends at once."""
-        x, ends = np.asarray(x, dtype=float), self.table.ravel()
+        x = np.asarray(x, dtype=float)
         out, flat = np.zeros(x.size), x.ravel()
-        block = max(1, _BLOCK // max(1, len(ends)))
+        block = max(1, _BLOCK // max(1, 2 * len(self.table)))
         for start in range(0, len(flat), block):
-            values = function(flat[start : start + block, None] - ends)
+            values = self._of_ends(function, spread, flat[start : start + block])
             out[start : start + block] = (values[:, ::2] - values[:, 1::2]).sum(axis=1)
         return out.reshape(x.shape)
+
+    def _spread_log(self, x: Array, zone: Spread) -> Array:
+        if self.period is not None:
+            out = zone.periodic_log(x, self.period)
+        else:
+            out = sum((zone.log(x - pole) - np.log(self.kernel.datum) for pole in self.kernel.poles), np.zeros(x.shape))
+        return out if self.plain else out + zone.mean(self._rest, nearest_image(x, zone.middle, self.period))
+
+    def _spread_primitive(self, x: Array, zone: Spread) -> Array:
+        if self.period is not None:
+            return zone.periodic_primitive(x, self.period, self._primitive)
+        scale = np.log(self.kernel.datum)
+        return sum((zone.primitive(x - pole) - scale * (x - pole - zone.middle) for pole in self.kernel.poles), np.zeros(x.shape))
 
     def log(self, lag: Array) -> Array:
         """Lambda, of the distance from a line load."""
@@ -146,6 +198,11 @@ class Tension(sie.Kept):
             half = 0.5 * np.diff(cuts)[:, None]
             at.append((0.5 * (cuts[1:] + cuts[:-1])[:, None] + half * t).ravel())
             weights.append((half * w).ravel())
+        for side, zone in enumerate(self.spread):
+            if zone is not None:
+                places, lacking = zone.lacking(side, int(np.ceil(_PER_LENGTH * 2 * zone.half / length)), np.zeros(0))
+                at.append(places)
+                weights.append(-lacking)
         return np.concatenate(at), np.concatenate(weights)
 
 
@@ -176,6 +233,24 @@ class Pulled(Problem):
         law = problem.law.bare
         assert law is not None
         return cls(problem.profile, problem.interaction, problem.substrate, law, problem.units, problem.lowest, tension=tension)
+
+    def over(self, zones: Array) -> Pulled:
+        """The same with the tension's ends spread over the first and the last zone where these are held at sharp corners."""
+        tension, (lo, hi) = self.pulling, self.corners
+        if len(tension.table) == 0 or len(zones) == 0 or not np.isfinite(lo):
+            return self
+        left = Spread(*zones[0].tolist()) if zones[0, 0] == tension.table[0, 0] == lo else None
+        right = Spread(*zones[-1].tolist()) if zones[-1, 1] == tension.table[-1, 1] == hi else None
+        return self if tension.spread == (left, right) else replace(self, tension=replace(tension, spread=(left, right)))
+
+    def bearing(self, density: sie.AnyDensity, zone: Index | int, left: Array, right: Array) -> Array:
+        """p + s."""
+        last, tension = len(density.zones) - 1, self.pulling
+        return super().bearing(density, zone, left, right) + tension.stress * tension.lacks(zone, last, left, right)
+
+    def borne(self, density: sie.AnyDensity) -> float:
+        tension = self.pulling
+        return density.total + tension.stress * sum(zone.half for zone in tension.spread if zone is not None)
 
     @property
     def pulling(self) -> Tension:

@@ -11,6 +11,7 @@ import numpy as np
 
 import sie
 from contact.errors import SceneError, shown
+from contact.model.checks import of_author
 from contact.model.operator import Operator, smooth_potential
 from sie import Array
 
@@ -49,12 +50,9 @@ def require_elastic(operator: Operator, scale: float) -> None:
 
 
 def _kernel(operator: Operator, unit: float) -> sie.Kernel:
-    try:
-        return operator.kernel(unit)
-    except SceneError:
-        raise
-    except Exception as error:  # the author's code may fail in any way
-        raise SceneError(f"interaction.kernel(period, unit) raises {type(error).__name__}: {error}", "interaction") from error
+    with of_author("interaction.kernel(period, unit)", "interaction"):
+        kernel = operator.kernel(unit)
+    return kernel
 
 
 def _require_regular(kernel: sie.Kernel) -> None:
@@ -67,13 +65,8 @@ def _require_regular(kernel: sie.Kernel) -> None:
     zero = np.zeros(1)
     for name, function in (("value", regular), ("potential", potential)):
         x, xi = _LAGS[:, None], np.array([0.0, 0.05])
-        try:
-            with np.errstate(all="ignore"):
-                table = np.asarray(function(x, xi))
-        except Exception as error:  # the author's code may fail in any way
-            raise SceneError(
-                f"the {name} of the smooth part of interaction.kernel raises {type(error).__name__} for arrays: {error}", "interaction"
-            ) from error
+        with of_author(f"the {name} of the smooth part of interaction.kernel", "interaction", " for arrays"):
+            table = np.asarray(function(x, xi))
         if table.dtype.kind not in "iuf" or table.shape != (len(_LAGS), 2) or not np.all(np.isfinite(table)):
             raise SceneError(
                 f"the {name} of the smooth part of interaction.kernel for x (5, 1) and xi (2,) gives {shown(table)}: it must be real, "

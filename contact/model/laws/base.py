@@ -82,7 +82,7 @@ class Law(sie.Kept):
         return 0.0
 
     def surface_energy(self, fields: Any, width: float) -> float:
-        """Energy of the interface [J/m] of fields (`contact.formulation.fields.Fields`) that touch over a width [m]: less what closing
+        """Energy of the interface [J/m] of fields (`contact.formulation.energy.Fields`) that touch over a width [m]: less what closing
         it has released, (pi/E*) K^2 for each width."""
         E_star = fields.problem.units.E_star
         return -pi / E_star * self.intensity(E_star) ** 2 * width

@@ -76,6 +76,4 @@ class Dugdale(Law):
     def refuses(self, scene: Any) -> str | None:
         if scene.interaction.strip:
             return f"goes with isolated and periodic bodies, not with {scene.interaction.name}"
-        if scene.profile.support is not None:
-            return f"is not solved at sharp corners, where {scene.profile.name} ends"
         return None

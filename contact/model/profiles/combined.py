@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from contact.errors import SceneError
 from contact.extras import require
 from contact.model.checks import finite, keep
-from contact.model.profiles.base import Array, Profile
+from contact.model.profiles.base import Array, Profile, onto
 
 Window = tuple[float, float]
 
@@ -373,8 +373,7 @@ def _onto(body: Profile, at: Array, off: Array) -> Array:
         return at
     if body.period is not None:
         at = np.asarray(body.wrap(at))
-    lo, hi = ends
-    return np.where((at < lo) & (at >= lo - off), lo, np.where((at > hi) & (at <= hi + off), hi, at))
+    return onto(ends, at, off)
 
 
 def _shared(windows: list[Window]) -> Window | None:

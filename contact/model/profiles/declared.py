@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from contact.errors import SceneError, shown
-from contact.model.checks import positive_or_none
+from contact.model.checks import of_author, positive_or_none
 from contact.model.profiles.base import Profile
 
 # Shapes of what arrays with one row a place must have beyond the first axis.
@@ -40,7 +40,8 @@ def require_declarations(profile: Profile) -> None:
     for name, (columns, meaning) in _TABLES.items():
         table = _read(profile, name)
         if not (isinstance(table, np.ndarray) and _is_real(table, 2) and table.shape[1] == columns):
-            raise SceneError.of(f"profile.{name}", table, f"an array of finite rows of {columns}: {meaning} (a property, not a method)")
+            allowed = f"a numpy array of finite rows of {columns}: {meaning} (a property, not a method)"
+            raise SceneError.of(f"profile.{name}", table, allowed)
     tips = _read(profile, "summits")
     if tips is not None and not (_is_real(tips, 1) and np.size(tips)):
         raise SceneError.of("profile.summits", tips, "None, or a one-dimensional array of positions [m]")
@@ -49,10 +50,9 @@ def require_declarations(profile: Profile) -> None:
 
 
 def _read(profile: Profile, name: str) -> Any:
-    try:
-        return getattr(profile, name)
-    except Exception as error:  # the author's code may fail in any way
-        raise SceneError(f"profile.{name} raises {type(error).__name__}: {error}", f"profile.{name}") from error
+    with of_author(f"profile.{name}", f"profile.{name}"):
+        value = getattr(profile, name)
+    return value
 
 
 def _is_real(value: Any, axes: int) -> bool:
@@ -65,9 +65,7 @@ def _is_real(value: Any, axes: int) -> bool:
 
 def _places(profile: Profile) -> np.ndarray[Any, np.dtype[np.float64]]:
     """A few places (2, 3) at which there should be a profile."""
-    if profile.period is not None:
-        return profile.x0 + profile.period * (0.5 + _SPREAD)
-    ends = profile.support or profile.extent
+    ends = profile.known if profile.period is not None else profile.support or profile.extent
     if ends is not None:
         return 0.5 * (ends[0] + ends[1]) + (ends[1] - ends[0]) * _SPREAD
     return (profile.resolution or 1.0) * _DECADES
@@ -75,13 +73,10 @@ def _places(profile: Profile) -> np.ndarray[Any, np.dtype[np.float64]]:
 
 def _require_by_elements(profile: Profile, name: str, x: np.ndarray[Any, np.dtype[np.float64]]) -> None:
     for given in (x, x.ravel()):
-        try:
-            with warnings.catch_warnings(), np.errstate(all="ignore"):
-                warnings.simplefilter("ignore")
-                value = np.asarray(getattr(profile, name)(given.copy()))
-        except Exception as error:  # the author's code may fail in any way
-            what = f"profile.{name}(x) raises {type(error).__name__} for an array of shape {given.shape}: {error}"
-            raise SceneError(f"{what}; it must work on arrays, element by element (numpy's functions, not math's)", name) from error
+        hint = "; it must work on arrays, element by element (numpy's functions, not math's)"
+        with of_author(f"profile.{name}(x)", name, f" for an array of shape {given.shape}", hint), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            value = np.asarray(getattr(profile, name)(given.copy()))
         if value.dtype.kind not in "iuf" or value.shape != given.shape:
             got = f"{shown(value)}, of type {value.dtype} and shape {value.shape}"
             raise SceneError(

@@ -14,7 +14,7 @@ from contact.model.checks import finite_array, keep, positive
 from contact.model.profiles.base import Array, Profile
 from contact.model.profiles.trigonometric import Sum, in_turns
 from contact.model.registry import register_profile
-from sie import Complex, Mask
+from sie import Complex
 
 _LONG = 256  # harmonics from which on sums go through a grid
 _BLOCK = 1 << 20  # entries of the largest table of powers held at a time (16 MB)
@@ -54,33 +54,31 @@ class Fourier(Profile):
 
     def __post_init__(self) -> None:
         keep(self, positive, "period")
-        cosine, sine = (finite_array(field, getattr(self, field), least=0) for field in ("cosine", "sine"))
-        used = np.flatnonzero(_used(cosine, sine))
+        given = [finite_array(field, getattr(self, field), least=0) for field in ("cosine", "sine")]
+        both = np.zeros((2, max(values.size for values in given)))
+        for row, values in zip(both, given, strict=True):
+            row[: values.size] = values
+        used = np.flatnonzero(both.any(axis=0))
         if used.size == 0:
             raise SceneError.of(
                 "cosine, sine", (self.cosine, self.sine), "amplitudes of which at least one is not zero"
             )
-        for field, values in (("cosine", cosine), ("sine", sine)):
-            padded = np.zeros(int(used[-1]) + 1)
-            kept = values[: padded.size]
-            padded[: kept.size] = kept
-            padded.setflags(write=False)
-            object.__setattr__(self, field, padded)
+        both.setflags(write=False)
+        for field, row in zip(("cosine", "sine"), both, strict=True):
+            object.__setattr__(self, field, row[: used[-1] + 1])
 
     def __repr__(self) -> str:
-        return f"Fourier(period={self.period!r}, {self._amplitudes.size} harmonics)"
+        return f"Fourier(period={self.period!r}, {np.size(self.cosine)} harmonics)"
 
     def height(self, x: ArrayLike) -> Array:
-        return self._series(x, self._amplitudes) if self._amplitudes.size < _LONG else self._long(x, self._height_sum)
+        return self._waves[0](self.wrap(np.asarray(x, dtype=np.float64)))
 
     def slope(self, x: ArrayLike) -> Array:
-        c = 1j * self._wavenumbers * self._amplitudes
-        return self._series(x, c) if c.size < _LONG else self._long(x, self._slope_sum)
+        return self._waves[1](self.wrap(np.asarray(x, dtype=np.float64)))
 
     def slope_conjugate(self, x: ArrayLike) -> Array:
         """H takes cos to sin and sin to -cos: a factor -i for every k > 0."""
-        c = self._wavenumbers * self._amplitudes
-        return self._series(x, c) if c.size < _LONG else self._long(x, self._conjugate_sum)
+        return self._waves[2](self.wrap(np.asarray(x, dtype=np.float64)))
 
     @property
     def symmetric(self) -> bool:
@@ -88,40 +86,41 @@ class Fourier(Profile):
 
     @property
     def resolution(self) -> float:
-        return self.period / self._amplitudes.size
+        return self.period / np.size(self.cosine)
+
+    @property
+    def exact(self) -> bool:
+        """In two words a place keeps all of its digits over the period."""
+        return bool(np.size(self.cosine) >= _LONG)
 
     @cached_property
-    def _amplitudes(self) -> Complex:
-        # f = Re sum c_k exp(2 pi i k x/L)
-        return np.asarray(self.cosine) - 1j * np.asarray(self.sine)
+    def _waves(self) -> tuple[_Waves, ...]:
+        """f, f' and H f'."""
+        c = np.asarray(self.cosine) - 1j * np.asarray(self.sine)
+        rate = 2 * pi / self.period * np.arange(1, c.size + 1) * c
+        return tuple(_Waves(amplitudes, self.period) for amplitudes in (c, 1j * rate, rate))
+
+
+@dataclass(frozen=True, eq=False)
+class _Waves:
+    """Re sum_k c_k exp(2 pi i k x/L) at x [m] in the cell."""
+
+    amplitudes: Complex
+    period: float
 
     @cached_property
-    def _wavenumbers(self) -> Array:
-        return np.asarray(2 * pi / self.period * np.arange(1, self._amplitudes.size + 1))
+    def _sum(self) -> Sum:
+        return Sum.of(self.amplitudes)
 
-    @cached_property
-    def _height_sum(self) -> Sum:
-        return Sum.of(self._amplitudes)
-
-    @cached_property
-    def _slope_sum(self) -> Sum:
-        return Sum.of(1j * self._wavenumbers * self._amplitudes)
-
-    @cached_property
-    def _conjugate_sum(self) -> Sum:
-        return Sum.of(self._wavenumbers * self._amplitudes)
-
-    def _long(self, x: ArrayLike, series: Sum) -> Array:
-        wrapped = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
-        return series(*in_turns(wrapped.ravel(), self.period)).reshape(wrapped.shape)
-
-    def _series(self, x: ArrayLike, c: Complex) -> Array:
-        """Re sum_k c_k z^k, z = exp(2 pi i x/L), by k = r + s q: a matrix product and sqrt(N) terms more.
+    def __call__(self, x: Array) -> Array:
+        """Of few harmonics by k = r + s q: a matrix product and sqrt(N) terms more.
 
         Each power is an exponential of its own, so no rounding builds up as in a recurrence.
         """
-        turns = np.asarray(self.wrap(np.asarray(x, dtype=np.float64))) / self.period
-        flat = turns.ravel()
+        c = self.amplitudes
+        if c.size >= _LONG:
+            return self._sum(*in_turns(x.ravel(), self.period)).reshape(x.shape)
+        flat = x.ravel() / self.period
         s = max(1, ceil(sqrt(c.size)))
         table = np.zeros(s * ceil(c.size / s), dtype=np.complex128)
         table[: c.size] = c
@@ -133,12 +132,4 @@ class Fourier(Profile):
             part = flat[i : i + step, None]
             inner = np.exp(2j * pi * (part * low)) @ by_rows.T
             out[i : i + step] = np.einsum("pq,pq->p", inner, np.exp(2j * pi * (part * high))).real
-        return out.reshape(turns.shape)
-
-
-def _used(a: Array, b: Array) -> Mask:
-    """Where either list has an amplitude that is not zero."""
-    any_ = np.zeros(max(a.size, b.size), dtype=bool)
-    any_[: a.size] |= a != 0
-    any_[: b.size] |= b != 0
-    return any_
+        return out.reshape(x.shape)

@@ -21,7 +21,7 @@ import sie
 from contact.errors import SceneError, warn
 from contact.extras import require
 from contact.model.checks import finite_array, increasing, positive_or_none, text
-from contact.model.profiles.base import Array, Profile
+from contact.model.profiles.base import Array, Profile, onto
 from contact.model.registry import register_profile
 
 if TYPE_CHECKING:
@@ -312,10 +312,9 @@ class Sampled(Profile):
         w = np.asarray(self.wrap(np.asarray(x, dtype=np.float64)))
         if self.period is not None:
             return w
-        # An end reached by arithmetic still belongs to the trace; beyond it the spline answers nan.
+        # Beyond its ends the spline answers nan.
         lo, hi = self.x[0], self.x[-1]
-        slack = 8 * np.finfo(np.float64).eps * max(abs(lo), abs(hi), hi - lo)
-        return np.where((w < lo) & (w >= lo - slack), lo, np.where((w > hi) & (w <= hi + slack), hi, w))
+        return onto((lo, hi), w, 8 * np.finfo(np.float64).eps * max(abs(lo), abs(hi), hi - lo))
 
 
 @lru_cache(maxsize=8)

@@ -15,7 +15,7 @@ distances to the zone's ends, so nothing cancels where a distance is small.
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import asin, inf, log, log1p, pi, sin
+from math import asin, inf, log, log1p, pi
 from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
@@ -262,12 +262,17 @@ class SymmetricZone(Zoned):
         compliance = self.punch_compliance
         return None if compliance is None else (inf if compliance == 0.0 else 1.0 / compliance)
 
-    # Sines of the half angle A = pi a/L, its complement from the distance L/2 - a
+    # Of the half angle A = pi a/L; alone a and 1
     def _sine(self) -> float:
-        return sin(pi * self.half_width / self._length())
+        return float(sine(self.half_width, self.period))
 
     def _cosine(self) -> float:
-        return sin(pi * (0.5 * self._length() - self.half_width) / self._length())
+        return float(cosine(self.half_width, self.period))
+
+    @property
+    def _turn(self) -> float:
+        """L/pi, alone 1: what the sine of a small angle is to be multiplied by to be a length."""
+        return 1.0 if self.period is None else self.period / pi
 
     def _log_sine(self) -> float:
         s, c = self._sine(), self._cosine()
@@ -318,9 +323,15 @@ class PeriodicZone(_LoadControlled):
         return cls(half_width=a, period=period, **shape)  # type: ignore[call-arg]
 
 
-def sine(x: ArrayLike, period: float) -> Array:
-    """sin(pi x/L)."""
-    return np.asarray(np.sin(pi / period * np.asarray(x)))
+def sine(x: ArrayLike, period: float | None) -> Array:
+    """sin(pi x/L); alone x: one form is that of a zone in a row and of a zone alone."""
+    x = np.asarray(x, dtype=np.float64)
+    return x if period is None else np.asarray(np.sin(pi / period * x))
+
+
+def cosine(x: ArrayLike, period: float | None, inward: Array | float = 0.0) -> Array:
+    """cos(pi (x - inward)/L) by the distance of x from L/2, which keeps its digits; alone 1."""
+    return np.ones(np.shape(inward)) if period is None else sine(0.5 * period - np.asarray(x) + inward, period)
 
 
 def half_width_from_sine(s: float, c: float, period: float) -> float:
@@ -339,3 +350,15 @@ def refuse_load(load: float, most: float, why: str) -> None:
     """OutOfRange if the load is not below `most`."""
     if not load < most:
         raise OutOfRange(f"load = {load:.6g} N/m is out of range: {why} at {most:.6g} N/m")
+
+
+def least_value(function: Callable[[Array], Array], low: float, high: float, samples: int) -> float:
+    """Smallest value of a smooth function, by samples and closer samples around the smallest."""
+    x = np.linspace(low, high, samples)
+    y = function(x)
+    best, half = float(x[np.argmin(y)]), float(x[1] - x[0])
+    for _ in range(8):  # the bracket shrinks to 1e-9 of a sample, far below the square root of rounding
+        x = np.clip(best + half * np.linspace(-1.0, 1.0, 33), low, high)
+        y = function(x)
+        best, half = float(x[np.argmin(y)]), half / 8.0
+    return float(np.min(y))

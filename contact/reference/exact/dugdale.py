@@ -40,84 +40,11 @@ from contact.reference.exact.base import (
     IsolatedZone,
     PeriodicZone,
     arcosh1p,
+    cosine,
     sine,
 )
 from contact.reference.exact.parabola import HertzLine
 from contact.reference.exact.sinusoid import Westergaard
-
-
-@dataclass(frozen=True)
-class Cohesive:
-    """The closed forms of the head of this file, of a and c alone."""
-
-    half_width: float
-    cohesive_end: float
-    period: float | None
-
-    def sin(self, x: ArrayLike) -> Array:
-        """sin(pi x/L), alone x."""
-        return np.asarray(x, dtype=float) if self.period is None else sine(x, self.period)
-
-    def cos(self, x: float) -> float:
-        """cos(pi x/L) from the distance to L/2; alone 1."""
-        return 1.0 if self.period is None else float(sine(0.5 * self.period - x, self.period))
-
-    @property
-    def unit(self) -> float:
-        """L/pi; alone 1."""
-        return 1.0 if self.period is None else self.period / pi
-
-    @property
-    def root(self) -> float:
-        """sqrt(c^2 - a^2), or of the squared sines."""
-        return sqrt(float(self.sin(self.cohesive_end - self.half_width) * self.sin(self.cohesive_end + self.half_width)))
-
-    @property
-    def share(self) -> float:
-        """B."""
-        if self.period is None:
-            return self.root
-        return self.unit * atan2(self.root, self.cos(self.cohesive_end))
-
-    @property
-    def share_by_end(self) -> float:
-        """dB/dc."""
-        return float(self.sin(self.cohesive_end)) / self.root
-
-    @property
-    def widening(self) -> float:
-        """l."""
-        a, c = self.half_width, self.cohesive_end
-        half = 0.5 * (c - a)
-        return float(arcosh1p(2.0 * self.cos(a + half) * self.sin(half) / self.sin(a)))
-
-    @property
-    def logarithm(self) -> float:
-        """r."""
-        a, c = self.half_width, self.cohesive_end
-        # tan C/tan A - 1 = sin(C - A)/(cos C sin A)
-        return float(np.log1p(self.sin(c - a) / (self.cos(c) * self.sin(a))))
-
-    def opening_rate(self, e: Array, f: Array) -> Array:
-        """artanh(X or 1/X) at x = a + e = c - f, from both distances: X^2 and |1 - X^2| without cancellation."""
-        a, c = self.half_width, self.cohesive_end
-        x = a + e
-        scale = self.sin(c - a) * self.sin(c + a)
-        square, rest = self.sin(e) * self.sin(x + a) / scale, np.abs(self.sin(f)) * self.sin(c + x) / scale
-        if self.period is not None:
-            valley = np.maximum(sine(0.5 * self.period - x, self.period), 1e-100)
-            square, rest = square * (self.cos(c) / valley) ** 2, rest * (self.cos(a) / valley) ** 2
-        # artanh X = asinh(X/sqrt(1 - X^2)), and artanh(1/X) = asinh(1/sqrt(X^2 - 1)).
-        return np.asarray(np.arcsinh(np.sqrt(np.minimum(square, 1.0) / np.maximum(rest, 1e-300))))
-
-    def width_at(self, q: Array) -> Array:
-        """Half width s of the punch behind which the share q is still to come: B(s, c) = q."""
-        c = self.cohesive_end
-        if self.period is None:
-            return np.asarray(np.sqrt((c - q) * (c + q)))
-        # cos S = cos C/cos(pi q/L)
-        sin_s = np.sqrt(self.sin(c - q) * self.sin(c + q)) / np.cos(pi / self.period * q)
-        return np.asarray(self.unit * np.arctan2(sin_s, self.cos(c) / np.cos(pi / self.period * q)))
 
 
 class _DugdaleState(AdhesiveZone):
@@ -202,10 +129,55 @@ class DugdaleZone(_DugdaleState):
         widest = 1e300 if self.period is None else 0.5 * self.period
         between("cohesive_end", self.cohesive_end, self.half_width, widest)
 
-    @cached_property
-    def cohesive(self) -> Cohesive:
-        """Closed forms of a and c."""
-        return Cohesive(self.half_width, self.cohesive_end, self.period)
+    # The closed forms of the head of this file, of a and c alone.
+    @property
+    def root(self) -> float:
+        """sqrt(c^2 - a^2), or of the squared sines."""
+        a, c = self.half_width, self.cohesive_end
+        return sqrt(float(sine(c - a, self.period) * sine(c + a, self.period)))
+
+    @property
+    def share(self) -> float:
+        """B."""
+        if self.period is None:
+            return self.root
+        return self._turn * atan2(self.root, float(cosine(self.cohesive_end, self.period)))
+
+    @property
+    def share_by_end(self) -> float:
+        """dB/dc."""
+        return float(sine(self.cohesive_end, self.period)) / self.root
+
+    @property
+    def widening(self) -> float:
+        """l."""
+        a, c = self.half_width, self.cohesive_end
+        half = 0.5 * (c - a)
+        return float(arcosh1p(2.0 * cosine(a + half, self.period) * sine(half, self.period) / sine(a, self.period)))
+
+    @property
+    def logarithm(self) -> float:
+        """r."""
+        a, c = self.half_width, self.cohesive_end
+        # tan C/tan A - 1 = sin(C - A)/(cos C sin A)
+        return float(np.log1p(sine(c - a, self.period) / (cosine(c, self.period) * sine(a, self.period))))
+
+    def opening_rate(self, e: Array, f: Array) -> Array:
+        """artanh(X or 1/X) at x = a + e = c - f, from both distances: X^2 and |1 - X^2| without cancellation."""
+        a, c, length = self.half_width, self.cohesive_end, self.period
+        x = a + e
+        scale = sine(c - a, length) * sine(c + a, length) * np.maximum(cosine(x, length), 1e-100) ** 2
+        square = sine(e, length) * sine(x + a, length) * cosine(c, length) ** 2 / scale
+        rest = np.abs(sine(f, length)) * sine(c + x, length) * cosine(a, length) ** 2 / scale
+        # artanh X = asinh(X/sqrt(1 - X^2)), and artanh(1/X) = asinh(1/sqrt(X^2 - 1)).
+        return np.asarray(np.arcsinh(np.sqrt(np.minimum(square, 1.0) / np.maximum(rest, 1e-300))))
+
+    def width_at(self, q: Array) -> Array:
+        """Half width s of the punch behind which the share q is still to come: B(s, c) = q."""
+        c = self.cohesive_end
+        root = np.sqrt(sine(c - q, self.period) * sine(c + q, self.period))
+        # cos S = cos C/cos(pi q/L)
+        return root if self.period is None else np.asarray(self._turn * np.arctan2(root, cosine(c, self.period)))
 
     @property
     def end_gap(self) -> float:
@@ -218,18 +190,18 @@ class DugdaleZone(_DugdaleState):
         return self.stress * self.end_gap
 
     def _pressure(self, r: Array, d: Array) -> Array:
-        a, form = self.half_width, self.cohesive
-        depth = np.sqrt(form.sin(d) * form.sin(a + r)) * form.cos(self.cohesive_end)
-        side = form.root if self.period is None else form.root * sine(0.5 * self.period - a + d, self.period)
+        a, length = self.half_width, self.period
+        depth = np.sqrt(sine(d, length) * sine(a + r, length)) * cosine(self.cohesive_end, length)
+        side = self.root * cosine(a, length, d)
         return self.zone._pressure(r, d) - 2.0 * self.stress / pi * np.arctan2(side, depth)
 
     def _opening(self, e: Array) -> Array:
         """int_a^(a+e) artanh(X or 1/X) dx, broken at c."""
-        length, form = self.cohesive_end - self.half_width, self.cohesive
+        length = self.cohesive_end - self.half_width
         e = np.asarray(e, dtype=float)[..., None]
         near, far = np.minimum(e, length), np.maximum(e - length, 0.0)
-        before = form.opening_rate(near * FROM_LEFT, (length - near) + near * FROM_RIGHT)
-        beyond = form.opening_rate(length + far * FROM_LEFT, far * FROM_LEFT)
+        before = self.opening_rate(near * FROM_LEFT, (length - near) + near * FROM_RIGHT)
+        beyond = self.opening_rate(length + far * FROM_LEFT, far * FROM_LEFT)
         return np.asarray(np.sum(WEIGHT * (near * before + far * beyond), axis=-1))
 
     @property
@@ -241,25 +213,25 @@ class DugdaleZone(_DugdaleState):
 
     @property
     def load(self) -> float:
-        return self.zone.load - 2.0 * self.stress * self.cohesive.share
+        return self.zone.load - 2.0 * self.stress * self.share
 
     def _log_compliance(self, share: Array) -> Array:
         """The compliance of the punches that make up the cohesive load, by the share still to come."""
-        width = self.cohesive.width_at(share)
+        width = self.width_at(share)
         if self.datum is not None:
             return np.log(2.0 * self.datum / width) * 2.0 / (pi * self.E_star)
-        return np.log(self.cohesive.sin(width)) * -2.0 / (pi * self.E_star)
+        return np.log(sine(width, self.period)) * -2.0 / (pi * self.E_star)
 
     def _approach(self) -> float:
         self._compliance()  # a datum is needed
-        share = self.cohesive.share
+        share = self.share
         sum_of = float(np.sum(WEIGHT * self._log_compliance(share * FROM_RIGHT)))
         return self.zone._approach() - 2.0 * self.stress * share * sum_of
 
     @property
     def elastic_energy(self) -> float:
         self._compliance()
-        share, stress = self.cohesive.share, self.stress
+        share, stress = self.share, self.stress
         load = self.zone.load - 2.0 * stress * share * FROM_LEFT
         work_of_load = np.sum(WEIGHT * load * self._log_compliance(share * FROM_RIGHT))
         return frictionless_energy(self.zone) - 2.0 * stress * share * float(work_of_load)
@@ -270,21 +242,21 @@ class DugdaleZone(_DugdaleState):
         length = self.cohesive_end - self.half_width
         near, far = length * FROM_LEFT, length * FROM_RIGHT
         # int_a^c int_a^x = int_a^c (c - x)
-        opened = self._unit * far * self.cohesive.opening_rate(near, far)
+        opened = self._unit * far * self.opening_rate(near, far)
         area = length * float(np.sum(WEIGHT * (self.zone._gap(near) + opened)))
         return 2.0 * (self.stress * area - self.cohesive_end * self.work)
 
     def rates(self) -> tuple[float, float]:
         """d load/dc and d approach/dc along the curve of equilibria of this work (approach: nan without a datum)."""
-        form, stress, modulus = self.cohesive, self.stress, self.E_star
+        stress, modulus = self.stress, self.E_star
         slope = float(self.zone._gap_slope(np.array(self.cohesive_end - self.half_width)))  # type: ignore[union-attr]
-        opened = slope + self._unit * (form.widening * form.share_by_end - form.logarithm)
+        opened = slope + self._unit * (self.widening * self.share_by_end - self.logarithm)
         # What a takes back from the gap at c it adds to the load: d g/da = -(2/pi E*) l d P/da.
-        load = 0.5 * pi * modulus * opened / form.widening - 2.0 * stress * form.share_by_end
+        load = 0.5 * pi * modulus * opened / self.widening - 2.0 * stress * self.share_by_end
         compliance = self.punch_compliance
         if compliance is None:
             return load, float("nan")
-        return load, compliance * load + 4.0 * stress * form.widening / (pi * modulus)
+        return load, compliance * load + 4.0 * stress * self.widening / (pi * modulus)
 
 
 @dataclass(frozen=True)

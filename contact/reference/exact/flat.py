@@ -12,11 +12,14 @@ from math import inf, pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from contact.reference.exact.base import Array, SymmetricZone, arcosh1p, sine
+from contact.reference.exact.base import Array, SymmetricZone, arcosh1p, cosine, sine
 
 
 class _Punch(SymmetricZone):
-    """What the two share: the profile, and a load that the half-width does not set."""
+    """What the two share: the profile, a load that the half-width does not set, and the forms, in which alone sin(pi x/L) is x."""
+
+    def __post_init__(self) -> None:
+        self._check("load")
 
     def _height(self, r: Array) -> Array:
         return np.where(r <= self.half_width, 0.0, inf)
@@ -27,9 +30,16 @@ class _Punch(SymmetricZone):
     def _gap(self, e: Array) -> Array:
         return np.full_like(e, inf)
 
+    def _pressure(self, r: Array, d: Array) -> Array:
+        root = np.sqrt(sine(d, self.period) * sine(self.half_width + r, self.period))
+        with np.errstate(divide="ignore"):
+            return self.load / (pi * self._turn) * cosine(self.half_width, self.period, d) / root
+
     def _fall(self, e: Array) -> Array:
         """(approach - u) pi E*/2P at the distance e from the punch."""
-        raise NotImplementedError
+        # sin u/sin A - 1 = 2 cos((u + A)/2) sin((u - A)/2)/sin A
+        valley = np.maximum(cosine(self.half_width, self.period, -0.5 * e), 0.0)
+        return arcosh1p(2.0 * valley * sine(0.5 * e, self.period) / self._sine())
 
     def displacement(self, x: ArrayLike) -> Array:
         """u(x) [m]: the approach in contact, falling outside."""
@@ -86,16 +96,6 @@ class IsolatedPunch(_Punch):
     datum: float | None = None
     period = None
 
-    def __post_init__(self) -> None:
-        self._check("load")
-
-    def _pressure(self, r: Array, d: Array) -> Array:
-        with np.errstate(divide="ignore"):
-            return self.load / (pi * np.sqrt(d * (self.half_width + r)))
-
-    def _fall(self, e: Array) -> Array:
-        return arcosh1p(e / self.half_width)
-
 
 @dataclass(frozen=True)
 class PeriodicPunch(_Punch):
@@ -140,17 +140,3 @@ class PeriodicPunch(_Punch):
     E_star: float
     load: float
     datum = None
-
-    def __post_init__(self) -> None:
-        self._check("load")
-
-    def _pressure(self, r: Array, d: Array) -> Array:
-        cosine = sine(0.5 * self.period - self.half_width + d, self.period)
-        root = np.sqrt(sine(d, self.period) * sine(self.half_width + r, self.period))
-        with np.errstate(divide="ignore"):
-            return self.load / self.period * cosine / root
-
-    def _fall(self, e: Array) -> Array:
-        # sin u/sin A - 1 = 2 cos((u + A)/2) sin((u - A)/2)/sin A
-        valley = sine(0.5 * self.period - self.half_width - 0.5 * e, self.period)
-        return arcosh1p(2.0 * np.maximum(valley, 0.0) * sine(0.5 * e, self.period) / self._sine())

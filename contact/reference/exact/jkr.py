@@ -82,17 +82,18 @@ class JKRZone(AdhesiveZone):
     def punch(self) -> IsolatedPunch | PeriodicPunch:
         """The flat punch whose pressure is taken off."""
         a, modulus = self.half_width, self.E_star
-        if self.period is None:
-            return IsolatedPunch(a, modulus, sqrt(2.0 * pi * modulus * a * self.work), self.datum)
-        tangent = self._sine() / self._cosine()
-        return PeriodicPunch(a, self.period, modulus, sqrt(2.0 * modulus * self.work * self.period * tangent))
+        load = sqrt(2.0 * pi * modulus * self.work * self.tangent)
+        return IsolatedPunch(a, modulus, load, self.datum) if self.period is None else PeriodicPunch(a, self.period, modulus, load)
+
+    @property
+    def tangent(self) -> float:
+        """(L/pi) tan(pi a/L) [m]; alone a."""
+        return self._turn * self._sine() / self._cosine()
 
     @property
     def punch_load_rate(self) -> float:
         """dQ/da."""
-        if self.period is None:
-            return 0.5 * self.punch.load / self.half_width
-        return 0.5 * self.punch.load * pi / self.period / (self._sine() * self._cosine())
+        return 0.5 * self.punch.load / (self.tangent * self._cosine() ** 2)
 
     def _pressure(self, r: Array, d: Array) -> Array:
         return self.zone._pressure(r, d) - self.punch._pressure(r, d)
@@ -133,8 +134,7 @@ class _JKREquilibria(Equilibria[JKRZone]):
         if compliance is None:
             return load, float("nan")
         # dC/da = -2/(pi E* a) alone, -(2/E* L) cot(pi a/L) with a period.
-        fall = 1.0 / parameter if state.period is None else pi / state.period * state._cosine() / state._sine()
-        return load, compliance * load + 2.0 * state.punch.load * fall / (pi * state.E_star)
+        return load, compliance * load + 2.0 * state.punch.load / (pi * state.E_star * state.tangent)
 
     @property
     def jump_in(self) -> JKRZone:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import atan2, pi, sqrt
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -97,76 +97,31 @@ def _correction(r: Array, d: Array, a: float, period: float, nominal_load: float
     return 2.0 * nominal_load / (pi * period) * np.arctan2(reach, rest)
 
 
-@dataclass(frozen=True)
-class LocalizedZone(SymmetricZone):
-    """An isolated solution in a period L, with the neighbours' nominal load P_s taken over by the correction of (17).
+class Localized(SymmetricZone):
+    """The base of the zones made of an `isolated` solution in a period, by one of the closures."""
 
-    `first-order` (the paper's examples (23), (27), (30)): P_s is the isolated load P0, P = P0 (2 - sqrt(L^2 -
-    4a^2)/L). `self-consistent` ((16) solved): P_s = P = P0 L/sqrt(L^2 - 4a^2).
-    I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
-
-    Parameters
-    ----------
-    isolated : HertzLine or IsolatedWedge or IsolatedSinusoid
-        The solution of the zone alone; a sinusoid's wavelength is the period.
-    period : float
-        Period L [m].
-    closure : str
-        "first-order" or "self-consistent".
-
-    Attributes
-    ----------
-    load : float
-        P per period [N/m].
-    nominal_load : float
-        P_s [N/m].
-    approach, stiffness : None
-        The closures do not fix a common level of u.
-    pressure, gap, zones : as in `SymmetricZone`
-        What every such zone has, and what else is there.
-
-    Raises
-    ------
-    SceneError
-        If the solution is of another family, the closure unknown, or the zone as wide as the period.
-    OutOfRange
-        If the pressure would be negative at the ends.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from contact.exact import HertzLine, LocalizedZone
-    >>> alone = HertzLine(radius=1.0, E_star=1e9, half_width=3e-3)
-    >>> row = LocalizedZone(alone, period=1e-2, closure="self-consistent")
-    >>> bool(np.isclose(row.load, alone.load / 0.8))  # sqrt(1 - 0.6^2) = 0.8
-    True
-    """
-
-    isolated: HertzLine | IsolatedWedge | IsolatedSinusoid
+    # Annotations only: a value here would become the default of a subclass's dataclass field of that name.
     period: float
-    closure: str = FIRST_ORDER
+    closure: str
     datum = None
 
+    if TYPE_CHECKING:
+
+        @property
+        def isolated(self) -> HertzLine | IsolatedWedge | IsolatedSinusoid: ...
+
     def __post_init__(self) -> None:
+        positive("period", self.period)
         one_of("closure", self.closure, (FIRST_ORDER, SELF_CONSISTENT))
         if not isinstance(self.isolated, (HertzLine, IsolatedWedge, IsolatedSinusoid)):
             raise SceneError.of(
                 "isolated", self.isolated, "a HertzLine, an IsolatedWedge or an IsolatedSinusoid"
             )
-        positive("period", self.period)
         between("half_width", self.half_width, 0.0, 0.5 * self.period)
         if isinstance(self.isolated, IsolatedSinusoid) and self.isolated.wavelength != self.period:
             raise SceneError.of("wavelength", self.isolated.wavelength, f"the period {self.period:.17g}")
         if float(self.load_rate(np.array(self.half_width))) < 0.0:
             raise OutOfRange(f"half_width = {self.half_width:.6g} m is out of range: p < 0 at the ends")
-
-    @property
-    def half_width(self) -> float:  # type: ignore[override]
-        return self.isolated.half_width
-
-    @property
-    def E_star(self) -> float:  # type: ignore[override]
-        return self.isolated.E_star
 
     @property
     def _rest(self) -> float:
@@ -222,6 +177,64 @@ class LocalizedZone(SymmetricZone):
     def stiffness(self) -> float | None:
         """None, as the approach."""
         return None
+
+
+@dataclass(frozen=True)
+class LocalizedZone(Localized):
+    """An isolated solution in a period L, with the neighbours' nominal load P_s taken over by the correction of (17).
+
+    `first-order` (the paper's examples (23), (27), (30)): P_s is the isolated load P0, P = P0 (2 - sqrt(L^2 -
+    4a^2)/L). `self-consistent` ((16) solved): P_s = P = P0 L/sqrt(L^2 - 4a^2).
+    I. G. Goryacheva & I. Tsukanov, Front. Mech. Eng. 6 (2020) 45, doi 10.3389/fmech.2020.00045.
+
+    Parameters
+    ----------
+    isolated : HertzLine or IsolatedWedge or IsolatedSinusoid
+        The solution of the zone alone; a sinusoid's wavelength is the period.
+    period : float
+        Period L [m].
+    closure : str
+        "first-order" or "self-consistent".
+
+    Attributes
+    ----------
+    load : float
+        P per period [N/m].
+    nominal_load : float
+        P_s [N/m].
+    approach, stiffness : None
+        The closures do not fix a common level of u.
+    pressure, gap, zones : as in `SymmetricZone`
+        What every such zone has, and what else is there.
+
+    Raises
+    ------
+    SceneError
+        If the solution is of another family, the closure unknown, or the zone as wide as the period.
+    OutOfRange
+        If the pressure would be negative at the ends.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.exact import HertzLine, LocalizedZone
+    >>> alone = HertzLine(radius=1.0, E_star=1e9, half_width=3e-3)
+    >>> row = LocalizedZone(alone, period=1e-2, closure="self-consistent")
+    >>> bool(np.isclose(row.load, alone.load / 0.8))  # sqrt(1 - 0.6^2) = 0.8
+    True
+    """
+
+    isolated: HertzLine | IsolatedWedge | IsolatedSinusoid
+    period: float
+    closure: str = FIRST_ORDER
+
+    @property
+    def half_width(self) -> float:  # type: ignore[override]
+        return self.isolated.half_width
+
+    @property
+    def E_star(self) -> float:  # type: ignore[override]
+        return self.isolated.E_star
 
 
 def localized_at_load(

@@ -19,6 +19,7 @@ from contact.reference.exact.base import (
     Array,
     IsolatedZone,
     PeriodicZone,
+    SymmetricZone,
     arccos1m,
     arcosh1p,
     half_width_from_sine,
@@ -27,8 +28,23 @@ from contact.reference.exact.base import (
 )
 
 
+class _Parabola(SymmetricZone):
+    """What the two share: the profile."""
+
+    radius: float
+
+    def __post_init__(self) -> None:
+        self._check("radius")
+
+    def _height(self, r: Array) -> Array:
+        return r * r / (2.0 * self.radius)
+
+    def _slope(self, r: Array) -> Array:
+        return r / self.radius
+
+
 @dataclass(frozen=True)
-class HertzLine(IsolatedZone):
+class HertzLine(_Parabola, IsolatedZone):
     """A parabola alone (Hertz 1882): p = (E*/2R) sqrt(a^2 - x^2), P = pi E* a^2/4R,
 
     gap = (1/2R)(x sqrt(x^2 - a^2) - a^2 arcosh(x/a)), approach = (a^2/2R)(ln(2d/a) + 1/2) (greatest at a = 2d).
@@ -73,18 +89,9 @@ class HertzLine(IsolatedZone):
     half_width: float
     datum: float | None = None
 
-    def __post_init__(self) -> None:
-        self._check("radius")
-
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         return sqrt(4.0 * load * shape["radius"] / (pi * shape["E_star"]))
-
-    def _height(self, r: Array) -> Array:
-        return r * r / (2.0 * self.radius)
-
-    def _slope(self, r: Array) -> Array:
-        return r / self.radius
 
     def _pressure(self, r: Array, d: Array) -> Array:
         return self.E_star / (2.0 * self.radius) * np.sqrt(d * (self.half_width + r))
@@ -113,7 +120,7 @@ class HertzLine(IsolatedZone):
 
 
 @dataclass(frozen=True)
-class PeriodicParabola(PeriodicZone):
+class PeriodicParabola(_Parabola, PeriodicZone):
     """A parabola in a row: Kuznetsov's load (28), P = -(L^2 E*/2 pi R) ln cos A, and by the superposition of punches in closed
     form (derived here):
 
@@ -162,19 +169,10 @@ class PeriodicParabola(PeriodicZone):
     E_star: float
     half_width: float
 
-    def __post_init__(self) -> None:
-        self._check("radius")
-
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         y = 2.0 * pi * load * shape["radius"] / (shape["period"] ** 2 * shape["E_star"])
         return half_width_from_sine(sqrt(-expm1(-2.0 * y)), exp(-y), shape["period"])
-
-    def _height(self, r: Array) -> Array:
-        return r * r / (2.0 * self.radius)
-
-    def _slope(self, r: Array) -> Array:
-        return r / self.radius
 
     def _pressure(self, r: Array, d: Array) -> Array:
         # cos u - cos A = 2 sin((A + u)/2) sin((A - u)/2)

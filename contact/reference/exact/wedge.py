@@ -18,6 +18,7 @@ from contact.reference.exact.base import (
     Array,
     IsolatedZone,
     PeriodicZone,
+    SymmetricZone,
     arccos1m,
     arcosh1p,
     half_width_from_sine,
@@ -25,8 +26,36 @@ from contact.reference.exact.base import (
 )
 
 
+class _Wedge(SymmetricZone):
+    """What the two share: the profile, and the forms, in which alone sin(pi x/L) is x and cos A is 1."""
+
+    wedge_slope: float
+
+    def __post_init__(self) -> None:
+        self._check("wedge_slope")
+
+    def _height(self, r: Array) -> Array:
+        return self.wedge_slope * r
+
+    def _slope(self, r: Array) -> Array:
+        return np.full_like(r, self.wedge_slope)
+
+    def _pressure(self, r: Array, d: Array) -> Array:
+        # tan A/tan u - 1 = sin(A - u)/(cos A sin u)
+        with np.errstate(divide="ignore"):
+            y = sine(d, self.period) / (self._cosine() * sine(r, self.period))
+        return self.E_star * self.wedge_slope / pi * arcosh1p(y)
+
+    def _gap(self, e: Array) -> Array:
+        # By the rule: in a row the integral is a dilogarithm, and alone its closed form cancels for small e.
+        # 1 - tan A/tan u = sin(u - A)/(cos A sin u)
+        step = e[..., None] * FROM_LEFT
+        y = sine(step, self.period) / (self._cosine() * sine(self.half_width + step, self.period))
+        return 2.0 * self.wedge_slope / pi * np.sum(e[..., None] * WEIGHT * arccos1m(y), axis=-1)
+
+
 @dataclass(frozen=True)
-class IsolatedWedge(IsolatedZone):
+class IsolatedWedge(_Wedge, IsolatedZone):
     """A wedge f = slope |x| alone: p = (E* slope/pi) arcosh(a/|x|), P = E* slope a,
 
     gap = (2 slope/pi)(x arccos(a/x) - a arcosh(x/a)), approach = (2 slope a/pi)(ln(2d/a) + 1).
@@ -70,32 +99,13 @@ class IsolatedWedge(IsolatedZone):
     half_width: float
     datum: float | None = None
 
-    def __post_init__(self) -> None:
-        self._check("wedge_slope")
-
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         return load / (shape["E_star"] * shape["wedge_slope"])
 
-    def _height(self, r: Array) -> Array:
-        return self.wedge_slope * r
-
-    def _slope(self, r: Array) -> Array:
-        return np.full_like(r, self.wedge_slope)
-
-    def _pressure(self, r: Array, d: Array) -> Array:
-        with np.errstate(divide="ignore"):
-            return self.E_star * self.wedge_slope / pi * arcosh1p(d / r)
-
     def load_rate(self, s: Array) -> Array:
         """dP/da at a = s."""
         return np.full_like(s, self.E_star * self.wedge_slope)
-
-    def _gap(self, e: Array) -> Array:
-        # int_a^x (2 slope/pi) arccos(a/s) ds by the rule: the closed form cancels for small e.
-        s = self.half_width + e[..., None] * FROM_LEFT
-        angle = arccos1m(e[..., None] * FROM_LEFT / s)
-        return 2.0 * self.wedge_slope / pi * np.sum(e[..., None] * WEIGHT * angle, axis=-1)
 
     @property
     def load(self) -> float:
@@ -107,7 +117,7 @@ class IsolatedWedge(IsolatedZone):
 
 
 @dataclass(frozen=True)
-class PeriodicWedge(PeriodicZone):
+class PeriodicWedge(_Wedge, PeriodicZone):
     """A wedge in a row (Block & Keer 2008), u = pi x/L, A = pi a/L:
 
     (25) p = (E* slope/pi) arcosh(tan A/tan|u|),   mean pressure = (E* slope/pi) artanh(sin A),
@@ -154,32 +164,10 @@ class PeriodicWedge(PeriodicZone):
     E_star: float
     half_width: float
 
-    def __post_init__(self) -> None:
-        self._check("wedge_slope")
-
     @classmethod
     def _half_width_for(cls, load: float, **shape: float) -> float:
         y = pi * load / (shape["E_star"] * shape["wedge_slope"] * shape["period"])
         return half_width_from_sine(tanh(y), 1.0 / float(np.cosh(min(y, 700.0))), shape["period"])
-
-    def _height(self, r: Array) -> Array:
-        return self.wedge_slope * r
-
-    def _slope(self, r: Array) -> Array:
-        return np.full_like(r, self.wedge_slope)
-
-    def _pressure(self, r: Array, d: Array) -> Array:
-        # tan A/tan u - 1 = sin(A - u)/(cos A sin u)
-        with np.errstate(divide="ignore"):
-            y = sine(d, self.period) / (self._cosine() * sine(r, self.period))
-        return self.E_star * self.wedge_slope / pi * arcosh1p(y)
-
-    def _gap(self, e: Array) -> Array:
-        # The integral is a dilogarithm; the rule gives it to rounding. 1 - tan A/tan u = sin(u - A)/(cos A
-        # sin u)
-        step = e[..., None] * FROM_LEFT
-        y = sine(step, self.period) / (self._cosine() * sine(self.half_width + step, self.period))
-        return 2.0 * self.wedge_slope / pi * np.sum(e[..., None] * WEIGHT * arccos1m(y), axis=-1)
 
     @property
     def load(self) -> float:

@@ -9,15 +9,6 @@ from contact.reference.inverse.random import random_adhesive_problem, random_pro
 from contact.reference.inverse.stability import is_stable, second_variation
 
 __all__ = [
-    "AdhesiveDesign",
-    "CohesiveDesign",
-    "DesignedContact",
-    "DesignedProfile",
-    "adhesive_design",
-    "design",
-    "is_stable",
-    "random_adhesive_problem",
-    "random_problem",
-    "random_zones",
-    "second_variation",
+    "AdhesiveDesign", "CohesiveDesign", "DesignedContact", "DesignedProfile", "adhesive_design", "design",
+    "is_stable", "random_adhesive_problem", "random_problem", "random_zones", "second_variation",
 ]

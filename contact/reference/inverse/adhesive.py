@@ -16,18 +16,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import ceil, pi, sqrt
+from math import pi, sqrt
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.model.checks import finite, keep, positive
-from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
+from contact.model.profiles.fourier import Fourier
 from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
-from sie import Array
+from sie import Array, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,7 @@ class AdhesiveDesign(GivenZones):
 
     Attributes
     ----------
-    profile : DesignedProfile
+    profile : DesignedProfile or Fourier
         The shape that has this contact.
     is_admissible : bool
         Whether the surfaces keep apart outside the zones.
@@ -141,14 +141,7 @@ class AdhesiveDesign(GivenZones):
         return np.stack(modes if n % 2 else [*modes, np.ones_like(x)], axis=-1)
 
     def _nodes(self, i: int) -> Any:
-        """Midpoints in the angle: dl, dr and weights of int F dx for F ~ 1/sqrt at the ends."""
-        product = self._long
-        m, h = len(product.steps), product.steps[i]
-        around = (k % m for k in (i - 1, i + 1) if self.period is not None or 0 <= k < m)
-        nearest = min((float(product.steps[k]) for k in around), default=float(h))
-        count = 40 + ceil(20.0 / min(1.0, sqrt(nearest / float(h))))
-        phi = product.pi * (np.arange(count) + np.longdouble(0.5)) / count
-        return h * np.sin(0.5 * phi) ** 2, h * np.cos(0.5 * phi) ** 2, 0.5 * h * product.pi / count * np.sin(phi)
+        return self._long.nodes(i, midpoints=True)
 
     def _integrals(self, i: int) -> tuple[Any, Any]:
         """int |X| modes dx and int |X| sum q_e/(x - e) dx over an interval."""
@@ -185,7 +178,7 @@ class AdhesiveDesign(GivenZones):
 
     # The profile: the polynomial part of X R
     @cached_property
-    def profile(self) -> DesignedProfile:
+    def profile(self) -> DesignedProfile | Fourier:
         """The shape with this contact."""
         n, ends = len(self.zones), self._long.zones.ravel()
         hull = (float(ends[0]), float(ends[-1]))
@@ -204,7 +197,7 @@ class AdhesiveDesign(GivenZones):
                 second, older = 2.0 * np.cos(phi) * second - older, second
             series = 2.0 * np.convolve(root, ratio)[: 2 * n][::-1]
             series[0] *= 0.5
-            return DesignedProfile(None, series.astype(float), hull, np.empty(0), np.empty(0))
+            return DesignedProfile(series.astype(float), hull)
         # Above the axis, w = e^{2 pi i z/L}: 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i e/L}).
         angle = self._long._turn * ends
         power_sums = np.array([0.5 * np.sum(np.exp(-2j * k * angle)) for k in range(n + 1)])
@@ -221,10 +214,7 @@ class AdhesiveDesign(GivenZones):
             ratio[n // 2] += self._smooth[-1] - 0.5j * np.sum(self._poles)
             for j in range(n // 2 + 1, n + 1):
                 ratio[j] += -1j * np.sum(self._poles * np.exp(-1j * (2 * j - n) * angle))
-        harmonic = np.convolve(root, ratio)[:n][::-1]  # of e^{-2 pi i m x/L}, m = 1 .. n
-        wave = 2.0 * self._long._turn * np.arange(1, n + 1)
-        cosines, sines = -2.0 * harmonic.imag / wave, 2.0 * harmonic.real / wave
-        return DesignedProfile(self.period, np.empty(0), hull, cosines.astype(float), sines.astype(float))
+        return self._of_slope(np.convolve(root, ratio)[:n][::-1])
 
     @cached_property
     def zone_loads(self) -> Array:
@@ -242,25 +232,9 @@ class AdhesiveDesign(GivenZones):
         """Slope of the gap in the gap i (-1: left of all zones)."""
         return np.asarray(self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr))
 
-    def gap(self, x: ArrayLike) -> Array:
-        """u + f - approach [m]: the slope integrated from the nearer end of the gap."""
-        x = np.asarray(x, dtype=float)
-        interval, dl, dr = self._product.locate(x)
-        gap = np.zeros_like(x)
-        outside = (interval % 2 == 1) & ((dl != 0.0) | (interval < 0)) & (dr != 0.0)
-        for i in np.unique(interval[outside]):
-            here = outside & (interval == i)
-            rightward = (dl[here] <= dr[here]) | np.isnan(dr[here]) if i >= 0 else np.zeros(int(np.sum(here)), dtype=bool)
-            way = np.where(rightward, dl[here], dr[here])[:, None]
-            rest = np.where(rightward, dr[here], dl[here])[:, None]
-            # From the end, way s^2: the slope is as 1/s there.
-            near, far = way * FROM_LEFT**2, rest + way * FROM_RIGHT * (1.0 + FROM_LEFT)
-            values = self._opening(
-                int(i), np.where(rightward[:, None], near, far), np.where(rightward[:, None], far, near)
-            )
-            sign = np.where(rightward, 1.0, -1.0)
-            gap[here] = sign * np.sum(2.0 * way * FROM_LEFT * WEIGHT * values, axis=-1)
-        return gap
+    def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
+        """From the nearer end."""
+        return np.asarray((dl <= dr) | np.isnan(dr)) if i >= 0 else np.zeros(dl.shape, dtype=bool)
 
     @cached_property
     def max_pressure(self) -> float:

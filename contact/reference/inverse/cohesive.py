@@ -24,12 +24,13 @@ from functools import cached_property
 from math import pi
 
 import numpy as np
-from numpy.polynomial import chebyshev, polynomial
+from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import SceneError
 from contact.model.checks import keep, positive
 from contact.model.profiles.polynomial import Polynomial
+from contact.reference.inverse.profile import exp_of_power_sums
 
 Array = NDArray[np.float64]
 
@@ -242,11 +243,8 @@ class CohesiveDesign:
         """Coefficients of X R, of t^N, t^(N-1), ..., t^-1."""
         n, degree = len(self.zones), len(self._smooth) - 1
         count = n + degree + 2
-        power_sums = np.array([0.5 * np.sum(self._ends**k) for k in range(1, count)])
-        root = np.zeros(count)
-        root[0] = 1.0
-        for k in range(1, count):
-            root[k] = -np.sum(power_sums[:k] * root[k - 1 :: -1][:k]) / k
+        power_sums = np.array([0.5 * np.sum(self._ends**k) for k in range(count)])
+        root = exp_of_power_sums(power_sums).real
         ratio = np.zeros(count)
         ratio[: degree + 1] = chebyshev.cheb2poly(self._smooth)[::-1]
         nodes, weights = (np.concatenate(parts) for parts in zip(*(self._nodes(strip)[:2] for strip in self._strips), strict=True))
@@ -258,12 +256,8 @@ class CohesiveDesign:
     def profile(self) -> Polynomial:
         """The shape with this contact."""
         middle, half = self._frame
-        slope = self._series[:-1][::-1]
-        height = half * np.concatenate(([0.0], slope / np.arange(1, len(slope) + 1)))
-        coefficients = np.zeros(1)
-        for c in height[::-1]:
-            coefficients = polynomial.polyadd(polynomial.polymul(coefficients, [-middle / half, 1.0 / half]), [c])
-        return Polynomial(coefficients[: len(height)])
+        slope = np.polynomial.Polynomial(self._series[:-1][::-1], (middle - half, middle + half))
+        return Polynomial(slope.integ(lbnd=middle).convert(domain=(-1.0, 1.0)).coef)
 
     @property
     def load(self) -> float:

@@ -25,11 +25,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.model.checks import keep, positive
-from contact.reference.exact.base import FROM_LEFT, WEIGHT
+from contact.model.profiles.fourier import Fourier
 from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
-from sie import Array
+from sie import Array, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class DesignedContact(GivenZones):
 
     Attributes
     ----------
-    profile : DesignedProfile
+    profile : DesignedProfile or Fourier
         The shape that has this contact.
     max_pressure : float
         Peak pressure [Pa].
@@ -117,7 +117,7 @@ class DesignedContact(GivenZones):
 
     # The profile: the polynomial part of X M
     @cached_property
-    def profile(self) -> DesignedProfile:
+    def profile(self) -> DesignedProfile | Fourier:
         """The shape with this contact."""
         hull = (float(self.zones[0, 0]), float(self.zones[-1, 1]))
         ends = self._long.zones.ravel()
@@ -131,7 +131,7 @@ class DesignedContact(GivenZones):
             power_sums = np.array([2.0 * np.sum(exponents * np.cos(k * phi)) for k in range(2 * n)])
             series = 2.0 * self._long_scale * exp_of_power_sums(power_sums).real[::-1]
             series[0] *= 0.5
-            return DesignedProfile(None, series.astype(float), hull, np.empty(0), np.empty(0))
+            return DesignedProfile(series.astype(float), hull)
         # Above the axis, w = e^{2 pi i z/L}: 2 sin(pi (z - e)/L) = i e^{-i pi (z - e)/L} (1 - w e^{-2 pi i
         # e/L}).
         angle = 2.0 * self._long.pi / self.period * np.concatenate([ends, roots])
@@ -140,10 +140,7 @@ class DesignedContact(GivenZones):
         coefficients = phase * exp_of_power_sums(power_sums)
         # The constant term is 2 i p_mean/E*: this fixes the sign of the root.
         coefficients *= np.sign(coefficients[n].imag) * self._long_scale
-        harmonic = coefficients[n - 1 :: -1]  # of e^{-2 pi i m x/L}, m = 1 .. n
-        wave = 2.0 * self._long.pi / self.period * np.arange(1, n + 1)
-        cosine, sine = -2.0 * harmonic.imag / wave, 2.0 * harmonic.real / wave
-        return DesignedProfile(self.period, np.empty(0), hull, cosine.astype(float), sine.astype(float))
+        return self._of_slope(coefficients[n - 1 :: -1])
 
     @property
     def zone_loads(self) -> Array:
@@ -159,22 +156,9 @@ class DesignedContact(GivenZones):
     def _nodes(self, i: int) -> Any:
         return self._product.nodes(i)
 
-    def gap(self, x: ArrayLike) -> Array:
-        """u + f - approach [m]: |X M| integrated from the end on the same side of the gap's widest point."""
-        x = np.asarray(x, dtype=float)
-        interval, dl, dr = self._product.locate(x)
-        gap = np.zeros_like(x)
-        for i in np.unique(interval[interval % 2 == 1]):
-            here = interval == i
-            growing = (self._product.side(int(i), dl[here], dr[here]) > 0.0)[:, None]
-            way = np.where(growing, dl[here][:, None], dr[here][:, None])
-            near = way * FROM_LEFT
-            far = np.maximum((dl[here] + dr[here])[:, None] - near, 0.0)
-            values = self._product.magnitude(
-                int(i), np.where(growing, near, far), np.where(growing, far, near)
-            )
-            gap[here] = self._scale * np.sum(way * WEIGHT * values, axis=-1)
-        return gap
+    def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
+        """From the end on the same side of the gap's widest point."""
+        return self._product.side(i, dl, dr) > 0.0
 
     @cached_property
     def max_pressure(self) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -11,10 +10,11 @@ from numpy.typing import ArrayLike
 
 from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive_or_none
-from contact.reference.exact.base import Zoned
+from contact.model.profiles.fourier import Fourier
+from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Zoned, least_value
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile
-from sie import Array
+from sie import Array, Mask
 
 
 class GivenZones(Zoned):
@@ -45,9 +45,15 @@ class GivenZones(Zoned):
         return CutProduct(self.zones.astype(float), self.period)
 
     @property
-    def profile(self) -> DesignedProfile:
+    def profile(self) -> DesignedProfile | Fourier:
         """The shape with this contact."""
         raise NotImplementedError
+
+    def _of_slope(self, harmonics: Array) -> Fourier:
+        """The shape with a period whose slope has these coefficients of e^{-2 pi i m x/L}, m = 1, 2, ..."""
+        wave = 2.0 * self._long._turn * np.arange(1, len(harmonics) + 1)
+        cosine, sine = -2.0 * harmonics.imag / wave, 2.0 * harmonics.real / wave
+        return Fourier(self._long.period, cosine.astype(float), sine.astype(float))  # type: ignore[arg-type]
 
     def _zone_pressure(self, zone: int, dl: Array, dr: Array) -> Array:
         raise NotImplementedError
@@ -56,9 +62,26 @@ class GivenZones(Zoned):
         """Slope of the gap in the gap i (-1: left of all zones)."""
         raise NotImplementedError
 
-    def gap(self, x: ArrayLike) -> Array:
-        """u + f - approach [m], 0 in the zones."""
+    def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
+        """Whether the gap at places of the gap i is integrated from the left."""
         raise NotImplementedError
+
+    def gap(self, x: ArrayLike) -> Array:
+        """u + f - approach [m], 0 in the zones: the slope integrated from an end of the gap."""
+        x = np.asarray(x, dtype=float)
+        interval, dl, dr = self._product.locate(x)
+        gap = np.zeros_like(x)
+        outside = (interval % 2 == 1) & ((dl != 0.0) | (interval < 0)) & (dr != 0.0)
+        for i in np.unique(interval[outside]):
+            here = outside & (interval == i)
+            left, right = dl[here][:, None], dr[here][:, None]
+            rightward = self._from_left(int(i), left, right)
+            way, rest = np.where(rightward, left, right), np.where(rightward, right, left)
+            # From the end, way s^2: the slope may be as 1/s there.
+            near, far = way * FROM_LEFT**2, rest + way * FROM_RIGHT * (1.0 + FROM_LEFT)
+            values = self._opening(int(i), np.where(rightward, near, far), np.where(rightward, far, near))
+            gap[here] = np.sum(np.where(rightward, 2.0, -2.0) * way * FROM_LEFT * WEIGHT * values, axis=-1)
+        return gap
 
     def _nodes(self, i: int) -> Any:
         """dl, dr and weights of integrals over an interval."""
@@ -137,15 +160,3 @@ class GivenZones(Zoned):
     def approach(self) -> float | None:
         """min f = 0 and mean u = 0, so that approach = mean f - min f - mean gap; None without a period."""
         return None if self.mean_gap is None else -self._least_height - self.mean_gap
-
-
-def least_value(function: Callable[[Array], Array], low: float, high: float, samples: int) -> float:
-    """Smallest value of a smooth function, by samples and closer samples around the smallest."""
-    x = np.linspace(low, high, samples)
-    y = function(x)
-    best, half = float(x[np.argmin(y)]), float(x[1] - x[0])
-    for _ in range(8):  # the bracket shrinks to 1e-9 of a sample, far below the square root of rounding
-        x = np.clip(best + half * np.linspace(-1.0, 1.0, 33), low, high)
-        y = function(x)
-        best, half = float(x[np.argmin(y)]), half / 8.0
-    return float(np.min(y))

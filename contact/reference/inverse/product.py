@@ -181,24 +181,21 @@ class CutProduct:
         derivative[row] = -np.sum(others * own_slope) / scale
         return np.sum(others * own) / scale, derivative
 
-    def nodes(self, i: int) -> tuple[Array, Array, Array]:
+    def nodes(self, i: int, midpoints: bool = False) -> tuple[Array, Array, Array]:
         """Gauss-Chebyshev nodes of the second kind of interval i as angles' half sines: dl, dr, weights for
         int F dx.
 
         The integrand is analytic up to the neighbouring ends, at a relative distance that sets the number of
-        nodes."""
+        nodes; midpoints: those of the first kind, for F ~ 1/sqrt at the ends."""
         m, h = len(self.steps), self.steps[i]
         nearest = min(
             (float(self.steps[k % m]) for k in (i - 1, i + 1) if self.period is not None or 0 <= k < m),
             default=float(h),
         )
         count = 40 + ceil(20.0 / min(1.0, sqrt(nearest / float(h))))
-        phi = self.pi * np.arange(1, count + 1) / (count + 1)
-        return (
-            h * np.sin(0.5 * phi) ** 2,
-            h * np.cos(0.5 * phi) ** 2,
-            0.5 * h * self.pi / (count + 1) * np.sin(phi),
-        )
+        first, parts = (0.5, count) if midpoints else (1.0, count + 1)
+        phi = self.pi * (np.arange(count) + first) / parts
+        return h * np.sin(0.5 * phi) ** 2, h * np.cos(0.5 * phi) ** 2, 0.5 * h * self.pi / parts * np.sin(phi)
 
     def _gap_samples(self, g: int) -> tuple[Array, Array, Array]:
         """Nodes of a gap, and the weights times |X|."""

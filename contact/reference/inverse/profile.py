@@ -1,49 +1,38 @@
-"""The shape of a designed contact: a Fourier series with a period, a Chebyshev series of f' alone."""
+"""The shape of a designed contact that is alone: a Chebyshev series of f'."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import pi
 
 import numpy as np
-from numpy.polynomial import chebyshev, polynomial
+from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
-from contact.errors import SceneError
 from contact.model.profiles.base import Profile
 from sie import Array
 
 
 @dataclass(frozen=True, eq=False)
 class DesignedProfile(Profile):
-    """The shape of a designed contact: f' a sum of Chebyshev polynomials on `hull`, or with a period
+    """The shape of a designed contact that is alone: f' a sum of Chebyshev polynomials on `hull`.
 
-    f = sum cosine[k-1] cos(2 pi k x/L) + sine[k-1] sin(2 pi k x/L). It is made by `design`, and given to `contact.Scene`.
+    It is made by `design`, and given to `contact.Scene`; that of a design with a period is a `contact.Fourier`.
 
     Parameters
     ----------
-    period : float or None
-        Period L [m]; None: the body is alone.
     slope_series : array, (2 n,)
-        Chebyshev coefficients of f' on the hull, for n zones; empty with a period.
+        Chebyshev coefficients of f' on the hull, for n zones.
     hull : tuple of float
         The outermost ends [m].
-    cosine, sine : array, (n,)
-        Fourier coefficients of f [m]; empty without a period.
 
     Attributes
     ----------
     coefficients : array, (2 n + 1,)
-        Alone: f as a polynomial in x, lowest power first [m, 1, 1/m, ...]; loses digits beyond some ten zones.
+        f as a polynomial in x, lowest power first [m, 1, 1/m, ...]; loses digits beyond some ten zones.
     height, slope : callable
         f [m] and f' at positions x [m] of any shape.
     resolution : float
         A length the shape does not vary much within [m].
-
-    Raises
-    ------
-    SceneError
-        From `coefficients`, if there is a period.
 
     Examples
     --------
@@ -56,66 +45,35 @@ class DesignedProfile(Profile):
     ('DesignedProfile', True)
     """
 
-    period: float | None
     slope_series: Array
     hull: tuple[float, float]
-    cosine: Array
-    sine: Array
-
-    def _phases(self, x: ArrayLike) -> tuple[Array, Array, float]:
-        assert self.period is not None
-        k = 2.0 * pi / self.period
-        orders = np.arange(1.0, len(self.cosine) + 1.0)
-        return k * np.asarray(self.wrap(x))[..., None] * orders, orders, k
 
     def _local(self, x: ArrayLike) -> Array:
         lo, hi = self.hull
         x = np.asarray(x)
         return np.asarray(((x - lo) - (hi - x)) / (hi - lo))
 
+    @property
+    def _height_series(self) -> Array:
+        return np.asarray(0.5 * (self.hull[1] - self.hull[0]) * chebyshev.chebint(self.slope_series))
+
     def height(self, x: ArrayLike) -> Array:
-        """f(x), of zero mean over the period; alone, zero in the middle of the zones' hull."""
-        if self.period is None:
-            half = 0.5 * (self.hull[1] - self.hull[0])
-            return np.asarray(half * chebyshev.chebval(self._local(x), chebyshev.chebint(self.slope_series)))
-        phase, _, _ = self._phases(x)
-        return np.asarray(np.cos(phase) @ self.cosine + np.sin(phase) @ self.sine)
+        """f(x), zero in the middle of the zones' hull."""
+        return np.asarray(chebyshev.chebval(self._local(x), self._height_series))
 
     def slope(self, x: ArrayLike) -> Array:
         """f'(x)."""
-        if self.period is None:
-            return np.asarray(chebyshev.chebval(self._local(x), self.slope_series))
-        phase, orders, k = self._phases(x)
-        return np.asarray(k * (np.cos(phase) @ (orders * self.sine) - np.sin(phase) @ (orders * self.cosine)))
-
-    def slope_conjugate(self, x: ArrayLike) -> Array | None:
-        """H f' (cos -> sin, sin -> -cos); None without a period."""
-        if self.period is None:
-            return None
-        phase, orders, k = self._phases(x)
-        return np.asarray(k * (np.sin(phase) @ (orders * self.sine) + np.cos(phase) @ (orders * self.cosine)))
+        return np.asarray(chebyshev.chebval(self._local(x), self.slope_series))
 
     @property
     def resolution(self) -> float:
         """A length the shape does not vary much within [m]."""
-        if self.period is None:
-            return (self.hull[1] - self.hull[0]) / len(self.slope_series)
-        return self.period / len(self.cosine)
+        return (self.hull[1] - self.hull[0]) / len(self.slope_series)
 
     @property
     def coefficients(self) -> Array:
-        """Alone: f as a polynomial in x, lowest power first (loses digits beyond some ten zones)."""
-        if self.period is not None:
-            raise SceneError("a periodic design has `cosine` and `sine`, not polynomial `coefficients`")
-        lo, hi = self.hull
-        half, middle = 0.5 * (hi - lo), 0.5 * (hi + lo)
-        series = half * chebyshev.chebint(self.slope_series)
-        outer = chebyshev.cheb2poly(series)
-        inner, power, total = np.array([-middle / half, 1.0 / half]), np.array([1.0]), np.zeros(1)
-        for c in outer:
-            total = polynomial.polyadd(total, c * power)
-            power = polynomial.polymul(power, inner)
-        return np.asarray(total)
+        """f as a polynomial in x, lowest power first (loses digits beyond some ten zones)."""
+        return np.asarray(np.polynomial.Chebyshev(self._height_series, self.hull).convert(kind=np.polynomial.Polynomial).coef)
 
 
 def exp_of_power_sums(q: NDArray[np.inexact]) -> NDArray[np.complexfloating]:

@@ -93,7 +93,7 @@ class Step:
     def turning(self, tight: bool = True) -> float:
         """How far it is to there."""
         near = 1e-14 if tight else _ABOUT
-        return self.where(lambda at: onward(self.start, at).rises, self.start.rises, self.end.rises, None, near, tight)
+        return self.where(lambda at: onward(self.curve, self.start, at).rises, self.start.rises, self.end.rises, None, near, tight)
 
     def where(
         self, function: Callable[[Point], float], first: float, last: float, length: float | None = None, near: float = 1e-14,
@@ -104,18 +104,18 @@ class Step:
         end = self.length if length is None else length
         if first == 0.0 or last == 0.0:
             return 0.0 if first == 0.0 else end
-        return bracketed(lambda part: function(self.at(part, tight)), {0.0: first, end: last}, xtol=near * end)
+        return float(bracketed(lambda part: function(self.at(part, tight)), {0.0: first, end: last}, xtol=near * end))
 
 
 def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> Iterator[Step]:
     """From an equilibrium, steps along the curve, the control first rising (sense 1) or falling (-1). tight: whether their ends are
     states that are solved as tightly as there is."""
     here.refuse_neutral()
-    place, length, why, stands = _begun(here, sense), _FIRST, "the curve of equilibria was not followed on", 0
+    place, length, why, stands = _begun(curve, here, sense), _FIRST, "the curve of equilibria was not followed on", 0
     for _ in range(_MOST_STEPS):
         reached = _corner_within(curve, place, length)
         ahead = along(curve, place, length, tight) if reached is None else _to_corner(curve, place, reached, tight)
-        end = None if ahead is None else onward(place, ahead)
+        end = None if ahead is None else onward(curve, place, ahead)
         if end is None or not _keeps(place, end):
             if end is not None and place.at.growth < 0.0 <= end.at.growth:
                 why = "a contact loses its stability without a turn of its curve, to a motion that breaks a symmetry: it is not followed on"
@@ -137,7 +137,7 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
             place = step.end
         else:
             step.after.refuse_neutral()
-            place = _begun(step.after, step.end.rises)
+            place = _begun(curve, step.after, step.end.rises)
         length = min(_LONGER * length, _LONGEST)
     raise NotConverged(why)
 
@@ -183,7 +183,7 @@ def _to_change(step: Step) -> Step:
         first = max(_least_held(step.start.at), 0.0)
         length = step.where(_least_held, first, least)
         at = step.at(length)
-        step = replace(step, length=length, end=onward(step.start, at))
+        step = replace(step, length=length, end=onward(step.curve, step.start, at))
         held = held & (at.whole.residual > _TOGETHER)
     else:
         gap = np.full(len(held), np.inf)
@@ -223,7 +223,7 @@ def let_go(step: Step) -> Array:
 
 def beyond(curve: Equilibria, turned: Point, sense: float) -> Array:
     """Zones from which ends move on to another equilibrium at a turning point: inward where the control falls."""
-    move = _begun(turned, sense).tangent[:-1] * turned.widths
+    move = _begun(curve, turned, sense).tangent[:-1] * turned.widths
     gaps = curve.gaps(turned.table)
     room = np.minimum(turned.widths, np.concatenate((np.roll(gaps, 1), gaps)))
     return turned.moved(np.asarray(move * (sense * np.sign(move.sum()) * _PUSH / np.abs(move / room).max())))
@@ -268,7 +268,7 @@ def pull_off(curve: Equilibria, here: Point, recede: Recede = receded, torn: Cal
 
 def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float]:
     """(an equilibrium, a lower value of the control under which there is none) as the control falls."""
-    step = 1.0 / float(np.abs(here.whole.by_value).max())
+    step = curve.unit(here)
     for _ in range(_MOST_TRIES):
         rest = recede(curve, here.table, here.value - step)
         if rest is None:
@@ -277,15 +277,15 @@ def _apart(curve: Equilibria, here: Point, recede: Recede) -> tuple[Point, float
     raise NotConverged("the surfaces do not come apart as the control falls")
 
 
-def _begun(here: Point, sense: float) -> Place:
-    unit = _unit(here)
+def _begun(curve: Equilibria, here: Point, sense: float) -> Place:
+    unit = _unit(curve, here)
     tangent = _tangent(here, here.widths, unit)
     return Place(here, here.widths, unit, tangent if tangent[-1] * sense >= 0.0 else -tangent)
 
 
-def onward(before: Place, ahead: Point) -> Place:
+def onward(curve: Equilibria, before: Place, ahead: Point) -> Place:
     """The same sense of the curve at another equilibrium of it."""
-    unit = _unit(ahead)
+    unit = _unit(curve, ahead)
     tangent = _tangent(ahead, ahead.widths, unit)
     same = before.tangent @ np.append(tangent[:-1] * ahead.widths / before.widths, tangent[-1] * unit / before.unit) >= 0.0
     return Place(ahead, ahead.widths, unit, tangent if same else -tangent)
@@ -298,17 +298,17 @@ def _keeps(before: Place, ahead: Place) -> bool:
     return alike and (before.at.growth >= 0.0 or ahead.at.growth < 0.0 or before.rises * ahead.rises <= 0.0)
 
 
-def _unit(at: Point) -> float:
+def _unit(curve: Equilibria, at: Point) -> float:
     """What the control is counted in: by it some end moves by its zone's width; not less than what drives one by the intensity asked."""
-    whole = at.whole
-    least = 1.0 / float(np.abs(whole.by_value).max())
+    whole, least = at.whole, curve.unit(at)
     moves, _, rank, _ = np.linalg.lstsq(at.rates, at.by_value, rcond=None)
     if rank < len(moves) and np.abs(at.rates @ moves - at.by_value).max() * least > _NOT_MET:
         # At a turning point the ends move while the control stands still.
         return least
     # What drives a held end may double.
     driven = np.where(whole.held, (whole.by_value - whole.rates @ moves) / np.maximum(1.0, np.abs(whole.residual)), 0.0)
-    return max(least, 1.0 / float(np.maximum(np.abs(moves / at.widths), np.abs(driven)).max()))
+    most = float(np.maximum(np.abs(moves / at.widths), np.abs(driven)).max())
+    return max(least, 1.0 / most) if most > 0.0 else least
 
 
 def _tangent(at: Point, widths: Array, unit: float) -> Array:

@@ -28,7 +28,7 @@ ROUGH, REST = 1e-9, 1e-6
 # By how much of r, and of K*, a step may pass a place of rest; from how near an equilibrium Newton's step is taken as it is.
 _OVERSHOT, _SLIGHT, _NEAR, _FAR = 0.1, 1e-4, 0.02, 0.05
 # A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
-_CLOSED, DRIVEN, _OPENED = 1e-2, 0.5, 0.02
+CLOSED, DRIVEN, _OPENED = 1e-2, 0.5, 0.02
 MOST_STEPS, MOST_TRIES = 600, 40
 _PLACES = np.linspace(0.05, 0.95, 10)
 
@@ -112,7 +112,7 @@ def closing(curve: Equilibria, here: Point) -> Array | None:
     widths = np.diff(table, axis=1)[:, 0]
     gap = curve.gaps(table)
     beside = np.minimum(widths, np.roll(widths, -1))
-    closes = (gap < _CLOSED * beside) & (right > DRIVEN) & (np.roll(left, -1) > DRIVEN)
+    closes = (gap < CLOSED * beside) & (right > DRIVEN) & (np.roll(left, -1) > DRIVEN)
     if not closes.any():
         return None
     if closes.all():

@@ -20,7 +20,7 @@ from contact.formulation.roots import bracketed
 from contact.formulation.runs import runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Known
 from contact.formulation.tension.contact import Covered, Lost
-from contact.formulation.tension.intervals import fitted, interval_of, joined
+from contact.formulation.tension.intervals import interval_of, joined
 from contact.search.equilibria import arc, tension
 from contact.search.equilibria.arc import Step
 from contact.search.equilibria.changes import Change, about, changes, condition, with_change
@@ -110,14 +110,14 @@ class FollowingUnderTension(Following):
 
     def _changed(self, here: Point, place: float, width: float, begins: bool) -> Standing:
         """What an interval of tension that begins at a place comes to, or one that is cut there."""
-        curve, half, period = self.curve, 0.5 * NEW * width, self.curve.problem.period
+        curve, half, period = self.curve, 0.5 * NEW * width, self.curve.problem.round
         if period is not None:
             place -= np.floor((place - here.table[0, 0]) / period) * period
         assert isinstance(here, CohesivePoint)
         sign = 1.0 if begins else -1.0
         while True:
             table = (_with_interval if begins else _cut)(here.table, place, half, period)
-            at = curve.from_zones(table, here.value, fitted(here.zones, table, period))
+            at = curve.from_zones(table, here.value, curve.fitted(here.zones, table))
             # The ends that are new are driven, all others at rest.
             new = np.abs(np.append(table[:, 0], table[:, 1]) - place) < 2 * half
             if half < LEAST or (np.all(sign * at.residual > -SLIGHT) and np.all(sign * at.residual[new] > 0.0)):
@@ -127,7 +127,7 @@ class FollowingUnderTension(Following):
 
     def _wrong(self, here: Point, outside: bool) -> Array:
         """Places away from the ends of the tension between which the gap is below the reach outside of it, or above it inside (n, 2)."""
-        curve, period = self.curve, self.curve.problem.period
+        curve, period = self.curve, self.curve.problem.round
         assert isinstance(here, CohesivePoint)
         (x, gap), table, found = here.look, here.table, []
         x = wrapped(x, float(table[0, 0]), period)
@@ -187,7 +187,7 @@ class FollowingUnderTension(Following):
 
     def _without(self, here: CohesivePoint, gone: Index) -> tuple[Array, CohesivePoint] | None:
         """(places, equilibrium) in which the surfaces just touch where zones are about to vanish; None if it was not found."""
-        count, period = len(here.zones), self.curve.problem.period
+        count, period = len(here.zones), self.curve.problem.round
         others = np.delete(here.zones, gone, axis=0)
         each = [Change("death", False, about(others, float(a), float(b), period)) for a, b in here.zones[gone]]
         known = Known(here.table, here.value, others, np.delete(here.by_ends, np.append(gone, gone + count), axis=0))
@@ -228,7 +228,7 @@ class FollowingUnderTension(Following):
             return here
 
         def beside(here: CohesivePoint, ahead: bool, reach: float) -> Iterator[At]:
-            place = arc.onward(step.start, here)
+            place = arc.onward(self.curve, step.start, here)
             if not ahead:
                 place = replace(place, tangent=-place.tangent)
             formal = self._formal(here)
@@ -252,7 +252,7 @@ class FollowingUnderTension(Following):
         high: tuple[float, CohesivePoint], parts: int,
     ) -> Iterator[Jump]:
         """Changes of the zones between two states. beside: from a state on, ahead or back so far at 1, with the zones that it has."""
-        found = changes(low[1], high[1], self.curve.problem.period)
+        found = changes(low[1], high[1], self.curve.problem.round)
         if not found:
             return
         if len(found) > 1 and parts:
@@ -359,7 +359,7 @@ class FollowingUnderTension(Following):
 
     def _let_go(self, here: CohesivePoint, new: CohesivePoint) -> Jump | None:
         """Where the gap somewhere comes to the reach as the control falls."""
-        curve, period = self.curve, self.curve.problem.period
+        curve, period = self.curve, self.curve.problem.round
         (x, gap) = new.look
         if not gap.max() > curve.reach:
             return None
@@ -381,7 +381,7 @@ class FollowingUnderTension(Following):
         while True:
             table = np.array([[place + half, place + period - half]])
             try:
-                cut = curve.from_zones(table, value, fitted(at.zones, table, period))
+                cut = curve.from_zones(table, value, curve.fitted(at.zones, table))
                 if half < LEAST or np.all(cut.residual < SLIGHT):
                     break
             except (Lost, Covered):

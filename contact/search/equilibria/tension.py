@@ -17,7 +17,7 @@ from contact.formulation.maxima import maximum
 from contact.formulation.runs import runs_of
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Loose
 from contact.formulation.tension.contact import Covered, Lost
-from contact.formulation.tension.intervals import below, fitted, interval_of, joined, within
+from contact.formulation.tension.intervals import below, interval_of, joined, within
 from contact.formulation.tension.pulled import Pulled
 from contact.search.equilibria import arc, flow
 from contact.search.grid.tension import GridTension
@@ -39,6 +39,8 @@ _HALVINGS = 60
 _FARTHER = 0.01
 # Newton's step of ends that are about to rest, over their intervals and the gaps beside them.
 _ABOUT_TO_REST = 1e-3
+# Zones that recede without a grid.
+_FEW = 6
 # Parts of the reach that it is made smaller or larger by on a grid.
 _MARGINS = (0.02, 0.06, 0.2)
 # Of a control, above the least at which a grid holds a contact, from where that is followed to where it comes apart.
@@ -82,9 +84,14 @@ def guide_of(curve: Cohesive, zones: int, table: Array | None) -> GridTension | 
     """A grid by which ends are guided that move from these intervals (None: from tension in all of a period); none without contact, or
     where a spring holds it."""
     held = curve.held
-    if zones == 0 or (held.load is None and held.approach is None):
+    if zones == 0 or curve.problem.profile.support is not None or (held.load is None and held.approach is None):
         return None
     return GridTension.of(curve.problem, table, held.load is not None)
+
+
+def guide_down(curve: Cohesive, zones: int, table: Array) -> GridTension | None:
+    """The same where zones recede from an equilibrium: of few of them the way itself is shorter."""
+    return guide_of(curve, zones, table) if zones > _FEW else None
 
 
 def _guided(curve: Cohesive, guide: GridTension, table: Array | None, value: float, sign: float) -> CohesivePoint | None:
@@ -94,7 +101,7 @@ def _guided(curve: Cohesive, guide: GridTension, table: Array | None, value: flo
     for margin in _MARGINS:
         try:
             found = guide.resting(table, value, sign, 1.0 - sign * margin)
-            here = curve.from_zones(found.table, value, fitted(found.zones, found.table, curve.problem.period), flow.ROUGH)
+            here = curve.from_zones(found.table, value, curve.fitted(found.zones, found.table), flow.ROUGH)
         except Closed:
             if sign > 0 and margin == _MARGINS[-1]:
                 raise
@@ -146,7 +153,7 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
 
 
 def _with_other_intervals(curve: Cohesive, here: CohesivePoint, table: Array, sign: float) -> CohesivePoint:
-    zones = fitted(here.zones, table, curve.problem.period)
+    zones = curve.fitted(here.zones, table)
     return curve.from_zones(uncovered(curve, table, here.value, zones) if sign > 0 else table, here.value, zones, flow.ROUGH)
 
 
@@ -181,13 +188,18 @@ def uncovered(curve: Cohesive, table: Array, value: float, zones: Array) -> Arra
     """The intervals, or wider ones where contact covers these: what it covers is driven on."""
     for _ in range(_WIDENINGS):
         try:
-            curve.from_zones(table, value, fitted(zones, table, curve.problem.period), flow.ROUGH)
+            curve.from_zones(table, value, curve.fitted(zones, table), flow.ROUGH)
             return table
         except Covered as covered:
             width, gaps = np.diff(table, axis=1)[:, 0], curve.gaps(table)
             left, right = covered.ends.reshape(2, -1)
             out = 0.5 * (_WIDEN - 1) * width
             table = table + np.column_stack((-1.0 * left * np.minimum(out, 0.4 * np.roll(gaps, 1)), right * np.minimum(out, 0.4 * gaps)))
+            # What contact goes on to close is closed.
+            joins = (curve.gaps(table) < flow.CLOSED * np.minimum(width, np.roll(width, -1))) & (right | np.roll(left, -1))
+            if joins.all():
+                raise Closed from covered
+            table = curve.within(joined(table, joins, [], curve.problem.round))
     raise NotConverged(TOO_NARROW)
 
 
@@ -249,7 +261,7 @@ def _let_go(curve: Cohesive, here: Point, sign: float) -> tuple[Point, float]:
 
 def _grown(curve: Cohesive, here: CohesivePoint) -> Array | None:
     """The intervals with new ones, and with those as one between which the gap is below the reach; None if there are none."""
-    (x, gap), table, period = here.look, here.table, curve.problem.period
+    (x, gap), table, period = here.look, here.table, curve.problem.round
     closed = flow.closing(curve, here)
     if closed is not None:
         return closed
@@ -261,8 +273,12 @@ def _grown(curve: Cohesive, here: CohesivePoint) -> Array | None:
             joins[i - (period is None)] = True
             continue
         for s, e in runs_of(below):
-            if s > 0 and e < len(inner) - 1:
-                place = wrapped(x[inner], a, period)
+            place = wrapped(x[inner], a, period)
+            if place[s] == curve.problem.corners[0] and e < len(inner) - 1:
+                new.append((place[s], place[s] + 0.5 * _NEW * (place[e + 1] - place[s])))
+            elif place[e] == curve.problem.corners[1] and s > 0:
+                new.append((place[e] - 0.5 * _NEW * (place[e] - place[s - 1]), place[e]))
+            elif s > 0 and e < len(inner) - 1:
                 lo, hi = place[s - 1], place[e + 1]
                 middle, half = 0.5 * (place[s] + place[e]), 0.5 * _NEW * max(place[e] - place[s], 0.1 * (hi - lo))
                 new.append((middle - half, middle + half))
@@ -275,7 +291,7 @@ def _grown(curve: Cohesive, here: CohesivePoint) -> Array | None:
 
 def _parted(curve: Cohesive, here: CohesivePoint) -> Array | None:
     """The intervals without parts over which the gap is above the reach, but those that begin at their ends; None if there are none."""
-    (x, gap), table, period = here.look, here.table, curve.problem.period
+    (x, gap), table, period = here.look, here.table, curve.problem.round
     out: list[tuple[float, float]] = []
     changed = False
     for a, b in table:
@@ -300,15 +316,15 @@ def _holds(here: CohesivePoint, a: float, b: float) -> bool:
 
 def _outside(curve: Cohesive, table: Array) -> list[tuple[float, float]]:
     """Between the intervals: with a period the last one ends at the first interval of the next."""
-    if curve.problem.period is not None:
-        return list(zip(table[:, 1], np.append(table[1:, 0], table[0, 0] + curve.problem.period), strict=True))
+    if curve.problem.round is not None:
+        return list(zip(table[:, 1], np.append(table[1:, 0], table[0, 0] + curve.problem.round), strict=True))
     return list(zip(np.append(-np.inf, table[:, 1]), np.append(table[:, 0], np.inf), strict=True))
 
 
 def pull_off(curve: Cohesive, here: Point) -> Point:
     """Where the last zones come apart as the control falls: at a turning point, or where the last of them has shrunk to a point."""
     def recede(_: Equilibria, table: Array, value: float) -> Point | None:
-        return receded(curve, table, value, guide_of(curve, len(curve.known[-1].zones), table))
+        return receded(curve, table, value, guide_down(curve, len(curve.known[-1].zones), table))
 
     try:
         return arc.pull_off(curve, _about_to_part(curve, here), recede, lambda at: _highest_within(curve, at) / curve.reach - 1.0)
@@ -324,7 +340,7 @@ def pull_off(curve: Cohesive, here: Point) -> Point:
 def _highest_within(curve: Cohesive, here: Point) -> float:
     """The largest gap within the intervals, but for what begins at their ends."""
     assert isinstance(here, CohesivePoint)
-    (x, gap), period, highest = here.look, curve.problem.period, 0.0
+    (x, gap), period, highest = here.look, curve.problem.round, 0.0
     for a, b in here.table:
         inner = within(x, a, b, period)
         place, value = wrapped(x[inner], a, period), gap[inner]
@@ -343,7 +359,7 @@ def _highest_within(curve: Cohesive, here: Point) -> float:
 
 def _about_to_part(curve: Cohesive, here: Point) -> Point:
     """The equilibrium that this one has come to under a control a little above the least at which a grid holds any; itself without one."""
-    guide = guide_of(curve, len(here.contact), here.table)
+    guide = guide_down(curve, len(here.contact), here.table)
     if guide is None:
         return here
     least = guide.least_value(here.table, here.value)
@@ -386,7 +402,7 @@ def pull_off_from_all(curve: Cohesive, zones: Array, value: float) -> Point:
     # At the place that comes to the reach first the tension lets go.
     table = below(inside, (x, np.where(gap == gap.max(), 2 * curve.reach, gap)), curve.reach, problem.period, wide=True)
     try:
-        curve.from_zones(table, high, fitted(inside, table, problem.period))
+        curve.from_zones(table, high, curve.fitted(inside, table))
     except Lost:
         return state
     rest = receded(curve, table, high - 1e-9 * (value - lost))
@@ -422,8 +438,10 @@ def touching(curve: Cohesive, table: Array, at: float) -> Loose:
         ends, tension = np.concatenate((table[:, 0], table[:, 1])), pulled.pulling
         gap = pulled.shape(ends) + height
         rates = curve.explicit(pulled, ends, np.zeros(len(ends))) - curve.stress / np.pi * tension.log(at - ends)
-        step = np.linalg.solve(rates, curve.reach - gap)
-        table = table + np.column_stack((-step[: len(table)], step[len(table) :]))
+        free = (table != np.array(curve.problem.corners)).T.ravel() | (gap > curve.reach)
+        step = np.zeros(len(ends))
+        step[free] = np.linalg.solve(rates[np.ix_(free, free)], curve.reach - gap[free])
+        table = curve.within(table + np.column_stack((-step[: len(table)], step[len(table) :])))
         if float(np.abs(step).max()) < 1e-14 * float(np.diff(table, axis=1).min()):
             break
     load = -Pulled.of(curve.problem, curve.stress, table).pulling.total

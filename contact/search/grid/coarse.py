@@ -229,6 +229,9 @@ def propose(
         # A shape of known resolution is worth as many points as it asks for.
         limit = max_points if resolution is None else max(max_points, min(target, MOST_POINTS))
         target = min(target, limit)
+        if features > _FEATURES:
+            # What this is wrong by, the look at the signs puts right as well.
+            tol = max(tol, _PASSING)
     n, start = target, None
     while n % 2 == 0 and n // 2 >= COARSEST and start is None:
         start = near.pressure if near is not None and len(near.pressure) == n else None

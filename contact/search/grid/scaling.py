@@ -208,5 +208,6 @@ def _typical_slope(scene: Scene, profile: Profile, length: float, cell: Window) 
     # A flat punch, turned or not, bears its load by its corners.
     if scene.given_load is None:
         return max(slope, 1.0)
-    adhesion = abs(scene.law.intensity(scene.E_star)) / (scene.E_star * math.sqrt(length))
+    work = scene.law.tension * scene.law.reach
+    adhesion = max(abs(scene.law.intensity(scene.E_star)), math.sqrt(scene.E_star * work / math.pi)) / (scene.E_star * math.sqrt(length))
     return max(slope, abs(scene.given_load) / (scene.E_star * length), adhesion)

@@ -47,7 +47,7 @@ class ByPressure:
         steps = how.steps or self.most_steps
         return sie.find_ends(
             equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, decay=how.decay, off=how.off,
-            like=how.like, limited=problem.end,
+            like=how.like, limited=problem.end, few=how.few, patient=how.patient,
         )
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> ZoneFields:
@@ -84,8 +84,8 @@ class ByPressure:
         state = sie.solve_zones(problem.equation(Load(total)), ends, max(0.1 * tolerance, 3e-16), sizes)
         return ZoneFields(problem, state.with_bounded_ends())
 
-    def certificate(self, fields: ZoneFields, control: Control) -> Certificate:
-        return certify(fields, control.load, control)
+    def certificate(self, fields: ZoneFields, control: Control, few: float = 0.0) -> Certificate:
+        return certify(fields, control.load, control, few)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
         """Those with pulling parts cut out, and a new one in every overlap."""

@@ -202,8 +202,7 @@ def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
 
 def _held_higher(curve: Equilibria, table: Array, value: float) -> Point:
     """An equilibrium under a larger value of the control, within zones from which it recedes."""
-    unit = 1.0 / float(np.abs(curve.at(table, value).whole.by_value).max())
-    step = max(abs(value), unit)
+    step = max(abs(value), curve.unit(curve.at(table, value)))
     for _ in range(_WIDENINGS):
         value += step
         rest = receded(curve, table, value)

@@ -25,12 +25,14 @@ from contact.formulation.problem import Problem
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.contact import Lost
 from contact.formulation.tension.fields import PulledFields, PulledGapFields
-from contact.formulation.tension.intervals import below, fitted, united_about
+from contact.formulation.tension.intervals import below, united_about
 from contact.formulation.tension.pulled import Pulled
 from contact.model.scene import Scene
+from contact.search.equilibria.flow import ROUGH
 from contact.search.equilibria.tension import (
     TOO_NARROW,
     advanced,
+    guide_down,
     guide_of,
     pull_off,
     pull_off_from_all,
@@ -49,7 +51,7 @@ from contact.search.ways.guesses import Outcome
 from contact.solution.made import mean_height
 from contact.verify.accuracy import Found
 from contact.verify.certificate import certify
-from contact.verify.cohesive import FoundBeside, certified, uncertain
+from contact.verify.cohesive import FoundBeside, certified, rounded_load, uncertain
 from sie import Array
 
 # Tolerance of solutions under the bare law, from which the branch is followed.
@@ -97,7 +99,7 @@ def followed_under_tension(task: Task) -> Outcome:
 
 def _greatest(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
     """Receded under the value, or below first touch from where zones under tension everywhere are in contact, and then lowered to it."""
-    if curve.problem.period is None:
+    if curve.problem.round is None:
         return _receded(task, scaled, curve, value)
     if curve.held.load is not None or value > 0.0:
         return _receded_from_all(task, curve, value)
@@ -123,7 +125,7 @@ def _lowered(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> 
 
 
 def _lowered_to(curve: Cohesive, start: Point, value: float) -> Point | None:
-    return receded(curve, start.table, value, guide_of(curve, len(start.contact), start.table))
+    return receded(curve, start.table, value, guide_down(curve, len(start.contact), start.table))
 
 
 def _pulled_off(task: Task, scaled: ScaledScene, curve: Cohesive) -> Point:
@@ -153,11 +155,12 @@ def advancing(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) ->
             raise Closed
         _refuse_many(len(found.zones))
         _refuse_narrow(task, float(found.zone_widths.max()))
-        zones = placed(problem, found.zones)
+        zones = curve.within(placed(problem, found.zones))
         fields, look = curve.contact_under(Pulled.of(problem, 0.0, np.zeros((0, 2))), value, zones)
-        zones = fields.density.zones.table
-        table = united_about(below(zones, look, curve.reach, problem.period), _begun(curve, fields), problem.period)
-        zones = fitted(zones, table, problem.period)
+        zones, round_ = fields.density.zones.table, problem.round
+        near = below(zones, look, curve.reach, round_, corners=problem.corners)
+        table = curve.within(united_about(near, curve.within(_begun(curve, fields)), round_))
+        zones = curve.fitted(zones, table)
     return advanced(curve, table, value, guide_of(curve, len(zones), table), zones)
 
 
@@ -188,7 +191,7 @@ def _begun(curve: Cohesive, fields: ZoneFields) -> Array:
     strip, width = np.pi**2 / 4 * (wanted / curve.stress) ** 2, np.diff(zones, axis=1)
     slope = np.maximum(np.array(fields.density.edge_slopes).T, 1e-300)
     out = np.where(strip < _THIN * width, np.minimum(2 * _PART * wanted / slope, _FIRST * width), 0.0)
-    gaps = np.append(zones[1:, 0] - zones[:-1, 1], np.inf if problem.period is None else zones[0, 0] + problem.period - zones[-1, 1])
+    gaps = np.append(zones[1:, 0] - zones[:-1, 1], np.inf if problem.round is None else zones[0, 0] + problem.round - zones[-1, 1])
     room = _FIRST * np.column_stack((np.roll(gaps, 1), gaps))
     out = np.minimum(out, room)
     return zones + np.column_stack((-out[:, 0], out[:, 1]))
@@ -197,8 +200,10 @@ def _begun(curve: Cohesive, fields: ZoneFields) -> Array:
 def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
     """(where the gap of the surfaces as they touch is below the reach, narrow zones about their lowest places)."""
     problem, (lo, hi) = scaled.problem, scaled.problem.units.scaled(np.array(scaled.cell))
-    profile, length = problem.profile, problem.units.length
-    border = problem.borders if problem.period is None else (-math.inf, math.inf)
+    profile, length, corners, round_ = problem.profile, problem.units.length, problem.corners, problem.round
+    border = problem.borders if round_ is None else (-math.inf, math.inf)
+    if sharp := bool(np.isfinite(corners[0])):
+        lo, hi = corners
     for _ in range(_WINDOWS):
         per_feature = 0.0 if profile.resolution is None else 8 * (hi - lo) * length / profile.resolution
         x = np.linspace(lo, hi, int(np.clip(per_feature, _LOOKS, 2**18)))
@@ -206,30 +211,37 @@ def _touched(scaled: ScaledScene, curve: Cohesive) -> tuple[Array, Array]:
         x = np.unique(np.concatenate((x, kinks[(kinks > lo) & (kinks < hi)], np.zeros(1) if lo < 0 < hi else np.zeros(0))))
         f = problem.shape(x)
         f = f - f.min()
-        if problem.period is not None or (min(f[0], f[-1]) > curve.reach):
+        if sharp or round_ is not None or (min(f[0], f[-1]) > curve.reach):
             break
         middle, half = 0.5 * (lo + hi), hi - lo
         lo, hi = max(middle - half, border[0]), min(middle + half, border[1])
-    if problem.period is not None:
+    if round_ is not None:
         x, f = x[:-1], f[:-1]
         first = int(np.argmax(f))
         if f[first] <= curve.reach:
             raise Closed
-        x = np.concatenate((x[first:], x[:first] + problem.period, [x[first] + problem.period]))
+        x = np.concatenate((x[first:], x[:first] + round_, [x[first] + round_]))
         f = np.concatenate((f[first:], f[: first + 1]))
     low = np.flatnonzero(f == 0.0)
-    table = below(np.column_stack((x[low], x[low])), (x, f), curve.reach, None)
+    table = below(np.column_stack((x[low], x[low])), (x, f), curve.reach, None, corners=corners)
     places, zones = x[low], []
     for a, b in table:
         inner = places[(places >= a) & (places <= b)]
         if len(inner):
-            half = 0.5 * _TOUCH * min(b - a, 2 * min(inner[0] - a, b - inner[0]))
-            zones.append((inner[0] - half, inner[0] + half))
-    return table, np.array(zones)
+            away = [end - start for start, end in ((a, inner[0]), (inner[-1], b)) if end > start]
+            half = 0.5 * _TOUCH * min([b - a, *(2 * one for one in away)])
+            zones.append((inner[0] - half, inner[-1 if sharp else 0] + half))
+    return curve.within(table), curve.within(np.array(zones))
 
 
 def _receded(task: Task, scaled: ScaledScene, curve: Cohesive, value: float) -> Point | None:
     """From an interval about a lone body's least contact so wide that its ends are driven inward, and those of wider ones."""
+    if np.isfinite(curve.problem.corners[0]):
+        # All that lies between the corners.
+        table = np.array([curve.problem.corners])
+        curve.from_zones(table, max(value, 0.0), advancing(task, scaled, curve, max(value, 0.0)).zones, ROUGH)
+        rest = receded(curve, table, max(value, 0.0))
+        return rest if rest is None or value >= 0.0 else _lowered_to(curve, rest, value)
     here = advancing(task, scaled, curve, max(value, 0.0))
     middle, half = 0.5 * float(here.table[0, 0] + here.table[-1, 1]), 0.5 * float(here.table[-1, 1] - here.table[0, 0])
 
@@ -259,7 +271,7 @@ def _receded_from_all(task: Task, curve: Cohesive, value: float) -> Point | None
     zones = fields.density.zones.table
     table = below(zones, look, curve.reach, problem.period, wide=True)
     try:
-        curve.from_zones(table, value, fitted(zones, table, problem.period))
+        curve.from_zones(table, value, curve.fitted(zones, table))
     except Lost:
         return None
     return receded(curve, table, value, guide_of(curve, len(zones), table))
@@ -300,7 +312,7 @@ def solved(task: Task, curve: Cohesive, here: Point) -> Found:
     """The equilibrium as tightly as there is."""
     assert isinstance(here, CohesivePoint)
     problem = curve.problem
-    pulled = Pulled.of(problem, curve.stress, here.table)
+    pulled = Pulled.of(problem, curve.stress, here.table).over(here.zones)
     at_load = here
     if curve.held.load is None:
         at_load = Cohesive(problem, Load(0.0)).from_zones(here.table, here.load, here.zones)
@@ -312,13 +324,22 @@ def solved(task: Task, curve: Cohesive, here: Point) -> Found:
 
 def _tight(task: Task, pulled: Pulled, load: float, zones: Array) -> tuple[PulledFields, sie.Free, Load]:
     control = Load(load)
-    kinds = sie.Zones.of(zones, pulled.end, pulled.end)
+    kinds = whole(pulled, zones)
     free = next(
         (found for tolerance in _TIGHT if (found := sie.find_ends(pulled.equation(control), kinds, tolerance)).converged), None
     ) or sie.find_ends(pulled.equation(control), kinds, _LOOSE)
     if not free.converged:
         raise task.error(Missed(f"under the tension that was found {free.reason}", free), pulled)
     return PulledFields(pulled, free.state), free, control
+
+
+def whole(pulled: Pulled, zones: Array) -> sie.Zones:
+    """Zones that are all solved for, with the kinds of their ends."""
+    left, right = (
+        [sie.SINGULAR if place == corner else pulled.end for place in ends]
+        for ends, corner in zip(zones.T, pulled.corners, strict=True)
+    )
+    return sie.Zones.of(zones, left, right)
 
 
 def everywhere(task: Task, problem: Problem) -> Outcome:
@@ -347,4 +368,5 @@ def everywhere(task: Task, problem: Problem) -> Outcome:
     certificate = certify(ZoneFields(pulled, fields.state), control.load)
     curve = Cohesive(problem, Load(0.0))
     fields = replace(fields, law_problem=problem)
-    return Found(free, fields, certified(certificate, curve, None, fields), 1, control, task.tolerance)
+    beside = 0.0 if task.scene.given_load is None else rounded_load(fields)
+    return FoundBeside(free, fields, certified(certificate, curve, None, fields), 1, control, task.tolerance, beside=beside)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -19,6 +20,7 @@ from contact.formulation.direct.ends import Ends, Sheet, ends_at, ends_under
 from contact.formulation.direct.fields import DirectFields
 from contact.formulation.direct.maps import Map
 from contact.formulation.direct.signs import least_inside, places, signs
+from contact.formulation.full import lowest
 from contact.model.controls import Quantity
 from contact.model.interactions import Interaction
 from contact.model.laws import Law
@@ -33,6 +35,9 @@ _WIDEST = 0.95
 _AT_TIP = 1e-15
 # What rounding may do to a gap, over the height of the profile at the end of a zone.
 _ROUNDING = 64 * 2.2e-16
+# Steps to a given approach, how far one goes in the logarithm of the load, after which one the next is the last, and how many may lead to
+# more than the interval can bear; what rounding does to an approach.
+_STEPS, _FAR, _NEAR, _MISSES, _EPS = 40, 4.0, 1e-8, 4, 4 * 2.2e-16
 _NOTE = "one interval: the signs of its series, inside and outside"
 
 
@@ -88,7 +93,7 @@ def directly(scene: Scene, tol: float) -> Solution | None:
     """The solution of a scene that needs no coupled system; None where it does, or where anything is in doubt."""
     start = time.perf_counter()
     held = scene.control_object.held(scene)
-    if held is None or held.quantity is Quantity.APPROACH:
+    if held is None:
         return None
     if held.quantity is Quantity.WIDTH and scene.profile.period is not None and held.value > _WIDEST * scene.profile.period:
         return None
@@ -96,6 +101,8 @@ def directly(scene: Scene, tol: float) -> Solution | None:
         for sheet in sheets(scene):
             if held.quantity is Quantity.LOAD:
                 ends = ends_under(sheet, held.value / (0.5 * scene.E_star))
+            elif held.quantity is Quantity.APPROACH:
+                ends = _ends_approached(scene, sheet, held.value)
             elif sheet.map.pair or len(sheet.profile.summits) > 1:  # type: ignore[arg-type]
                 return None
             else:
@@ -132,6 +139,34 @@ def all_directly(scenes: Sequence[Scene], tol: float) -> list[Solution | None]:
                 out[mine[row]] = _solution(scene, ends.rows(row), float(error[row]), float(gap[row]), took)
             left = np.setdiff1d(left, mine[holds])
     return out
+
+
+def _ends_approached(scene: Scene, sheet: Sheet, approach: float) -> Ends:
+    """Newton on the logarithm of the load. The approach follows the load as if the ends stood still: pressure and gap vanish there."""
+    unit, least, most, misses, rests = 0.5 * scene.E_star, 0.0, math.inf, 0, False
+    load = unit * approach
+    for _ in range(_STEPS):
+        ends = ends_under(sheet, load / unit)
+        if ends.found:
+            fields = DirectFields(scene, ends)
+            here, share = fields.approach, load / fields.stiffness  # type: ignore[operator]
+            if here is None or not (here > 0.0 and 0.0 < share < math.inf):
+                break
+            move = math.log(approach / here) * here / share
+            rounding = _EPS * (abs(lowest(scene.profile)) + approach + share) / share
+            if rests or abs(move) <= rounding:
+                rate = max(*ends.spreading) / ends.half
+                return replace(ends, off=ends.off + rate * (abs(move) + rounding))
+            least, most = (load, most) if move > 0.0 else (least, load)
+            load, rests = load * math.exp(min(max(move, -_FAR), _FAR)), abs(move) <= _NEAR
+        else:
+            # More than the interval can bear.
+            most, misses = load, misses + 1
+        if misses > _MISSES:
+            break
+        if not (rests or least < load < most):
+            load = 0.5 * (least + most)
+    return replace(ends, found=False)
 
 
 def _narrow(ends: Ends) -> Any:

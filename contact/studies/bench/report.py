@@ -89,11 +89,12 @@ def hierarchy_table(rows: list[Row]) -> Table:
     return Table("hierarchy", "localized models against the exact one", columns, out)
 
 
-def peers_table(rows: list[Row], peers: Sequence[str], targets: Sequence[float] = (1e-2, 1e-3, 1e-4)) -> Table:
-    """Times to an error of the pressure at equal places that is kept from there on, and the ratio to the faster peer."""
+def peers_table(rows: list[Row], peers: Sequence[str], scenes: Sequence[str], targets: Sequence[float] = (1e-2, 1e-3, 1e-4)) -> Table:
+    """Times to an error of the pressure at equal places that is kept from there on, and the ratio to the faster peer, of the scenes that
+    peers were asked for."""
     out: list[tuple[str, ...]] = []
     for measure, label in (("at_x", "max"), ("mean_at_x", "mean")):
-        for scene in names(rows):
+        for scene in scenes:
             for target in targets:
                 ours = time_to(of(rows, scene, OURS), target, measure)
                 theirs = [time_to(of(rows, scene, peer), target, measure) for peer in peers]

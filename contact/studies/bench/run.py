@@ -52,7 +52,7 @@ def bench(folder: Path, quick: bool, with_peers: bool, progress: Progress) -> li
             progress.say(report.told_of(rows, case.name))
     tables = [report.precision_table(rows), report.hierarchy_table(rows)]
     if chosen:
-        tables.append(report.peers_table(rows, [peer.name for peer in chosen]))
+        tables.append(report.peers_table(rows, [peer.name for peer in chosen], [case.name for case in cases if _asks_peers(case)]))
     scaled: list[Scaled] = []
     single: list[Scaled] = []
     for found, measured in ((scaled, scaling.measure(quick)), (single, scaling.floors(quick))):
@@ -79,9 +79,14 @@ def _case(case: Case, quick: bool, chosen: Sequence[peers.Peer]) -> list[Row]:
     rows = list(precision.ours(case, quick))
     if case.localized:
         rows += precision.hierarchy(case, quick)
-    for peer in chosen if case.law.by_gaps else ():
+    for peer in chosen if _asks_peers(case) else ():
         rows += peers.rows(peer, case, quick, LONGEST_QUICK if quick else LONGEST)
     return rows
+
+
+def _asks_peers(case: Case) -> bool:
+    """Of peers, frictionless contact alone is asked."""
+    return case.law.by_gaps
 
 
 def extremes(folder: Path | None, quick: bool, progress: Progress) -> tuple[Table, int]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import NotConverged
+from contact.formulation.fields import ZoneFields
 from contact.model.interactions import Periodic
 from contact.model.profiles import Fourier
 from contact.model.scene import Scene
@@ -44,12 +45,14 @@ class Scaled:
 def floor_seconds(solution: Solution) -> float:
     """Processor time of one evaluation of the profile at the final nodes and one application of the kernel to them."""
     fields, profile = solution.fields, solution.scene.profile
-    zones = fields.density.zones  # type: ignore[attr-defined]
+    assert isinstance(fields, ZoneFields)
+    zones = fields.density.zones
     per_zone = max(1, solution.plan.counts["own_modes"] // len(zones))
     theta = (np.arange(per_zone) + 0.5) * np.pi / per_zone
     x = (zones.middle[:, None] + zones.half[:, None] * np.cos(theta)).ravel()
-    places = fields.problem.units.x(x)  # type: ignore[attr-defined]
-    period = fields.problem.period  # type: ignore[attr-defined]
+    places = fields.problem.units.x(x)
+    period = fields.problem.period
+    assert period is not None
     weights = np.repeat(zones.half / per_zone, per_zone)
     targets = x + 0.01 * weights
     block = max(1, 4_000_000 // len(x))

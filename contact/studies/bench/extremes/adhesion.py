@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from math import pi
 
@@ -50,19 +51,24 @@ def dugdale() -> Iterator[Extreme]:
         cylinder = DugdaleCylinder(1.0, 1.0, 1e-6, ratio * (1e-6 / pi) ** (1 / 3))
         wave = DugdaleWave(_AMPLITUDE, 1.0, 1.0, _WORK, ratio * (_WORK / pi) ** (1 / 3) * _AMPLITUDE ** (1 / 3))
         for name, curve, load in (("cylinder", cylinder, 1e-5), ("wave", wave, 1e-3)):
-            here = curve.at_load(load)
-            # Ends rounded by 1e-16 of the zone, over the interval in which the pressure falls to the tension.
-            narrow = here.half_width / (here.cohesive_end - here.half_width)
-            yield Extreme(
-                group, f"{name}, tension {ratio:g}", partial(_scene, curve, load), max(narrow, _condition(curve, load, 1.0)),
-                "a/(c - a)", known="the closed form's own ends are rounded to as much" if narrow > 1e3 else "",
-            )
-    cylinder = DugdaleCylinder(1.0, 1.0, 1e-6, (1e-6 / pi) ** (1 / 3))
-    for part in (1e-2, 1e-4, 1e-6):
-        load = (1 - part) * cylinder.pull_off().load
-        yield Extreme(
-            group, f"cylinder, {part:g} from pull-off", partial(_scene, cylinder, load), _condition(cylinder, load, part), _WHY
-        )
+            yield _under_tension(group, f"{name}, tension {ratio:g}", curve, load, 1.0)
+            for part in (1e-2, 1e-4, 1e-6) if ratio == 1.0 else (1e-6,):
+                near = (1 - part) * curve.pull_off().load
+                yield _under_tension(group, f"{name}, tension {ratio:g}, {part:g} from pull-off", curve, near, part)
+
+
+def _under_tension(group: str, name: str, curve: DugdaleCylinder | DugdaleWave, load: float, part: float) -> Extreme:
+    here, by_load = curve.at_load(load), _condition(curve, load, part)
+    # Ends rounded by 1e-16 of the zone, over the interval in which the pressure falls to the tension: so is the reach there, and what that
+    # does to the ends.
+    narrow = here.half_width / (here.cohesive_end - here.half_width) * max(1.0, _condition(curve, load, part, "work"))
+    known = ""
+    if narrow > 1e5:
+        known = "the stated error takes rounding at both ends at its worst"
+    elif narrow > 1e3:
+        known = "the closed form's own ends are rounded to as much"
+    why = "a/(c - a), and by the reach" if narrow > by_load else _WHY
+    return Extreme(group, name, partial(_scene, curve, load), max(narrow, by_load), why, known=known)
 
 
 def _wave(work: float) -> JKRWave:
@@ -76,10 +82,11 @@ def _scene(curve: Curve, load: float) -> tuple[Scene, Exact]:
     return Scene(Parabola(1.0), 1.0, Isolated(), law=law, load=load), curve.at_load(load)
 
 
-def _condition(curve: Curve, load: float, part: float) -> float:
-    """By how much the stated measure changes for a relative change of the load."""
+def _condition(curve: Curve, load: float, part: float, by: str = "load") -> float:
+    """By how much the stated measure changes for a relative change of the load, or of another datum of the curve."""
     change = _NEARER * part
-    here, there = curve.at_load(load), curve.at_load(load * (1 - change))
+    other = curve if by == "load" else replace(curve, **{by: getattr(curve, by) * (1 + change)})
+    here, there = curve.at_load(load), other.at_load(load * (1 - change) if by == "load" else load)
     zones = np.asarray(here.zones)
     ends = np.abs(there.zones - zones) / np.diff(zones, axis=1)
     pressure = np.abs(there.pressure_at(truth.POSITIONS) - here.pressure_at(truth.POSITIONS)).max() / truth.scale(here)

@@ -1,0 +1,253 @@
+"""A solution on given zones, without what its error is made of (see `fixed`): unknowns, and answers to further right sides."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
+
+import numpy as np
+from scipy.linalg import lu_solve
+
+from sie.basis.arrays import Array, Index
+from sie.basis.kept import Kept
+from sie.collocation import modes
+from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
+from sie.collocation.symmetry import MirrorSymmetry
+from sie.collocation.system import Layout, System
+from sie.density.density import Density
+from sie.equation.conditions import of_levels, speaks_of_levels
+from sie.equation.equation import Equation
+from sie.jumps.forcing import ForcingJumps
+
+# With the last coupled coefficients above this part of the largest, zones lie too close to what is singular beside them.
+UNRESOLVED = 1e-6
+
+
+@dataclass(eq=False)
+class Sizes:
+    """Modes to start from; kept from one solve to the next so that growth is paid for once.
+
+    primitive_rounding: of the right side's primitive, once it has been looked at.
+    linear: tolerance of solutions by iteration, relative; 0: as tight as rounding allows. rough: whether sums to 1e-7 will do for them.
+    iterations: their number so far.
+    value: of the open condition, if there is one, with which these are found.
+    """
+
+    own: Index
+    least: int | Index
+    profile_evaluations: int = 0
+    kernel_evaluations: int = 0
+    solves: int = 0
+    linear: float = 0.0
+    rough: bool = False
+    value: float = 0.0
+    iterations: int = 0
+    carried: Carried | None = None
+    primitive_rounding: float | None = None
+    wide: Sizes | None = None
+    """Those of the wide zones, where narrow gaps are slits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, unknown coefficients (zones, max m + 1)
+    of m, amplitudes."""
+
+    coarse: CoarseOperator | None
+    coefficients: Array
+    m: Index
+    amplitudes: Array
+
+    @classmethod
+    def of(cls, coarse: CoarseOperator | None, layout: Layout, y: Array) -> Carried:
+        return cls(coarse, layout.padded(y), layout.m, y[layout.coefficients :])
+
+    def near(self, system: IterativeSystem) -> Array:
+        """Unknowns of another system to start from: those of modes that had none are what the right side makes of them."""
+        count = max(self.coefficients.shape[1], system.lowest.shape[1])
+        table, right = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self.coefficients, system.lowest))
+        y = system.layout.flat(np.where(np.arange(count) <= self.m[:, None], table, -right))
+        y[system.layout.coefficients :] = self.amplitudes
+        return y if system.symmetry.keep is None else y[system.symmetry.keep]
+
+
+@dataclass(frozen=True, eq=False)
+class Factored:
+    """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
+    made of; rows: themselves, where intensities are prescribed and will be asked for their rates."""
+
+    lu: Array
+    pivots: Index
+    size_of_rows: Array = field(default_factory=lambda: np.zeros(0))
+    rows: Array | None = field(default=None, repr=False)
+
+    iteration = None
+
+    @property
+    def direct(self) -> Factored:
+        return self
+
+    @property
+    def size(self) -> int:
+        return len(self.lu)
+
+    def __call__(self, right: Array) -> Array:
+        return np.asarray(lu_solve((self.lu, self.pivots), right, check_finite=False))
+
+    def transposed(self, right: Array) -> Array:
+        """Solves with the transposed matrix."""
+        return np.asarray(lu_solve((self.lu, self.pivots), right, trans=1, check_finite=False))
+
+
+# What solves the assembled rows for further right sides: by their factors, or by iteration. direct, iteration: itself, where it does so.
+Solver = Factored | Iterative
+
+
+class Answered(Kept):
+    """What states on plain zones and beside slits have in common, by the state without slits."""
+
+    if TYPE_CHECKING:
+
+        @property
+        def density(self) -> Any: ...
+        @property
+        def whole(self) -> Solved: ...
+
+    def with_bounded_ends(self) -> Self:
+        """The same state with the density of `Density.with_bounded_ends`."""
+        return replace(self, density=self.density.with_bounded_ends())  # type: ignore[type-var]
+
+    @property
+    def equation(self) -> Equation:
+        return self.whole.system.equation
+
+    def right_side(self, x: Array) -> Array:
+        """The equation's right side at points."""
+        columns = zip(self.density.amplitudes, self.equation.columns, strict=True)
+        return np.asarray(self.equation.forcing.value(x) + sum(amplitude * column.value(x) for amplitude, column in columns))
+
+    @property
+    def condition_index(self) -> Index:
+        """First row of each side condition among the conditions' rows."""
+        counts = [c.count(self.whole.density.zones) for c in self.equation.conditions]
+        return np.cumsum([0, *counts], dtype=np.intp)[:-1]
+
+    def values(self, condition: int = 0, change: float = 1.0) -> Array:
+        """A change of the value of one side condition, the first one if none is named, among those of all."""
+        out = np.zeros(len(self.whole.condition_scale))
+        out[self.condition_index[condition]] = change
+        return out
+
+    @property
+    def coupled(self) -> int:
+        """How many unknowns are solved for together."""
+        return int(self.whole.solver.size)
+
+    @property
+    def iterated(self) -> bool:
+        """Whether the unknowns come from an iteration, to its tolerance."""
+        return self.whole.iteration is not None
+
+    @property
+    def unresolved(self) -> bool:
+        """Whether the most modes that zones are given do not show what the columns do on them."""
+        return self.whole.field_tail > UNRESOLVED and int(self.whole.system.layout.m.max()) >= modes.most(self.equation.kernel)
+
+
+@dataclass(frozen=True, eq=False)
+class Solved(Answered):
+    """The fields of `State`, and how it answers."""
+
+    density: Density
+    system: System
+    solver: Solver = field(repr=False)
+    unknowns: Array
+    folded_unknowns: Array
+    conditions_from: int
+    condition_scale: Array
+    truncation: Array
+    tails: Array
+    linear_error: Array
+    sizes: Sizes
+
+    def response(self, values: Array, tolerance: float = 0.0) -> Density:
+        """The density caused by unit changes of the side conditions' values: right side zero, conditions = values; tolerance: of a
+        solution by iteration."""
+        return self.homogeneous(self.response_unknowns(values, tolerance))
+
+    def response_unknowns(self, values: Array, tolerance: float = 0.0) -> Array:
+        """The unknowns of `response`, to be put into rows of the system."""
+        right = np.zeros(self.solver.size)
+        right[self.conditions_from :] = values / self.condition_scale
+        iteration = self.iteration
+        return self.symmetry.unfold(self.solver(right) if iteration is None else iteration(right, None, tolerance))
+
+    def with_value(self, condition: int, change: float) -> Self:
+        """The state after the value of one side condition has changed."""
+        right = np.zeros(self.solver.size)
+        right[self.conditions_from :] = self.values(condition, change) / self.condition_scale
+        folded = self.folded_unknowns + self.solver(right)
+        unknowns = self.symmetry.unfold(folded)
+        return replace(self, folded_unknowns=folded, unknowns=unknowns, density=density_of(self.system, unknowns))
+
+    @property
+    def symmetry(self) -> MirrorSymmetry:
+        return MirrorSymmetry.of(self.system.zones, self.system.layout)
+
+    @property
+    def levels(self) -> Array:
+        """Level of each solved zone: mean of potential minus the primitive of the right side."""
+        return self.system.level_values(self.unknowns)
+
+    def level_rates(self, values: Array) -> Array:
+        """Change of the levels by unit changes of the side conditions' values."""
+        return self.system.level_changes(self.response_unknowns(values))
+
+    @cached_property
+    def natural(self) -> Array:
+        """Size of each zone's density, but for its total."""
+        return np.abs(self.density.coefficients[:, 1:]).max(axis=1, initial=0.0) + np.abs(self.system.known).max(axis=1)
+
+    @property
+    def direct(self) -> Factored | None:
+        """The solver, where it has a matrix."""
+        return self.solver.direct
+
+    @property
+    def iteration(self) -> Iterative | None:
+        """The solver, where it iterates."""
+        return self.solver.iteration
+
+    @property
+    def field_tail(self) -> float:
+        """The largest of `tails`."""
+        return float(self.tails.max())
+
+    @cached_property
+    def level_rows(self) -> Array:
+        """What the rows of the side conditions make of the levels of the solved zones (rows, zones)."""
+        zones = self.density.zones
+        out = np.zeros((len(self.condition_scale), len(zones.solved)))
+        for condition, first in zip(self.equation.conditions, self.condition_index, strict=True):
+            count = condition.count(zones)
+            if count and speaks_of_levels(condition, zones):
+                out[first : first + count] = of_levels(condition, zones)
+        return out / self.condition_scale[:, None]
+
+    def homogeneous(self, y: Array) -> Density:
+        """The density with unknowns y, no right side and no jumps."""
+        layout, density = self.system.layout, self.density
+        return Density(density.zones, density.kernel, layout.padded(y), ForcingJumps.none(), y[layout.coefficients :])
+
+
+def density_of(system: System, y: Array) -> Density:
+    """The density with unknowns y: coefficients up to m from y, those beyond minus the right side's."""
+    layout, g = system.layout, system.g
+    solved = layout.padded(y)
+    out = np.zeros((len(layout.m), max(solved.shape[1], g.shape[1])))
+    out[:, : g.shape[1]] = -g
+    out[:, 0] = 0.0
+    given = np.arange(solved.shape[1]) <= layout.m[:, None]
+    out[:, : solved.shape[1]] = np.where(given, solved - system.taken, out[:, : solved.shape[1]])
+    return Density(system.zones, system.equation.kernel, out, system.jumps, y[layout.coefficients :])
