@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from contact.model.profiles.derive import by_ladder, imaginary
+from contact.model.profiles.derive import agree, by_ladder, imaginary
 from sie import Array
 
 _DEGREES = (24, 96, 384)
@@ -40,12 +40,8 @@ class LogDerivative:
         by_differences, doubt = by_ladder(lambda t: self._function(np.exp(t)), t, 1.0)
         if by_step is None:
             return by_differences
-        scale = float(np.max(np.abs(by_differences)))
-        sure = doubt <= 1e-7 * scale
-        if 2 * np.sum(sure) > r.size:
-            self._trusted = bool(np.all(np.abs(by_step - by_differences)[sure] <= 1e-6 * scale))
-            return by_step if self._trusted else by_differences
-        return by_step
+        self._trusted = agree(by_step, by_differences, doubt)
+        return by_differences if self._trusted is False else by_step
 
     def _complex_step(self, r: Array) -> Array | None:
         value = imaginary(self._function, r * complex(1.0, _STEP))

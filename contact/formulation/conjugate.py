@@ -83,7 +83,7 @@ class Conjugate(sie.Kept):
 
 def logarithms(x: Array, at: Array, heights: Array, period: float) -> Array:
     """sum of (J / pi) ln|2 sin(pi (x - s) / L)|."""
-    return _over_jumps(x, at, heights / pi, period, log_sine)
+    return over_jumps(x, at, heights / pi, period, log_sine)
 
 
 def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], bool]:
@@ -92,10 +92,10 @@ def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], 
     orders = jumps[:, 1] - 1
 
     def polynomials(x: Array) -> Array:
-        out = _over_jumps(x, kinks[:, 0], -kinks[:, 1], length, partial(_bernoulli, 0))
+        out = over_jumps(x, kinks[:, 0], -kinks[:, 1], length, partial(_bernoulli, 0))
         for q in (1, 2):
             here = jumps[orders == q]
-            out = out + _over_jumps(x, here[:, 0], -here[:, 2] * length**q, length, partial(_bernoulli, q))
+            out = out + over_jumps(x, here[:, 0], -here[:, 2] * length**q, length, partial(_bernoulli, q))
         return np.asarray(out)
 
     # The parts that are taken out may be much larger than their sum.
@@ -123,7 +123,7 @@ def _series(profile: Profile, length: float) -> tuple[Callable[[Array], Array], 
         out = np.zeros(x.shape) if left is None else left(turns.ravel()).reshape(x.shape)
         for q, factor, function in ((1, -length / (2 * pi**2), clausen2), (2, length**2 / (4 * pi**3), clausen3)):
             here = jumps[orders == q]
-            out = out + _over_jumps(x, here[:, 0], factor * here[:, 2], length, function)
+            out = out + over_jumps(x, here[:, 0], factor * here[:, 2], length, function)
         return np.asarray(out)
 
     return smooth, settled
@@ -156,7 +156,7 @@ def log_sine(u: Array) -> Array:
         return np.asarray(np.log(np.abs(2 * np.sin(pi * u))))
 
 
-def _over_jumps(x: Array, at: Array, weights: Array, length: float, function: Callable[[Array], Array]) -> Array:
+def over_jumps(x: Array, at: Array, weights: Array, length: float, function: Callable[[Array], Array]) -> Array:
     """sum_k weights_k function(u_k), u_k = (x - s_k)/L in turns from -1/2 to 1/2, by blocks of bounded memory."""
     x = np.asarray(x, dtype=float)
     out = np.zeros(x.size)

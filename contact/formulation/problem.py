@@ -101,13 +101,7 @@ class Problem(sie.Kept):
     @cached_property
     def borders(self) -> tuple[float, float]:
         """Scaled limits that no zone may reach: of one isolated cell, or of a measured trace; infinite without."""
-        profile = self.profile
-        if self.period is not None or self.reference:
-            return -np.inf, np.inf
-        if profile.period is not None:
-            known: tuple[float, float] | None = (profile.x0, profile.x0 + profile.period)
-        else:
-            known = profile.extent
+        known = None if self.period is not None or self.reference else self.profile.known
         if known is None:
             return -np.inf, np.inf
         lo, hi = (float(self.units.scaled(np.array(s))) for s in known)
@@ -123,7 +117,8 @@ class Problem(sie.Kept):
         heights = np.concatenate((kinks[:, 1], jumps[:, 2])) * units.length**orders / units.slope
         at = nearest_image(at, self.centre, self.cell if self.reference else self.period)
         resolution = None if profile.resolution is None else profile.resolution / units.length
-        return sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed)
+        exact = profile.exact_places
+        return sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed, exact=exact)
 
     def slope(self, x: Array) -> Array:
         """f' over the unit of slope."""

@@ -20,7 +20,7 @@ from math import pi
 
 import numpy as np
 
-from contact.formulation.conjugate import clausen2
+from contact.formulation.conjugate import clausen2, over_jumps
 from contact.formulation.relief import ScaledRelief
 from sie import Array, wrapped
 
@@ -30,7 +30,6 @@ _TAIL = 1e-7
 _HALVINGS = 40
 # Even panels of a period at the least.
 _LEAST = 16
-_BLOCK = 1 << 20
 
 
 def loads(mean: float, relief: ScaledRelief, zones: Array, rise: Array) -> Array:
@@ -85,13 +84,5 @@ def _last(relief: ScaledRelief, lo: Array, hi: Array) -> Array:
 
 
 def _of_logarithms(relief: ScaledRelief, zones: Array) -> Array:
-    out, period = np.zeros(len(zones)), relief.period
-    if len(relief.at) == 0:
-        return out
-    factor = -relief.heights * period / (2 * pi**2)
-    block = max(1, _BLOCK // len(relief.at))
-    for s in range(0, len(zones), block):
-        turns = (zones[s : s + block, :, None] - relief.at) / period
-        values = clausen2(turns - np.round(turns)) @ factor
-        out[s : s + block] = values[:, 1] - values[:, 0]
-    return out
+    factor = -relief.heights * relief.period / (2 * pi**2)
+    return np.asarray(np.diff(over_jumps(zones, relief.at, factor, relief.period, clausen2), axis=1)[:, 0])

@@ -12,7 +12,7 @@ import numpy as np
 
 from contact.errors import SceneError
 from contact.model.controls import TURNING
-from contact.model.registry import CONTROLS, INTERACTIONS, LAWS, PROFILES, SUBSTRATES, Registry
+from contact.model.registry import CONTROLS, INTERACTIONS, LAWS, PROFILES, SUBSTRATES
 from contact.model.scene import Scene
 
 
@@ -22,39 +22,34 @@ def to_toml(scene: Scene, written: Mapping[str, Mapping[str, Any]] | None = None
 
     Raises SceneError where a part has no name that a scene file could call it by.
     """
-    tables = []
-    for place, told in scene.profile.tables().items():
-        body = scene.profile.bodies[place]
-        own = _named(body, PROFILES, "shape", body.parameters())
-        stands = {key: value for key, value in told.items() if key not in own}
-        tables.append((place, {**((written or {}).get(place) or own), **stands}))
-    tables.append(("material", {"E_star": scene.E_star}))
-    parts = (("interaction", INTERACTIONS), ("substrate", SUBSTRATES), ("law", LAWS))
-    for place, registry in parts:
-        part = getattr(scene, place)
-        if place == "interaction" or part != type(scene).__dict__[place]:
-            tables.append((place, _named(part, registry, "model", _fields(part))))
-    if scene.given is not None:
-        _named(scene.given, CONTROLS, "", {})
+    bodies = scene.profile.bodies
+    parts = ((scene.interaction, INTERACTIONS), (scene.substrate, SUBSTRATES), (scene.law, LAWS), (scene.given, CONTROLS))
+    for part, registry in (*((body, PROFILES) for body in bodies.values()), *parts):
+        if part is not None and registry.all().get(getattr(part, "name", "")) is not type(part):
+            raise SceneError.of(registry.kind, type(part).__name__, f"registered under a name, as by contact.register_{registry.kind}")
+    told = tables(scene)
+    for place, table in (written or {}).items():
+        own = {"shape", *bodies[place].parameters()}
+        told[place] = {**table, **{key: value for key, value in told[place].items() if key not in own}}
+    return "\n".join(f"[{place}]\n{_lines(table)}" for place, table in told.items())
+
+
+def tables(scene: Scene) -> dict[str, dict[str, Any]]:
+    """What a scene file says of it, by table; of a substrate and a law nothing where they are the usual ones."""
+    parts = {place: getattr(scene, place) for place in ("interaction", "substrate", "law")}
+    given = {place: part for place, part in parts.items() if place == "interaction" or part != type(scene).__dict__[place]}
     name, value = scene.control
-    turning = {key: getattr(scene, key) for key in TURNING if getattr(scene, key) is not None}
-    tables.append(("control", {name: value, **turning}))
-    return "\n".join(f"[{place}]\n{_lines(table)}" for place, table in tables)
+    return {
+        **scene.profile.tables(),
+        "material": {"E_star": scene.E_star},
+        **{place: {"model": part.name, **parameters(part)} for place, part in given.items()},
+        "control": {name: value, **{turn: getattr(scene, turn) for turn in TURNING if getattr(scene, turn) is not None}},
+    }
 
 
-def _named(part: Any, registry: Registry, key: str, parameters: Mapping[str, Any]) -> dict[str, Any]:
-    name = getattr(part, "name", "")
-    if registry.all().get(name) is not type(part):
-        raise SceneError.of(registry.kind, type(part).__name__, f"registered under a name, as by contact.register_{registry.kind}")
-    return {key: name, **parameters}
-
-
-def _fields(part: Any) -> dict[str, Any]:
-    """What a part was made of, where it is not what it is without being given."""
-    if not dataclasses.is_dataclass(part):
-        return {}
-    fields = (field for field in dataclasses.fields(part) if field.init)
-    return {field.name: value for field in fields if (value := getattr(part, field.name)) is not field.default}
+def parameters(part: Any) -> dict[str, Any]:
+    """What to give the class of an interaction, a substrate or a law, by name, to make it again."""
+    return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
 
 
 def _lines(table: Mapping[str, Any]) -> str:

@@ -28,23 +28,8 @@ from contact.paper.wedge import LocalizedWedge, PrintedLocalizedWedge
 from contact.reference.exact.localized import FIRST_ORDER, SELF_CONSISTENT
 
 __all__ = [
-    "FIRST_ORDER",
-    "SELF_CONSISTENT",
-    "AlmostFullWave",
-    "CubicPair",
-    "LocalizedPair",
-    "LocalizedParabola",
-    "LocalizedShape",
-    "LocalizedWave",
-    "LocalizedWedge",
-    "PrintedArtanhPair",
-    "PrintedCubicPair",
-    "PrintedLocalizedShape",
-    "PrintedLocalizedWedge",
-    "PrintedWestergaard",
-    "cauchy_slope",
-    "neighbour_slope",
-    "printed_cauchy_slope",
-    "printed_strip_slope",
-    "strip_slope",
+    "FIRST_ORDER", "SELF_CONSISTENT", "AlmostFullWave", "CubicPair", "LocalizedPair", "LocalizedParabola",
+    "LocalizedShape", "LocalizedWave", "LocalizedWedge", "PrintedArtanhPair", "PrintedCubicPair",
+    "PrintedLocalizedShape", "PrintedLocalizedWedge", "PrintedWestergaard", "cauchy_slope", "neighbour_slope",
+    "printed_cauchy_slope", "printed_strip_slope", "strip_slope",
 ]

@@ -7,7 +7,6 @@ corner, is null in JSON, which has no infinities. A file that is there is writte
 from __future__ import annotations
 
 import csv
-import dataclasses
 import io
 import json
 import math
@@ -22,6 +21,7 @@ from contact.errors import MissingExtra, SceneError
 from contact.extras import require, version
 from contact.model.controls import TURNING
 from contact.model.scene import Scene
+from contact.model.scene_text import tables
 from contact.solution.answer import Answer
 from contact.solution.sampling import positions, window
 from contact.solution.validity import everything
@@ -195,35 +195,9 @@ def write_netcdf(solution: Answer, path: str | PathLike[str], overwrite: bool = 
 
 def describe(scene: Scene) -> dict[str, Any]:
     """The scene in the tables of a scene file; an array too long to read is told by its shape."""
-    name, value = scene.control
     return {
-        **{place: _given(table) for place, table in scene.profile.tables().items()},
-        "material": {"E_star": scene.E_star},
-        "interaction": {"model": scene.interaction.name, **_parameters(scene.interaction)},
-        **_unusual(scene),
-        "control": {name: value, **{turn: given for turn in TURNING if (given := getattr(scene, turn)) is not None}},
+        place: {name: _short(value) for name, value in table.items() if value is not None} for place, table in tables(scene).items()
     }
-
-
-def _unusual(scene: Scene) -> dict[str, Any]:
-    """The tables of a substrate and a law that are not the ones that a file leaves out."""
-    usual = {field.name: field.default for field in dataclasses.fields(scene)}
-    parts = {name: getattr(scene, name) for name in ("substrate", "law")}
-    return {name: {"model": part.name, **_parameters(part)} for name, part in parts.items() if part != usual[name]}
-
-
-def _parameters(part: Any) -> dict[str, Any]:
-    """What an interaction, a substrate or a law was made with, less what was left out."""
-    return _given(parameters(part))
-
-
-def _given(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: _short(value) for name, value in values.items() if value is not None}
-
-
-def parameters(part: Any) -> dict[str, Any]:
-    """What to give the class of an interaction, a substrate or a law, by name, to make it again."""
-    return {f.name: getattr(part, f.name) for f in dataclasses.fields(part) if f.init} if dataclasses.is_dataclass(part) else {}
 
 
 def _short(value: Any) -> Any:

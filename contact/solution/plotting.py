@@ -72,8 +72,7 @@ def _draw(top: Any, bottom: Any, solution: Answer, lo: float, hi: float) -> None
     x = positions(solution, lo, hi, _POINTS)
     zones = zones_within(solution, lo, hi)
     along, letter = prefix(max(abs(lo), abs(hi)))
-    bottom.set_xlabel(f"$x$ [{letter}m]")
-    bottom.set_xlim(lo * along, hi * along)
+    bottom.set(xlabel=f"$x$ [{letter}m]", xlim=(lo * along, hi * along))
     bottom.locator_params(axis="x", nbins=6)
     _draw_surfaces(top, solution, x, zones, along)
     _draw_pressure(bottom, solution, x, zones, along)
@@ -102,8 +101,7 @@ def _draw_surfaces(axes: Any, solution: Answer, x: Array, zones: Array, along: f
     touching = np.where(_within(x, zones), surface, np.nan)
     weight = 2.6 if len(zones) <= _ZONES_READABLE else 1.8
     axes.plot(x * along, touching * up, color=_PRESSURE, linewidth=weight, label="contact")
-    axes.set_ylim(floor * up, ceiling * up)
-    axes.set_ylabel(f"height [{letter}m]")
+    axes.set(ylim=(floor * up, ceiling * up), ylabel=f"height [{letter}m]")
     # Above a place in contact there is body, whatever its outline.
     middle = float(zones[len(zones) // 2].mean()) if len(zones) else float(0.5 * (x[0] + x[-1]))
     where = float(np.clip((middle - x[0]) / (x[-1] - x[0]), 0.06, 0.94))
@@ -131,8 +129,7 @@ def _draw_pressure(axes: Any, solution: Answer, x: Array, zones: Array, along: f
         axes.annotate(r"$p \to \infty$", (0.99, 0.92), xycoords="axes fraction", ha="right", va="top", fontsize=9)
     # Tension without bound beside zones that adhere is cut off as far below as the peak is above.
     lowest = max(float(np.min(pressure, initial=0.0)), -top)
-    axes.set_ylim(1.08 * lowest * scale, 1.08 * top * scale)
-    axes.set_ylabel(f"pressure [{letter}Pa]")
+    axes.set(ylim=(1.08 * lowest * scale, 1.08 * top * scale), ylabel=f"pressure [{letter}Pa]")
 
 
 def _pressure_shown(solution: Answer, pressure: Array) -> float:

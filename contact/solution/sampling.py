@@ -24,9 +24,8 @@ def window(solution: Answer) -> tuple[float, float]:
     profile, period = solution.scene.profile, solution.scene.period
     if period is not None:
         return profile.x0, profile.x0 + period
-    known = profile.extent if profile.period is None else (profile.x0, profile.x0 + profile.period)
-    if known is not None:
-        return known
+    if profile.known is not None:
+        return profile.known
     if len(solution.zones) == 0:
         raise SceneError("a lone body that touches nothing has no stretch to be shown on: its surfaces are apart", "zones")
     lo, hi = float(solution.zones.min()), float(solution.zones.max())

@@ -34,9 +34,11 @@ _MODES, _CANCELLED = 5.0, 4e-15
 
 @dataclass(frozen=True, eq=False)
 class Found(Solved):
-    """Zones that passed. off: how far the control may have been missed, in ends over the width of their zones."""
+    """Zones that passed. off: how far the control may have been missed, in ends over the width of their zones; rounded: whether rounding
+    is what keeps that from being less."""
 
     fields: ZoneFields
+    rounded: bool = False
 
     @cached_property
     def error(self) -> float:
@@ -88,7 +90,10 @@ def too_thin(problem: Problem, table: Array, limit: float = RESOLVED) -> str:
 
 
 def of_positions(found: Found) -> float:
-    """What the ends, given as positions, are rounded to over their zone's width: of narrow zones far from x = 0 more is known."""
+    """What the ends, given as positions, are rounded to over their zone's width: of narrow zones far from x = 0 more is known. Nothing,
+    where what is cut off the positions is told too."""
+    if found.fields.problem.forcing.exact:
+        return 0.0
     units, zones = found.fields.problem.units, found.fields.density.zones
     rounding = np.spacing(np.abs(units.x(zones.table))).max(axis=1) / units.length
     return float((0.5 * rounding / zones.half).max())

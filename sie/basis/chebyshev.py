@@ -64,10 +64,7 @@ def u_coefficients(values: Array) -> Array:
 
 def project_rows(values: Array) -> Array:
     """`u_coefficients` along the first axis: rows of node values become rows of U coefficients."""
-    n = values.shape[0]
-    if n <= LARGEST_MATRIX:
-        return np.asarray(_sine_matrix(n) @ values)
-    return np.asarray(fft.dst(values * np.sin(angles(n)[1:-1])[:, None], type=1, axis=0) / (n + 1))
+    return u_coefficients(values.T).T
 
 
 @lru_cache(maxsize=64)
@@ -91,18 +88,28 @@ def gauss(n: int) -> Array:
     return np.asarray(np.cos((np.arange(n) + 0.5) * (np.pi / n)))
 
 
+def gauss_sides(n: int) -> tuple[Array, Array]:
+    """(1 + t, 1 - t) there, to all digits."""
+    half = (np.arange(n) + 0.5) * (0.5 * np.pi / n)
+    return 2 * np.cos(half) ** 2, 2 * np.sin(half) ** 2
+
+
 def t_matrix(n: int, count: int) -> Array:
     """T_l(tau_q), shape (n, count), at the n Gauss nodes."""
-    return _kept_t_matrix(n, count) if n * count <= _KEPT else _t_matrix(n, count)
+    return (_t_matrix if n * count <= _KEPT else _t_matrix.__wrapped__)(n, count)
 
 
 @lru_cache(maxsize=64)
-def _kept_t_matrix(n: int, count: int) -> Array:
-    return _t_matrix(n, count)
-
-
 def _t_matrix(n: int, count: int) -> Array:
     return np.asarray(np.cos(_turn(4 * n))[np.outer(2 * np.arange(n) + 1, np.arange(count)) % (4 * n)])
+
+
+@lru_cache(maxsize=8)
+def to_series(n: int) -> Array:
+    """Values at the n Gauss nodes @ this: the coefficients of their Chebyshev series."""
+    out = t_matrix(n, n) * (2 / n)
+    out[:, 0] *= 0.5
+    return out
 
 
 def t_values(c: Array, n: int) -> Array:

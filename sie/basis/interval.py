@@ -90,10 +90,10 @@ class Seen:
         values[..., 0] = self.first(width)
         return np.asarray(values)
 
-    def one_by_one(self, potential: bool, width: Number, weight: Array | Mask | None = None) -> Iterator[Array]:
+    def one_by_one(self, potential: bool, width: Number, weight: Array | None = None) -> Iterator[Array]:
         """The same, l = 0, 1, ..., one after the other, times a weight."""
         weight = np.ones_like(self.rho) if weight is None else weight
-        power = weight if potential else weight / self.root
+        power: Array = np.asarray(weight if potential else weight / self.root, dtype=float)
         yield power * self.first(width) if potential else power
         l = 0
         while True:

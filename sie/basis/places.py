@@ -62,3 +62,9 @@ def nearest_image(x: Array, centre: float | Array, period: float | None) -> Arra
 def numbered(counts: Index) -> Index:
     """0, 1, ... counts[0] - 1, 0, 1, ... counts[1] - 1, and so on."""
     return np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
+
+
+def divided(ends: Array, parts: Index) -> tuple[Array, Array]:
+    """(starts, lengths) of so many equal parts of every interval between neighbouring ends, one interval after the other."""
+    length = np.repeat(np.diff(ends) / parts, parts)
+    return np.repeat(ends[:-1], parts) + numbered(parts) * length, length

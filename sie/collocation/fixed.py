@@ -18,10 +18,9 @@ from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
 from sie.collocation.rounding import density_rounding, intensity_rounding
 from sie.collocation.solved import Carried, Factored, Sizes, Solved, Solver, density_of
 from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import System
+from sie.collocation.system import System, condition_rows
 from sie.density.density import Density
 from sie.equation.checks import look_at
-from sie.equation.conditions import asked
 from sie.equation.equation import Equation
 from sie.fast.panels import panels_over
 from sie.jumps.forcing import ForcingJumps
@@ -30,12 +29,12 @@ from sie.jumps.forcing import ForcingJumps
 _DEPENDENT = 1e-15
 # Points of every zone at which the residual is looked at: none of them a node.
 LOOKS = 15
-_THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
+THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
 # sin(k theta) there, for as many k as the points tell apart, and what finds their amplitudes.
-_FIRST = np.sin(_THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
+_FIRST = np.sin(THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
 _FIRST_OF = np.linalg.pinv(_FIRST)
 # From this number of unknowns on, a matrix costs more than fast sums.
-MANY_UNKNOWNS = 1500
+MANY_UNKNOWNS = 600
 # Beyond this number a matrix and its factors take more than six gigabytes.
 MOST_UNKNOWNS = 20_000
 
@@ -181,13 +180,16 @@ class State(Solved):
     def noise(self) -> Array:
         """What rounding of the right side amounts to in each zone, over its largest coefficient: where coefficients have
         stopped falling."""
+        n, (head, last) = self.sizes.own[: len(self.truncation)], self._ends_of_series
+        return np.where(last < 0.5 * head, 0.0, self.truncation * 2 * np.sqrt(n)) if len(n) else self.truncation
+
+    @cached_property
+    def _ends_of_series(self) -> tuple[Array, Array]:
+        """The largest of a few coefficients of the right side half way and at the end of each zone's series."""
         n = self.sizes.own[: len(self.truncation)]
-        size = np.abs(self.system.g)
-        falls = np.array([
-            row[k - max(4, k // 8) + 1 : k + 1].max() < 0.5 * row[k // 2 - max(4, k // 8) + 1 : k // 2 + 1].max()
-            for row, k in zip(size[: len(n)], n, strict=True)
-        ], dtype=bool)
-        return np.where(falls, 0.0, self.truncation * 2 * np.sqrt(n)) if len(n) else self.truncation
+        parts = list(zip(np.abs(self.system.g)[: len(n)], n, np.maximum(4, n // 8), strict=True))
+        head = np.array([row[k // 2 - w + 1 : k // 2 + 1].max() for row, k, w in parts])
+        return head, np.array([row[k - w + 1 : k + 1].max() for row, k, w in parts])
 
     @cached_property
     def neglected(self) -> Array:
@@ -196,11 +198,7 @@ class State(Solved):
         n = self.sizes.own[: len(self.truncation)]
         if len(n) == 0:
             return self.truncation
-        size = np.abs(self.system.g)
-        window = np.maximum(4, n // 8)
-        parts = list(zip(size[: len(n)], n, window, strict=True))
-        head = np.array([row[k // 2 - w + 1 : k // 2 + 1].max() for row, k, w in parts])
-        last = np.array([row[k - w + 1 : k + 1].max() for row, k, w in parts])
+        (head, last), window = self._ends_of_series, np.maximum(4, n // 8)
         with np.errstate(divide="ignore", invalid="ignore"):
             fall = np.where(head > 0, np.maximum(last / head, 1e-300), 1.0) ** (2.0 / n)
         # Coefficients that fall no further are rounding, whose sum grows as a random walk.
@@ -216,25 +214,19 @@ class State(Solved):
     def _residuals(self) -> Array:
         """Residual of the equation times sqrt(1 - t^2) at a few points of every solved zone, no nodes."""
         system, zones = self.system, self.density.zones
-        theta = _THETA
-        t = np.cos(theta)
+        t = np.cos(THETA)
         x = (zones.middle[zones.solved][:, None] + zones.half[zones.solved][:, None] * t).ravel()
         transformed = self.density.transform(x)
-        value = transformed - self._right(x) - system.jumps.left_out(x)
+        value = transformed - self.right_side(x) - system.jumps.left_out(x)
         if zones.symmetric:
             # The other half is not solved: data that are no mirror images leave their residual there.
-            mirrored = -transformed - self._right(-x) - system.jumps.left_out(-x)
+            mirrored = -transformed - self.right_side(-x) - system.jumps.left_out(-x)
             value = np.where(np.abs(mirrored) > np.abs(value), mirrored, value)
-        return np.asarray(value.reshape(-1, len(t)) * np.sin(theta))
+        return np.asarray(value.reshape(-1, len(t)) * np.sin(THETA))
 
-    def _right(self, x: Array) -> Array:
-        """The equation's right side at points."""
-        equation = self.system.equation
-        columns = zip(self.density.amplitudes, equation.columns, strict=True)
-        return np.asarray(equation.forcing.value(x) + sum(amplitude * column.value(x) for amplitude, column in columns))
 
 def residual_error(residuals: Array, size: float, coupled: Index, rounding: Array, separated: Mask | bool = True) -> float:
-    """Error of the density over its size for residuals of the equation at _THETA on zones (n, LOOKS), which rounding of the jumps'
+    """Error of the density over its size for residuals of the equation at THETA on zones (n, LOOKS), which rounding of the jumps'
     parts has its share in; separated: where these tell the first modes from the rest, of which only the largest value is known, and that
     the density is off by up to as many times as there are modes."""
     low = residuals @ _FIRST_OF.T
@@ -417,27 +409,13 @@ def rows_of(state: State) -> Array:
 def _rows(equation: Equation, system: System, scale: Array | None = None) -> tuple[Array, Array, Array]:
     """Rows of the equation and of the side conditions over the kept unknowns; conditions scaled to size one."""
     matrix, right = system.equation_rows()
-    rows, values = _condition_rows(equation, system.zones, system)
+    rows, values = condition_rows(equation, system, system.layout.size)
     if scale is None:
         scale = np.abs(rows).max(axis=1, initial=0.0)
         if np.any(scale == 0):
             raise SingularSystem("a side condition does not depend on the density")
     matrix = MirrorSymmetry.of(system.zones, system.layout).fold(np.concatenate((matrix, rows / scale[:, None])))
     return matrix, np.concatenate((right, values / scale)), scale
-
-
-def _condition_rows(equation: Equation, zones: Zones, system: System) -> tuple[Array, Array]:
-    """All side conditions, and the intensity prescribed at ends that do not move, as rows and values."""
-    rows, values = [], []
-    for condition in equation.conditions:
-        matrix, constants, wanted = asked(condition, system, system.layout.size)
-        rows.append(matrix)
-        values.append(wanted - constants)
-    if any(zones.held):
-        for ends, chosen, (matrix, constants) in zip((zones.left, zones.right), zones.held, system.intensities(), strict=True):
-            rows.append(matrix[chosen])
-            values.append(np.array([ends[zones.solved[p]].intensity for p in chosen]) - constants[chosen])
-    return np.concatenate(rows) if rows else np.zeros((0, system.layout.size)), np.concatenate(values or [np.zeros(0)])
 
 
 def field_tails(system: System, y: Array, density: Density) -> Array:

@@ -23,9 +23,9 @@ from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import felt
 from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import System
+from sie.collocation.system import System, condition_rows, outside
 from sie.collocation.zone_sums import ZoneSums
-from sie.equation.conditions import ByZone, Linear, asked, by_zone, for_every_zone, speaks_of_levels
+from sie.equation.conditions import ByZone, Linear, by_zone, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.far import reaches
 from sie.fast.hierarchical import Inverse
@@ -39,14 +39,16 @@ _COARSE = 1e-4
 _KEPT, _NEARLY = 0.1, 0.99
 # What a correction leaves of the residual; corrections at the most; and one that leaves more than this of it is the last.
 _CORRECTED, _CORRECTIONS, _STAGNANT = 1e-6, 6, 0.1
+# From the square of this number of zones on, the tolerance is that of each.
+_ALIKE = 10.0
 # The residual that rounding leaves, over the size of the solution.
 _ROUNDING = 3e-16
 # Zones with less than this part of the largest coefficient are solved as if they had it.
 _LIGHTEST = 1e-4
 # Rows at most of conditions that are not of every zone by itself: a small system couples them.
 _FEW_ROWS = 64
-# Nodes for the integral of g over one length of its resolution.
-_GAUSS = 16
+# Nodes for the integral of g over so many lengths of its resolution: of a wave of that length they leave 1e-19.
+_GAUSS, _LENGTHS = 16, 2
 
 
 @lru_cache(maxsize=1)
@@ -200,26 +202,28 @@ class IterativeSystem(System):
         forcing's own arithmetic may lose of x)."""
         forcing = self.equation.forcing
         assert forcing.resolution is not None
-        start, length = self._gaps
-        panels = np.ceil(length / forcing.resolution).astype(np.intp)
+        start, rest, length = self._gaps
+        panels = np.ceil(length / (_LENGTHS * forcing.resolution)).astype(np.intp)
         gap = np.repeat(np.arange(len(length)), panels)
         number = numbered(panels)
         size = (length / panels)[gap]
         t, weights, slope_of = _gauss_legendre()
-        from_start = (number * size)[:, None] + size[:, None] * (0.5 * (1 + t))
+        from_start = rest[gap][:, None] + (number * size)[:, None] + size[:, None] * (0.5 * (1 + t))
         left = start[gap][:, None]
         values = forcing.sampled(left, from_start, lambda g: g @ slope_of / (0.5 * size[:, None]))
         across = 0.5 * size * (values @ weights)
+        if forcing.exact:
+            return np.asarray(np.bincount(gap, across, minlength=len(length)), dtype=np.float64), np.zeros(len(length))
         lost = 0.3 * np.spacing(np.maximum(np.abs(start), np.abs(start + length)))
         varies = np.bincount(gap, ((values @ slope_of) ** 2) @ weights**2, minlength=len(length))
         return np.asarray(np.bincount(gap, across, minlength=len(length)), dtype=np.float64), lost * np.sqrt(varies)
 
     @property
-    def _gaps(self) -> tuple[Array, Array]:
-        """(left end, length) of the gaps between solved zones."""
+    def _gaps(self) -> tuple[Array, Array, Array]:
+        """(left end, what rounding has cut off it, length) of the gaps between solved zones."""
         zones, solved = self.zones, self.zones.solved
-        left = zones.b[solved[:-1]]
-        return left, zones.a[solved[1:]] - left
+        left, rest = zones.b[solved[:-1]], zones.rest[1, solved[:-1]]
+        return left, rest, (zones.a[solved[1:]] - left) + (zones.rest[0, solved[1:]] - rest)
 
     def _levels_at(self, y: Array) -> Array:
         return self.applied(y)[1].level
@@ -240,7 +244,8 @@ class IterativeSystem(System):
             far = max(1.0, abs(math.log((zones.b[-1] - zones.a[0]) / datum)))
             return 2.2e-16 * float(own.sum() * far + (own * near).max() + np.abs(self.level_constants).max())
         slope = float(np.abs(self.g).max())
-        steps = 2.2e-16 * slope * self._gaps[1] + (self._across_gaps[1] if self.integrated else 0.0)
+        # Potentials of neighbours are put together apart from each other up to the node that holds both.
+        steps = 2.2e-16 * slope * self.sums.far.targets.tree.parted + (self._across_gaps[1] if self.integrated else 0.0)
         # The step over the border is that of all others.
         border = float(np.linalg.norm(steps))
         felt_left, felt_right = felt(*(gap[zones.solved] + zones.half[zones.solved] for gap in modes.gaps(zones, self.equation.kernel)))
@@ -336,9 +341,7 @@ class CoarseOperator:
         w = zones.half[j]
         out = np.zeros(np.broadcast(i, j).shape)
         for shift in kernel.poles:
-            right = zones.middle[i] > zones.middle[j] + shift
-            gap = np.where(right, zones.a[i] - (zones.b[j] + shift), (zones.a[j] + shift) - zones.b[i])
-            e = (gap + zones.half[i]) / w
+            e = outside(zones.a[j] + shift, zones.b[j] + shift, zones.middle[i]).excess
             if shift == 0.0:
                 e = np.where(i == j, 0.0, e)
             out += Outside(1.0, e).first(w / kernel.datum)
@@ -381,8 +384,8 @@ class TwoLevelPreconditioner:
         # What every zone has of its own: rows of one condition, or those of held ends, which come last.
         self.rows = slice(int(starts[-1]), None) if at is None else slice(int(starts[at]), int(starts[at + 1]))
         self.absolute = self.own is not None and not self.own.differences
-        # Of the integral over a zone all but c_0 is nothing; of others, and of edges, it is not.
-        self.closed = None if at is None or self.levels or for_every_zone(conditions[at]) == "totals" else conditions[at]
+        # Of what is no level: the condition that is every zone's own.
+        self.closed = None if at is None or self.levels else conditions[at]
         self.seen = any(speaks_of_levels(conditions[k], zones) for k in self.others)
         layout, symmetry = system.layout, system.symmetry
         self.first = symmetry.position(layout.offset[zones.solved])
@@ -413,9 +416,6 @@ class TwoLevelPreconditioner:
     def _close(self, folded: Array, wanted: Array) -> None:
         """Sets c_0 of every zone so that what the zone has of its own, which is no level, is as wanted."""
         system = self.system
-        if self.own is not None and self.closed is None:
-            folded[self.first] = wanted / self.own.first
-            return
         view = Applied(system, system.symmetry.unfold(folded), np.zeros(0), np.zeros(0))
         if self.own is not None and self.closed is not None:
             folded[self.first] = (wanted - self.closed.rows(view)[0][:, 0]) / self.own.first
@@ -490,23 +490,15 @@ class Iterative:
     def rows(self, folded: Array, rough: bool = False) -> Array:
         system = self.system
         rows, view = system.applied(system.symmetry.unfold(folded), rough)
-        parts = [asked(condition, view, 1)[0][:, 0] for condition in system.equation.conditions]
-        return np.concatenate((rows, *parts, view.held()[0][:, 0]) if len(self.preconditioner.held) else (rows, *parts))
+        return np.concatenate((rows, condition_rows(system.equation, view, 1)[0][:, 0]))
 
     def right(self) -> Array:
         """The right side of the equation and of its conditions."""
-        system = self.system
-        none = np.zeros(len(system.zones.solved))
-        nothing = Applied(system, np.zeros(system.layout.size), none, none)
-        values = []
-        for condition in system.equation.conditions:
-            _, constants, wanted = asked(condition, nothing, 1)
-            values.append(wanted - constants + (self.value if condition.open else 0.0))
-        if len(self.preconditioner.held):
-            zones = system.zones
-            kinds = zip((zones.left, zones.right), zones.held, strict=True)
-            values.append(np.array([ends[zones.solved[p]].intensity for ends, places in kinds for p in places]) - nothing.held()[1])
-        return np.concatenate((system.equation_right, *values))
+        system, none = self.system, np.zeros(len(self.system.zones.solved))
+        values = condition_rows(system.equation, Applied(system, np.zeros(system.layout.size), none, none), 1)[1]
+        opened = [condition.open for condition in system.equation.conditions for _ in range(condition.count(system.zones))]
+        values[np.flatnonzero(opened)] += self.value
+        return np.concatenate((system.equation_right, values))
 
     def __call__(
         self, right: Array, near: Array | None = None, tolerance: float | None = None,
@@ -520,7 +512,9 @@ class Iterative:
 
         plain = self.preconditioner(right)
         scale = self.scale_of(plain if near is None else near)
-        wanted = max(self.tolerance if tolerance is None else tolerance, 4 * _ROUNDING * math.sqrt(len(self.system.zones.solved)))
+        # Norms of many zones add up what is asked of each.
+        count = math.sqrt(len(self.system.zones.solved))
+        wanted = max((self.tolerance if tolerance is None else tolerance) * max(count / _ALIKE, 1.0), 4 * _ROUNDING * count)
         x = np.zeros(self.size) if near is None else near
         left_over = (plain if near is None else self.preconditioner(right - rows(near))) / scale
         before = float(np.linalg.norm(left_over))

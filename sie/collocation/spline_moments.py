@@ -17,7 +17,7 @@ from functools import lru_cache
 import numpy as np
 
 from sie.basis.arrays import Array, Index
-from sie.basis.places import numbered
+from sie.basis.places import divided
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 from sie.jumps.forcing import ForcingJumps
@@ -52,11 +52,8 @@ class Stretches:
         starts, sizes, counts = [], [], []
         for zone, k in zip(chosen, turns, strict=True):
             cuts = np.concatenate(([0.0], np.sort(jumps.angles(int(zone))), [np.pi]))
-            length = np.diff(cuts)
-            parts = np.maximum(np.ceil(length * (k / _TURN)), 1.0).astype(np.intp)
-            number = numbered(parts)
-            size = np.repeat(length / parts, parts)
-            starts.append(np.repeat(cuts[:-1], parts) + number * size)
+            start, size = divided(cuts, np.maximum(np.ceil(np.diff(cuts) * (k / _TURN)), 1.0).astype(np.intp))
+            starts.append(start)
             sizes.append(size)
             counts.append(len(size) * _NODES)
         size = np.concatenate(sizes)[:, None]

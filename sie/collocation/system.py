@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index, Mask
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.places import numbered
@@ -26,7 +26,7 @@ from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
 from sie.density.moments import moments_of
-from sie.equation.conditions import Linear, multiplicity, speaks_of_levels
+from sie.equation.conditions import Linear, Rows, asked, multiplicity, speaks_of_levels
 from sie.equation.equation import Equation
 from sie.fast.panels import TERMS, Panels, Spread, panels_over
 from sie.jumps.forcing import ForcingJumps
@@ -63,18 +63,14 @@ class Layout:
     def padded(self, y: Array) -> Array:
         """Coefficients as a (zones, max m + 1) table, zero where a zone has fewer."""
         out = np.zeros((len(self.m), int(self.m.max()) + 1))
-        for m in np.unique(self.m):
-            zones = np.flatnonzero(self.m == m)
-            out[zones, : m + 1] = y[self.offset[zones][:, None] + np.arange(m + 1)]
+        out[np.arange(out.shape[1]) <= self.m[:, None]] = y[: self.coefficients]
         return out
 
     def flat(self, table: Array) -> Array:
         """The inverse of `padded`, amplitudes zero; a table with fewer columns is continued by zeros."""
-        out = np.zeros(self.size)
-        for m in np.unique(self.m):
-            zones = np.flatnonzero(self.m == m)
-            count = min(m + 1, table.shape[1])
-            out[self.offset[zones][:, None] + np.arange(count)] = table[zones, :count]
+        out, k = np.zeros(self.size), np.arange(table.shape[1])
+        given = k <= self.m[:, None]
+        out[(self.offset[:, None] + k)[given]] = table[given]
         return out
 
 
@@ -104,8 +100,8 @@ class Targets:
         return cls(zone, lefts, rights, x)
 
 
-    def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Mask | None]:
-        """(the targets seen from zones `sources` shifted by `shift`, which of these zones are their own), (points, sources) each.
+    def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
+        """(the targets seen from zones `sources` shifted by `shift`; 0 where these are their own zones, else 1), (points, sources) each.
 
         From the gap between the zones and the distance of the point from its own zone's end, so nothing cancels but the ends. On its own
         zone (shift 0) a target is put anywhere: there the caller has the closed form of the zone itself.
@@ -118,7 +114,8 @@ class Targets:
         past_a = (a - zones.b[z][:, None]) + (rest_a - seen_b) + self.right[:, None]
         own = z[:, None] == sources if shift == 0.0 else None
         e = np.where(right, past_b, past_a) / zones.half[sources]
-        return Outside(np.where(right, 1.0, -1.0), e if own is None else np.where(own, 1.0, e)), own
+        sign = np.where(right, 1.0, -1.0)
+        return (Outside(sign, e), None) if own is None else (Outside(sign, np.where(own, 1.0, e)), np.where(own, 0.0, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +124,7 @@ class Places:
 
     x: Array
 
-    def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Mask | None]:
+    def seen(self, zones: Zones, sources: Index, shift: float) -> tuple[Outside, Array | None]:
         """See `Targets.seen`."""
         return outside(zones.a[sources] + shift, zones.b[sources] + shift, self.x[:, None]), None
 
@@ -148,10 +145,10 @@ def fields(zones: Zones, kernel: Kernel, targets: Targets | Places, layout: Layo
         sources = np.flatnonzero(layout.m == m)
         block = np.zeros((m + 1, len(targets.x), len(sources)))
         for shift in kernel.poles:
-            seen, own = targets.seen(zones, sources, shift)
-            if own is not None and len(zones) == 1:
+            seen, others = targets.seen(zones, sources, shift)
+            if others is not None and len(zones) == 1:
                 continue
-            terms = seen.one_by_one(what == "potential", zones.half[sources] / kernel.datum, None if own is None else ~own)
+            terms = seen.one_by_one(what == "potential", zones.half[sources] / kernel.datum, others)
             for k, term in zip(range(m + 1), terms, strict=False):
                 block[k] += term
         columns = layout.offset[sources][:, None] + np.arange(m + 1)
@@ -472,7 +469,11 @@ class System:
             raise ValueError("a condition on potentials needs the primitive of the right side")
         solved = zones.solved
         w = zones.half[solved]
-        mean = 0.5 * (forcing.primitive(zones.a[solved]) + forcing.primitive(zones.b[solved]))
+        ends, rest = np.array([zones.a[solved], zones.b[solved]]), zones.rest[:, solved]
+        heights = np.asarray(forcing.primitive(ends))
+        if forcing.exact and rest.any():
+            heights = heights + rest * np.asarray(forcing.value(ends))
+        mean = 0.5 * heights.sum(axis=0)
         if len(self.jumps):
             mean = mean + w * self.jumps.mean_offsets(zones)[solved]
         k = np.arange(2, self.g.shape[1], 2)
@@ -480,3 +481,17 @@ class System:
         if len(self.by_moments):
             mean[np.searchsorted(solved, self.by_moments)] = self.moment_means
         return mean
+
+
+def condition_rows(equation: Equation, system: Rows, size: int) -> tuple[Array, Array]:
+    """All side conditions, and the intensity prescribed at ends that do not move, as rows over so many unknowns and values."""
+    zones, rows, values = system.zones, [np.zeros((0, size))], [np.zeros(0)]
+    for condition in equation.conditions:
+        matrix, constants, wanted = asked(condition, system, size)
+        rows.append(matrix)
+        values.append(wanted - constants)
+    if any(zones.held):
+        for ends, chosen, (matrix, constants) in zip((zones.left, zones.right), zones.held, system.intensities(), strict=True):
+            rows.append(matrix[chosen])
+            values.append(np.array([ends[zones.solved[p]].intensity for p in chosen]) - constants[chosen])
+    return np.concatenate(rows), np.concatenate(values)

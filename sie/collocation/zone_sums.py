@@ -48,7 +48,9 @@ class NearRows:
         zone = solved[place]
         right = zones.middle[zone] > zones.middle[source] + shift
         sign = np.where(right, 1.0, -1.0)
-        gap = np.where(right, zones.a[zone] - (zones.b[source] + shift), (zones.a[source] + shift) - zones.b[zone])
+        past = (zones.a[zone] - (zones.b[source] + shift)) + (zones.rest[0, zone] - zones.rest[1, source])
+        before_it = ((zones.a[source] + shift) - zones.b[zone]) + (zones.rest[0, source] - zones.rest[1, zone])
+        gap = np.where(right, past, before_it)
         half, width, m = zones.half[source], zones.half[zone], layout.m[zone]
         # The decay at the node nearest to the source tells how many powers are seen.
         e = (gap + width * np.array([chebyshev.lobatto(int(n))[1][min(1, n)] for n in range(int(m.max(initial=0)) + 1)])[m]) / half
@@ -132,8 +134,9 @@ class ZoneSums:
     def __init__(self, zones: Zones, kernel: Kernel, layout: Layout) -> None:
         self.zones, self.kernel, self.layout = zones, kernel, layout
         solved = zones.solved
-        sources = Nested(Tree.over(zones.a, zones.b))
-        targets = Nested(Tree.over(zones.a[solved], zones.b[solved])) if zones.symmetric else sources
+        sources = Nested(Tree.over(zones.a, zones.b, zones.rest))
+        part = zones.rest[:, solved]
+        targets = Nested(Tree.over(zones.a[solved], zones.b[solved], part)) if zones.symmetric else sources
         self.far = FarSum(sources, targets, kernel)
         self.near = NearRows.of(zones, kernel, layout, self.far.near)
         m = layout.m[solved]

@@ -6,7 +6,11 @@ finished by quadrature.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
 from sie.basis.arrays import Array, Index
 from sie.basis.interval import OnLine, potential_of, transform_of
@@ -26,11 +30,10 @@ def from_zones(density: Series, x: Array, zone: Index, shift: Array | float, pot
         value = potential_of(density.potential_coefficients, seen, w, density.kernel.datum, zone)
     else:
         value = transform_of(*density.bounded, seen, zone)
-    if potential or seen.any_on:
-        own = np.nonzero(density.is_near(zone, seen.rho, seen.on) if potential else seen.on)
-        what = density.near_potential if potential else density.own_transform
-        value[own] = what(zone[own[-1]], seen[own])
-    named = jumps.sharp if potential else list(jumps.by_zone)
+    if seen.any_on:
+        own = np.nonzero(seen.on)
+        value[own] = (density.own_potential if potential else density.own_transform)(zone[own[-1]], seen[own])
+    named = list(jumps.by_zone)
     if named:
         carried = np.zeros(len(zones), dtype=bool)
         carried[named] = True
@@ -50,8 +53,13 @@ def regular_at(density: Series, x: Array, regular: Regular) -> Array:
     if density.panel_moments is not None:
         panels, moments = density.panel_moments
         return panels.at(Spread.of(panels, x), moments, regular is not density.kernel.regular)
-    out = np.zeros(x.shape)
-    for xi, weights in density.quadrature:
+    return by_quadrature(density.quadrature, x, regular)
+
+
+def by_quadrature(parts: list[tuple[Array, Array]], x: NDArray[Any], regular: Callable[..., NDArray[Any]]) -> NDArray[Any]:
+    """Sums over nodes with weights, at real or complex points."""
+    out = np.zeros(x.shape, dtype=x.dtype)
+    for xi, weights in parts:
         block = max(1, CHUNK // weights.size)
         for s in range(0, len(x), block):
             out[s : s + block] += regular(x[s : s + block, None], xi[None, :]) @ weights

@@ -24,6 +24,7 @@ from sie.basis.arrays import Array, Index
 from sie.basis.interval import Complex, InPlane, Outside, What, complex_of, of_t, transform_of, transform_slope_of
 from sie.basis.kernels import Regular
 from sie.basis.sums import of_zones, pair_blocks
+from sie.density.field import by_quadrature
 from sie.density.series import Series
 from sie.fast.far import Nested
 from sie.fast.tree import SEPARATION, TERMS, Tree
@@ -115,12 +116,10 @@ class Plane:
         far = np.abs(seen.rho) < _FAR_JUMPS
         out[far] = of_t(self._of_jumps[[zone]], seen[far], np.full(int(far.sum()), w), datum, np.zeros(int(far.sum()), np.intp), what)
         near = np.flatnonzero(~far)
-        k, exterior = jumps.by_zone[zone], jumps.logarithms_near(zone)
+        k = jumps.by_zone[zone]
         for here in pair_blocks(len(near), max(1, len(k))):
             some = seen[near[here]]
-            value = of_jumps(jumps, k, some, what)
-            if exterior is not None:
-                value = value + of_logarithms(*exterior, some, what)
+            value = of_jumps(jumps, k, some, what) + of_logarithms(jumps.near, jumps.near.of(zone), some, what)
             if zone in jumps.splines:
                 value = value + self._spline(zone, some, what)
             out[near[here]] = value
@@ -154,15 +153,7 @@ class Plane:
             raise ValueError(f"the regular kernel has no {'slope' if what == 'derivative' else what}")
         if not kernel.sure:
             _look_at(regular, z, self.density.zones.middle)
-        return self._quadrature(z, regular)
-
-    def _quadrature(self, z: Complex, regular: Regular) -> Complex:
-        """See `field.regular_at`."""
-        out = np.zeros(z.shape, dtype=complex)
-        for xi, weights in self._held if self.density.kernel.sure else self.density.quadrature:
-            for here in pair_blocks(len(z), len(xi)):
-                out[here] += regular(z[here, None], xi) @ weights  # type: ignore[arg-type]
-        return out
+        return by_quadrature(self._held if kernel.sure else self.density.quadrature, z, regular)
 
     @cached_property
     def _held(self) -> list[tuple[Array, Array]]:

@@ -17,7 +17,6 @@ from sie.basis.interval import (
     intensities,
     own_potential,
     own_transform,
-    potential_of,
     slope_scale,
     theta,
     values_on,
@@ -28,7 +27,7 @@ from sie.basis.zones import Zones
 from sie.density.located import Located, real_of
 from sie.density.moments import moments_of, quadrature
 from sie.fast.panels import Panels, panels_over
-from sie.jumps.forcing import SERIES_REACH, ForcingJumps
+from sie.jumps.forcing import ForcingJumps
 
 # Distance from a singular end, over the half width, within which errors of the density are not asked for.
 _BESIDE = 0.01
@@ -213,43 +212,13 @@ class Series(Located):
         table[:, 1:] /= np.arange(1, table.shape[1])
         return table
 
-    def near_potential(self, zone: Index, seen: OnLine) -> Array:
-        """Potential of zones at points on them and beside their ends, all but `ForcingJumps.sharp_potential`, pair by pair."""
-        series, value, on, datum = self._own_series, np.empty(len(zone)), seen.on, self.kernel.datum
+    def own_potential(self, zone: Index, seen: OnLine) -> Array:
+        """Potential of zones at points on them, all but `ForcingJumps.sharp_potential`, pair by pair."""
         w = self.zones.half[zone]
-        value[on] = w[on] * own_potential(series, zone[on], seen.left[on], seen.right[on], w[on] / datum)
-        value[~on] = potential_of(series, seen[~on], w[~on], datum, zone[~on])
-        for place, here in of_zones(zone) if self.jumps.summed else ():
-            if place in self.jumps.summed:
-                jumps = self.jumps.summed_potential(place, seen.left[here], seen.right[here], seen.rho[here])
-                value[here] += w[here] * (jumps + self.summed_totals[place] * np.log(w[here] / datum))
-        return value
-
-    def is_near(self, zone: Index, rho: Array, on: Mask) -> Mask:
-        """Where `near_potential` is to be asked: on the zones, and where series of jumps end too soon."""
-        if not self.jumps.summed:
-            return on
-        summed = np.zeros(len(self.zones), dtype=bool)
-        summed[list(self.jumps.summed)] = True
-        return np.asarray(on | (summed[zone] & (np.abs(rho) > SERIES_REACH)))
-
-    @cached_property
-    def _own_series(self) -> Array:
-        """`potential_coefficients` without the jumps that have closed forms there."""
-        if not self.jumps.summed:
-            return self.potential_coefficients
-        table = self.coefficients.copy()
-        table[:, 1:] /= np.arange(1, table.shape[1])
-        return table
-
-    @cached_property
-    def summed_totals(self) -> Array:
-        """c_0 of the jumps whose potential is a series, per zone."""
-        high = self.jumps.high_coefficients(self.zones)
-        return np.asarray(high[:, :1].sum(axis=1))
+        return w * own_potential(self.potential_coefficients, zone, seen.left, seen.right, w / self.kernel.datum)
 
     @cached_property
     def sharp_totals(self) -> Array:
         """c_0 of the jumps of `ForcingJumps.sharp_potential`, per zone."""
-        jumps = self.jumps.t_coefficients(self.zones, 1)[:, 0]
-        return np.asarray(jumps - self.summed_totals)
+        high = self.jumps.high_coefficients(self.zones)[:, :1]
+        return np.asarray(self.jumps.t_coefficients(self.zones, 1)[:, 0] - high.sum(axis=1))

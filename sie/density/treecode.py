@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebint
 
 from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, of_t
@@ -36,7 +37,7 @@ class Treecode:
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
         self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
-        sources = Nested(Tree.over(zones.a, zones.b))
+        sources = Nested(Tree.over(zones.a, zones.b, zones.rest))
         far = FarSum(sources, Nested(Tree.over(ends[:-1], ends[1:]), kept=False), density.kernel)
         near = far.near
         self.source, self.shift = near.source, near.shift
@@ -50,16 +51,9 @@ class Treecode:
     @cached_property
     def potential_series(self) -> Array:
         """Series of the potential: the primitive of the transform's, with the given value at the middle of the cell."""
-        f = np.zeros((len(self.series), TERMS + 2))
-        f[:, :TERMS] = self.series
-        out = np.zeros((len(f), TERMS + 1))
-        k = np.arange(2, TERMS + 1)
-        out[:, 1] = f[:, 0] - 0.5 * f[:, 2]
-        out[:, 2:] = (f[:, 1:TERMS] - f[:, 3 : TERMS + 2]) / (2 * k)
-        out *= self.half[:, None]
-        even = np.arange(2, TERMS + 1, 2)
-        out[:, 0] = self.value - out[:, 2::2] @ np.cos(0.5 * np.pi * even)
-        return out
+        out = chebint(self.series, axis=1) * self.half[:, None]
+        out[:, 0] += self.value
+        return np.asarray(out)
 
     def transform(self, x: Array) -> Array:
         return self._summed(x, self.series, False)

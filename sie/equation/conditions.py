@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -78,8 +79,9 @@ class Rows(Protocol):
 class Condition:
     """Base: a linear statement about the density and the unknown amplitudes.
 
-    A condition of one's own has `count(zones)`, how many rows it has, and `rows(system)`, (matrix, constants, values) of shapes
-    (count, unknowns), (count,), (count,) with matrix @ unknowns + constants = values; see `Rows` for what `system` tells.
+    A condition of one's own has `rows(system)`, (matrix, constants, values) of shapes (count, unknowns), (count,), (count,) with
+    matrix @ unknowns + constants = values, and `count(zones)`, how many rows it has, if these are not one; see `Rows` for what `system`
+    tells.
 
     Attributes
     ----------
@@ -111,7 +113,8 @@ class Condition:
     """Whether the condition speaks of potentials."""
 
     def count(self, zones: Zones) -> int:
-        raise NotImplementedError
+        """How many rows it has."""
+        return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         """(matrix, constants, values): matrix @ unknowns + constants = values."""
@@ -282,9 +285,6 @@ class Total(Condition):
     def open(self) -> bool:  # type: ignore[override]
         return self.value is None
 
-    def count(self, zones: Zones) -> int:
-        return 1
-
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         return summed(system, system.totals(), self.value or 0.0)
 
@@ -320,9 +320,6 @@ class Weighted(Condition):
     value: float
     degree: int | None = None
 
-    def count(self, zones: Zones) -> int:
-        return 1
-
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         return summed(system, system.integrals(self._even if system.zones.symmetric else self.weight, self.degree), self.value)
 
@@ -353,17 +350,7 @@ def moment(value: float, about: float = 0.0) -> Weighted:
     >>> float(round(found.amplitudes[0], 12))
     -1.0
     """
-    return Weighted(_Lever(float(about)), float(value), degree=1)
-
-
-@dataclass(frozen=True)
-class _Lever:
-    """x - about."""
-
-    about: float
-
-    def __call__(self, x: Array) -> Array:
-        return x - self.about
+    return Weighted(partial(np.add, -float(about)), float(value), degree=1)
 
 
 @dataclass(frozen=True)
@@ -390,9 +377,6 @@ class ZoneMoments(Condition):
     """
 
     value: float
-
-    def count(self, zones: Zones) -> int:
-        return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         zones = system.zones
@@ -529,9 +513,6 @@ class Amplitude(Condition):
     @property
     def open(self) -> bool:  # type: ignore[override]
         return self.value is None
-
-    def count(self, zones: Zones) -> int:
-        return 1
 
     def rows(self, system: Rows) -> tuple[Array, Array, Array]:
         matrix, constants = system.amplitude(self.k)

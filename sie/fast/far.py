@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebint, chebval
 
 from sie.basis import chebyshev
 from sie.basis.arrays import Array
@@ -21,22 +22,16 @@ from sie.fast.tree import TERMS, Tree, interactions
 
 # Pairs handled at once: their powers stay in the cache.
 _BLOCK = 512
+# Nodes, an even number, whose matrices are made together where they are not kept.
+_SIBLINGS = 1 << 13
 # Terms that leave 1e-7 of a sum: enough for what is corrected afterwards, at a quarter of the time.
 ROUGH = 12
 _TWICE = np.array([1.0] + [2.0] * (TERMS - 1))
-_ORDER = np.arange(TERMS)
 
 
 def antiderivatives(s: Array) -> Array:
     """int_0^s T_k, k = 0 ... TERMS - 1, along a new last axis."""
-    theta = np.arccos(np.clip(s, -1.0, 1.0))[..., None]
-    up, down = _ORDER + 1, np.maximum(_ORDER - 1, 1)
-    at_zero = np.cos(up * np.pi / 2) / (2 * up) - np.where(_ORDER > 1, np.cos((_ORDER - 1) * np.pi / 2) / (2 * down), 0.0)
-    out = np.cos(up * theta) / (2 * up) - np.where(_ORDER > 1, np.cos((_ORDER - 1) * theta) / (2 * down), 0.0)
-    out, at_zero = np.asarray(out), np.asarray(at_zero)
-    out[..., 0] *= 2  # int T_0 = T_1
-    at_zero[0] *= 2
-    return np.asarray(out - at_zero)
+    return np.moveaxis(np.asarray(chebval(s, chebint(np.eye(TERMS))), dtype=float), 0, -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +47,7 @@ class Nested:
         tree = self.tree
         up = np.maximum(tree.parent, 0)
         width = np.maximum(tree.hi[up] - tree.lo[up], 1e-300)
-        alpha = ((tree.lo - tree.lo[up]) - (tree.hi[up] - tree.hi)) / width
+        alpha = (((tree.lo - tree.lo[up]) - (tree.hi[up] - tree.hi)) + tree.rest.sum(axis=0)) / width
         return alpha, (tree.hi - tree.lo) / width
 
     @cached_property
@@ -92,8 +87,10 @@ class Nested:
         return antiderivatives(self._place[0]) * tree.half[up][:, None]
 
     def _slices(self) -> list[slice]:
-        levels = self.tree.levels
-        return [slice(s, e) for s, e in zip(levels[1:-1], levels[2:], strict=True)]
+        """Levels, in parts where their matrices are not kept: there are pairs of children in each."""
+        levels, most = self.tree.levels, len(self.tree) if self.kept else _SIBLINGS
+        bounds = zip(levels[1:-1], levels[2:], strict=True)
+        return [slice(s, min(s + most, end)) for start, end in bounds for s in range(start, end, most)]
 
     def upward(self, leaves: Array) -> Array:
         """Moments of all nodes from those of the intervals, of each as many as are given."""
@@ -125,17 +122,10 @@ class Nested:
 
 @dataclass(frozen=True, eq=False)
 class _Nodes:
-    """Of every far pair, at so many nodes on the target: rho and what stands before the sum; and what takes values there to a series."""
+    """Of far pairs, at so many nodes on the target: rho and what stands before the sum."""
 
     rho: Array
     front: Array
-    to_series: Array
-
-
-def _to_series(terms: int) -> Array:
-    out = chebyshev.t_matrix(terms, terms) * (2 / terms)
-    out[:, 0] *= 0.5
-    return out
 
 
 class FarSum:
@@ -147,8 +137,8 @@ class FarSum:
         far, self.near = interactions(t, s, kernel.poles)
         self.far = far
         self._right = t.lo[far.target] > s.lo[far.source] + far.shift
-        past = t.lo[far.target] - (s.hi[far.source] + far.shift)
-        before = (s.lo[far.source] + far.shift) - t.hi[far.target]
+        past = (t.lo[far.target] - (s.hi[far.source] + far.shift)) + (t.rest[0, far.target] - s.rest[1, far.source])
+        before = ((s.lo[far.source] + far.shift) - t.hi[far.target]) + (s.rest[0, far.source] - t.rest[1, far.target])
         self._gap = np.where(self._right, past, before)
         self._half, self._width = s.half[far.source], t.half[far.target]
         self._sign = np.where(self._right, 1.0, -1.0)
@@ -163,10 +153,11 @@ class FarSum:
     def _few_nodes(self) -> _Nodes:
         return self._at(ROUGH)
 
-    def _at(self, terms: int) -> _Nodes:
-        nodes = chebyshev.gauss(terms)[:, None]
-        seen = Outside(self._sign, (self._gap + self._width * (1 + np.where(self._right, nodes, -nodes))) / self._half)
-        return _Nodes(seen.rho, 1 / (seen.root * self._half), _to_series(terms))
+    def _at(self, terms: int, here: slice = slice(None)) -> _Nodes:
+        nodes, half = chebyshev.gauss(terms)[:, None], self._half[here]
+        away = self._gap[here] + self._width[here] * (1 + np.where(self._right[here], nodes, -nodes))
+        seen = Outside(self._sign[here], away / half)
+        return _Nodes(seen.rho, 1 / (seen.root * half))
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
@@ -180,13 +171,15 @@ class FarSum:
         x = 0.5 * (t.lo[0] + t.hi[0]) + t.half[0] * chebyshev.gauss(TERMS)
         xi = 0.5 * (s.lo[0] + s.hi[0]) + s.half[0] * chebyshev.gauss(TERMS)
         from_moments = chebyshev.t_matrix(TERMS, TERMS) * _TWICE / TERMS
-        values = _to_series(TERMS).T @ kernel.regular(x[:, None], xi) @ from_moments
+        values = chebyshev.to_series(TERMS).T @ kernel.regular(x[:, None], xi) @ from_moments
         middle = kernel.regular_potential(np.array([0.5 * (t.lo[0] + t.hi[0])]), xi) @ from_moments
         return np.asarray(values), np.asarray(middle)
 
     def __call__(self, leaves: Array, rough: bool = False) -> tuple[Array, Array, Array]:
         """By the moments of all intervals (n, TERMS). rough: to 1e-7 of the sum, at a quarter of the time."""
-        terms, at = (ROUGH, self._few_nodes) if rough else (TERMS, self._nodes)
+        terms = ROUGH if rough else TERMS
+        # Of a sum that is taken once they are made as they are asked for.
+        at = None if not self.targets.kept else self._few_nodes if rough else self._nodes
         moments = self.sources.upward(leaves[:, :terms])
         count = len(self.targets.tree)
         values, middle = np.zeros((terms, count)), np.zeros(count)
@@ -196,7 +189,9 @@ class FarSum:
             here = slice(s, min(s + block, len(self.far)))
             target, source = self.far.target[here], self.far.source[here]
             c = moments_twice[:, source]
-            rho, centre = at.rho[:, here], self.centre[here]
+            centre = self.centre[here]
+            some = self._at(terms, here) if at is None else _Nodes(at.rho[:, here], at.front[:, here])
+            rho = some.rho
             value = np.empty(rho.shape)
             value[:] = c[-1]
             potential = c[-1] / (terms - 1)
@@ -206,11 +201,11 @@ class FarSum:
                 potential = potential * centre
                 if k:
                     potential += c[k] / k
-            value *= at.front[:, here]
+            value *= some.front
             first = np.flatnonzero(np.diff(target, prepend=-1))
             values[:, target[first]] += np.add.reduceat(value, first, axis=1)
             middle[target[first]] += np.add.reduceat(c[0] * self.log[here] - potential, first)
-        series = at.to_series.T @ values
+        series = chebyshev.to_series(terms).T @ values
         if self._regular is not None:
             series[:, 0] += self._regular[0][:terms, :terms] @ moments[0]
             middle[0] += float(self._regular[1][:terms] @ moments[0])

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import solve_triangular
 
 from sie.basis.arrays import Array
 
@@ -56,7 +57,5 @@ def gmres(apply: Callable[[Array], Array], b: Array, tolerance: float, most: int
         if abs(right[k + 1]) <= tolerance or below <= 1e-15 * size:
             break
         basis[k + 1] = w / below
-    y = np.zeros(steps)
-    for k in range(steps - 1, -1, -1):
-        y[k] = (right[k] - upper[k, k + 1 : steps] @ y[k + 1 :]) / upper[k, k]
+    y = solve_triangular(upper[:steps, :steps], right[:steps], check_finite=False) if steps else np.zeros(0)
     return Iterated(y @ basis[:steps], abs(float(right[steps])), steps)

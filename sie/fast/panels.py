@@ -95,18 +95,21 @@ class Panels(Kept):
 
     def _made(self, potential: bool, low: int, high: int) -> Array:
         """K^(d), low <= d < high, (d, TERMS, TERMS)."""
-        function = self.kernel.regular_potential if potential else self.kernel.regular
-        if function is None:
-            raise ValueError("a condition on potentials needs the regular kernel's potential")
-        nodes, to_series = 0.5 * self.step * chebyshev.gauss(TERMS), _to_series()
+        nodes = 0.5 * self.step * chebyshev.gauss(TERMS)
         out = np.empty((high - low, TERMS, TERMS))
         with np.errstate(all="ignore"):  # too far off, until panels are short enough
             for start in range(low, high, _LAGS):
                 lags = np.arange(start, min(start + _LAGS, high))
-                x = (nodes + self.step * lags[:, None])[:, :, None]
-                values = np.asarray(function(x, np.broadcast_to(nodes, (len(lags), 1, TERMS))))
-                out[lags - low] = to_series.T @ values @ to_series
+                out[lags - low] = self._coefficients(potential, nodes + self.step * lags[:, None], nodes)
         return out
+
+    def _coefficients(self, potential: bool, x: Array, xi: Array) -> Array:
+        """K by its values at the nodes x of several panels (n, TERMS) and xi of one, (n, TERMS, TERMS)."""
+        function, to_series = self.kernel.regular_potential if potential else self.kernel.regular, chebyshev.to_series(TERMS)
+        if function is None:
+            raise ValueError("a condition on potentials needs the regular kernel's potential")
+        values = np.asarray(function(x[:, :, None], np.broadcast_to(xi, (len(x), 1, TERMS))))
+        return np.asarray(to_series.T @ values @ to_series)
 
     @cached_property
     def _tables(self) -> dict[bool, Array]:
@@ -173,7 +176,7 @@ class Panels(Kept):
         assert function is not None
         middles = (self.first + np.arange(self.count) + 0.5) * self.step
         nodes = (middles[:, None] + 0.5 * self.step * chebyshev.gauss(TERMS)).ravel()
-        weights = np.einsum("jl,pl...->pj...", _to_series(), moments.reshape(self.count, TERMS, *moments.shape[1:]))
+        weights = np.einsum("jl,pl...->pj...", chebyshev.to_series(TERMS), moments.reshape(self.count, TERMS, *moments.shape[1:]))
         weights = weights.reshape(self.count * TERMS, *moments.shape[1:])
         out = np.empty((len(x), *moments.shape[1:]))
         block = max(1, _BLOCK // len(nodes))
@@ -194,14 +197,9 @@ class PairPanels(Panels):
 
     def _blocks(self, potential: bool, targets: Index, source: int) -> Array:
         """K of these target panels by one source panel, (targets, TERMS, TERMS)."""
-        function = self.kernel.regular_potential if potential else self.kernel.regular
-        if function is None:
-            raise ValueError("a condition on potentials needs the regular kernel's potential")
         nodes = 0.5 * self.step * chebyshev.gauss(TERMS)
         x = ((self.first + targets + 0.5) * self.step)[:, None] + nodes
-        xi = (self.first + source + 0.5) * self.step + nodes
-        values = np.asarray(function(x[:, :, None], np.broadcast_to(xi, (len(targets), 1, TERMS))))
-        return np.asarray(_to_series().T @ values @ _to_series())
+        return self._coefficients(potential, x, (self.first + source + 0.5) * self.step + nodes)
 
     def _table(self, potential: bool) -> Array:
         """K of all pairs, (targets, sources, TERMS, TERMS)."""
@@ -220,13 +218,6 @@ class PairPanels(Panels):
 def _tail(blocks: Array) -> float:
     largest = float(np.abs(blocks).max())
     return 0.0 if largest == 0.0 else float(max(np.abs(blocks[:, -2:]).max(), np.abs(blocks[:, :, -2:]).max())) / largest
-
-
-def _to_series() -> Array:
-    """Values at the nodes @ this: the coefficients of their Chebyshev series."""
-    out = chebyshev.t_matrix(TERMS, TERMS) * (2 / TERMS)
-    out[:, 0] *= 0.5
-    return out
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,12 +15,15 @@ from sie.basis.arrays import Array, Index
 
 TERMS = 24
 SEPARATION = 1.45
+# A node is cut no farther from the middle of its hull than this part of its intervals, and than so many.
+_ASIDE, _FARTHEST = 8, 24
 
 
 @dataclass(frozen=True, eq=False)
 class Tree:
     """Nodes (n,) level by level, the root first: hull [lo, hi], half width, children (-1 for a leaf), parent, and the
-    interval of a leaf (-1 for the others). levels: first node of every level, and n."""
+    interval of a leaf (-1 for the others). levels: first node of every level, and n. rest: what rounding has cut off the ends of the
+    intervals, of leaves (2, n). parted: of neighbours, the hull of the smallest node that holds both."""
 
     lo: Array
     hi: Array
@@ -29,15 +32,18 @@ class Tree:
     parent: Index
     item: Index
     levels: list[int]
+    rest: Array
+    parted: Array
 
     @property
     def half(self) -> Array:
         return 0.5 * (self.hi - self.lo)
 
     @classmethod
-    def over(cls, a: Array, b: Array) -> Tree:
-        """The tree over the ascending intervals [a, b]."""
-        middle = 0.5 * (a + b)
+    def over(cls, a: Array, b: Array, rest: Array | None = None) -> Tree:
+        """The tree over the ascending intervals [a, b]. rest: what rounding has cut off their ends (2, n)."""
+        middle, parted = 0.5 * (a + b), np.zeros(max(len(a) - 1, 0))
+        narrower = np.minimum((b - a)[1:], (b - a)[:-1])
         first, last = np.zeros(1, dtype=np.intp), np.array([len(a) - 1])
         parents = [np.array([-1], dtype=np.intp)]
         firsts, lasts, lefts, levels = [first], [last], [], [0]
@@ -51,7 +57,8 @@ class Tree:
                 break
             f, e = first[inner], last[inner]
             cut = np.searchsorted(middle, 0.5 * (a[f] + b[e]))
-            cut = np.clip(cut, f + 1, e)
+            cut = _between_wide(np.clip(cut, f + 1, e), f, e, narrower)
+            parted[cut - 1] = b[e] - a[f]
             left[inner] = count + 2 * np.arange(len(f))
             parents.append(np.repeat(np.flatnonzero(inner) + levels[-2], 2))
             first, last = np.column_stack((f, cut)).ravel(), np.column_stack((cut - 1, e)).ravel()
@@ -61,7 +68,10 @@ class Tree:
         start, end, children = np.concatenate(firsts), np.concatenate(lasts), np.concatenate(lefts)
         item = np.where(start == end, start, -1)
         right = np.where(children >= 0, children + 1, -1)
-        return cls(a[start], b[end], children, right, np.concatenate(parents), item, levels)
+        kept = np.zeros((2, len(item)))
+        if rest is not None:
+            kept[:, item >= 0] = rest[:, item[item >= 0]]
+        return cls(a[start], b[end], children, right, np.concatenate(parents), item, levels, kept, parted)
 
     def __len__(self) -> int:
         return len(self.lo)
@@ -71,6 +81,21 @@ class Tree:
         """Node of every interval, in their order."""
         nodes = np.flatnonzero(self.item >= 0)
         return nodes[np.argsort(self.item[nodes])]
+
+
+def _between_wide(cut: Index, first: Index, last: Index, narrower: Array) -> Index:
+    """Cuts moved a little to where both neighbours are wide: those are told apart by sums that are rounded to parts of the whole node,
+    which narrow ones would feel the most."""
+    reach = np.minimum((last - first + 1) // _ASIDE, _FARTHEST)
+    out = cut.copy()
+    some = np.flatnonzero(reach > 0)
+    if len(some) == 0:
+        return out
+    at = cut[some, None] + np.arange(-_FARTHEST, _FARTHEST + 1)
+    near = np.abs(at - cut[some, None]) <= reach[some, None]
+    width = np.where(near, narrower[np.clip(at - 1, 0, len(narrower) - 1)], -1.0)
+    out[some] = at[np.arange(len(some)), np.argmax(width, axis=1)]
+    return np.clip(out, first + 1, last)
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,7 +27,7 @@ from sie.free_ends.iterated import IteratedMotions
 from sie.free_ends.motions import Moved, free_ends, spread
 
 # Condition of the rates of K from which on they are rounding.
-NEUTRAL_FROM = 1e14
+_NEUTRAL_FROM = 1e14
 # Beyond this number of unknowns a matrix costs more than as many solutions by iteration as there are ends.
 _MANY = 8000
 
@@ -158,16 +158,48 @@ def end_motions(state: State, change: Array) -> tuple[Array, Array]:
     >>> (sie.end_rates(state).intensities @ motions[:, 0]).round(12).tolist()
     [0.01, 0.01]
     """
-    if state.iteration is not None:
-        motions = IteratedMotions(state, state.iteration)
-        ends = motions.ends
-        found = motions.meeting(change[motions.side, motions.zone], 0.0)
-        levels = motions.rates(found)[1]
-    else:
-        rates = end_rates(state)
-        ends = rates.ends
-        if len(ends) and not np.linalg.cond(rates.intensities) < NEUTRAL_FROM:
-            raise SingularSystem("some motion of the ends leaves the intensities as they are")
-        found = np.linalg.solve(rates.intensities, np.array([change[end] for end in ends]))
-        levels = rates.levels @ found if rates.levels.size else np.zeros(0)
-    return spread(state, ends, found), levels
+    motions = motions_of(state)
+    found = motions.meeting(change[motions.side, motions.zone], 0.0)
+    if not np.isfinite(found).all():
+        raise SingularSystem("some motion of the ends leaves the intensities as they are")
+    return spread(state, motions.ends, found), motions.rates(found)[1]
+
+
+class DirectMotions:
+    """What `IteratedMotions` tells, by the matrix of the rates."""
+
+    def __init__(self, state: State) -> None:
+        self.state, self._rates = state, end_rates(state)
+        self.ends = self._rates.ends
+        self.side, self.zone = np.array(self.ends, dtype=np.intp).reshape(-1, 2).T
+        # Rounding alone keeps the rates of a motion that changes nothing from being zero.
+        neutral = len(self.ends) > 0 and not np.linalg.cond(self._rates.intensities) < _NEUTRAL_FROM
+        self._inverse = np.full_like(self._rates.intensities, np.nan) if neutral else np.linalg.inv(self._rates.intensities)
+
+    def meeting(self, change: Array, tolerance: float = 0.0) -> Array:
+        return np.asarray(self._inverse @ change)
+
+    def local(self, k: Array) -> Array:
+        return spread(self.state, self.ends, np.abs(self._inverse) @ k[self.side, self.zone])
+
+    def rates(self, d: Array, tolerance: float = 0.0) -> tuple[Array, Array]:
+        levels = self._rates.levels
+        return self._rates.intensities @ d, levels @ d if levels.size else np.zeros(0)
+
+    def growth(self, signs: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
+        return growth(signs[self.side][:, None] * self._rates.intensities, normal, by_value)
+
+
+def growth(driven: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
+    """Largest real part of the eigenvalues of what drives the ends by their motions; with a condition on the ends, which the unknown value
+    keeps: of motions along it."""
+    if normal is not None and by_value is not None:
+        driven = driven - np.outer(by_value, normal @ driven) / (normal @ by_value)
+        along = np.linalg.svd(normal[None])[2][1:]
+        driven = along @ driven @ along.T
+    return float(np.linalg.eigvals(driven).real.max(initial=-np.inf))
+
+
+def motions_of(state: State) -> DirectMotions | IteratedMotions:
+    """By the matrix of the rates, or by iteration where the state was found so."""
+    return DirectMotions(state) if state.iteration is None else IteratedMotions(state, state.iteration)

@@ -18,7 +18,8 @@ import numpy as np
 from sie.basis.arrays import Array
 from sie.collocation.fixed import State
 from sie.collocation.iterative import Applied, Iterative, IterativeSystem
-from sie.equation.conditions import Linear, asked
+from sie.collocation.system import condition_rows
+from sie.equation.conditions import Linear
 from sie.fast.krylov import gmres
 from sie.free_ends.motions import Moved, free_ends, spread
 
@@ -72,10 +73,8 @@ class IteratedMotions:
         # The rows hold what coefficients do to their own zone, which singular densities do not.
         rows = rows + moved.coefficients[system.own][system.kept]
         view = MovedView(system, plain.y, plain.middle, plain.rest + moved.own_level[self.zones.solved], moved, y)
-        parts = [asked(condition, view, 1)[0][:, 0] for condition in system.equation.conditions]
-        if len(self.solver.preconditioner.held):
-            parts.append(view.held()[0][:, 0])
-        return np.concatenate((rows, *parts)), view.edges[self.side, self.at]
+        asked = condition_rows(system.equation, view, 1)[0][:, 0]
+        return np.concatenate((rows, asked)), view.edges[self.side, self.at]
 
     @cached_property
     def _local(self) -> Array:

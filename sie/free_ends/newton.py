@@ -20,10 +20,11 @@ from sie.basis.ends import FREE, SINGULAR, End
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_of
+from sie.collocation.iterative import Iterative
 from sie.collocation.solved import Sizes
 from sie.density.density import Density
 from sie.equation.equation import Equation
-from sie.free_ends.end_rates import NEUTRAL_FROM, end_rates
+from sie.free_ends.end_rates import DirectMotions, motions_of
 from sie.free_ends.gap_steps import gap_steps
 from sie.free_ends.iterated import STEP, IteratedMotions
 from sie.free_ends.motions import spread
@@ -42,8 +43,10 @@ _BORDERINGS = 12
 # was: what that leaves of a step is this part of it.
 _SAME_RESPONSE = 0.01
 
-# Of a solution by iteration that is wanted no better than this, sums are rough.
-_ROUGHLY = 1e-7
+# Of a solution by iteration that is wanted no better than this, sums are rough; the last one, if no better than that.
+_ROUGHLY, _ROUGH_ENOUGH = 1e-7, 5e-7
+# From this number of zones on: what series fall to before the last step, over the cube of the move before, and at least.
+_MANY, _OF_CUBE, _LONGEST_FALL = 1000, 1e-3, 1e-4
 # What zones said to be near are expected to move by, over their widths: what a rougher solution would add does not fall as steps do.
 _STEP_NEAR = 1e-4
 
@@ -87,6 +90,8 @@ class Free:
         See above; None: nothing was found.
     reason : str
         Why the search stopped.
+    left : ndarray
+        The remaining outward moves (2, Z) where the ends have come to rest.
 
     Examples
     --------
@@ -108,6 +113,13 @@ class Free:
     met: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     stable: bool | None = None
     reason: str = ""
+    left: Array = field(default_factory=lambda: np.zeros((2, 0)))
+
+    @property
+    def next_zones(self) -> Zones:
+        """The zones after the remaining moves too."""
+        zones = self.density.zones
+        return zones.moved(self.left) if self.left.shape[1] else zones
 
     @property
     def density(self) -> AnyDensity:
@@ -128,6 +140,9 @@ def find_ends(
     off: float = 1.0,
     like: AnyState | None = None,
     limited: End = FREE,
+    few: float = 0.0,
+    patient: int = 0,
+    drops: bool = False,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -163,6 +178,10 @@ def find_ends(
         A solution on about the same zones, with as many modes to begin with.
     limited : End
         The kind of an end that leaves a limit.
+    few, patient : float, int
+        Part of all ends that need not have come to rest after so many steps: of very many, a first look at what they are the ends of.
+    drops : bool
+        Zones that shrink away are left out, those that meet are joined, and the search goes on; else that is where it ends.
 
     Returns
     -------
@@ -183,19 +202,23 @@ def find_ends(
     """
     decay = max(0.1 * tolerance, 3e-16) if decay is None else decay
     opened = equation.open_condition
+    keeps = equation.forcing.cornered or equation.forcing.exact
     off = min(off, _STEP_NEAR) if near else off
-    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off)
+    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off, few, patient, drops)
     sizes = first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
     unit: Unit | None = None
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
-        sizes.linear, sizes.rough, sizes.value = progress.linear, progress.linear > max(_ROUGHLY, progress.tightest), value
-        state = _state(equation, zones, decay, sizes, value)
-        loose = state.iterated and sizes.linear > progress.tightest
+        sizes.linear, sizes.value = progress.linear, value
+        sizes.rough = progress.linear > max(_ROUGHLY, min(progress.tightest, _ROUGH_ENOUGH))
+        # Series of many zones, or of some in doubt, are no longer than the next move asks for.
+        fall = max(decay, min(_LONGEST_FALL, _OF_CUBE * progress.last**3)) if drops or len(zones) >= _MANY else decay
+        state = _state(equation, zones, fall, sizes, value)
+        loose = state.iterated and (sizes.linear > progress.tightest or fall > decay)
         zones, let_go = _let_go(zones, limits, state.density, limited)
         if let_go and zones.follow_ends:
             # The rates are those of the ends that move now.
-            state = _state(equation, zones, decay, sizes, value)
+            state = _state(equation, zones, fall, sizes, value)
         if opened is not None and (unit is None or unit.moved(zones) > _SAME_RESPONSE):
             unit = Unit.of(state, sizes)
         motion = _newton(state, zones, signs, unit)
@@ -203,22 +226,16 @@ def find_ends(
         if not np.isfinite(motion.delta).all():
             if motion.turn is None:
                 raise SingularSystem("no motion of the ends meets the condition on them")
-            nowhere = np.full((len(zones), 2), np.inf)
-            return Free(state, False, nowhere, nowhere, tuple(progress.trace), value, reason=_NEUTRAL)
+            return _neutral(state, progress, value)
         corners = _corners(state)
         motion = replace(motion, noise=motion.noise + np.where(motion.moves, _of_places(state, corners), 0.0))
         rest = progress.after(zones, motion, corners, value, opened is not None)
-        done = rest.reached and not let_go and not loose
-        if done:
+        if rest.reached and not let_go and not loose:
             if motion.turn is not None and state.whole.iteration is not None:
-                motions, side = IteratedMotions(state.whole, state.whole.iteration), np.array(signs, dtype=float)[:, None]
-                more = motions.amplification()
-                if more > _AMPLIFIED:
-                    nowhere = np.full((len(zones), 2), np.inf)
-                    return Free(state, False, nowhere, nowhere, tuple(progress.trace), value, reason=_NEUTRAL)
-                uncertain = (more * (motion.noise + STEP * np.abs(motion.delta)) / (zones.b - zones.a)).T
-                rest = replace(rest, error=rest.error + uncertain, rounding=rest.rounding + uncertain)
-                motion = replace(motion, turn=replace(motion.turn, growth=_iterated_growth(motions, side, unit)))
+                told = _by_iteration(state.whole, state.whole.iteration, signs, unit, motion, rest)
+                if told is None:
+                    return _neutral(state, progress, value)
+                motion, rest = told
             return _found(state, progress, rest, motion, value, bounded_ends)
         hopeless = progress.is_hopeless(motion.certain) or (equation.grows and state.unresolved) or (near and not progress.is_near())
         if hopeless or len(progress.trace) > max_steps:
@@ -226,11 +243,18 @@ def find_ends(
             reason = _why_not(state, progress, motion)
             return Free(state, False, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), reason=reason)
         value += motion.change
-        closes = _closes(zones, equation, motion.delta)
-        vanishes = motion.delta.sum(axis=0) <= zones.a - zones.b
-        zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), equation.forcing.cornered), limits)
+        closes, vanishes = _closes(zones, equation, motion.delta), motion.delta.sum(axis=0) <= zones.a - zones.b
+        outward, gone = _limited(state, zones, motion, signs, unit)
+        zones = _held_at(zones.moved(outward, keeps), limits)
         lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes)
-        if len(lost) or len(met):
+        lost = np.union1d(lost, gone) if drops else lost
+        changes = len(lost) + len(met)
+        if drops and 0 < changes < len(zones) and not zones.symmetric:
+            # What is lost bore little: the search goes on from the others.
+            (zones, kept), unit = zones.changed(lost, met, equation.kernel.period), None
+            sizes = sizes.of(kept)
+            progress.goes_on(zones, modes.gaps(zones, equation.kernel)[1], kept)
+        elif changes:
             reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.past_fold]))
             return Free(
                 state, False, rest.error, rest.rounding, tuple(progress.trace), value, abs(motion.change), lost, met, reason=reason
@@ -245,6 +269,25 @@ def _state(equation: Equation, zones: Zones, decay: float, sizes: Sizes, value: 
     return state if opened is None or value == 0.0 or state.iterated else state.with_value(opened, value)
 
 
+def _neutral(state: AnyState, progress: Progress, value: float) -> Free:
+    """Intensities that do not tell the ends."""
+    nowhere = np.full((len(state.density.zones), 2), np.inf)
+    return Free(state, False, nowhere, nowhere, tuple(progress.trace), value, reason=_NEUTRAL)
+
+
+def _by_iteration(
+    state: State, iteration: Iterative, signs: tuple[float, float], unit: Unit | None, motion: Motion, rest: Rest
+) -> tuple[Motion, Rest] | None:
+    """A step to rest and what it tells, with what iteration tells of them; None where the intensities do not tell the ends."""
+    motions, zones, side = IteratedMotions(state, iteration), state.density.zones, np.array(signs, dtype=float)[:, None]
+    more = motions.amplification()
+    if more > _AMPLIFIED or motion.turn is None:
+        return None
+    uncertain = (more * (motion.noise + STEP * np.abs(motion.delta)) / (zones.b - zones.a)).T
+    motion = replace(motion, turn=replace(motion.turn, growth=_growth(motions, side, unit)))
+    return motion, replace(rest, error=rest.error + uncertain, rounding=rest.rounding + uncertain)
+
+
 def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, value: float, bounded_ends: bool) -> Free:
     """The ends that have come to rest."""
     opened = state.equation.open_condition
@@ -256,7 +299,8 @@ def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, valu
     stable = motion.turn is None or motion.turn.growth < 0.0
     reason = _FOUND if stable else _UNSTABLE
     return Free(
-        state, True, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), stable=stable, reason=reason
+        state, True, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), stable=stable, reason=reason,
+        left=_limit(state.density.zones, state.equation, motion.delta),
     )
 
 
@@ -269,16 +313,20 @@ def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
     return progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"
 
 
-def _limited(state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: Unit | None) -> Array:
-    """Moves cut to what widths and gaps allow; of zones far off that stand alone, by steps of their own."""
+def _limited(
+    state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: Unit | None
+) -> tuple[Array, Index]:
+    """(moves cut to what widths and gaps allow, those of zones far off that stand alone by steps of their own; zones of which nothing is
+    left)."""
     limited = _limit(zones, state.equation, motion.delta)
     single = far_off(state, motion.moves, motion.delta)
-    if len(single):
-        added = None if unit is None else (unit.response, motion.change)
-        near_a, near_b, came = moved_singly(state, single, lambda d, size: _alone(d, size, signs), added)
-        limited[0, single] = np.where(came, zones.a[single] - near_a, limited[0, single])
-        limited[1, single] = np.where(came, near_b - zones.b[single], limited[1, single])
-    return limited
+    if not len(single):
+        return limited, single
+    added = None if unit is None else (unit.response, motion.change)
+    near_a, near_b, came, gone = moved_singly(state, single, lambda d, size: _alone(d, size, signs), signs, added)
+    limited[0, single] = np.where(came, zones.a[single] - near_a, limited[0, single])
+    limited[1, single] = np.where(came, near_b - zones.b[single], limited[1, single])
+    return limited, single[gone]
 
 
 def _closes(zones: Zones, equation: Equation, delta: Array) -> Mask:
@@ -316,6 +364,8 @@ def _of_places(state: AnyState, corners: Array) -> Array:
     sqrt(w / 2) g' e, where A is sqrt(2 w) g' if it comes from the smooth part of g alone. What comes from corners within a zone does
     not count, since the ends' distances from these are known."""
     zones = state.density.zones
+    if state.equation.forcing.exact:
+        return np.zeros((2, len(zones)))
     rounding = 2 * np.spacing(np.abs([zones.a, zones.b]))
     if state.density.slit_count or not np.isfinite(corners).any():
         return rounding
@@ -474,68 +524,24 @@ def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
 def _full_newton(
     equation: Equation, state: State, residual: Array, noise_k: Array, unit: Unit | None, signs: Array
 ) -> tuple[Array, Array, float, float]:
-    """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth of a push (`Free.stable`) by Newton
-    with the full Jacobian dK_i/d(end_j), for prescribed intensities.
+    """Outward moves (2, Z), their roundoff, the change of the open condition's value and the growth of a push (`Free.stable`; not a number
+    by iteration, where it is left open) by Newton with the full Jacobian dK_i/d(end_j), for prescribed intensities.
 
     The rates are those of `end_rates`; of a mirrored pair of ends, the right one stands for both.
     """
-    zones = state.density.zones
-    if state.iteration is not None:
-        return _iterated_newton(equation, state, residual, noise_k, unit)
-    rates = end_rates(state)
-    ends, jacobian = rates.ends, rates.intensities
-    driven = np.array([float(signs[side, 0]) for side, _ in ends])[:, None] * jacobian
-    # Rounding alone keeps the rates of a motion that changes nothing from being zero.
-    if len(ends) and not np.linalg.cond(jacobian) < NEUTRAL_FROM:
-        return np.full_like(residual, np.inf), noise_k, 0.0, 0.0
-    inverse = np.linalg.inv(jacobian)
-    at_ends = tuple(np.array(ends, dtype=np.intp).reshape(-1, 2).T)
-    delta = spread(state, ends, -inverse @ residual[at_ends])
-    noise = spread(state, ends, np.abs(inverse) @ noise_k[at_ends])
-    if unit is None:
-        return delta, noise, 0.0, _growth(driven)
-    slope = spread(state, ends, -inverse @ unit.intensities[at_ends])
-    delta, change = _bordered(equation, zones, delta, slope)
-    return delta, noise, change, _growth(driven, *_along(equation, zones, unit, at_ends, signs))
+    motions = motions_of(state)
+    at_ends, change = (motions.side, motions.zone), 0.0
+    delta, noise = spread(state, motions.ends, motions.meeting(-residual[at_ends])), motions.local(noise_k)
+    if unit is not None:
+        slope = spread(state, motions.ends, motions.meeting(-unit.intensities[at_ends]))
+        delta, change = _bordered(equation, state.density.zones, delta, slope)
+    return delta, noise, change, math.nan if state.iterated else _growth(motions, signs, unit)
 
 
-def _iterated_newton(
-    equation: Equation, state: State, residual: Array, noise_k: Array, unit: Unit | None
-) -> tuple[Array, Array, float, float]:
-    """The same by iteration; the growth is left open."""
-    assert state.iteration is not None
-    motions = IteratedMotions(state, state.iteration)
-    at_ends = motions.side, motions.zone
-    delta = spread(state, motions.ends, motions.meeting(-residual[at_ends]))
-    noise = motions.local(noise_k)
-    if unit is None:
-        return delta, noise, 0.0, math.nan
-    slope = spread(state, motions.ends, motions.meeting(-unit.intensities[at_ends]))
-    delta, change = _bordered(equation, state.density.zones, delta, slope)
-    return delta, noise, change, math.nan
-
-
-def _iterated_growth(motions: IteratedMotions, signs: Array, unit: Unit | None) -> float:
-    """The growth at a state that was found by iteration."""
+def _growth(motions: DirectMotions | IteratedMotions, signs: Array, unit: Unit | None) -> float:
+    """How a push of the ends grows; with a condition on the ends, which the unknown value keeps: of motions along it."""
     if unit is None:
         return motions.growth(signs[:, 0])
-    at_ends = motions.side, motions.zone
-    return motions.growth(signs[:, 0], *_along(motions.state.equation, motions.zones, unit, at_ends, signs))
-
-
-def _along(
-    equation: Equation, zones: Zones, unit: Unit, at_ends: tuple[Index, ...], signs: Array
-) -> tuple[Array, Array]:
-    """(gradient of the condition on the ends by their motions, what drives them by a unit of the unknown value)."""
-    _, by_left, by_right = equation.end_conditions[0].residual(zones)
-    return np.array([by_left, by_right])[at_ends], signs[at_ends[0], 0] * unit.intensities[at_ends]
-
-
-def _growth(driven: Array, normal: Array | None = None, by_value: Array | None = None) -> float:
-    """Largest real part of the eigenvalues of what drives the ends by their motions; with a condition on the ends, which the unknown value
-    keeps: of motions along it."""
-    if normal is not None and by_value is not None:
-        driven = driven - np.outer(by_value, normal @ driven) / (normal @ by_value)
-        along = np.linalg.svd(normal[None])[2][1:]
-        driven = along @ driven @ along.T
-    return float(np.linalg.eigvals(driven).real.max(initial=-np.inf))
+    at_ends, state = (motions.side, motions.zone), motions.state
+    _, by_left, by_right = state.equation.end_conditions[0].residual(state.density.zones)
+    return motions.growth(signs[:, 0], np.array([by_left, by_right])[at_ends], signs[at_ends[0], 0] * unit.intensities[at_ends])

@@ -35,7 +35,7 @@ from sie.basis.interval import Complex, InPlane, theta
 from sie.basis.kernels import Kernel
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
-from sie.jumps.forcing import SERIES, ForcingJumps
+from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST, of_sines, raised
 from sie.jumps.local_spline import LocalSpline
 from sie.jumps.pairs import FewJumps
@@ -43,6 +43,8 @@ from sie.jumps.pairs import FewJumps
 # From this number of jumps of order 2 on a spline takes their place. What the powers of n of them lose, n^2 units in the last digit, the
 # zones beside this one see; those of the right side need not tell these, since what is seen of them is found from g itself.
 _MANY = 128
+# Coefficients that a spline's potential is summed from: they fall as l^(-3).
+_SERIES = 1024
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,28 +120,19 @@ class DensityJumps(ForcingJumps):
         return found if spline is None else found._with_splines(zones, spline, LocalSpline.inside, _MANY)
 
     def __len__(self) -> int:
-        return len(self.zone) + (0 if self.logarithms is None else len(self.logarithms.near))
+        return len(self.zone) + len(self.near)
 
-    def _exterior(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
-        """The logarithms near a zone, outside it."""
-        if self.logarithms is None or zone not in self.logarithms.near.by_zone:
-            return None
-        return self.logarithms.near, self.logarithms.near.by_zone[zone]
+    @property
+    def near(self) -> ExteriorLogarithms:
+        return super().near if self.logarithms is None else self.logarithms.near
 
     @cached_property
     def by_zone(self) -> dict[int, Index]:
-        found = self.grouped()
-        if self.logarithms is not None:
-            found = {i: np.zeros(0, np.intp) for i in self.logarithms.near.by_zone} | found
-        return found
-
-    @cached_property
-    def sharp(self) -> list[int]:
-        return sorted({*self.zone[self.closed].tolist(), *(self.logarithms.near.by_zone if self.logarithms is not None else ())})
+        return {i: np.zeros(0, np.intp) for i in self.near.by_zone} | self.grouped()
 
     @cached_property
     def kinked(self) -> list[int]:
-        return sorted({*self.zone[self.order == 0].tolist(), *(self.logarithms.near.by_zone if self.logarithms is not None else ())})
+        return sorted({*self.zone[self.order == 0].tolist(), *self.near.by_zone})
 
     # the right side -------------------------------------------------------------------------------------------------
     @cached_property
@@ -165,9 +158,7 @@ class DensityJumps(ForcingJumps):
 
     # the density ----------------------------------------------------------------------------------------------------
     def density(self, zone: int, left: Array, right: Array) -> Array:
-        out = super().density(zone, left, right)
-        exterior = self._exterior(zone)
-        return out if exterior is None else out + exterior[0].density(exterior[1], left, right)
+        return super().density(zone, left, right) + self.near.density(self.near.of(zone), left, right)
 
     def angular_slope(self, zone: int, left: Array, right: Array) -> Array:
         """d/dtheta of `density`, by differences."""
@@ -199,38 +190,31 @@ class DensityJumps(ForcingJumps):
         out = np.asarray(np.where(on_right, total - part, np.where(q == 1, 1.0, -1.0) * part).sum(axis=1))
         if zone in self.splines:
             out += self.splines[zone].integral(left)
-        exterior = self._exterior(zone)
-        return out if exterior is None else out + exterior[0].integral(exterior[1], left, right)
+        return out + self.near.integral(self.near.of(zone), left, right)
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
         scale, n = self.height / np.pi, len(zones)
         left = np.bincount(self.zone, -scale * (-self.left) ** self.order, minlength=n)
         right = np.bincount(self.zone, scale * self.right**self.order, minlength=n)
-        if self.logarithms is not None:
-            near = self.logarithms.near
-            more = (np.bincount(near.zone, part, minlength=n) for part in near.edge_slopes())
-            left, right = (one + two for one, two in zip((left, right), more, strict=True))
+        more = [np.bincount(self.near.zone, part, minlength=n) for part in self.near.edge_slopes()]
+        left, right = left + more[0], right + more[1]
         return np.asarray(left, dtype=float), np.asarray(right, dtype=float)
 
     def t_coefficients(self, zones: Zones, count: int) -> Array:
         out = super().t_coefficients(zones, count)
-        if self.logarithms is not None and len(self.logarithms.near) and count:
-            near = self.logarithms.near
-            np.add.at(out, near.zone, of_sines(near.sine_coefficients(count + 1))[:, :count])
+        np.add.at(out, self.near.zone, of_sines(self.near.sine_coefficients(count + 1))[:, :count])
         return out
 
     def first_coefficients(self, zones: Zones, counts: Index) -> Array:
-        if self.logarithms is None or not len(self.logarithms.near):
+        if not len(self.near):
             return super().first_coefficients(zones, counts)
         count = int(counts.max(initial=0))
         return np.where(np.arange(count) < counts[:, None], self.t_coefficients(zones, count), 0.0)
 
     def high_coefficients(self, zones: Zones) -> Array:
-        out = super().high_coefficients(zones)
-        if self.splines and out.shape[1] == 0:
-            out = np.zeros((len(zones), SERIES))
+        out = np.zeros((len(zones), _SERIES if self.splines else 0))
         for zone, spline in self.splines.items():
-            out[zone] += spline.t_coefficients(out.shape[1])
+            out[zone] = spline.t_coefficients(_SERIES)
         return out
 
     # what the kernel makes of it ------------------------------------------------------------------------------------
@@ -245,43 +229,35 @@ class DensityJumps(ForcingJumps):
         out = self._on_zone(k[self.order[k] >= least], left)
         if zone in self.splines:
             out += self.splines[zone].own_transform(left)
-        exterior = self._exterior(zone) if least == 0 else None
-        return out if exterior is None else out + exterior[0].own_transform(exterior[1], left)
+        return out if least else out + self.near.own_transform(self.near.of(zone), left)
 
     def transform(self, zone: int, z: Array, rho: Array) -> Array:
-        out = super().transform(zone, z, rho) if len(self.by_zone[zone]) or zone in self.splines else np.zeros(rho.shape)
-        exterior = self._exterior(zone)
-        return out if exterior is None else out + exterior[0].transform(exterior[1], rho)
-
-    @property
-    def summed(self) -> dict[int, Index]:
-        """None: a local spline has no closed potential."""
-        return {}
+        return super().transform(zone, z, rho) + self.near.transform(self.near.of(zone), rho)
 
     def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
         """Potential of a zone's closed parts over w, less c_0 log(w); on the zone rho = e^{i theta}.
 
-        Of q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)); of others see `_near_potential`.
+        Of q = 0 by partial fractions of -sum_j (cos(j phi)/j) (-rho^{j-1}/(j-1) + rho^{j+1}/(j+1)); of others see `_potential`.
         """
         root = np.sqrt(np.maximum(left * right, 0.0))
         turned = np.where((left >= 0) & (right >= 0), 0.5 * (left - right) + 1j * root, rho)
         k = self.by_zone[zone]
         out = np.zeros(turned.shape)
-        higher = k[self.closed[k] & (self.order[k] > 0)]
+        higher = k[self.order[k] > 0]
         if len(higher):
             out += self._by_reach(higher, left, right, rho)
-        for place in k[self.order[k] == 0]:
+        log = np.log(2 * np.abs(turned))
+        own = self._of_kinks(k[self.order[k] == 0], log, turned) + self.near.potential(self.near.of(zone), log, turned)
+        return out + np.real(own)
+
+    def _of_kinks(self, k: Index, log: Any, rho: Any) -> Any:
+        """Potential over w, less c_0 log(w), of jumps k of the density itself; log: of 2 rho."""
+        out = np.zeros(rho.shape, dtype=complex)
+        for place in k:
             up = np.exp(1j * self.phi[place])
-            own = np.real(up) * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
-            both = np.real(potential_series(up, turned) + potential_series(np.conj(up), turned))
-            out += self.height[place] / np.pi * (own - both / 2)
-        exterior = self._exterior(zone)
-        if exterior is not None:
-            near, k = exterior
-            for up, weight in zip(near.rho[k], near.weight[k], strict=True):
-                own = up * (np.log(2 * np.abs(turned)) - np.real(turned**2) / 2)
-                out = out + weight * (own - np.real(potential_series(up, turned)))
-        return np.asarray(out)
+            both = potential_series(up, rho) + potential_series(np.conj(up), rho)
+            out += self.height[place] / np.pi * (np.real(up) * (log - rho**2 / 2) - both / 2)
+        return out
 
     # at complex points (see `plane`) ----------------------------------------------------------------------------------
     def logarithm(self, k: Index, seen: InPlane, away: Complex) -> Complex:
@@ -300,15 +276,7 @@ class DensityJumps(ForcingJumps):
         """Potential of jumps k over w, less c_0 log(w)."""
         higher = self.order[k] > 0
         out = super().plane_potential(k[higher], seen, away[:, higher], log[:, higher])
-        for place in k[self.order[k] == 0]:
-            up = np.exp(1j * self.phi[place])
-            own = np.real(up) * (np.log(2.0) - seen.log - seen.rho**2 / 2)
-            both = potential_series(up, seen.rho) + potential_series(np.conj(up), seen.rho)
-            out = out + self.height[place] / np.pi * (own - both / 2)
-        return out
-
-    def logarithms_near(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
-        return self._exterior(zone)
+        return np.asarray(out + self._of_kinks(k[~higher], _LOG2 - seen.log, seen.rho))
 
     # the closed forms -------------------------------------------------------------------------------------------------
     def polynomial(self, k: Index, t: NDArray[Any]) -> NDArray[Any]:

@@ -67,6 +67,10 @@ class ExteriorLogarithms(Kept):
     def by_zone(self) -> dict[int, Index]:
         return {int(i): np.flatnonzero(self.zone == i) for i in np.unique(self.zone)}
 
+    def of(self, zone: int) -> Index:
+        """Those near a zone."""
+        return self.by_zone.get(zone, np.zeros(0, dtype=np.intp))
+
     def sine_coefficients(self, count: int) -> Array:
         """Coefficients of sin(j theta), j = 1 ... count, one row for each."""
         j = np.arange(1, count + 1)
@@ -117,10 +121,13 @@ class ExteriorLogarithms(Kept):
         return np.asarray((2 * both * np.exp(-0.5 * self.log(k, seen))) @ self.weight[k] / seen.root)
 
     def plane_potential(self, k: Index, seen: InPlane) -> Complex:
-        """Potential over w, less c_0 log(w)."""
-        out = np.zeros(seen.left.shape, dtype=complex)
+        return self.potential(k, np.log(2.0) - seen.log, seen.rho)
+
+    def potential(self, k: Index, log: Complex | Array, rho: Complex) -> Complex:
+        """Potential over w, less c_0 log(w); log: of 2 rho."""
+        out = np.zeros(rho.shape, dtype=complex)
         for up, weight in zip(self.rho[k], self.weight[k], strict=True):
-            out += weight * (up * (np.log(2.0) - seen.log - seen.rho**2 / 2) - potential_series(up, seen.rho))
+            out += weight * (up * (log - rho**2 / 2) - potential_series(up, rho))
         return out
 
 
@@ -130,3 +137,6 @@ def potential_series(up: complex, rho: Complex | Array) -> Complex:
     log = -np.log1p(-q)
     rest = log - q
     return np.asarray(-(up * log - rest / rho) + rho * rest - (rest - q * q / 2) / up)
+
+
+NOWHERE = ExteriorLogarithms(np.zeros(0, np.intp), np.zeros(0, np.intp), np.zeros(0), np.zeros(0))

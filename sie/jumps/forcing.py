@@ -35,7 +35,7 @@ from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Complex, InPlane, OnLine, theta
 from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
-from sie.jumps.exterior import ExteriorLogarithms
+from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
 from sie.jumps.formulas import HIGHEST, Jumps
 from sie.jumps.local_spline import MANY, LocalSpline
 from sie.jumps.pairs import FewJumps, far_potential, far_transform
@@ -46,11 +46,6 @@ from sie.jumps.zone_spline import ZoneSpline
 Spline = LocalSpline | ZoneSpline
 MadeSpline = Callable[[Array, Array, Callable[[Array], Array]], tuple[Spline, Array, Array] | None]
 
-# Potentials of so many jumps as this are summed from their coefficients, which fall as l^(-1-q).
-_MANY = 64
-SERIES = 1024
-# Below this rho nothing is left of the terms after these.
-SERIES_REACH = float(2.0 ** (-52 / SERIES))
 # InPlane from farther than this rho, the closed form cancels and the series is short.
 _FAR = 0.25
 # Up to which rho how many terms of the series are enough.
@@ -279,11 +274,7 @@ class ForcingJumps(Jumps):
 
     def high_coefficients(self, zones: Zones) -> Array:
         """Coefficients of the parts that have no closed potential, as many as potentials near an end need; (zones, 0) if none."""
-        high = np.flatnonzero(~self.closed)
-        out = np.zeros((len(zones), SERIES if len(high) else 0))
-        if len(high):
-            out += self.coefficients(high, self.zone[high], len(zones), SERIES)
-        return out
+        return np.zeros((len(zones), 0))
 
     def edge_slopes(self, zones: Zones) -> tuple[Array, Array]:
         """Coefficient of the angle from the left and from the right end, per zone: kappa ~ theta cot(phi/2)."""
@@ -337,11 +328,7 @@ class ForcingJumps(Jumps):
         """Transform of a zone's parts off the zone: by their closed forms, or by the series of all of them together where
         that is shorter or the closed forms cancel."""
         k = self.by_zone[zone]
-        far = np.abs(rho)
-        terms = np.zeros(len(rho), dtype=np.intp)
-        for reach, count in _SERIES_TO:
-            if reach <= _FAR or count <= 8 * len(k):
-                terms[(terms == 0) & (far < reach)] = count
+        terms = self._terms(k, rho)
         out = np.empty(len(rho))
         near = np.flatnonzero(terms == 0)
         out[near] = self._summed(k, len(near), lambda here: self.off_zone(k, z[near[here], None], rho[near[here], None]))
@@ -351,6 +338,15 @@ class ForcingJumps(Jumps):
         if zone in self.splines:
             out += self.splines[zone].transform_off(z, rho)
         return out
+
+    @staticmethod
+    def _terms(k: Index, rho: Array) -> Index:
+        """How many terms of the series of jumps k take the place of their closed forms at rho; 0: none."""
+        terms = np.zeros(len(rho), dtype=np.intp)
+        for reach, count in _SERIES_TO:
+            if reach <= _FAR or count <= 8 * len(k):
+                terms[(terms == 0) & (np.abs(rho) < reach)] = count
+        return terms
 
     def _series(self, zone: int) -> Array:
         """Coefficients of T_l / sqrt(1 - t^2) of all parts of a zone together."""
@@ -392,34 +388,22 @@ class ForcingJumps(Jumps):
     def sharp_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
         """Potential of a zone's closed parts over w, less c_0 log(w), at points by their distances from its ends over w,
         positive on the zone, and rho off it (see the head of this file)."""
-        k = self.by_zone[zone]
-        out = self._by_reach(k[self.closed[k]], left, right, rho)
+        out = self._by_reach(self.by_zone[zone], left, right, rho)
         if zone in self.splines:
             out += self.splines[zone].potential(left, right, rho)
         return out
 
-    @cached_property
-    def summed(self) -> dict[int, Index]:
-        """By zone, the jumps whose potential is a series far from it. On it and beside its ends this falls too slowly."""
-        open_ones = np.flatnonzero(~self.closed)
-        return {zone: open_ones[here] for zone, here in of_zones(self.zone[open_ones])}
-
-    def summed_potential(self, zone: int, left: Array, right: Array, rho: Array) -> Array:
-        """Potential over w, less c_0 log(w), of the jumps of a zone in `summed` by their closed forms, as `sharp_potential`."""
-        return self._by_reach(self.summed[zone], left, right, rho)
-
     def _by_reach(self, k: Index, left: Array, right: Array, rho: Array) -> Array:
         """Potential of jumps k of one zone: by their series far from it, where the closed forms cancel."""
-        out = np.empty(left.shape)
-        on = (left >= 0) & (right >= 0)
-        far = ~on & (np.abs(rho) < _FAR)
-        if far.any():
+        out, on = np.empty(left.shape), (left >= 0) & (right >= 0)
+        terms = np.where(on, 0, self._terms(k, rho))
+        if terms.any():
             zone = int(self.zone[k[0]]) if len(k) else -1
             whole = zone in self.by_zone and len(k) == len(self.by_zone[zone])
-            count = _SERIES_TO[0][1]
-            c = self._series(zone)[:count] if whole else self.coefficients(k, np.zeros_like(k), 1, count)[0]
-            out[far] = far_potential(c, rho[far])
-        inside, near = np.flatnonzero(on), np.flatnonzero(~on & ~far)
+            c = self._series(zone) if whole else self.coefficients(k, np.zeros_like(k), 1, _SERIES_TO[-1][1])[0]
+            for count in np.unique(terms[terms > 0]):
+                out[terms == count] = far_potential(c[:count], rho[terms == count])
+        inside, near = np.flatnonzero(on), np.flatnonzero(~on & (terms == 0))
         for some, seen in ((inside, None), (near, rho[near, None])):
             out[some] = self._closed(k, left[some, None], right[some, None], seen)
         return out
@@ -450,22 +434,10 @@ class ForcingJumps(Jumps):
         parts = self.potential_of(k, away, seen.zeta[:, None], log, seen.log[:, None], seen.root[:, None])
         return np.asarray(parts @ (self.height[k] / np.pi))
 
-    def logarithms_near(self, zone: int) -> tuple[ExteriorLogarithms, Index] | None:
-        """Logarithms of the right side that lie near a zone, outside it."""
-        return None
-
-    @cached_property
-    def sharp(self) -> list[int]:
-        """Zones with jumps whose potential is `sharp_potential`."""
-        return sorted({*self.zone[self.closed].tolist(), *self.splines})
-
-    @cached_property
-    def closed(self) -> Mask:
-        """Jumps whose potential is a closed form: all but the knots of a spline, where a zone has so many that their series is
-        shorter, and falls fast enough."""
-        if len(self) == 0:
-            return np.zeros(0, dtype=bool)
-        return np.asarray((self.order < HIGHEST) | (np.bincount(self.zone)[self.zone] <= _MANY))
+    @property
+    def near(self) -> ExteriorLogarithms:
+        """Logarithms of the right side that lie near zones, outside them."""
+        return NOWHERE
 
     @cached_property
     def kinked(self) -> list[int]:

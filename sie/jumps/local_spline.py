@@ -18,7 +18,7 @@ from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Complex, InPlane, Outside, What, of_t, root_on
 from sie.basis.kept import Kept
 from sie.basis.kernels import cauchy
-from sie.basis.places import numbered
+from sie.basis.places import divided
 from sie.basis.sums import pair_blocks
 from sie.fast.piecewise import PiecewiseTransform
 from sie.fast.tree import TERMS
@@ -42,6 +42,15 @@ def same_jumps(found: Array, wanted: Array, length: Array, size: float) -> bool:
     """Whether the jumps found between pieces of such lengths are those wanted, as far as rounding of values of such a size allows."""
     rounding = _ROUNDED * size / np.minimum(length[1:], length[:-1]) ** 2
     return not np.any(np.abs(found - wanted) > np.maximum(_SAME * np.abs(wanted).max(initial=0.0), rounding))
+
+
+def cosine_sums(weight: Array, angle: Array, count: int) -> Array:
+    """sum weight cos(k angle), k = 0 ... count - 1."""
+    turn, wave, out = np.exp(1j * angle), weight.astype(complex), np.empty(count)
+    for k in range(count):
+        out[k] = wave.real.sum()
+        wave *= turn
+    return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,16 +155,11 @@ class LocalSpline(Kept):
         """First `count` coefficients of the spline as a sum of T_l / sqrt(1 - t^2): (2/pi) int f T_l dt, half of it for l = 0."""
         angle = np.arccos(np.clip(self.knots - 1, -1.0, 1.0))
         parts = np.maximum(np.ceil(-np.diff(angle) * (count / _TURN)), 1.0).astype(np.intp)
-        number = numbered(parts)
-        size = np.repeat(np.diff(angle) / parts, parts)
+        start, size = divided(angle, parts)
         nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-        theta = ((np.repeat(angle[:-1], parts) + number * size)[:, None] + 0.5 * size[:, None] * (1 + nodes)).ravel()
-        turn = np.exp(1j * theta)
-        wave = ((-0.5 * size[:, None] * weights).ravel() * np.sin(theta) * self(2 * np.cos(0.5 * theta) ** 2) * (2 / np.pi)).astype(complex)
-        out = np.empty(count)
-        for k in range(count):
-            out[k] = wave.real.sum()
-            wave *= turn
+        theta = (start[:, None] + 0.5 * size[:, None] * (1 + nodes)).ravel()
+        weight = (-0.5 * size[:, None] * weights).ravel() * np.sin(theta) * self(2 * np.cos(0.5 * theta) ** 2) * (2 / np.pi)
+        out = cosine_sums(weight, theta, count)
         out[:1] *= 0.5
         return out
 
@@ -169,10 +173,9 @@ class LocalSpline(Kept):
     def _close(self) -> PiecewiseTransform:
         """On the spline and beside it, in cells that double in length away from it."""
         lo, hi = self._reach
-        away = np.diff(self.knots[:2])[0] * 2.0 ** np.arange(60) - np.diff(self.knots[:2])[0]
-        before = self.knots[0] - away[1:][away[1:] < 0.75 * (self.knots[0] - lo)]
-        away = np.diff(self.knots[-2:])[0] * (2.0 ** np.arange(60) - 1)
-        after = self.knots[-1] + away[1:][away[1:] < 0.75 * (hi - self.knots[-1])]
+        first, last = np.diff(self.knots)[[0, -1], None] * (2.0 ** np.arange(1, 60) - 1)
+        before = self.knots[0] - first[first < 0.75 * (self.knots[0] - lo)]
+        after = self.knots[-1] + last[last < 0.75 * (hi - self.knots[-1])]
         ends = np.concatenate(([lo], before[::-1], self.knots, after, [hi]))
         pieces = np.zeros((len(ends) - 1, 3))
         start = len(before) + 1

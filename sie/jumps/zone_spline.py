@@ -26,7 +26,7 @@ from sie.basis.arrays import Array, Index
 from sie.basis.interval import Complex, InPlane, What, theta
 from sie.basis.kept import Kept
 from sie.fast.piecewise import clenshaw
-from sie.jumps.local_spline import NEAREST, LocalSpline, same_jumps
+from sie.jumps.local_spline import NEAREST, LocalSpline, cosine_sums, same_jumps
 
 # Moments of a panel: it is seen from no nearer than twice its half width beyond its middle.
 _TERMS = 24
@@ -133,13 +133,8 @@ class ZoneSpline(Kept):
         if known is None or len(known) < count:
             panels = int(np.ceil(np.pi * (count + 1) / _TURN)) + 1
             phi, weight = self._moments(np.linspace(0.0, np.pi, panels + 1))
-            turn = np.exp(1j * phi)
-            wave, cosines = (2 / np.pi) * weight * turn, np.empty(count + 1)
-            for k in range(count + 1):
-                cosines[k] = wave.real.sum()
-                wave *= turn
-            known = 0.5 * cosines
-            known[2:] -= 0.5 * cosines[:-2]
+            known = 0.5 * cosine_sums((2 / np.pi) * weight, phi, count + 2)[1:]
+            known[2:] -= known[:-2].copy()
             self._coefficients["c"] = known = known[:count]
         return known[:count]
 
@@ -175,9 +170,7 @@ class ZoneSpline(Kept):
         phi, weight = self._nodes
         theta = (middle[:, None] + half[:, None] * place).ravel()
         values = ((1 / np.tan(0.5 * (theta[:, None] + phi))) @ weight / np.pi).reshape(len(half), _TERMS)
-        series = 2 * values @ chebyshev.t_matrix(_TERMS, _TERMS) / _TERMS
-        series[:, 0] *= 0.5
-        return cuts, np.ascontiguousarray(series.T)
+        return cuts, np.ascontiguousarray((values @ chebyshev.to_series(_TERMS)).T)
 
     def density(self, left: Array, right: Array) -> Array:
         """The density at points given by their distances from both ends."""

@@ -182,22 +182,22 @@ class SlitDensity(Located):
         w = wide.half[i]
         from_left, from_right = (merged.start[piece] + lf * half) / w, (merged.rest[piece] + rt * half) / w
         out = self._edged.at(i, from_left, from_right).copy()
-        begin, end = self.zones.a + merged.shift, self.zones.b + merged.shift
         for here, row in zip(self.slits, self._tilde, strict=True):
             on = np.flatnonzero(i == here.zone)
             if len(on) == 0:
                 continue
             added = np.zeros(len(on))
             p = piece[on]
-            for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):
-                past = begin[p] >= b
-                away = np.where(past, begin[p] - b + lf[on] * half[on], a - end[p] + rt[on] * half[on])
+            begin, end = merged.start[p], merged.stop[p]
+            for slit, a, b, d in zip(here.slits, here.start, here.stop, row, strict=True):
+                past = begin >= b
+                away = np.where(past, begin - b + lf[on] * half[on], a - end + rt[on] * half[on])
                 for side in (past, ~past):
                     added[side] += off_slit(away[side] / slit.width, 1.0 if side is past else -1.0, d)
             out[on] += np.sqrt(from_left[on] * from_right[on]) * added
             for k, kink in self.kinks_of(here):
-                past = begin[p] >= here.b[k]
-                away = np.where(past, begin[p] - here.b[k] + lf[on] * half[on], here.a[k] - end[p] + rt[on] * half[on])
+                past = begin >= here.stop[k]
+                away = np.where(past, begin - here.stop[k] + lf[on] * half[on], here.start[k] - end + rt[on] * half[on])
                 out[on] += kink.beside(from_left[on], from_right[on], away / here.slits[k].width, past)
         if self.bounded_ends:
             zero_left = np.array([e.intensity == 0.0 for e in self.zones.left])[piece] & (lf == 0)
@@ -218,8 +218,7 @@ class SlitDensity(Located):
         wide = self.merged.wide
         for here, row in zip(self.slits, self._tilde, strict=True):
             scale = slope_scale(wide.half[here.zone])
-            for slit, a, b, d in zip(here.slits, here.a, here.b, row, strict=True):
-                before, after = a - wide.a[here.zone], wide.b[here.zone] - b
+            for slit, before, after, d in zip(here.slits, here.start, here.rest, row, strict=True):
                 left[here.zone] += scale * off_slit(np.array([before / slit.width]), -1.0, d)[0]
                 right[here.zone] += scale * off_slit(np.array([after / slit.width]), 1.0, d)[0]
             for _, kink in self.kinks_of(here):

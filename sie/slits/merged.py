@@ -7,7 +7,7 @@ modes. On the zone that spans both, g a *slit*, everything but the slit's own sh
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -30,7 +30,8 @@ SMALL = 0.003
 @dataclass(frozen=True, eq=False)
 class Merged(Kept):
     """pieces: the zones as given. wide: zones that span narrow gaps; slits: those gaps, slit_zone the wide zone of each.
-    piece_zone: wide zone of each piece; shift: what to add to a piece to find it in its wide zone (periods).
+    piece_zone: wide zone of each piece; shift: what to add to a piece to find it in its wide zone (periods); cut_off: what rounding has cut
+    off the ends of the pieces there (2, n).
     """
 
     pieces: Zones
@@ -39,16 +40,22 @@ class Merged(Kept):
     slit_zone: Index
     piece_zone: Index
     shift: Array
+    cut_off: Array
 
     @cached_property
     def start(self) -> Array:
         """Distance of each piece's left end from the left end of its wide zone."""
-        return np.asarray(self.pieces.a + self.shift - self.wide.a[self.piece_zone])
+        return self.wide.beyond_a(self.pieces.a + self.shift, self.piece_zone) + self.cut_off[0]
+
+    @cached_property
+    def stop(self) -> Array:
+        """Distance of each piece's right end from the left end of its wide zone."""
+        return self.wide.beyond_a(self.pieces.b + self.shift, self.piece_zone) + self.cut_off[1]
 
     @cached_property
     def rest(self) -> Array:
         """Distance of each piece's right end from the right end of its wide zone."""
-        return np.asarray(self.wide.b[self.piece_zone] - self.pieces.b - self.shift)
+        return self.wide.before_b(self.pieces.b + self.shift, self.piece_zone) - self.cut_off[1]
 
     @cached_property
     def slit_before(self) -> Index:
@@ -99,11 +106,19 @@ def merge(equation: Equation, pieces: Zones) -> Merged | None:
     zone[order] = np.repeat(np.arange(len(starts)), stops - starts + 1)
     left = [pieces.left[order[s]] for s in starts]
     right = [pieces.right[order[s]] for s in stops]
-    rest = np.array([pieces.rest[0][order[starts]], pieces.rest[1][order[stops]]])
+    cut_off = pieces.rest + np.array([_lost(ends, shift) for ends in (pieces.a, pieces.b)])
+    rest = np.array([cut_off[0][order[starts]], cut_off[1][order[stops]]])
     wide = Zones(a[starts], b[stops], left, right, pieces.symmetric, rest)
     at = np.flatnonzero(joined)
-    slits = Zones.of(np.column_stack((b[at], a[at + 1])))
-    return Merged(pieces, wide, slits, zone[order[at]], zone, shift)
+    slits = replace(Zones.of(np.column_stack((b[at], a[at + 1]))), rest=np.array([cut_off[1][order[at]], cut_off[0][order[at + 1]]]))
+    return Merged(pieces, wide, slits, zone[order[at]], zone, shift, cut_off)
+
+
+def _lost(x: Array, by: Array) -> Array:
+    """What x + by loses to rounding, exactly (D. E. Knuth, The Art of Computer Programming 2, 4.2.2)."""
+    there = x + by
+    back = there - x
+    return np.asarray((x - (there - back)) + (by - back))
 
 
 def _one_level(conditions: Sequence[Condition]) -> bool:

@@ -66,8 +66,7 @@ class Slit(Kept):
     @cached_property
     def gauss(self) -> tuple[Array, Array]:
         """(1 + z, 1 - z) at the Gauss nodes."""
-        theta = (np.arange(self.nodes) + 0.5) * np.pi / self.nodes
-        return 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
+        return chebyshev.gauss_sides(self.nodes)
 
     @cached_property
     def theta(self) -> Array:
@@ -146,8 +145,11 @@ class Slits(Kept):
         self.which = np.flatnonzero(merged.slit_zone == zone)
         a, b = merged.slits.a[self.which], merged.slits.b[self.which]
         w = self.w = float(merged.wide.half[zone])
-        start, rest = (a - merged.wide.a[zone]) / w, (merged.wide.b[zone] - b) / w
-        half = 0.5 * (b - a)
+        # Distances of their ends from the left end of the zone, and of the right ones from its right end.
+        every, (cut_a, cut_b) = np.full(len(a), zone), merged.slits.rest[:, self.which]
+        self.start, self.stop = merged.wide.beyond_a(a, every) + cut_a, merged.wide.beyond_a(b, every) + cut_b
+        self.rest = merged.wide.before_b(b, every) - cut_b
+        start, rest, half = self.start / w, self.rest / w, merged.slits.half[self.which]
         # Distances to the far ends of the pieces on both sides, and to jumps: the nearest singularities.
         before = np.concatenate(([start[0] * w], a[1:] - b[:-1]))
         after = np.concatenate((a[1:] - b[:-1], [rest[-1] * w]))
@@ -183,12 +185,8 @@ class Slits(Kept):
         self.a, self.b = a, b
         self.offset = np.concatenate(([0], np.cumsum([slit.modes + 1 for slit in self.slits])))
         self.modes = modes
-        self._angles = [self._lobatto(slit) for slit in self.slits]
-
-    @staticmethod
-    def _lobatto(slit: Slit) -> tuple[Array, Array]:
-        _, right, left = chebyshev.lobatto(slit.modes)
-        return left[1:-1], right[1:-1]
+        nodes = (chebyshev.lobatto(slit.modes) for slit in self.slits)
+        self._angles = [(left[1:-1], right[1:-1]) for _, right, left in nodes]
 
     def split(self, d: Array) -> list[Array]:
         return [d[s:e] for s, e in zip(self.offset[:-1], self.offset[1:], strict=True)]
@@ -254,9 +252,9 @@ class Slits(Kept):
                     matrix[rows, columns] = np.eye(slit.modes, slit.modes + 1, 1)
                     continue
                 if j < i:
-                    away, sign = self.a[i] - self.b[j] + slit.width * left, 1.0
+                    away, sign = self.start[i] - self.stop[j] + slit.width * left, 1.0
                 else:
-                    away, sign = self.a[j] - self.b[i] + slit.width * right, -1.0
+                    away, sign = self.start[j] - self.stop[i] + slit.width * right, -1.0
                 matrix[rows, columns] = -chebyshev.project_rows(off_slit_rows(away / other.width, sign, other.modes + 1))
         lu, pivots = lu_factor(matrix, check_finite=False)
         return lu, pivots

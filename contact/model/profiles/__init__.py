@@ -13,16 +13,6 @@ from contact.model.profiles.sinusoid import Sinusoid
 from contact.model.profiles.wedge import Wedge
 
 __all__ = [
-    "Biquadratic",
-    "Combined",
-    "Flat",
-    "Fourier",
-    "Parabola",
-    "Polynomial",
-    "Profile",
-    "Sampled",
-    "Sinusoid",
-    "Wedge",
-    "read_trace",
-    "self_affine",
+    "Biquadratic", "Combined", "Flat", "Fourier", "Parabola", "Polynomial", "Profile", "Sampled", "Sinusoid",
+    "Wedge", "read_trace", "self_affine",
 ]

@@ -111,6 +111,11 @@ class Profile(sie.Kept):
         return None
 
     @property
+    def known(self) -> tuple[float, float] | None:
+        """One cell, or the extent without a period; None: the whole line."""
+        return self.extent if self.period is None else (self.x0, self.x0 + self.period)
+
+    @property
     def x0(self) -> float:
         """Left end of the periodic cell; -inf without a period."""
         return -inf if self.period is None else -0.5 * self.period
@@ -131,6 +136,11 @@ class Profile(sie.Kept):
         return self.resolution
 
     @property
+    def exact_places(self) -> bool:
+        """Whether `slope` is that at the very number x: of the product of a wave number and x, say, no digit is lost."""
+        return False
+
+    @property
     def breakpoints(self) -> Array:
         """Positions in the cell where f or one of its derivatives jumps."""
         return np.unique(np.concatenate((self.kinks[:, 0], self.jumps[:, 0])))
@@ -142,9 +152,9 @@ class Profile(sie.Kept):
     @cached_property
     def slopes_seen(self) -> Array:
         """Finite slopes at even places over the period, or where the shape is known; none of a body without either."""
-        if self.extent is None and self.period is None:
+        if self.known is None:
             return np.zeros(0)
-        lo, hi = self.extent or (self.x0, self.x0 + (self.period or 0.0))
+        lo, hi = self.known
         with np.errstate(all="ignore"):
             slopes = np.asarray(self.slope(lo + (hi - lo) * (np.arange(_PLACES) + 0.5) / _PLACES), dtype=float)
         return np.asarray(slopes[np.isfinite(slopes)])

@@ -40,7 +40,8 @@ def require_declarations(profile: Profile) -> None:
     for name, (columns, meaning) in _TABLES.items():
         table = _read(profile, name)
         if not (isinstance(table, np.ndarray) and _is_real(table, 2) and table.shape[1] == columns):
-            raise SceneError.of(f"profile.{name}", table, f"a numpy array of finite rows of {columns}: {meaning} (a property, not a method)")
+            allowed = f"a numpy array of finite rows of {columns}: {meaning} (a property, not a method)"
+            raise SceneError.of(f"profile.{name}", table, allowed)
     tips = _read(profile, "summits")
     if tips is not None and not (_is_real(tips, 1) and np.size(tips)):
         raise SceneError.of("profile.summits", tips, "None, or a one-dimensional array of positions [m]")
@@ -64,9 +65,7 @@ def _is_real(value: Any, axes: int) -> bool:
 
 def _places(profile: Profile) -> np.ndarray[Any, np.dtype[np.float64]]:
     """A few places (2, 3) at which there should be a profile."""
-    if profile.period is not None:
-        return profile.x0 + profile.period * (0.5 + _SPREAD)
-    ends = profile.support or profile.extent
+    ends = profile.known if profile.period is not None else profile.support or profile.extent
     if ends is not None:
         return 0.5 * (ends[0] + ends[1]) + (ends[1] - ends[0]) * _SPREAD
     return (profile.resolution or 1.0) * _DECADES

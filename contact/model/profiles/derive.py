@@ -32,7 +32,7 @@ def slope_of(height: Callable[[Any], Any], x: Array, length: float | None = None
     by_step = _complex_step(height, x)
     if by_step is None:
         return by_differences
-    if _agree(by_step, by_differences, doubt):
+    if agree(by_step, by_differences, doubt):
         return by_step
     # Points may be too close together for differences to tell f' from rounding, which a height like cosh(x) - 1 hides:
     # farther apart they can, of the same function.
@@ -43,19 +43,19 @@ def slope_of(height: Callable[[Any], Any], x: Array, length: float | None = None
         step = _complex_step(height, spread)
         if step is None:
             break
-        if _agree(step, *by_ladder(height, spread, length)):
+        if agree(step, *by_ladder(height, spread, length)):
             return by_step
     return by_differences
 
 
-def _agree(by_step: Array, by_differences: Array, doubt: Array) -> bool:
-    """Whether complex steps are right where differences are sure, at more than half of the points.
+def agree(by_step: Array, by_differences: Array, doubt: Array) -> bool | None:
+    """Whether complex steps are right where differences are sure; None where they are so at half of the points or fewer.
 
     A height that takes |x| or drops the imaginary part gives a wrong answer of the size of f' itself.
     """
     scale = np.max(np.abs(by_differences), initial=0.0)
     sure = doubt <= 1e-7 * scale
-    return bool(2 * np.sum(sure) > sure.size and np.all(np.abs(by_step - by_differences)[sure] <= 1e-6 * scale))
+    return bool(np.all(np.abs(by_step - by_differences)[sure] <= 1e-6 * scale)) if 2 * np.sum(sure) > sure.size else None
 
 
 def imaginary(function: Callable[[Any], Any], z: NDArray[Any]) -> Array | None:

@@ -88,6 +88,11 @@ class Fourier(Profile):
     def resolution(self) -> float:
         return self.period / np.size(self.cosine)
 
+    @property
+    def exact_places(self) -> bool:
+        """In two words a place keeps all of its digits over the period."""
+        return bool(np.size(self.cosine) >= _LONG)
+
     @cached_property
     def _waves(self) -> tuple[_Waves, ...]:
         """f, f' and H f'."""

@@ -48,8 +48,7 @@ class Tilted(Profile):
 
     @property
     def extent(self) -> tuple[float, float] | None:
-        length, x0 = self.profile.period, self.profile.x0
-        return self.profile.extent if length is None else (x0, x0 + length)
+        return self.profile.known
 
     @property
     def resolution(self) -> float | None:

@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contact.errors import SceneError
-from contact.model.checks import one_of
 from contact.model.traces.text import at
 from contact.model.units import quantity
 from sie import Array
@@ -30,10 +28,6 @@ _MANY = 0.1
 def no_height(cell: str, missing: Any) -> bool:
     """Whether a cell says that there is no height."""
     return cell.lower() in WORDS or (isinstance(missing, str) and cell == missing)
-
-
-def checked_fill(fill: Any) -> str | None:
-    return None if fill is None else one_of("fill", fill, FILLS)
 
 
 def filled(
@@ -107,9 +101,3 @@ def in_order(
     other = "; the heights do throughout: if the columns are the other way round, columns says so, as columns = [1, 0]" if swapped else ""
     what = f"positions must increase or decrease throughout, {x[i + 1]:g} m follows {x[i]:g} m{other}"
     raise at(path, lines[i + 1], what if other else f"{what}; sort = true sorts them")
-
-
-def checked_sort(sort: Any) -> bool:
-    if not isinstance(sort, bool):
-        raise SceneError.of("sort", sort, "true or false")
-    return sort

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from contact.errors import SceneError
-from contact.model.checks import positive
+from contact.model.checks import positive_or_none
 from contact.model.units import quantity
 from sie import Array
 
@@ -26,13 +26,11 @@ _SHORTEST = 2.0
 _EVEN = 1e-3
 
 
-def cut_offs(lambda_s: Any, lambda_c: Any) -> tuple[float | None, float | None]:
-    """Both lengths [m], None where there is no filter."""
-    short = None if lambda_s is None else positive("lambda_s", lambda_s)
-    long = None if lambda_c is None else positive("lambda_c", lambda_c)
+def refuse_cut_offs(lambda_s: Any, lambda_c: Any) -> None:
+    """SceneError where they are no lengths [m], or not in order; None: no filter."""
+    short, long = positive_or_none("lambda_s", lambda_s), positive_or_none("lambda_c", lambda_c)
     if short is not None and long is not None and not short < long:
         raise SceneError.of("lambda_s", lambda_s, f"below lambda_c = {long!r}")
-    return short, long
 
 
 def low_pass(x: Array, height: Array, cut_off: float, name: str) -> Array:

@@ -9,6 +9,7 @@ taper (bring both ends to one height, so that one length is a period). What was 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from math import ceil, log10
 from numbers import Integral
 from pathlib import Path
@@ -19,9 +20,9 @@ from numpy.typing import NDArray
 
 from contact.errors import SceneError
 from contact.model.checks import finite, integer, one_of, positive, such
-from contact.model.traces.dropouts import checked_fill, checked_sort, filled, in_order, marks, too_many
+from contact.model.traces.dropouts import FILLS, filled, in_order, marks, too_many
 from contact.model.traces.file import FEWEST, in_metres, read_table
-from contact.model.traces.filters import cut_offs, low_pass
+from contact.model.traces.filters import low_pass, refuse_cut_offs
 from contact.model.traces.instruments import is_instrument_file, read_instrument
 from contact.model.traces.text import at
 from contact.model.units import quantity
@@ -66,14 +67,19 @@ class Preparation:
     period: bool | float | None = None
 
     def __post_init__(self) -> None:
-        checked_sort(self.sort)
+        if not isinstance(self.sort, bool):
+            raise SceneError.of("sort", self.sort, "true or false")
         _degree(self.detrend)
-        _count(self.regrid)
+        # True: as many as points are, or the measured length; false: as if left out.
+        for name, check in (("regrid", partial(integer, least=FEWEST)), ("period", positive)):
+            given = getattr(self, name)
+            if not (given is None or isinstance(given, bool)):
+                check(name, given)
         if self.taper is not None:
-            _fraction(self.taper)
-        _period(self.period)
-        cut_offs(self.lambda_s, self.lambda_c)
-        checked_fill(self.fill)
+            such("taper", self.taper, "a fraction of the length > 0 and <= 0.5", lambda fraction: 0 < fraction <= 0.5)
+        refuse_cut_offs(self.lambda_s, self.lambda_c)
+        if self.fill is not None:
+            one_of("fill", self.fill, FILLS)
 
 
 @dataclass(frozen=True)
@@ -266,7 +272,7 @@ def subtract_trend(x: Array, height: Array, kind: str | int) -> Array:
 def taper_ends(x: Array, height: Array, fraction: float) -> Array:
     """Heights blended at both ends into their mean there by w = (1 - cos(pi s))/2; end slopes are 0."""
     length = x[-1] - x[0]
-    s = np.minimum(1.0, np.minimum(x - x[0], x[-1] - x) / (_fraction(fraction) * length))
+    s = np.minimum(1.0, np.minimum(x - x[0], x[-1] - x) / (fraction * length))
     common = float(np.mean(height[s < 1]))
     return np.asarray(common + (height - common) * (1 - np.cos(np.pi * s)) / 2)
 
@@ -299,25 +305,9 @@ def _degree(detrend: Any) -> int:
     return int(detrend)
 
 
-def _count(regrid: Any) -> int | bool | None:
-    if regrid is None or regrid is False:
-        return None
-    return True if regrid is True else integer("regrid", regrid, FEWEST)
-
-
 def _bounded(count: int, points: int) -> int:
     most = max(_MOST_REGRID, points)
     if count > most:
         allowed = f"at most {most}: between the {points} points of the file there are but straight lines, and nothing more to be known"
         raise SceneError.of("regrid", count, allowed)
     return count
-
-
-def _fraction(taper: Any) -> float:
-    return such("taper", taper, "a fraction of the length > 0 and <= 0.5", lambda fraction: 0 < fraction <= 0.5)
-
-
-def _period(period: Any) -> float | bool | None:
-    if period is None or period is False:
-        return None
-    return True if period is True else positive("period", period)

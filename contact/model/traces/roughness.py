@@ -12,28 +12,18 @@ where the standard has a formula of seven points.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sie import Array
 
+if TYPE_CHECKING:
+    from contact.model.profiles.sampled import Sampled
+
 # Of Gauss's rule: exact to the degree 13; z^4 of a cubic has 12.
 _NODES = 7
 _MOST_BINS = 64
-
-
-class Measured(Protocol):
-    """What of a `Sampled` is used here."""
-
-    @property
-    def x(self) -> Array: ...
-    @property
-    def heights(self) -> Array: ...
-    @property
-    def period(self) -> float | None: ...
-    def height(self, x: Array) -> Array: ...
-    def slope(self, x: Array) -> Array: ...
 
 
 @dataclass(frozen=True)
@@ -52,7 +42,7 @@ class Roughness:
     rms_slope: float
 
 
-def roughness(trace: Measured) -> Roughness:
+def roughness(trace: Sampled) -> Roughness:
     """The parameters of a trace."""
     knots = trace.x if trace.period is None else np.append(trace.x, trace.x[0] + trace.period)
     steps = np.diff(knots)
@@ -77,7 +67,7 @@ def roughness(trace: Measured) -> Roughness:
     )
 
 
-def power_spectrum(trace: Measured) -> tuple[Array, Array]:
+def power_spectrum(trace: Sampled) -> tuple[Array, Array]:
     """Wavenumbers q = 2 pi/wavelength [1/m] and the one-sided density C(q) [m^3]: the integral of C over q is Rq^2.
 
     From as many even points of the spline as there are; a trace that just ends has its line subtracted and is weighted by Hann's window,
@@ -103,7 +93,7 @@ def power_spectrum(trace: Measured) -> tuple[Array, Array]:
     return np.asarray(step * np.arange(1, waves.size)), np.asarray(waves[1:] / step)
 
 
-def height_distribution(trace: Measured) -> tuple[Array, Array]:
+def height_distribution(trace: Sampled) -> tuple[Array, Array]:
     """Edges of equal bins [m], from the mean height, and the density of heights in them [1/m], by the length of the trace."""
     n = trace.x.size
     count = int(np.clip(np.sqrt(n), 8, _MOST_BINS))

@@ -20,7 +20,6 @@ from contact.paper.figures.base import (
     SELF,
     STYLE,
     Figure,
-    alone_or_period,
     curve,
     label_panel,
     on_cell,
@@ -76,10 +75,8 @@ class _Pressures:
                 for of, model in self.every:
                     if of == value:
                         curve(axes, self.x, self.columns[self.name(value, model)], model, "Hertz" if model == ALONE else model)
-                axes.set_xlim(-0.5, 0.5)
-                axes.set_ylim(0.0, top)
                 axes.set_title(f"{heading} = {value}", fontsize=9)
-                label_panel(axes, "x/L", label)
+                label_panel(axes, "x/L", label, xlim=(-0.5, 0.5), ylim=(0.0, top))
 
         return Figure(number, title, notes, self.columns, draw)
 
@@ -101,10 +98,8 @@ def _draw_errors(
         for name, width in names.items():
             error = columns[f"{name} {model}"] / columns[f"{name} {EXACT}"] - 1.0
             axes.plot(x, 100.0 * error, **{**STYLE[model], **({} if width is None else {"linewidth": width})})
-    axes.set_xlim(0.0, round(x[-1], 1))
-    axes.set_ylim(-most, most)
     axes.axhline(0.0, **_LINE)
-    label_panel(axes, across, up, legend=False)
+    label_panel(axes, across, up, legend=False, xlim=(0.0, round(x[-1], 1)), ylim=(-most, most))
 
 
 def figure_7() -> Figure:
@@ -141,9 +136,7 @@ def figure_8() -> Figure:
             curve(left, _FRACTIONS, columns[f"max/p* {model}"], model)
         left.annotate("greatest", (0.62, 1.42), fontsize=8)
         left.annotate("mean", (0.62, 0.45), fontsize=8)
-        left.set_xlim(0.0, 1.0)
-        left.set_ylim(0.0, 2.1)
-        label_panel(left, "2a/L", "p/p*")
+        label_panel(left, "2a/L", "p/p*", xlim=(0.0, 1.0), ylim=(0.0, 2.1))
         widths = {"mean/p*": 1.4, "max/p*": 0.7}
         _draw_errors(right, _FRACTIONS, columns, widths, "2a/L", "error [%], thick: mean, thin: greatest", 15.0)
         right.axvline(0.7, **_LINE)
@@ -191,10 +184,8 @@ def figure_10() -> Figure:
         left, right = figure.subplots(1, 2)
         for model in MODELS:
             curve(left, columns[f"{mean} {model}"], _FRACTIONS, model, model)
-        left.set_xlim(0.0, 1.1)
-        left.set_ylim(0.0, 1.0)
         left.axhline(0.7, **_LINE)
-        label_panel(left, r"$\bar p$/(E* tan$\,\beta$)", "2a/L")
+        label_panel(left, r"$\bar p$/(E* tan$\,\beta$)", "2a/L", xlim=(0.0, 1.1), ylim=(0.0, 1.0))
         _draw_errors(right, _FRACTIONS, columns, {mean: None}, "2a/L", "error of the mean pressure [%]", 30.0)
         right.axvline(0.7, **_LINE)
 
@@ -208,7 +199,7 @@ def figure_10() -> Figure:
 
 def figure_11() -> Figure:
     """Pressure under the parabola at two mean pressures, with the exact one that the paper lacks."""
-    every = {(p, m): alone_or_period(_PARABOLA, m, p) for p in PRESSURES for m in (EXACT, FIRST, SELF, ALONE)}
+    every = {(p, m): solved(_PARABOLA, m, mean_pressure=p) for p in PRESSURES for m in (EXACT, FIRST, SELF, ALONE)}
     apart, t = [], np.linspace(-1.0, 1.0, 201)
     for mean in PRESSURES:
         for model, family in ((EXACT, PeriodicParabola), (FIRST, LocalizedParabola)):
@@ -242,12 +233,10 @@ def figure_12() -> Figure:
         left, right = figure.subplots(1, 2)
         for model in MODELS:
             curve(left, columns[f"{load} {model}"], _SHARES, model, "Hertz" if model == ALONE else model)
-        left.set_xlim(0.0, 0.4)
-        left.set_ylim(0.0, 0.5)
         for axes in (left.axhline, right.axvline):
             for share in (0.125, 0.35):
                 axes(share, **_LINE)
-        label_panel(left, "P R/(L² E*)", "a/L")
+        label_panel(left, "P R/(L² E*)", "a/L", xlim=(0.0, 0.4), ylim=(0.0, 0.5))
         _draw_errors(right, _SHARES, columns, {load: None}, "a/L", "error of the load [%]", 30.0)
 
     notes = (

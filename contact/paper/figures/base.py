@@ -13,7 +13,7 @@ from contact.errors import OutOfRange
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
 from contact.model.profiles import Profile
 from contact.model.scene import Scene
-from contact.solution.panels import new_figure
+from contact.solution.panels import finish, new_figure
 from contact.solution.solution import Solution
 from contact.solver import solve
 from sie import Array
@@ -73,12 +73,6 @@ def solved(profile: Profile, model: str, **control: Any) -> Solution | None:
         return None
 
 
-def alone_or_period(profile: Profile, model: str, mean_pressure: float) -> Solution | None:
-    """As `solved`, at the load that is the mean pressure times the period, for the isolated model too."""
-    assert profile.period is not None
-    return solved(profile, model, load=mean_pressure * profile.period)
-
-
 def on_cell(solutions: list[Solution | None], half: float, points: int = 401) -> Array:
     """Positions in [-half, half] that show every solution: even ones, and closer at the ends of each one's zones."""
     x = [np.linspace(-half, half, points)]
@@ -103,13 +97,10 @@ def curve(axes: Any, x: Array, y: Array, model: str, label: str | None = None) -
     axes.plot(x, y, label=label, **STYLE[model])
 
 
-def label_panel(axes: Any, x: str, y: str, legend: bool = True) -> None:
-    """Names of the axes, ticks inside, a legend without a frame."""
-    axes.set_xlabel(x)
-    axes.set_ylabel(y)
-    axes.tick_params(direction="in", top=True, right=True)
-    if legend:
-        axes.legend(frameon=False, fontsize=8)
+def label_panel(axes: Any, x: str, y: str, legend: bool = True, **limits: tuple[float | None, float | None]) -> None:
+    """Names of the axes, their limits (xlim, ylim), ticks inside, a legend without a frame."""
+    axes.set(**limits)
+    finish(axes, x, y, legend)
 
 
 def worst(a: Array, b: Array) -> float:

@@ -55,9 +55,7 @@ def figure_2a() -> Figure:
             if refined[spacing] is not None:
                 name = f"{_ALL}, l/R = {spacing}"
                 axes.plot(r, columns[f"p/E* {_ALL} l/R={spacing}"], color=colour, linestyle="--", label=name)
-        axes.set_xlim(0.0, None)
-        axes.set_ylim(0.0, None)
-        label_panel(axes, "r/R", "p/E*")
+        label_panel(axes, "r/R", "p/E*", xlim=(0.0, None), ylim=(0.0, None))
 
     notes = (
         "Spheres of radius R, hexagonal lattice of spacing l; pi P/2E*R^2 = 0.0044 is read as a load per spot, not a pressure.",
@@ -101,12 +99,8 @@ def figure_2b() -> Figure:
                 axes.plot(columns[f"p/E* {_ALL} l/R={spacing}"], a, color=colour, linestyle="--")
                 axes.plot(columns[f"p/E* Hertz l/R={spacing}"], a, color=colour, linestyle=(0, (1, 1)))
             label_panel(axes, r"$\bar p$/E*", "a/R", legend=axes is right)
-        left.set_xlim(0.0, 0.2)
-        left.set_ylim(0.0, 0.5)
-        right.set_xscale("log")
-        right.set_yscale("log")
-        right.set_xlim(1e-5, 1.0)
-        right.set_ylim(1e-2, 0.6)
+        left.set(xlim=(0.0, 0.2), ylim=(0.0, 0.5))
+        right.set(xscale="log", yscale="log", xlim=(1e-5, 1.0), ylim=(1e-2, 0.6))
 
     notes = (
         "Spheres of radius R, hexagonal lattice of spacing l; p is the nominal pressure. The paper's range of p is not given.",

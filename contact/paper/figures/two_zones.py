@@ -8,7 +8,7 @@ import numpy as np
 
 from contact.model.profiles import Biquadratic
 from contact.paper import CubicPair, LocalizedPair, PrintedCubicPair
-from contact.paper.figures.base import SELF, Figure, alone_or_period, label_panel, on_cell
+from contact.paper.figures.base import SELF, Figure, label_panel, on_cell, solved
 
 # E* = 1, R = 1; L = 2.4c is the paper's.
 RADIUS, HALF_SPACING, MEAN = 1.0, 0.05, 0.00109
@@ -31,7 +31,7 @@ def figure_13() -> Figure:
         "radius": RADIUS, "spacing": 2.0 * HALF_SPACING, "period": PERIOD, "E_star": 1.0, "mean_pressure": MEAN,
     }
     printed, cubic, full = PrintedCubicPair(**shape), CubicPair(**shape), LocalizedPair(**shape)
-    exact, cut, alone = (alone_or_period(_PROFILE, m, MEAN) for m in ("exact", SELF, "isolated"))
+    exact, cut, alone = (solved(_PROFILE, m, mean_pressure=MEAN) for m in ("exact", SELF, "isolated"))
     assert exact is not None and cut is not None and alone is not None
     x = on_cell([exact, cut, alone], 0.5 * PERIOD, 801)
     made: dict[str, Any] = {
@@ -56,11 +56,8 @@ def figure_13() -> Figure:
         for axes in (left, right):
             for name, p in values.items():
                 axes.plot(x / HALF_SPACING, 1e3 * p, label=name, **_STYLES[name])
-            axes.set_ylim(0.0, 4.9)
-        left.set_xlim(-1.2, 1.2)
-        right.set_xlim(0.7, 1.2)
-        label_panel(left, "x/c", "1000 p/E*", legend=False)
-        label_panel(right, "x/c", "1000 p/E*")
+        label_panel(left, "x/c", "1000 p/E*", legend=False, xlim=(-1.2, 1.2), ylim=(0.0, 4.9))
+        label_panel(right, "x/c", "1000 p/E*", xlim=(0.7, 1.2), ylim=(0.0, 4.9))
 
     notes = (
         "L = 2.4c as in the paper, which leaves load and c/R open: mean pressure 0.00109 E*, c = 0.05 R.",

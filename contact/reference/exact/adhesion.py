@@ -160,12 +160,16 @@ class Equilibria(Generic[State]):
         OutOfRange where no part of the curve is stable."""
         return self.at(self._part(STABLE, machine_compliance)[0])
 
-    def _part(self, branch: str, machine_compliance: float) -> tuple[float, float]:
-        one_of("branch", branch, (NARROW, STABLE, WIDE, LAST))
+    def _parts(self, machine_compliance: float) -> tuple[list[tuple[float, float]], list[bool]]:
+        """(parts of the curve between turning points, whether each is stable)."""
         samples = self._samples()
         ends = [float(samples[0]), *self.turning_points(machine_compliance), float(samples[-1])]
         parts = list(zip(ends[:-1], ends[1:], strict=True))
-        grows = [self._rate(0.5 * (lo + hi), machine_compliance) > 0.0 for lo, hi in parts]
+        return parts, [self._rate(0.5 * (lo + hi), machine_compliance) > 0.0 for lo, hi in parts]
+
+    def _part(self, branch: str, machine_compliance: float) -> tuple[float, float]:
+        one_of("branch", branch, (NARROW, STABLE, WIDE, LAST))
+        parts, grows = self._parts(machine_compliance)
         first = grows.index(True) if True in grows else len(parts)
         number = {NARROW: first - 1, STABLE: first, WIDE: first + 1, LAST: len(parts) - 1}[branch]
         if (first == len(parts) and branch != LAST) or not 0 <= number < len(parts):
@@ -196,10 +200,7 @@ class Equilibria(Generic[State]):
 
     def _stable_parts(self) -> list[tuple[float, float, float, float]]:
         """Parameters and loads at both ends of every part that is stable under a held load."""
-        samples = self._samples()
-        ends = [float(samples[0]), *self.turning_points(), float(samples[-1])]
-        parts = [(lo, hi) for lo, hi in zip(ends[:-1], ends[1:], strict=True) if self._rate(0.5 * (lo + hi), inf) > 0.0]
-        return [(lo, hi, self.at(lo).load, self.at(hi).load) for lo, hi in parts]
+        return [(lo, hi, self.at(lo).load, self.at(hi).load) for (lo, hi), grows in zip(*self._parts(inf), strict=True) if grows]
 
     def advancing(self, load: float) -> State | None:
         """The state reached from first touch without load by raising the load, or by lowering it from none; None: full contact.

@@ -14,16 +14,6 @@ from contact.reference.inverse.random import (
 from contact.reference.inverse.stability import is_stable, second_variation
 
 __all__ = [
-    "AdhesiveDesign",
-    "CohesiveDesign",
-    "DesignedContact",
-    "DesignedProfile",
-    "adhesive_design",
-    "design",
-    "is_stable",
-    "random_adhesive_problem",
-    "random_cohesive_problem",
-    "random_problem",
-    "random_zones",
-    "second_variation",
+    "AdhesiveDesign", "CohesiveDesign", "DesignedContact", "DesignedProfile", "adhesive_design", "design",
+    "is_stable", "random_adhesive_problem", "random_cohesive_problem", "random_problem", "random_zones", "second_variation",
 ]

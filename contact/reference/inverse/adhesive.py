@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from math import ceil, pi, sqrt
+from math import pi, sqrt
 from typing import Any
 
 import numpy as np
@@ -24,11 +24,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.model.checks import finite, keep, positive
 from contact.model.profiles.fourier import Fourier
-from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT
 from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
-from sie import Array
+from sie import Array, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,14 +141,7 @@ class AdhesiveDesign(GivenZones):
         return np.stack(modes if n % 2 else [*modes, np.ones_like(x)], axis=-1)
 
     def _nodes(self, i: int) -> Any:
-        """Midpoints in the angle: dl, dr and weights of int F dx for F ~ 1/sqrt at the ends."""
-        product = self._long
-        m, h = len(product.steps), product.steps[i]
-        around = (k % m for k in (i - 1, i + 1) if self.period is not None or 0 <= k < m)
-        nearest = min((float(product.steps[k]) for k in around), default=float(h))
-        count = 40 + ceil(20.0 / min(1.0, sqrt(nearest / float(h))))
-        phi = product.pi * (np.arange(count) + np.longdouble(0.5)) / count
-        return h * np.sin(0.5 * phi) ** 2, h * np.cos(0.5 * phi) ** 2, 0.5 * h * product.pi / count * np.sin(phi)
+        return self._long.nodes(i, midpoints=True)
 
     def _integrals(self, i: int) -> tuple[Any, Any]:
         """int |X| modes dx and int |X| sum q_e/(x - e) dx over an interval."""
@@ -240,25 +232,9 @@ class AdhesiveDesign(GivenZones):
         """Slope of the gap in the gap i (-1: left of all zones)."""
         return np.asarray(self._side(i) * self._product.root(i, dl, dr) * self._ratio(i, dl, dr))
 
-    def gap(self, x: ArrayLike) -> Array:
-        """u + f - approach [m]: the slope integrated from the nearer end of the gap."""
-        x = np.asarray(x, dtype=float)
-        interval, dl, dr = self._product.locate(x)
-        gap = np.zeros_like(x)
-        outside = (interval % 2 == 1) & ((dl != 0.0) | (interval < 0)) & (dr != 0.0)
-        for i in np.unique(interval[outside]):
-            here = outside & (interval == i)
-            rightward = (dl[here] <= dr[here]) | np.isnan(dr[here]) if i >= 0 else np.zeros(int(np.sum(here)), dtype=bool)
-            way = np.where(rightward, dl[here], dr[here])[:, None]
-            rest = np.where(rightward, dr[here], dl[here])[:, None]
-            # From the end, way s^2: the slope is as 1/s there.
-            near, far = way * FROM_LEFT**2, rest + way * FROM_RIGHT * (1.0 + FROM_LEFT)
-            values = self._opening(
-                int(i), np.where(rightward[:, None], near, far), np.where(rightward[:, None], far, near)
-            )
-            sign = np.where(rightward, 1.0, -1.0)
-            gap[here] = sign * np.sum(2.0 * way * FROM_LEFT * WEIGHT * values, axis=-1)
-        return gap
+    def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
+        """From the nearer end."""
+        return np.asarray((dl <= dr) | np.isnan(dr)) if i >= 0 else np.zeros(dl.shape, dtype=bool)
 
     @cached_property
     def max_pressure(self) -> float:

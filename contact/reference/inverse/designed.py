@@ -26,11 +26,10 @@ from numpy.typing import ArrayLike
 
 from contact.model.checks import keep, positive
 from contact.model.profiles.fourier import Fourier
-from contact.reference.exact.base import FROM_LEFT, WEIGHT
 from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
-from sie import Array
+from sie import Array, Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,22 +156,9 @@ class DesignedContact(GivenZones):
     def _nodes(self, i: int) -> Any:
         return self._product.nodes(i)
 
-    def gap(self, x: ArrayLike) -> Array:
-        """u + f - approach [m]: |X M| integrated from the end on the same side of the gap's widest point."""
-        x = np.asarray(x, dtype=float)
-        interval, dl, dr = self._product.locate(x)
-        gap = np.zeros_like(x)
-        for i in np.unique(interval[interval % 2 == 1]):
-            here = interval == i
-            growing = (self._product.side(int(i), dl[here], dr[here]) > 0.0)[:, None]
-            way = np.where(growing, dl[here][:, None], dr[here][:, None])
-            near = way * FROM_LEFT
-            far = np.maximum((dl[here] + dr[here])[:, None] - near, 0.0)
-            values = self._product.magnitude(
-                int(i), np.where(growing, near, far), np.where(growing, far, near)
-            )
-            gap[here] = self._scale * np.sum(way * WEIGHT * values, axis=-1)
-        return gap
+    def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
+        """From the end on the same side of the gap's widest point."""
+        return self._product.side(i, dl, dr) > 0.0
 
     @cached_property
     def max_pressure(self) -> float:

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive_or_none
 from contact.model.profiles.fourier import Fourier
-from contact.reference.exact.base import Zoned, least_value
+from contact.reference.exact.base import FROM_LEFT, FROM_RIGHT, WEIGHT, Zoned, least_value
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile
-from sie import Array
+from sie import Array, Mask
 
 
 class GivenZones(Zoned):
@@ -62,9 +62,26 @@ class GivenZones(Zoned):
         """Slope of the gap in the gap i (-1: left of all zones)."""
         raise NotImplementedError
 
-    def gap(self, x: ArrayLike) -> Array:
-        """u + f - approach [m], 0 in the zones."""
+    def _from_left(self, i: int, dl: Array, dr: Array) -> Mask:
+        """Whether the gap at places of the gap i is integrated from the left."""
         raise NotImplementedError
+
+    def gap(self, x: ArrayLike) -> Array:
+        """u + f - approach [m], 0 in the zones: the slope integrated from an end of the gap."""
+        x = np.asarray(x, dtype=float)
+        interval, dl, dr = self._product.locate(x)
+        gap = np.zeros_like(x)
+        outside = (interval % 2 == 1) & ((dl != 0.0) | (interval < 0)) & (dr != 0.0)
+        for i in np.unique(interval[outside]):
+            here = outside & (interval == i)
+            left, right = dl[here][:, None], dr[here][:, None]
+            rightward = self._from_left(int(i), left, right)
+            way, rest = np.where(rightward, left, right), np.where(rightward, right, left)
+            # From the end, way s^2: the slope may be as 1/s there.
+            near, far = way * FROM_LEFT**2, rest + way * FROM_RIGHT * (1.0 + FROM_LEFT)
+            values = self._opening(int(i), np.where(rightward, near, far), np.where(rightward, far, near))
+            gap[here] = np.sum(np.where(rightward, 2.0, -2.0) * way * FROM_LEFT * WEIGHT * values, axis=-1)
+        return gap
 
     def _nodes(self, i: int) -> Any:
         """dl, dr and weights of integrals over an interval."""

@@ -107,14 +107,14 @@ class CutProduct:
         self, i: int, dl: Array, dr: Array, offsets: Array
     ) -> tuple[Array, Array, Mask]:
         """Ways left and right to all roots, (..., roots), and whether each lies behind; `offsets` (roots, 2)
-        from the ends of their gaps. For the root of the point's own gap both ways carry the sign of x - r."""
+        from the ends of their gaps. The way left to the root of the point's own gap carries the sign of x - r, that right is none."""
         m = 2 * len(self.zones)
         left, right, behind = [], [], []
         for g, (s, rest) in zip(self.gaps, offsets, strict=True):
             if g == i:
                 near = np.where(dl < dr, dl - s, rest - dr)
                 left.append(near)
-                right.append(-near)
+                right.append(np.full_like(near, np.inf))
                 behind.append(True)
                 continue
             to_right_end = self._leftward[i, (g + 1) % m] if i >= 0 else np.nan
@@ -130,11 +130,7 @@ class CutProduct:
         )
 
     def _root_factors(self, i: int, dl: Array, dr: Array, offsets: Array) -> Array:
-        left, right, behind = self._root_distances(i, dl, dr, offsets)
-        if self.period is None:
-            return np.where(behind, left, -right) / self._unit
-        own = np.array([g == i for g in self.gaps], dtype=bool)
-        return 2.0 * np.sin(self._turn * np.where(own, left, np.minimum(left, right)))
+        return self._factors(*self._root_distances(i, dl, dr, offsets))
 
     @cached_property
     def roots(self) -> Array:
@@ -181,24 +177,21 @@ class CutProduct:
         derivative[row] = -np.sum(others * own_slope) / scale
         return np.sum(others * own) / scale, derivative
 
-    def nodes(self, i: int) -> tuple[Array, Array, Array]:
+    def nodes(self, i: int, midpoints: bool = False) -> tuple[Array, Array, Array]:
         """Gauss-Chebyshev nodes of the second kind of interval i as angles' half sines: dl, dr, weights for
         int F dx.
 
         The integrand is analytic up to the neighbouring ends, at a relative distance that sets the number of
-        nodes."""
+        nodes; midpoints: those of the first kind, for F ~ 1/sqrt at the ends."""
         m, h = len(self.steps), self.steps[i]
         nearest = min(
             (float(self.steps[k % m]) for k in (i - 1, i + 1) if self.period is not None or 0 <= k < m),
             default=float(h),
         )
         count = 40 + ceil(20.0 / min(1.0, sqrt(nearest / float(h))))
-        phi = self.pi * np.arange(1, count + 1) / (count + 1)
-        return (
-            h * np.sin(0.5 * phi) ** 2,
-            h * np.cos(0.5 * phi) ** 2,
-            0.5 * h * self.pi / (count + 1) * np.sin(phi),
-        )
+        first, parts = (0.5, count) if midpoints else (1.0, count + 1)
+        phi = self.pi * (np.arange(count) + first) / parts
+        return h * np.sin(0.5 * phi) ** 2, h * np.cos(0.5 * phi) ** 2, 0.5 * h * self.pi / parts * np.sin(phi)
 
     def _gap_samples(self, g: int) -> tuple[Array, Array, Array]:
         """Nodes of a gap, and the weights times |X|."""

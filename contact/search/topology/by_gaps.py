@@ -58,7 +58,8 @@ class ByGaps:
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
         steps = how.steps or self.most_steps
         return sie.find_ends(
-            self.equation(control), zones, how.tolerance, steps, value=how.value, signs=(1.0, -1.0), near=how.near, off=how.off
+            self.equation(control), zones, how.tolerance, steps, value=how.value, signs=(1.0, -1.0), near=how.near, off=how.off,
+            few=how.few, patient=how.patient, drops=how.drops,
         )
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> GapFields:
@@ -81,7 +82,7 @@ class ByGaps:
             state = sie.solve_fixed(equation, free.density.zones, max(0.1 * tolerance, 3e-16)).with_bounded_ends()
         return GapFields(self.problem, state, mean, self.relief)
 
-    def certificate(self, fields: GapFields, control: Control) -> Certificate:
+    def certificate(self, fields: GapFields, control: Control, few: float = 0.0) -> Certificate:
         return certify_gaps(fields)
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:

@@ -24,7 +24,7 @@ from contact.search.topology.intervals import merged
 from contact.search.topology.missed import Missed, WrongTopology, same
 from contact.verify.certificate import NOT_CHECKED, Certificate
 from contact.verify.solved import Solved
-from sie import Array
+from sie import Array, Mask
 
 Progress = Callable[[str, int, int | None], None]
 Timed = Callable[[str], AbstractContextManager[object]]
@@ -35,6 +35,11 @@ ROUNDS = 12
 TIGHT = 1e-15
 # Where only the error of the ends makes signs fail, the next tolerance is this part of the last.
 CLOSER = 1e-3
+# Of so many intervals hardly any first guess has the right ones: these are looked at first with ends that are known to a part of their
+# widths, but for a few, until no more than another part of them is put right at once.
+MANY, LOOSELY, UNKNOWN, FEW = 1000, 1e-3, 0.005, 0.05
+# Steps after which the few are no longer waited for; how often intervals that are lost on the way are left out.
+PATIENT, LEFT_OUT = 8, 24
 # Over the ends' stated errors.
 MARGIN = 10.0
 
@@ -64,8 +69,8 @@ class Formulation(Protocol[Kind]):
     def fields(self, control: Control, free: sie.Free, tolerance: float) -> Any:
         """The same intervals under the load that they have: fields, levels and stiffness are read from this state."""
 
-    def certificate(self, fields: Any, control: Control) -> Certificate:
-        """Signs on the whole line, with the intervals where they fail."""
+    def certificate(self, fields: Any, control: Control, few: float = 0.0) -> Certificate:
+        """Signs on the whole line, with the intervals where they fail. few: part of all ends that is not known."""
 
     def corrected(self, zones: sie.Zones, certificate: Certificate) -> Array:
         """New intervals, by where the signs fail."""
@@ -81,7 +86,9 @@ class Formulation(Protocol[Kind]):
 class Newton:
     """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
     most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at
-    first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with."""
+    first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with. few:
+    part of all ends that need not be known, after so many `patient` steps. drops: some of the intervals may not be there, and are left
+    out, or be one with the next."""
 
     tolerance: float
     value: float = 0.0
@@ -89,6 +96,9 @@ class Newton:
     near: bool = False
     off: float = 1.0
     like: sie.AnyState | None = None
+    few: float = 0.0
+    patient: int = 0
+    drops: bool = False
 
 
 def refine_topology(
@@ -123,7 +133,12 @@ def _rounds(
     """Intervals that pass, to the tolerance and, where more of them are asked for, to one as tight as there is."""
     free: sie.Free | None = None
     tried: list[tuple[float, Array]] = []
-    for done in range(1, rounds + 1):
+    wanted = newton.tolerance
+    if len(table) >= MANY and newton.off >= 1.0 and not (formal or newton.near or newton.steps):
+        newton = replace(newton, tolerance=max(wanted, LOOSELY), few=UNKNOWN, patient=PATIENT)
+    done, left_out = 0, 0
+    while done < rounds:
+        done += 1
         if progress is not None:
             progress(f"{form.what}s", done, None)
         # Of many intervals the sums of the last round take as much memory as those of this one.
@@ -134,22 +149,48 @@ def _rounds(
         ended = free.density.zones.table
         if len(free.lost) or len(free.met):
             table = np.delete(ended, free.lost, axis=0) if len(free.lost) else merged(ended, free.met, form.problem.period)
+            if newton.few and left_out < LEFT_OUT:
+                # Of very many some are always about to be lost: no round of its own.
+                done, left_out, newton = done - 1, left_out + 1, replace(newton, patient=max(newton.patient - len(free.trace), 0))
             continue
-        if not free.converged:
+        if not free.converged and not newton.drops:
             raise WrongTopology(f"the {form.what} ends did not settle", free)
         fields = form.fields(control, free, newton.tolerance)
         if formal:
             yield form.solved(free, fields, NOT_CHECKED, done, control, newton.tolerance)
             return
         with timed("certificate"):
-            certificate = form.certificate(fields, control)
-        if certificate.holds:
+            certificate = form.certificate(fields, control, newton.few)
+        if newton.tolerance > wanted:
+            table, newton = _loosely(form, free, fields.state, certificate, newton, wanted)
+        elif not free.converged:
+            # Where signs fail tells which ones are missing.
+            missing = not certificate.holds
+            table = form.corrected(free.density.zones, certificate) if missing else ended
+            newton = replace(newton, drops=missing)
+        elif certificate.holds:
             yield form.solved(free, fields, certificate, done, control, newton.tolerance)
             table, newton = ended, replace(newton, tolerance=TIGHT, near=False)
         else:
             table, newton = _again(form, control, free, fields.state, certificate, newton, tried)
         del fields, certificate
     raise WrongTopology(f"the number of {form.what}s did not settle", free)
+
+
+def _loosely(
+    form: Formulation[Kind], free: sie.Free, state: sie.AnyState, certificate: Certificate, newton: Newton, wanted: float
+) -> tuple[Array, Newton]:
+    """Where to go on from ends that are known to a part of their widths, but for a few: loosely where many intervals are put right, else to
+    the wanted tolerance. What may be their error is left as it is."""
+    closer = replace(newton, tolerance=wanted, few=0.0)
+    newton = replace(newton, patient=PATIENT)
+    near = [_beside_ends(free, state, bad) for bad in (certificate.negative, certificate.overlaps)]
+    certificate = replace(certificate, negative=certificate.negative[~near[0]], overlaps=certificate.overlaps[~near[1]])
+    put_right = len(certificate.negative) + len(certificate.overlaps)
+    if put_right == 0:
+        return free.next_zones.table, closer
+    zones = free.density.zones
+    return form.corrected(zones, certificate), newton if put_right > FEW * len(zones) else closer
 
 
 def _ended(form: Formulation[Kind], control: Control, table: Array, newton: Newton, before: sie.Free | None) -> sie.Free:
@@ -204,9 +245,14 @@ def off(free: sie.Free, state: sie.AnyState) -> Array:
 def _is_error(free: sie.Free, state: sie.AnyState, certificate: Certificate) -> bool:
     """Whether all that fails lies so close to ends that their error may have made it."""
     bad = np.concatenate((certificate.negative, certificate.overlaps))
+    return len(bad) > 0 and bool(_beside_ends(free, state, bad).all())
+
+
+def _beside_ends(free: sie.Free, state: sie.AnyState, bad: Array) -> Mask:
+    """Which of these intervals (n, 2) lie so close to ends that their error may have made them."""
     if len(bad) == 0:
-        return False
+        return np.zeros(0, dtype=bool)
     zones, reached = free.density.zones, off(free, state)
     ends, reach = np.concatenate((zones.a, zones.b)), np.concatenate((reached[:, 0], reached[:, 1]))
     near = (np.abs(bad[:, :1] - ends) <= reach) & (np.abs(bad[:, 1:] - ends) <= reach)
-    return bool(near.any(axis=1).all())
+    return np.asarray(near.any(axis=1))

@@ -12,16 +12,14 @@ contact follow the loads, the nominal pressure and the centre (2 K / A), correct
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 import sie
 from contact.errors import ContactError, NotConverged, OutOfRange
 from contact.formulation.controls import Load
-from contact.formulation.fields import ZoneFields, moved_ends
+from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.model.interactions.isolated import Isolated
 from contact.search.grid.centring import Unrest
@@ -31,13 +29,20 @@ from contact.search.task import LEAST, Task
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
+from contact.search.ways.first_order_contacts import At, Place, Rates, room, table_of, width_of
 from contact.search.ways.guesses import EXACT
 from contact.verify.accuracy import Found
-from sie import Array, Mask
+from contact.verify.certificate import NOT_CHECKED
+from sie import Array
 
 # Steps towards a root, how often one is halved, and how often the signs are looked at there. After how large a step zones that are lost
 # are looked for, and their rates are found anew; of a step what the next one leaves where rounding does.
 _STEPS, _HALVED, _LOOKS, _FAR, _BENT, _SLOW = 40, 4, 4, 1e-2, 1e-4, 0.5
+# Steps of all ends and unknowns at once, the largest move over the width of a zone or a gap from which they start, after which rates are
+# found anew, and which is as good as none.
+_TOGETHER, _BOLDEST, _BENT_MUCH, _NEARBY, _LAST_OF_ALL, _SLOW_STEPS, _HALF = 16, 1.0, 0.3, 1e-2, 1e-4, 3, 0.4
+# Part of a width or a gap that is foreseen to go in a step.
+_PART = 0.1
 # Steps in a row of which none halves the misses: zones come and go with every one of them.
 _STALLED, _STALLED_AT_TURN = 4, 1
 # A change of the misses over what ends that are not yet at rest make of them, from which on it tells how they follow the unknowns.
@@ -58,128 +63,19 @@ _LARGEST = 0.1
 _LOADS, _NEAR, _LEAST_PART = 12, 2e-2, 0.3
 # Tolerance of the grids that zones are taken from.
 _CLOSELY = 1e-5
-# Tolerance of the ends at first, and of later ones over the step of the unknowns, as long as that is not one of the last; part of a width
-# or a gap that is foreseen to go.
-_ROUGHLY, _FINER, _FINER_THAN_MISSED, _LAST, _PART = 1e-6, 1e-2, 0.02, 1e-5, 0.1
+# Tolerance of the ends at first, and of later ones over the step of the unknowns, as long as that is not one of the last.
+_ROUGHLY, _FINER, _FINER_THAN_MISSED, _LAST = 1e-6, 1e-2, 0.02, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER = 2, 1e-3
-# By what part of the gap beside the border the centre is moved to see what that does.
-_SHIFT = 1e-3
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
 
 
 @dataclass(frozen=True, eq=False)
-class _At:
-    """Contacts of the strip and of its profile alone. unknowns: centre, nominal pressure and load, scaled."""
-
-    unknowns: Array
-    strip: Found
-    alone: Found
-
-    @cached_property
-    def table(self) -> Array:
-        return self.strip.free.density.zones.table
-
-    def same_zones(self, other: _At) -> bool:
-        """Whether both have as many zones as before."""
-        return len(self.table) == len(other.table) and len(_table(self.alone)) == len(_table(other.alone))
-
-    @property
-    def cut_off(self) -> Mask:
-        """Whether the profile alone is in contact at the left and at the right border of the strip."""
-        zones = self.alone.free.density.zones
-        return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.cut)
-
-    @property
-    def misses(self) -> Array:
-        """Of the width and the centre."""
-        middle = 0.5 * float(self.table[0, 0] + self.table[-1, 1])
-        return np.array([_width(self.strip) - _width(self.alone), middle - self.unknowns[0]])
-
-
-@dataclass(frozen=True, eq=False)
 class Closed(Found):
-    """The zones of the strip, and at: the contacts that they and the nominal pressure are of; rounded: whether rounding is what keeps these
-    from coming nearer to the root."""
+    """The zones of the strip, and at: the contacts that they and the nominal pressure are of."""
 
-    at: _At | None = None
-    rounded: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class _Rates:
-    """How ends of the strip (2, Z) move outward, and the approach grows, by the centre, the nominal pressure and the load; alone: ends of
-    its profile alone by its load; cut: the width of that by the centre."""
-
-    ends: Array
-    approach: Array
-    alone: Array
-    cut: float
-
-    @classmethod
-    def of(cls, at: _At) -> _Rates:
-        state, zones = at.strip.fields.state, at.strip.free.density.zones
-        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
-        shifted = _shifted(at)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            by_centre = np.where(moves, 2 * np.array(shifted.density.intensities) / np.array(state.density.edge_slopes), 0.0)
-        approach = [-float(shifted.levels.mean())]
-        for condition in (2, 0):
-            values = np.zeros(len(state.condition_scale))
-            values[state.condition_index[condition]] = 1.0
-            approach.append(-float(state.level_rates(values).mean()))
-        low, high = at.cut_off
-        ends = np.array([by_centre, moved_ends(state, 2), moved_ends(state)])
-        return cls(ends, np.array(approach), moved_ends(at.alone.fields.state), float(high) - float(low))
-
-    def matrix(self, period: float) -> Array:
-        """Of the misses by the unknowns (2, 3)."""
-        width, middle = self.ends.sum(axis=(1, 2)), 0.5 * (self.ends[:, 1, -1] - self.ends[:, 0, 0])
-        width[:2] -= self.cut, period * float(self.alone.sum())
-        middle[0] -= 1.0
-        return np.array([width, middle])
-
-    def following(self, period: float) -> Array:
-        """How the unknowns grow with the load (3,)."""
-        matrix = self.matrix(period)
-        return np.append(-np.linalg.solve(matrix[:, :2], matrix[:, 2]), 1.0)
-
-    def of_strip(self, step: Array) -> Array:
-        """Motions of the ends of the strip by a step of the unknowns."""
-        return np.asarray(np.tensordot(step, self.ends, 1))
-
-    def of_ends(self, off: Array, table: Array) -> Array:
-        """What unknowns that are off make of the ends (Z, 2) over the widths of their zones, at the most."""
-        return np.asarray(np.tensordot(np.abs(off), np.abs(self.ends), 1).T / np.diff(table, axis=1))
-
-
-def _shifted(at: _At) -> sie.AnyState:
-    """What a unit of motion of the strip's centre adds to its density on the same zones, by a difference."""
-    problem, pressure = at.strip.fields.problem, float(at.unknowns[1])
-    assert problem.period is not None
-    ends = at.table[[0, -1], [0, 1]] - problem.centre
-    away = _SHIFT * (0.5 * problem.period - float(np.abs(ends).max()))
-    ahead, behind = (problem.about(problem.centre + shift).columns[0] for shift in (away, -away))
-    assert ahead.primitive is not None and behind.primitive is not None
-    forcing = sie.Forcing(
-        _Difference(ahead.value, behind.value, 0.5 * pressure / away),
-        _Difference(ahead.primitive, behind.primitive, 0.5 * pressure / away), between=True,
-    )
-    equation = sie.Equation(problem.kernel, forcing, (sie.Total(0.0), sie.EqualPotential()))
-    return sie.solve_zones(equation, at.strip.free.density.zones, _ROUGHLY)
-
-
-@dataclass(frozen=True)
-class _Difference:
-    """(ahead - behind) factor, as a function."""
-
-    ahead: Callable[[Array], Array]
-    behind: Callable[[Array], Array]
-    factor: float
-
-    def __call__(self, x: Array) -> Array:
-        return (self.ahead(x) - self.behind(x)) * self.factor
+    at: At | None = None
 
 
 @dataclass
@@ -235,7 +131,7 @@ class FirstOrderOfSeveral:
                 high, refused = grid.load, rough.unrest
             else:
                 at = self._started(grid, rough)
-                rates = _Rates.of(at)
+                rates = Rates.of(at)
                 step = (control.approach + at.strip.fields.level) / float(rates.approach @ rates.following(self.period))
                 if abs(step) < _NEAR * grid.load:
                     return self._exact(at)
@@ -259,7 +155,7 @@ class FirstOrderOfSeveral:
         assert found.at is not None
         at = found.at
         self.wanted, self.again = self._wanted(at), True
-        return self._exact(self._at(at.unknowns, at.table, _table(at.alone), self.task.tolerance, 0.0))
+        return self._exact(self._at(Place(at.unknowns, at.table, table_of(at.alone)), self.task.tolerance, 0.0))
 
     def _rough(self, grid: ClosureGrid, first: AtPressure) -> AtPressure:
         with self.task.plan.timed("coarse search"):
@@ -268,7 +164,7 @@ class FirstOrderOfSeveral:
     def _refused(self, why: Unrest) -> OutOfRange:
         return OutOfRange(f"{self.scaled.control.told(self.problem.units)}: under the first-order closure {why.value}; {EXACT}")
 
-    def _started(self, grid: ClosureGrid, rough: AtPressure) -> _At:
+    def _started(self, grid: ClosureGrid, rough: AtPressure) -> At:
         """The contacts under the nominal pressure of the grids."""
         part, points = self.task.plan["coarse search"], grid.points
         part.used = True
@@ -280,27 +176,26 @@ class FirstOrderOfSeveral:
         centre = fine.centre
         if self.problem.profile.symmetric and abs(centre) < 0.25 * float(np.diff(strip).min()):
             centre = 0.0
-        at = self._at(np.array([centre, fine.amplitude, grid.load]), strip, alone, 1.0, _ROUGHLY)
+        at = self._at(Place(np.array([centre, fine.amplitude, grid.load]), strip, alone), 1.0, _ROUGHLY)
         self.wanted = self._wanted(at)
         if fine.strip.resolved and fine.alone.resolved:
             return at
         return replace(at, strip=self._looked_at(at.strip), alone=self._looked_at(at.alone))
 
-    def _wanted(self, at: _At) -> float:
+    def _wanted(self, at: At) -> float:
         """Tolerance of the ends with which the pressure has that of the task: beside the border it is steep."""
         peak, by_left, by_right = at.strip.free.density.sensitivity
         return max(LEAST, self.task.tolerance / max(1.0, float(max(by_left.max(), by_right.max()) / peak.max())))
 
-    def _at(self, unknowns: Array, strip: Array, alone: Array, off: float, tolerance: float) -> _At:
+    def _at(self, place: Place, off: float, tolerance: float) -> At:
         """The contacts of the strip and of its profile alone from about their zones, whatever the signs. off: what ends are off by
         over the widths of their zones; tolerance: of the ends."""
-        about, pressure, load = (float(unknown) for unknown in unknowns)
+        about, pressure, load = (float(unknown) for unknown in place.unknowns)
         newton = Newton(max(self.wanted, tolerance), off=off)
         with self.task.plan.timed("zone ends"):
-            of_strip = self._contact(self.problem.with_amplitude(pressure).about(about), load, strip, newton, True)
+            of_strip = self._contact(self.problem.with_amplitude(pressure).about(about), load, place.strip, newton, True)
         with self.task.plan.timed("isolated reference"):
-            problem = replace(self.problem, interaction=Isolated(), amplitude=None, reference=True, centre=about)
-            return _At(unknowns, of_strip, self._contact(problem, pressure * self.period, alone, newton, True))
+            return At(place.unknowns, of_strip, self._contact(self._alone(about), pressure * self.period, place.alone, newton, True))
 
     def _contact(self, problem: Problem, load: float, table: Array, newton: Newton, formal: bool) -> Found:
         task = self.task
@@ -319,7 +214,7 @@ class FirstOrderOfSeveral:
             if cut_short <= newton.tolerance or how.tolerance == LEAST or sharpened == _SHARPENED:
                 return replace(found, tolerance=newton.tolerance)
             self.sharpness *= _SHARPER
-            newton, table, sharpened = replace(newton, off=cut_short), _table(found), sharpened + 1
+            newton, table, sharpened = replace(newton, off=cut_short), table_of(found), sharpened + 1
 
     def _looked_at(self, found: Found, closely: bool = False) -> Found:
         """With other zones where signs fail; closely: where so little tells their number that a tighter solution is asked for, too."""
@@ -330,14 +225,14 @@ class FirstOrderOfSeveral:
             return looked
         if form.problem.reference:
             return self._put_right(looked, self.task.tolerance if closely else _MINOR)
-        return self._contact(form.problem, found.control.value, _table(found), Newton(found.tolerance), False)
+        return self._contact(form.problem, found.control.value, table_of(found), Newton(found.tolerance), False)
 
     def _put_right(self, alone: Found, minor: float) -> Found:
         """The profile alone with zones where they are missing and without those that pull, but for a minor part of their total width: a
         zone about to be born may be lost again."""
         problem, newton = alone.fields.problem, Newton(alone.tolerance)
         for _ in range(_CORRECTIONS):
-            if _failing(alone) <= minor * _width(alone):
+            if _failing(alone) <= minor * width_of(alone):
                 break
             form = ByPressure(problem)
             try:
@@ -351,7 +246,7 @@ class FirstOrderOfSeveral:
             alone = found
         return alone
 
-    def _exact(self, at: _At) -> Found:
+    def _exact(self, at: At) -> Found:
         """From contacts near the root to those at it, with the zones that there are, under the load that has the approach."""
         approach, size, before = self.scaled.control.approach, float(at.unknowns[2]), math.inf
         for _ in range(_LOADS):
@@ -375,27 +270,84 @@ class FirstOrderOfSeveral:
             at.strip.fields, amplitude_rate=float(follows[1]), centring=float(rates.approach[0] * follows[0])
         )
         found = replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed, at.table))
-        return Closed(**vars(found), at=at, rounded=self.rounded)
+        return Closed(**{**vars(found), "rounded": self.rounded}, at=at)
 
-    def _signed(self, at: _At) -> tuple[_At, _Rates, Array]:
+    def _signed(self, at: At) -> tuple[At, Rates, Array]:
         """`_stepped`, with the signs of what it has come to."""
         for look in range(_LOOKS):
-            at, rates, off = self._stepped(at, watched=look > 0)
+            at, rates, off = self._together(at) or self._stepped(at, watched=look > 0)
             looked = replace(at, strip=self._looked_at(at.strip, closely=True), alone=self._looked_at(at.alone, closely=True))
             if looked.same_zones(at):
                 return looked, rates, off
             at = looked
         raise self._unsettled("the zones", at)
 
-    def _unsettled(self, what: str, at: _At) -> ContactError:
+    def _unsettled(self, what: str, at: At) -> ContactError:
         missed = Missed(f"{what} of the first-order closure did not settle; {EXACT}", at.strip.free)
         return self.task.error(missed, at.strip.fields.problem)
 
-    def _stepped(self, at: _At, watched: bool) -> tuple[_At, _Rates, Array]:
+    def _together(self, at: At) -> tuple[At, Rates, Array] | None:
+        """(contacts at the root under their load, from some near by; rates near it; what centre and nominal pressure are off): Newton's
+        steps of all ends, the centre and the nominal pressure at once, each with one solution of the strip and one of its profile alone.
+        None where they do not come ever closer."""
+        before, slow, looked, last = math.inf, 0, False, False
+        rates = Rates.of(at)
+        for _ in range(_TOGETHER):
+            matrix = rates.matrix(self.period)[:, :2]
+            step = np.append(-np.linalg.solve(matrix, at.misses), 0.0)
+            off = float(rates.of_ends(step, at.table).max())
+            if last:
+                self.rounded = self.again and off > self.wanted
+                return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
+            place, largest = at.after(step, rates.of_strip(step), rates.alone * self.period * step[1], _HALF)
+            if largest > _BOLDEST:
+                step *= _HALF / largest
+                place, _ = at.after(step, rates.of_strip(step), rates.alone * self.period * step[1], _HALF)
+            slow = slow + 1 if largest > _SLOW * before else 0
+            last = largest <= _LAST_OF_ALL and (off <= self.wanted or slow > 0)
+            if slow > _SLOW_STEPS or not math.isfinite(largest):
+                return None
+            try:
+                if last or largest > _BOLDEST:
+                    # A zone or a gap that is asked to go may be lost.
+                    there = self._at(place, min(largest, _HALF), 0.0 if last else _ROUGHLY)
+                else:
+                    there = self._once(place, largest)
+                if largest <= _NEARBY and not looked:
+                    there, looked = replace(there, strip=self._looked_at(there.strip), alone=self._looked_at(there.alone)), True
+            except (NotConverged, WrongTopology, sie.SingularSystem):
+                return None
+            if last or not there.same_zones(at) or largest > _BENT_MUCH:
+                rates = Rates.of(there)
+            at, before = there, largest
+        return None
+
+    def _once(self, place: Place, off: float) -> At:
+        """The contacts on zones as they are. off: what ends are off by over the widths of their zones."""
+        about, pressure, load = (float(unknown) for unknown in place.unknowns)
+
+        def solved(problem: Problem, load: float, table: Array) -> Found:
+            control, form = Load(load), ByPressure(problem)
+            tolerance = min(max(_FINER * off * off, self.wanted), _ROUGHLY)
+            free = sie.find_ends(
+                problem.equation(control), form.intervals(control, table), tolerance, 0, limits=problem.corners, off=off,
+                like=self.likes.get(problem.reference), limited=problem.end, bounded_ends=False,
+            )
+            self.likes[problem.reference] = free.state
+            return Found(free, ZoneFields(problem, free.state), NOT_CHECKED, 1, control, tolerance)
+
+        with self.task.plan.timed("zone ends"):
+            strip = solved(self.problem.with_amplitude(pressure).about(about), load, place.strip)
+            return At(place.unknowns, strip, solved(self._alone(about), pressure * self.period, place.alone))
+
+    def _alone(self, centre: float) -> Problem:
+        return replace(self.problem, interaction=Isolated(), amplitude=None, reference=True, centre=centre)
+
+    def _stepped(self, at: At, watched: bool) -> tuple[At, Rates, Array]:
         """(contacts at the root under their load, rates near it, what centre and nominal pressure are off): Newton's steps within a bracket
         of the nominal pressure, since widths bend sharply where zones are born or meet. watched: signs are looked at after every step, as
         once zones have come or gone."""
-        rates = _Rates.of(at)
+        rates = Rates.of(at)
         matrix, misses = rates.matrix(self.period)[:, :2], at.misses
         size, bracket, before = np.array([self.period, at.unknowns[1]]), _Bracket(), math.inf
         least, stalled, wild = math.inf, 0, 0
@@ -419,24 +371,24 @@ class FirstOrderOfSeveral:
             else:
                 off_centre = float(matrix[0, 0] / matrix[1, 0] * misses[1])
                 centred = float(misses[0]) - off_centre
-                known = _UNSURE * abs(off_centre) + _ABOVE_NOISE * at.strip.tolerance * _width(at.strip)
+                known = _UNSURE * abs(off_centre) + _ABOVE_NOISE * at.strip.tolerance * width_of(at.strip)
                 step[1] = bracket.within(float(at.unknowns[1]), centred, known, float(step[1]), asked <= _SLOW * before)
                 step[0] = -(misses[1] + matrix[1, 1] * step[1]) / matrix[1, 0]
             # Grids have told the centre to a part of the room beside the border: steps that leave it lead nowhere.
-            far = abs(float(step[0])) / (_TRUSTED * _room(at, self.period))
+            far = abs(float(step[0])) / (_TRUSTED * room(at, self.period))
             if far > 1.0:
                 wild, step = wild + 1, step / far
                 if wild > _WILD:
                     break
             there, step = self._moved(at, rates, step, asked, watched)
             last, misses = misses, there.misses
-            by, noise = step[:2], max(at.strip.tolerance, there.strip.tolerance) * _width(there.strip)
+            by, noise = step[:2], max(at.strip.tolerance, there.strip.tolerance) * width_of(there.strip)
             if asked > _LEAST and float(np.abs(matrix @ by).max()) > _ABOVE_NOISE * noise:
                 matrix = matrix + np.outer(misses - last - matrix @ by, by / size**2) / float(((by / size) ** 2).sum())
             same = there.same_zones(at)
             watched = watched or not same
             if not same or (asked > _BENT and not there.strip.fields.state.iterated):
-                rates = _Rates.of(there)
+                rates = Rates.of(there)
                 matrix = rates.matrix(self.period)[:, :2]
             at, before = there, asked if same else math.inf
         if weak <= _WEAK:
@@ -451,17 +403,15 @@ class FirstOrderOfSeveral:
         values = np.linalg.svd(matrix * size, compute_uv=False)
         return float(values[1] / values[0])
 
-    def _moved(self, at: _At, rates: _Rates, step: Array, asked: float, watched: bool) -> tuple[_At, Array]:
+    def _moved(self, at: At, rates: Rates, step: Array, asked: float, watched: bool) -> tuple[At, Array]:
         """The contacts after a step, or after as much of it as they follow."""
         for halved in range(_HALVED + 1):
-            strip, alone = _spread(at.table, rates.of_strip(step)), _spread(_table(at.alone), rates.alone * self.period * step[1])
-            # What is cut off at the borders of the strip moves with these.
-            alone.flat[[0, -1]] = np.where(at.cut_off, np.array(at.alone.fields.problem.cut) + step[0], alone.flat[[0, -1]])
+            place, _ = at.after(step, rates.of_strip(step), rates.alone * self.period * step[1], _PART)
             try:
                 # The ends need be no better known than what the next step will move them by.
-                missed = float(np.abs(at.misses).max()) / _width(at.strip)
+                missed = float(np.abs(at.misses).max()) / width_of(at.strip)
                 tolerance = 0.0 if asked < _LAST else min(_FINER * asked, _FINER_THAN_MISSED * missed, _ROUGHLY)
-                there = self._at(at.unknowns + step, strip, alone, asked, tolerance)
+                there = self._at(place, asked, tolerance)
                 if asked < _FAR and not watched:
                     return there, step
                 return replace(there, strip=self._looked_at(there.strip), alone=self._looked_at(there.alone)), step
@@ -471,36 +421,14 @@ class FirstOrderOfSeveral:
                 step = 0.5 * step
         raise AssertionError
 
-    def _rounding(self, at: _At) -> float:
+    def _rounding(self, at: At) -> float:
         """What the difference of the widths may be off."""
         missed = _failing(at.alone)
         for found in (at.strip, at.alone):
-            missed += float(((found.free.end_error + found.fields.state.end_truncation) * np.diff(_table(found), axis=1)).sum())
+            missed += float(((found.free.end_error + found.fields.state.end_truncation) * np.diff(table_of(found), axis=1)).sum())
         return missed
-
-
-def _spread(table: Array, moved: Array) -> Array:
-    """Ends after outward moves (2, Z), cut to what widths and gaps allow."""
-    width, gaps = table[:, 1] - table[:, 0], np.concatenate(([np.inf], table[1:, 0] - table[:-1, 1], [np.inf]))
-    room = _PART * np.minimum(width, np.array([gaps[:-1], gaps[1:]]))
-    outward = np.clip(moved, -_PART * width, room)
-    return np.column_stack((table[:, 0] - outward[0], table[:, 1] + outward[1]))
 
 
 def _failing(found: Found) -> float:
     """Width of all places where signs fail: zones put right there would be wider or narrower by about that."""
     return float(sum((places[:, 1] - places[:, 0]).sum() for places in (found.certificate.negative, found.certificate.overlaps)))
-
-
-def _room(at: _At, period: float) -> float:
-    """Between the outermost ends and the borders of the strip, together."""
-    return period - float(at.table[-1, 1] - at.table[0, 0])
-
-
-def _width(found: Found) -> float:
-    zones = found.free.density.zones
-    return float((zones.b - zones.a).sum())
-
-
-def _table(found: Found) -> Array:
-    return found.free.density.zones.table

@@ -12,7 +12,7 @@ from contact.errors import SceneError
 from contact.model.controls import TURNING, fields_under
 from contact.model.registry import CONTROLS
 from contact.model.scene import Scene
-from contact.solution.export import parameters
+from contact.model.scene_text import parameters
 
 Value = float | int | str
 

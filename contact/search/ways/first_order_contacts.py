@@ -1,0 +1,188 @@
+"""The first-order closure of several zones: contacts of the strip and of its profile alone, and how these follow what is not known.
+
+Beside the ends of both that is the centre of the strip, its nominal pressure and the load. A unit of each calls up a density on the same
+zones, and the ends move by 2 K / A of it, as in a step of Newton's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+import sie
+from contact.formulation.fields import moved_ends
+from contact.verify.accuracy import Found
+from sie import Array, Mask
+
+# Tolerance of what a motion of the centre calls up; by what part of the gap beside the border the centre is moved to see what that does.
+_ROUGHLY, _SHIFT = 1e-6, 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """unknowns: centre, nominal pressure and load, scaled. strip, alone: zones (n, 2) of the strip and of its profile alone."""
+
+    unknowns: Array
+    strip: Array
+    alone: Array
+
+
+@dataclass(frozen=True, eq=False)
+class At:
+    """Contacts of the strip and of its profile alone. unknowns: centre, nominal pressure and load, scaled."""
+
+    unknowns: Array
+    strip: Found
+    alone: Found
+
+    @cached_property
+    def table(self) -> Array:
+        return self.strip.free.density.zones.table
+
+    def same_zones(self, other: At) -> bool:
+        """Whether both have as many zones as before."""
+        return len(self.table) == len(other.table) and len(table_of(self.alone)) == len(table_of(other.alone))
+
+    @property
+    def cut_off(self) -> Mask:
+        """Whether the profile alone is in contact at the left and at the right border of the strip."""
+        zones = self.alone.free.density.zones
+        return np.array([zones.a[0], zones.b[-1]]) == np.array(self.alone.fields.problem.cut)
+
+    @cached_property
+    def own(self) -> tuple[Array, Array]:
+        """Outward moves of all ends (2, Z) that Newton's next step under these unknowns makes, of the strip and of its profile alone."""
+        return _own_moves(self.strip), _own_moves(self.alone)
+
+    @property
+    def misses(self) -> Array:
+        """Of the width and the centre, after those moves."""
+        middle = 0.5 * float(self.table[0, 0] + self.table[-1, 1])
+        strip, alone = self.own
+        wider = float(strip.sum()) - float(alone.sum())
+        aside = 0.5 * float(strip[1, -1] - strip[0, 0])
+        return np.array([width_of(self.strip) - width_of(self.alone) + wider, middle + aside - self.unknowns[0]])
+
+    def after(self, step: Array, moved: Array, moved_alone: Array, part: float) -> tuple[Place, float]:
+        """(where all ends come to, the largest move over the width of a zone or of a gap beside it), by a step of the unknowns and the
+        ends' own moves beside those it calls up. part: of a width or a gap that may go."""
+        strip, alone = self.table, table_of(self.alone)
+        moved, moved_alone = moved + self.own[0], moved_alone + self.own[1]
+        largest = max(float((np.abs(move) / _room_beside(table)).max()) for move, table in ((moved, strip), (moved_alone, alone)))
+        there = Place(self.unknowns + step, spread(strip, moved, part), spread(alone, moved_alone, part))
+        # What is cut off at the borders of the strip moves with these.
+        border = self.alone.fields.problem.about(float(there.unknowns[0])).cut
+        there.alone.flat[[0, -1]] = np.where(self.cut_off, np.array(border), there.alone.flat[[0, -1]])
+        return there, largest
+
+
+@dataclass(frozen=True, eq=False)
+class Rates:
+    """How ends of the strip (2, Z) move outward, and the approach grows, by the centre, the nominal pressure and the load; alone: ends of
+    its profile alone by its load; cut: the width of that by the centre."""
+
+    ends: Array
+    approach: Array
+    alone: Array
+    cut: float
+
+    @classmethod
+    def of(cls, at: At) -> Rates:
+        state, zones = at.strip.fields.state, at.strip.free.density.zones
+        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
+        shifted = _shifted(at)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            by_centre = np.where(moves, 2 * np.array(shifted.density.intensities) / np.array(state.density.edge_slopes), 0.0)
+        approach = [-float(shifted.levels.mean())]
+        for condition in (2, 0):
+            values = np.zeros(len(state.condition_scale))
+            values[state.condition_index[condition]] = 1.0
+            approach.append(-float(state.level_rates(values).mean()))
+        low, high = at.cut_off
+        ends = np.array([by_centre, moved_ends(state, 2), moved_ends(state)])
+        return cls(ends, np.array(approach), moved_ends(at.alone.fields.state), float(high) - float(low))
+
+    def matrix(self, period: float) -> Array:
+        """Of the misses by the unknowns (2, 3)."""
+        width, middle = self.ends.sum(axis=(1, 2)), 0.5 * (self.ends[:, 1, -1] - self.ends[:, 0, 0])
+        width[:2] -= self.cut, period * float(self.alone.sum())
+        middle[0] -= 1.0
+        return np.array([width, middle])
+
+    def following(self, period: float) -> Array:
+        """How the unknowns grow with the load (3,)."""
+        matrix = self.matrix(period)
+        return np.append(-np.linalg.solve(matrix[:, :2], matrix[:, 2]), 1.0)
+
+    def of_strip(self, step: Array) -> Array:
+        """Motions of the ends of the strip by a step of the unknowns."""
+        return np.asarray(np.tensordot(step, self.ends, 1))
+
+    def of_ends(self, off: Array, table: Array) -> Array:
+        """What unknowns that are off make of the ends (Z, 2) over the widths of their zones, at the most."""
+        return np.asarray(np.tensordot(np.abs(off), np.abs(self.ends), 1).T / np.diff(table, axis=1))
+
+
+def _shifted(at: At) -> sie.AnyState:
+    """What a unit of motion of the strip's centre adds to its density on the same zones, by a difference."""
+    problem, pressure = at.strip.fields.problem, float(at.unknowns[1])
+    assert problem.period is not None
+    ends = at.table[[0, -1], [0, 1]] - problem.centre
+    away = _SHIFT * (0.5 * problem.period - float(np.abs(ends).max()))
+    ahead, behind = (problem.about(problem.centre + shift).columns[0] for shift in (away, -away))
+    assert ahead.primitive is not None and behind.primitive is not None
+    forcing = sie.Forcing(
+        _Difference(ahead.value, behind.value, 0.5 * pressure / away),
+        _Difference(ahead.primitive, behind.primitive, 0.5 * pressure / away), between=True,
+    )
+    equation = sie.Equation(problem.kernel, forcing, (sie.Total(0.0), sie.EqualPotential()))
+    return sie.solve_zones(equation, at.strip.free.density.zones, _ROUGHLY)
+
+
+@dataclass(frozen=True)
+class _Difference:
+    """(ahead - behind) factor, as a function."""
+
+    ahead: Callable[[Array], Array]
+    behind: Callable[[Array], Array]
+    factor: float
+
+    def __call__(self, x: Array) -> Array:
+        return (self.ahead(x) - self.behind(x)) * self.factor
+
+
+def _own_moves(found: Found) -> Array:
+    """Outward moves 2 K / A (2, Z) that the ends of a contact have left."""
+    density = found.free.density
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(density.zones.moves, 2 * np.array(density.intensities) / np.array(density.edge_slopes), 0.0)
+
+
+def _room_beside(table: Array) -> Array:
+    """The width of each zone or of the gap beside each of its ends (2, Z), whichever is less."""
+    gaps = np.concatenate(([np.inf], table[1:, 0] - table[:-1, 1], [np.inf]))
+    return np.minimum(table[:, 1] - table[:, 0], np.array([gaps[:-1], gaps[1:]]))
+
+
+def spread(table: Array, moved: Array, part: float) -> Array:
+    """Ends after outward moves (2, Z), cut to what widths and gaps allow. part: of them that may go."""
+    room = part * _room_beside(table)
+    outward = np.clip(moved, -part * (table[:, 1] - table[:, 0]), room)
+    return np.column_stack((table[:, 0] - outward[0], table[:, 1] + outward[1]))
+
+
+def room(at: At, period: float) -> float:
+    """Between the outermost ends and the borders of the strip, together."""
+    return period - float(at.table[-1, 1] - at.table[0, 0])
+
+
+def width_of(found: Found) -> float:
+    zones = found.free.density.zones
+    return float((zones.b - zones.a).sum())
+
+
+def table_of(found: Found) -> Array:
+    return found.free.density.zones.table
