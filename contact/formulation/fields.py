@@ -15,7 +15,7 @@ import sie
 from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
-from contact.formulation.quadrature import over_period
+from contact.formulation.quadrature import over_period, panels
 from sie import Array, Index, Mask, nearest_image, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
@@ -41,11 +41,14 @@ class NoZones(sie.Kept):
         raise IndexError("there are no zones: use pressure(x)")
 
 
-def moved_ends(state: sie.AnyState, condition: int = 0, response: sie.AnyDensity | None = None) -> Array:
+def moved_ends(
+    state: sie.AnyState, condition: int = 0, response: sie.AnyDensity | None = None, tolerance: float = 0.0
+) -> Array:
     """How far each end (2, Z) moves outward by a unit of a condition's value, the first one's if none is named: 2 K / A, as in a step of
-    Newton's, or as the rates of prescribed intensities have it; 0 for ends that are held. response: to that unit, if it is at hand."""
+    Newton's, or as the rates of prescribed intensities have it; 0 for ends that are held. response: to that unit, if it is at hand;
+    tolerance: of an iteration for it."""
     zones = state.density.zones
-    response = state.response(state.values(condition)) if response is None else response
+    response = state.response(state.values(condition), tolerance) if response is None else response
     k, a = np.array(response.intensities), np.array(state.density.edge_slopes)
     if zones.follow_ends:
         return sie.end_motions(state.whole, -k)[0]
@@ -160,15 +163,10 @@ class ZoneFields(sie.Kept):
             return np.inf
         if not self.problem.interaction.strip:
             return (mean_shape(self.problem) + self.mean_displacement + self.level) * units.height
-        t, weights = np.polynomial.legendre.leggauss(24)
         total = 0.0
         for lo, hi, _, _ in self.open_intervals():
-            cuts = self._cuts(lo, hi)
-            for a, b in zip(cuts[:-1], cuts[1:], strict=True):
-                # The gap leaves an end as d^(3/2): s = sin^2 makes that smooth.
-                angle = np.pi / 4 * (1 + t)
-                x = a + (b - a) * np.sin(angle) ** 2
-                total += float(self.scaled_gap(x) @ (weights * np.pi / 4 * (b - a) * np.sin(2 * angle)))
+            x, weights = panels(self._cuts(lo, hi))
+            total += float(self.scaled_gap(x) @ weights)
         return total / period * units.height
 
     @property

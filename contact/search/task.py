@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from contact.errors import ContactError, NotConverged, OutOfRange, SceneError
+from contact.extras import require
 from contact.formulation import height_rounding
 from contact.formulation.controls import Control, Machine, scaled_control
 from contact.formulation.fields import ZoneFields
@@ -27,7 +28,6 @@ from contact.search.topology.missed import Missed
 from contact.solution.made import in_cell
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
-from contact.testing import check_profile
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
 from sie import Array
@@ -127,5 +127,5 @@ class Task:
         profile = self.scene.profile
         if type(profile).__module__.startswith("contact."):
             return ""
-        faults = check_profile(profile, raises=False).faults
+        faults = require("contact.testing").check_profile(profile, raises=False).faults
         return f"; the profile contradicts itself, says contact.testing.check_profile: {faults[0]}" if faults else ""
