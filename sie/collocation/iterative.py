@@ -243,9 +243,10 @@ class IterativeSystem(System):
         if any(c.levels and c.count(zones) == len(zones.solved) for c in self.equation.conditions):
             far = max(1.0, abs(math.log((zones.b[-1] - zones.a[0]) / datum)))
             return 2.2e-16 * float(own.sum() * far + (own * near).max() + np.abs(self.level_constants).max())
-        slope = float(np.abs(self.g).max())
+        slope, typical = float(np.abs(self.g).max()), math.sqrt(np.average((self.g**2).sum(axis=1), weights=zones.half))
         # Potentials of neighbours are put together apart from each other up to the node that holds both.
-        steps = 2.2e-16 * slope * self.sums.far.targets.tree.parted + (self._across_gaps[1] if self.integrated else 0.0)
+        apart = np.maximum(slope * self._gaps[2], typical * self.sums.far.targets.tree.parted)
+        steps = 2.2e-16 * apart + (self._across_gaps[1] if self.integrated else 0.0)
         # The step over the border is that of all others.
         border = float(np.linalg.norm(steps))
         felt_left, felt_right = felt(*(gap[zones.solved] + zones.half[zones.solved] for gap in modes.gaps(zones, self.equation.kernel)))
