@@ -110,17 +110,22 @@ class Answer(sie.Kept):
         """Load of each zone (n,) [N/m], off by at most 3 error p times its width; their sum is the load to rounding."""
         return np.asarray(self.fields.loads[self._order])
 
-    @cached_property
+    @property
     def zone_remainders(self) -> Array:
         """What rounding has cut off the ends in `zones` (n, 2) [m], where that is known, else 0: of very fine roughness, whose zones are
         narrow beside a unit in the last digit of their places, it is the ends zones + zone_remainders that `error` speaks of."""
+        return np.zeros(self.zones.shape) if self._cut_off is None else self._cut_off
+
+    @cached_property
+    def _cut_off(self) -> Array | None:
         told = getattr(self.fields, "cut_off", None)
-        return np.zeros(self.zones.shape) if told is None else np.asarray(told(self.zones, self._order))
+        return None if told is None else told(self.zones, self._order)
 
     @property
     def zone_widths(self) -> Array:
         """Width of each zone (n,) [m], off by at most 2 error of itself."""
-        return np.asarray(np.diff(self.zones)[:, 0] + np.diff(self.zone_remainders)[:, 0])
+        widths, rest = self.zones[:, 1] - self.zones[:, 0], self._cut_off
+        return widths if rest is None else widths + np.diff(rest)[:, 0]
 
     @cached_property
     def zone_peaks(self) -> Array:

@@ -34,7 +34,7 @@ THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
 _FIRST = np.sin(THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
 _FIRST_OF = np.linalg.pinv(_FIRST)
 # From this number of unknowns on, a matrix costs more than fast sums.
-MANY_UNKNOWNS = 1500
+MANY_UNKNOWNS = 600
 # Beyond this number a matrix and its factors take more than six gigabytes.
 MOST_UNKNOWNS = 20_000
 

@@ -47,8 +47,8 @@ _ROUNDING = 3e-16
 _LIGHTEST = 1e-4
 # Rows at most of conditions that are not of every zone by itself: a small system couples them.
 _FEW_ROWS = 64
-# Nodes for the integral of g over one length of its resolution.
-_GAUSS = 16
+# Nodes for the integral of g over so many lengths of its resolution: of a wave of that length they leave 1e-19.
+_GAUSS, _LENGTHS = 16, 2
 
 
 @lru_cache(maxsize=1)
@@ -203,7 +203,7 @@ class IterativeSystem(System):
         forcing = self.equation.forcing
         assert forcing.resolution is not None
         start, rest, length = self._gaps
-        panels = np.ceil(length / forcing.resolution).astype(np.intp)
+        panels = np.ceil(length / (_LENGTHS * forcing.resolution)).astype(np.intp)
         gap = np.repeat(np.arange(len(length)), panels)
         number = numbered(panels)
         size = (length / panels)[gap]

@@ -469,7 +469,11 @@ class System:
             raise ValueError("a condition on potentials needs the primitive of the right side")
         solved = zones.solved
         w = zones.half[solved]
-        mean = 0.5 * (forcing.primitive(zones.a[solved]) + forcing.primitive(zones.b[solved]))
+        ends, rest = np.array([zones.a[solved], zones.b[solved]]), zones.rest[:, solved]
+        heights = np.asarray(forcing.primitive(ends))
+        if forcing.exact and rest.any():
+            heights = heights + rest * np.asarray(forcing.value(ends))
+        mean = 0.5 * heights.sum(axis=0)
         if len(self.jumps):
             mean = mean + w * self.jumps.mean_offsets(zones)[solved]
         k = np.arange(2, self.g.shape[1], 2)

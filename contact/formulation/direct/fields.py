@@ -35,6 +35,8 @@ class DirectFields(ZoneFields):
 
     scene: Scene
     ends: Ends
+    # Its ends have no more digits than their places.
+    cut_off = None  # type: ignore[assignment]
 
     def __init__(self, scene: Scene, ends: Ends) -> None:
         self.__dict__.update(scene=scene, ends=ends, amplitude_rate=0.0)

@@ -165,7 +165,7 @@ def _moved(pulled: Pulled, zones: Array, moved: Array, reaches: Mask) -> Array:
     return np.where(reaches.T, np.broadcast_to(pulled.corners, zones.shape), zones)
 
 
-def edge_slopes(pulled: Pulled, state: sie.State) -> Array:
+def edge_slopes(pulled: Pulled, state: sie.AnyState) -> Array:
     """A at the ends (2, Z) of p + s, of which K is told by a motion of the end: where the other end is held at a corner q has less."""
     slope, zones = np.array(state.density.edge_slopes), state.density.zones
     left, right = pulled.pulling.spread

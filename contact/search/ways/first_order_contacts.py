@@ -67,8 +67,8 @@ class At:
         return np.array([width_of(self.strip) - width_of(self.alone) + wider, middle + aside - self.unknowns[0]])
 
     def after(self, step: Array, moved: Array, moved_alone: Array, part: float) -> tuple[Place, float]:
-        """(where all ends come to, the largest move over the width of a zone or of a gap beside it), by a step of the unknowns and the ends'
-        own moves beside those it calls up. part: of a width or a gap that may go."""
+        """(where all ends come to, the largest move over the width of a zone or of a gap beside it), by a step of the unknowns and the
+        ends' own moves beside those it calls up. part: of a width or a gap that may go."""
         strip, alone = self.table, table_of(self.alone)
         moved, moved_alone = moved + self.own[0], moved_alone + self.own[1]
         largest = max(float((np.abs(move) / _room_beside(table)).max()) for move, table in ((moved, strip), (moved_alone, alone)))
