@@ -188,16 +188,18 @@ class Solved(Answered):
 
     def response_unknowns(self, values: Array, tolerance: float = 0.0) -> Array:
         """The unknowns of `response`, to be put into rows of the system."""
+        right, iteration = self.right_of(values), self.iteration
+        return self.symmetry.unfold(self.solver(right) if iteration is None else iteration(right, None, tolerance))
+
+    def right_of(self, values: Array) -> Array:
+        """The right side of the rows for values of the side conditions, that of the equation zero."""
         right = np.zeros(self.solver.size)
         right[self.conditions_from :] = values / self.condition_scale
-        iteration = self.iteration
-        return self.symmetry.unfold(self.solver(right) if iteration is None else iteration(right, None, tolerance))
+        return right
 
     def with_value(self, condition: int, change: float) -> Self:
         """The state after the value of one side condition has changed."""
-        right = np.zeros(self.solver.size)
-        right[self.conditions_from :] = self.values(condition, change) / self.condition_scale
-        folded = self.folded_unknowns + self.solver(right)
+        folded = self.folded_unknowns + self.solver(self.right_of(self.values(condition, change)))
         unknowns = self.symmetry.unfold(folded)
         return replace(self, folded_unknowns=folded, unknowns=unknowns, density=density_of(self.system, unknowns))
 

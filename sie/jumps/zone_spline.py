@@ -22,9 +22,10 @@ from functools import cached_property
 import numpy as np
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index
+from sie.basis.arrays import Array
 from sie.basis.interval import Complex, InPlane, What, theta
 from sie.basis.kept import Kept
+from sie.basis.sums import pair_blocks
 from sie.fast.piecewise import clenshaw
 from sie.jumps.local_spline import NEAREST, LocalSpline, cosine_sums, same_jumps
 
@@ -34,8 +35,6 @@ _TERMS = 24
 _NOTHING = 1e-12
 # Gauss nodes on a piece of the spline, and largest angle over which a panel is turned when coefficients are found.
 _NODES, _TURN = 16, 8.0
-# (point, node) pairs handled at once.
-_PAIRS = 1 << 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,7 +212,7 @@ class ZoneSpline(Kept):
         """What the kernel makes of the density off the zone."""
         out = np.empty(rho.shape)
         phi, weight = self._nodes
-        for here in _blocks(np.arange(len(rho)), len(phi)):
+        for here in pair_blocks(len(rho), len(phi)):
             out[here] = self._transform(rho[here])
         return out
 
@@ -245,9 +244,10 @@ class ZoneSpline(Kept):
         out = -rho * self.mean - c_0 * np.log(2 * np.abs(rho))
         sine, cosine = np.sin(phi), np.cos(phi)
         end = float(weight @ (sine * 0.5 * (np.pi - phi))) * (2 / np.pi)
-        for here in _blocks(np.flatnonzero(~on), len(phi)):
-            r = rho[here, None]
-            out[here] += np.arctan2(r * sine, 1 - r * cosine) @ (weight * sine) * (2 / np.pi)
+        off = np.flatnonzero(~on)
+        for here in pair_blocks(len(off), len(phi)):
+            r = rho[off[here], None]
+            out[off[here]] += np.arctan2(r * sine, 1 - r * cosine) @ (weight * sine) * (2 / np.pi)
         whole = float(self.spline.integral(np.array([2.0]))[0])
         out[on] += end - (whole - self.spline.integral(left[on]) - self.mean * right[on])
         return out
@@ -274,9 +274,3 @@ def _two_pieces(cut: float, left: float, left_slope: float, right: float, right_
         return np.where(x < cut, left + x * (left_slope + x * bends[0]), right - y * (right_slope - y * bends[1]))
 
     return pieces, bends[1] - bends[0]
-
-
-def _blocks(points: Index, nodes: int) -> list[Index]:
-    if len(points) == 0:
-        return []
-    return np.array_split(points, -(-len(points) * nodes // _PAIRS))

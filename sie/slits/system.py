@@ -122,7 +122,7 @@ class SlitSystem(Kept):
 
     def _series(self, folded: Array, homogeneous: bool) -> tuple[Array, ...]:
         """Series of all slits for unknowns of the wide zones."""
-        y, offset = self._unfold(folded), self.system.layout.offset
+        y, offset = self.base.symmetry.unfold(folded), self.system.layout.offset
         return tuple(
             by @ y[offset[here.zone] : offset[here.zone] + by.shape[1]] + (0.0 if homogeneous else given)
             for here, (by, given) in zip(self.slits, self._answers, strict=True)
@@ -134,24 +134,23 @@ class SlitSystem(Kept):
         values: of the side conditions, with no right side and no jumps; None: the equation itself. loose: tolerance of an iteration, where
         that is more than the one at hand.
         """
-        solver, homogeneous = self.base.solver, values is not None
-        right_side = self._first(values)
-        iteration = self.base.iteration
+        base, homogeneous, iteration = self.base, values is not None, self.base.iteration
         if iteration is not None:
             # The slits' answer is part of the rows: what is iterated on is both at once.
             nothing = tuple(np.zeros(here.offset[-1]) for here in self.slits)
             given = nothing if homogeneous else tuple(one for _, one in self._answers)
-            near = None if homogeneous else self.base.folded_unknowns
+            near = None if homogeneous else base.folded_unknowns
+            right = iteration.right() if values is None else base.right_of(values)
             folded = iteration(
-                right_side + self._right(given, homogeneous), near, max(self.linear, loose),
+                right + self._right(given, homogeneous), near, max(self.linear, loose),
                 lambda y: self._right(self._series(y, True), True),
             )
             return folded, self._series(folded, homogeneous), 0.0
-        first = solver(right_side) if homogeneous else self.base.folded_unknowns
+        first = base.folded_unknowns if values is None else base.solver(base.right_of(values))
         bounds = np.cumsum([here.offset[-1] for here in self.slits])[:-1]
 
         def answer(series: Array, homogeneous: bool, start: Array | float) -> tuple[Array, Array]:
-            folded = start + solver(self._right(tuple(np.split(series, bounds)), homogeneous))
+            folded = start + base.solver(self._right(tuple(np.split(series, bounds)), homogeneous))
             return folded, np.concatenate(self._series(folded, homogeneous))
 
         # A slit bends its surroundings by the square of its width over its distance: a few steps are enough.
@@ -165,18 +164,6 @@ class SlitSystem(Kept):
         if not change <= max(_SETTLED, 10 * self.linear):
             raise SlitsNotConverged("the slits of a wide zone do not come to rest")
         return folded, tuple(np.split(series, bounds)), change
-
-    def _first(self, values: Array | None) -> Array:
-        """The right side without slits; for a matrix only that of values, its solution of the equation being at hand."""
-        solver = self.base.solver
-        if values is None:
-            return np.zeros(0) if self.base.iteration is None else self.base.iteration.right()
-        right = np.zeros(solver.size)
-        right[self.base.conditions_from :] = values / self.base.condition_scale
-        return right
-
-    def _unfold(self, folded: Array) -> Array:
-        return self.base.symmetry.unfold(folded)
 
     def s_table(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """s_k of every wide zone."""
@@ -206,7 +193,7 @@ class SlitSystem(Kept):
     def density(self, folded: Array, d: tuple[Array, ...], homogeneous: bool = False) -> tuple[State, SlitDensity]:
         """(state of the wide zones, density) for solved unknowns."""
         base, system = self.base, self.system
-        y = self._unfold(folded)
+        y = self.base.symmetry.unfold(folded)
         whole = base.homogeneous(y) if homogeneous else density_of(system, y)
         s = self.s_table(d, homogeneous)
         count = max(s.shape[1], whole.coefficients.shape[1])
