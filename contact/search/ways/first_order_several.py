@@ -167,8 +167,15 @@ class FirstOrderOfSeveral:
         return OutOfRange(f"{self.scaled.control.told(self.problem.units)}: under the first-order closure {why.value}; {EXACT}")
 
     def _started(self, grid: ClosureGrid, rough: AtPressure) -> At:
-        """The contacts under the nominal pressure of the grids."""
-        part, points = self.task.plan["coarse search"], _FINER_GRID * grid.points
+        """The contacts under the nominal pressure of the grids, from zones of finer ones."""
+        try:
+            return self._from_grid(grid, rough, _FINER_GRID * grid.points)
+        except NotConverged:
+            # Beside the border a finer grid may tell zones that the exact contact does not have.
+            return self._from_grid(grid, rough, grid.points)
+
+    def _from_grid(self, grid: ClosureGrid, rough: AtPressure, points: int) -> At:
+        part = self.task.plan["coarse search"]
         part.used = True
         with self.task.plan.timed("coarse search"):
             fine = grid.closer(rough, points, _CLOSELY)
