@@ -32,11 +32,12 @@ function deep(wanted, root = document) {
 
 
 class Page:
-    """One tab. `requests` are the addresses it has asked for, `faults` what its scripts have complained of."""
+    """One tab. `requests` are the addresses it has asked for, `told` what sockets have sent it, `faults` what its scripts complained of."""
 
     def __init__(self, socket: Any, loop: asyncio.AbstractEventLoop) -> None:
         self._socket, self._loop, self._count = socket, loop, 0
         self.requests: list[str] = []
+        self.told: list[str] = []
         self.faults: list[str] = []
 
     def tell(self, method: str, **params: Any) -> dict[str, Any]:
@@ -63,6 +64,8 @@ class Page:
             self.requests.append(params["request"]["url"])
         if heard.get("method") == "Network.webSocketCreated":
             self.requests.append(params["url"])
+        if heard.get("method") == "Network.webSocketFrameReceived":
+            self.told.append(params["response"]["payloadData"])
         if heard.get("method") == "Runtime.exceptionThrown":
             self.faults.append(params["exceptionDetails"].get("text", "") + str(params["exceptionDetails"].get("exception", "")))
 
@@ -90,11 +93,12 @@ class Page:
     def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
         self.tell("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
 
-    def click(self, script: str) -> None:
+    def click(self, script: str, times: int = 1) -> None:
         """On the middle of an element."""
         x, y = self.middle(script)
-        for kind in ("mousePressed", "mouseReleased"):
-            self.mouse(kind, x, y, button="left", clickCount=1)
+        for count in range(1, times + 1):
+            for kind in ("mousePressed", "mouseReleased"):
+                self.mouse(kind, x, y, button="left", clickCount=count)
 
     def drag(self, script: str, by: float, steps: int = 10) -> None:
         """An element, to the right."""

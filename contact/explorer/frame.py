@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
-from html import escape
 from typing import Any
 
 import numpy as np
@@ -24,16 +23,17 @@ _FLANK = 0.6  # how far beyond the rest a body without end is drawn
 
 @dataclass(frozen=True)
 class Frame:
-    """What is drawn of a solution. Lengths along x, heights and pressures are in the units named, [µm] and the like."""
+    """What is drawn of a solution, in the units of its names.
+
+    fields: rows of x, heights of the body, of the deformed surface, of both where they touch, and pressure; zones: rows of ends;
+    names: of x, heights and pressure.
+    """
 
     solution: Solution
     seconds: float
-    surfaces: dict[str, Array]  # x, body, surface, touching
-    pressure: dict[str, Array]  # x, p
-    zones: dict[str, Array]  # left, right
-    along: str
-    up: str
-    push: str
+    fields: Array
+    zones: Array
+    names: tuple[str, str, str]
 
 
 def solved(scene: Scene, tol: float, near: Solution | None, branch: str, points: int = POINTS) -> Frame:
@@ -66,13 +66,10 @@ def drawn(solution: Solution, seconds: float, points: int = POINTS) -> Frame:
     push = prefix(float(np.max(np.abs(pressure[np.isfinite(pressure)]), initial=0.0)) if top <= 0 else top)
     # Where it is infinite, at corners and under adhesion, the line is cut.
     shown = np.clip(np.nan_to_num(pressure, nan=0.0, posinf=2 * top, neginf=-2 * top), -1.5 * abs(top), 1.5 * abs(top))
-    return Frame(
-        solution, seconds,
-        {"x": x * along[0], "body": body * up[0], "surface": surface * up[0], "touching": np.where(inside, surface, np.nan) * up[0]},
-        {"x": x * along[0], "p": shown * push[0]},
-        {"left": zones[:, 0] * along[0], "right": zones[:, 1] * along[0]},
-        f"{along[1]}m", f"{up[1]}m", f"{push[1]}Pa",
-    )  # fmt: skip
+    touching = np.where(inside, surface, np.nan)
+    fields = np.array([x * along[0], body * up[0], surface * up[0], touching * up[0], shown * push[0]])
+    names = f"x [{along[1]}m]", f"height [{up[1]}m]", f"pressure [{push[1]}Pa]"
+    return Frame(solution, seconds, fields, zones * along[0], names)
 
 
 def _peak_shown(solution: Solution) -> float:
@@ -97,13 +94,6 @@ def numbers(frame: Frame) -> list[tuple[str, str]]:
         ("solved in", quantity(frame.seconds, "s", 3)),
     ]
     return [(name, value) for name, value in said if value]
-
-
-def table(frame: Frame) -> str:
-    """The numbers and the warnings of a frame, as HTML."""
-    rows = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in numbers(frame))
-    doubts = "".join(f"<p class='warning'>{escape(text)}</p>" for text in frame.solution.warnings)
-    return f"<table class='numbers'>{rows}</table>{doubts}"
 
 
 def told(error: Exception) -> str:

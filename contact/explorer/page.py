@@ -10,15 +10,12 @@ import math
 import time
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
-from html import escape
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from contact.errors import ContactError, SceneError
 from contact.explorer.curve import along, same_curve
-from contact.explorer.frame import FEW, POINTS, Frame, drawn, place_on_curve, solved, table, told
+from contact.explorer.frame import FEW, POINTS, Frame, drawn, numbers, place_on_curve, solved, told
 from contact.explorer.handles import Handle, handles, rounded, turned
 from contact.extras import require
 from contact.model.scene import Scene
@@ -27,27 +24,12 @@ from contact.model.scene_text import to_toml
 from contact.model.units import prefix
 from contact.solution.solution import Solution
 
-_BODY, _SURFACE, _PRESSURE, _ZONE = "#7a7a7a", "#1f5a92", "#b3261e", "#f2c14e"
 _DECADE = 0.01  # step of a slider by equal factors, in powers of ten
 _STEPS = 400
 _NEXT = 5  # ms from one thing to do to the next, so that what the page sends comes between
 _REST = 300  # ms without a change before the load curve is drawn
-_USED, _ROOM = 0.5, 0.08  # of a range, at least; of what it shows, to either side
-_READ = 0.1  # s: numbers that change more often are not read
 _DEAR = 0.3  # s: the curve of a scene that takes longer is not drawn unasked
 _LONGEST = 20_000  # letters of a text that is shown
-
-_STYLE = """
-table.numbers { border-collapse: collapse; font: 14px sans-serif; }
-table.numbers th { text-align: left; font-weight: normal; padding: 1px 14px 1px 0; }
-table.numbers td { text-align: right; font-variant-numeric: tabular-nums; }
-table.numbers tr:first-child { font-weight: bold; }
-p.warning { color: #8a5a00; margin: 4px 0; font: 13px sans-serif; max-width: 26em; }
-p.refused { color: #b3261e; border-left: 4px solid #b3261e; padding: 6px 10px; margin: 4px 0; font: 14px sans-serif; }
-"""
-
-# The numbers, the stated error first, stay where they are when the page is scrolled.
-_SEEN = {"position": "sticky", "top": "0", "background": "white", "z-index": "5", "width": "100%"}
 
 # Text of a slider: the number with a prefix before its unit.
 _READOUT = """
@@ -68,9 +50,9 @@ class Explorer:
         self.tol, self.directory = tol, directory
         self.frame: Frame | None = None
         self.moved: dict[str, float] = {}
-        # A frame is to come; what follows once the hand is at rest is to come, and when; when numbers are told again.
+        # A frame is to come; what follows once the hand is at rest is to come, and when.
         self._due = self._waits = self._curve_is_due = False
-        self._rest_at = self._tell_at = 0.0
+        self._rest_at = 0.0
         self._walk: Iterator[Solution] | None = None
         self._make()
         self._begin(scene, tables)
@@ -78,9 +60,7 @@ class Explorer:
     # what stands on the page --------------------------------------------------------------------------------------------
     def _make(self) -> None:
         pn = self.pn
-        style = {"stylesheets": [_STYLE], "sizing_mode": "stretch_width"}
-        self.sliders = pn.Column(sizing_mode="stretch_width")
-        self.numbers, self.message = pn.pane.HTML("", **style, styles=_SEEN), pn.pane.HTML("", **style)
+        self.sliders, self.pictures = pn.Column(sizing_mode="stretch_width"), require("contact.explorer.pictures").Pictures()
         self.branch = pn.widgets.RadioButtonGroup(label="branch", options=["advancing", "receding"], visible=False)
         self.branch.param.watch(lambda _: self._change(), "value")
         self.text = pn.widgets.TextAreaInput(
@@ -92,42 +72,8 @@ class Explorer:
         copy.js_on_click(args={"text": self.text}, code="navigator.clipboard.writeText(text.value)")
         self.draw = pn.widgets.Button(label="draw the load curve", visible=False)
         self.draw.on_click(lambda _: self._start_curve())
-        left = pn.Column(
-            self.message, self.numbers, self.branch, self.sliders, self.text, pn.Row(self.read, copy), width=380, margin=(0, 20, 0, 0)
-        )
-        right = pn.Column(*(pn.pane.Bokeh(figure, sizing_mode="stretch_width") for figure in self._figures()), self.draw,
-                          sizing_mode="stretch_width")  # fmt: skip
-        self.layout = pn.Row(left, right, sizing_mode="stretch_width")
-
-    def _figures(self) -> tuple[Any, Any, Any]:
-        models, figure = self.models, require("bokeh.plotting").figure
-        data = models.ColumnDataSource
-        nothing: list[float] = []
-        self.surfaces = data({"x": nothing, "body": nothing, "surface": nothing, "touching": nothing})
-        self.pressure, self.zones = data({"x": nothing, "p": nothing}), data({"left": nothing, "right": nothing})
-        self.line, self.point = data({"across": nothing, "up": nothing}), data({"across": nothing, "up": nothing})
-        common = {"height": 250, "sizing_mode": "stretch_width", "tools": "pan,box_zoom,wheel_zoom,reset,save", "min_border_left": 75}
-        # Ranges that are told beforehand: those that Bokeh finds in the data itself are found while it paints, and paint all once more.
-        self.ranges = {name: models.Range1d(0.0, 1.0) for name in ("along", "up", "push")}
-        self._fitted: dict[str, tuple[str, float, float]] = {}
-        top = figure(**common, x_range=self.ranges["along"], y_range=self.ranges["up"], y_axis_label="height")
-        bottom = figure(**common, x_range=self.ranges["along"], y_range=self.ranges["push"], y_axis_label="pressure")
-        curve = figure(**common)
-        for one in (top, bottom):
-            one.vstrip(x0="left", x1="right", source=self.zones, fill_color=_ZONE, fill_alpha=0.25, line_color=None)
-        top.line("x", "body", source=self.surfaces, color=_BODY, line_width=1.5, legend_label="profile")
-        top.line("x", "surface", source=self.surfaces, color=_SURFACE, line_width=1.5, legend_label="deformed surface")
-        top.line("x", "touching", source=self.surfaces, color=_PRESSURE, line_width=3, legend_label="contact")
-        bottom.varea("x", 0, "p", source=self.pressure, fill_color=_PRESSURE, fill_alpha=0.2)
-        bottom.line("x", "p", source=self.pressure, color=_PRESSURE, line_width=1.5)
-        curve.line("across", "up", source=self.line, color=_SURFACE, line_width=1.5)
-        curve.scatter("across", "up", source=self.line, color=_SURFACE, size=4)
-        curve.scatter("across", "up", source=self.point, color=_PRESSURE, size=11)
-        self.top, self.bottom, self.curve = top, bottom, curve
-        for one in (top, bottom, curve):
-            one.toolbar.logo = None
-        top.legend.background_fill_alpha = 0.6
-        return top, bottom, curve
+        left = pn.Column(self.branch, self.sliders, self.text, pn.Row(self.read, copy), width=380, margin=(0, 20, 0, 0))
+        self.layout = pn.Row(left, pn.Column(self.pictures, self.draw, sizing_mode="stretch_width"), sizing_mode="stretch_width")
 
     # a scene ------------------------------------------------------------------------------------------------------------
     def _begin(self, scene: Scene, tables: Mapping[str, Any] | None) -> None:
@@ -212,13 +158,10 @@ class Explorer:
             if last is None or not same_curve(last.solution.scene, scene) or self._of_curve != self.branch.value:
                 self._forget_curve()
             self._paint(self.frame)
-            if time.monotonic() >= self._tell_at or not self._is_served:
-                self._tell(self.frame)
         except Exception as error:  # a page shows no traceback; what is no fault of the scene is told as such
             self._refuse(told(error))
             return
-        if self.message.object:
-            self.message.object, self.numbers.styles = "", _SEEN
+        self.pictures.refused = ""
         self._rest_at = time.monotonic() + 1e-3 * _REST
         if not self._waits:
             self._waits = True
@@ -237,7 +180,6 @@ class Explorer:
             if self._is_served:
                 self.frame = drawn(self.frame.solution, self.frame.seconds)
                 self._paint(self.frame)
-                self._tell(self.frame)
             self._write(self.frame.solution.scene)
             if self._curve_is_due:
                 self.draw.visible = self.frame.seconds > _DEAR
@@ -245,45 +187,23 @@ class Explorer:
                     self._start_curve()
 
     def _refuse(self, message: str) -> None:
-        old = "" if self.frame is None else " What is drawn, and the numbers, are of the last scene that was solved."
-        self.message.object = f"<p class='refused' role='alert'>{escape(message.rstrip('.'))}.{old}</p>"
-        self.numbers.styles = {**_SEEN, "color": "#999999"}
+        old = " What is drawn, and the numbers, are of the last scene that was solved." if self.pictures.frame else ""
+        self.pictures.refused = f"{message.rstrip('.')}.{old}"
 
     def _paint(self, frame: Frame) -> None:
-        self.surfaces.data, self.pressure.data, self.zones.data = frame.surfaces, frame.pressure, frame.zones
-        for name, unit, shown in (
-            ("along", frame.along, [frame.surfaces["x"]]), ("up", frame.up, [frame.surfaces["body"], frame.surfaces["surface"]]),
-            ("push", frame.push, [frame.pressure["p"], np.zeros(1)]),
-        ):  # fmt: skip
-            self._fit(name, unit, float(min(np.min(one) for one in shown)), float(max(np.max(one) for one in shown)))
-        self.top.yaxis.axis_label, self.bottom.yaxis.axis_label = f"height [{frame.up}]", f"pressure [{frame.push}]"
-        self.bottom.xaxis.axis_label = f"x [{frame.along}]"
         across, up, (name, unit), (what, whose) = place_on_curve(frame.solution)
-        if not self.line.data["across"]:
+        curve = self.pictures.curve
+        if not curve["points"][0]:
             # The scales of the curve stay while it does.
             self._across, self._up = prefix(abs(across)), prefix(abs(up))
-            self.curve.xaxis.axis_label, self.curve.yaxis.axis_label = f"{name} [{self._across[1]}{unit}]", f"{what} [{self._up[1]}{whose}]"
-
-    def _fit(self, name: str, unit: str, low: float, high: float) -> None:
-        """A range that shows all: the last one where it does and half of it is used, so that what grows is seen to grow.
-
-        One that was turned by hand, with the tools of the picture, stays until it is reset there.
-        """
-        shown, last = self.ranges[name], self._fitted.get(name)
-        if last is not None and last[0] == unit and last[1] <= low and high <= last[2] and high - low >= _USED * (last[2] - last[1]):
-            return
-        room = (_ROOM * (high - low) if name != "along" else 0.0) or (0.0 if high > low else 1.0)
-        fitted = low - room, high + room
-        by_hand = last is not None and last[0] == unit and (shown.start, shown.end) != last[1:]
-        shown.update(**({} if by_hand else {"start": fitted[0], "end": fitted[1]}), reset_start=fitted[0], reset_end=fitted[1])
-        self._fitted[name] = (unit, *fitted)
-
-    def _tell(self, frame: Frame) -> None:
-        """Numbers, and the point on the load curve: no more often than they are read, as the browser lays the page out anew for them."""
-        self._tell_at = time.monotonic() + _READ
-        self.numbers.object = table(frame)
-        across, up, *_ = place_on_curve(frame.solution)
-        self.point.data = {"across": [across * self._across[0]], "up": [up * self._up[0]]}
+            names = [f"{name} [{self._across[1]}{unit}]", f"{what} [{self._up[1]}{whose}]"]
+            if names != curve["names"]:
+                self.pictures.curve = {"points": [[], []], "names": names}
+        self.pictures.frame = {
+            "fields": frame.fields, "zones": frame.zones.ravel(), "names": list(frame.names),
+            "here": [across * self._across[0], up * self._up[0]],
+            "numbers": [list(said) for said in numbers(frame)], "warnings": list(frame.solution.warnings),
+        }  # fmt: skip
 
     def _write(self, scene: Scene) -> None:
         """The text of the scene; of a trace that is as its file has it, the file's name."""
@@ -304,8 +224,8 @@ class Explorer:
         """What was drawn is of another scene."""
         self._walk, self._curve_is_due = None, True
         self._of_curve = self.branch.value
-        if self.line.data["across"]:
-            self.line.data = {"across": [], "up": []}
+        if self.pictures.curve["points"][0]:
+            self.pictures.curve = {**self.pictures.curve, "points": [[], []]}
 
     def _start_curve(self) -> None:
         if self.frame is not None:
@@ -320,7 +240,8 @@ class Explorer:
         here = None if self._due else next(walk, None)
         if here is not None:
             across, up, *_ = place_on_curve(here)
-            points = np.array([[*self.line.data["across"], across * self._across[0]], [*self.line.data["up"], up * self._up[0]]])
-            self.line.data = {"across": points[0].tolist(), "up": points[1].tolist()}
+            ways, loads = self.pictures.curve["points"]
+            points = [[*ways, across * self._across[0]], [*loads, up * self._up[0]]]
+            self.pictures.curve = {**self.pictures.curve, "points": points}
         if here is not None or self._due:
             self._soon(lambda: self._step(walk))

@@ -8,6 +8,7 @@ crowd at their ends, so that logarithms there cost no digits. The nodes are doub
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -16,11 +17,13 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.full import FullFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.quadrature import panels
-from contact.formulation.tension.loose import LooseFields
 from sie import Array
 
+if TYPE_CHECKING:  # loaded by the scenes whose law pulls at a distance
+    from contact.formulation.tension.loose import LooseFields
+
 # What a solution reads, in SI units; zones are counted as the fields have them.
-Fields = ZoneFields | GapFields | FullFields | ApartFields | LooseFields
+Fields: TypeAlias = "ZoneFields | GapFields | FullFields | ApartFields | LooseFields"
 # Nodes of a zone to begin with; changes that are none, over the sum of all moduli; how many nodes at most.
 _NODES, _CHANGE, _MOST = 32, 1e-14, 2**17
 
@@ -36,7 +39,7 @@ def elastic_energy(fields: Fields) -> float | None:
     if isinstance(fields, FullFields):
         pressed = _of_period(fields)
     else:
-        pressed = fields.borne_beside + (0.0 if isinstance(fields, LooseFields) else _of_zones(fields))
+        pressed = fields.borne_beside + (_of_zones(fields) if isinstance(fields, (ZoneFields, GapFields)) else 0.0)
     return float(0.5 * (fields.load * approach - pressed * units.load * units.height))
 
 

@@ -12,7 +12,6 @@ from contact.search.grid.proposals import about, placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene_about
 from contact.search.task import Task
 from contact.search.topology.missed import Missed, attempted
-from contact.search.ways.first_order_several import Closed
 from contact.search.ways.full_contact import Full
 from contact.search.ways.gaps import tightened_gaps
 from contact.search.ways.guesses import Outcome
@@ -104,7 +103,7 @@ def _from_the_same(task: Task, found: Found) -> Found | None:
 
 def _is_rounding(task: Task, found: Found) -> bool:
     """Whether rounding alone, of a solution that no iteration left an error in, is above the wanted error, or what modes do not show."""
-    if too_thin(found.fields.problem, found.free.density.zones.table) or (isinstance(found, Closed) and found.rounded):
+    if found.rounded or too_thin(found.fields.problem, found.free.density.zones.table):
         return True
     end = found.fields.problem.end
     return not found.free.state.iterated and bool(limit(found.free, 4 * task.tol, "zone", 4 * of_positions(found), end))

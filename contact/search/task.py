@@ -6,10 +6,12 @@ import math
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from contact.errors import ContactError, NotConverged, OutOfRange, SceneError
+from contact.extras import require
 from contact.formulation import height_rounding
 from contact.formulation.controls import Control, Machine, scaled_control
 from contact.formulation.fields import ZoneFields
@@ -20,12 +22,12 @@ from contact.model.operator import Operator
 from contact.model.scene import Scene
 from contact.search.shared import Shared
 from contact.search.topology.by_pressure import ByPressure
+from contact.search.topology.carried import Passed
 from contact.search.topology.loop import ROUNDS, Newton, Progress, refine_topology
 from contact.search.topology.missed import Missed
 from contact.solution.made import in_cell
 from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
-from contact.testing import check_profile
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
 from sie import Array
@@ -52,7 +54,7 @@ class Task:
     progress: Progress | None = None
     near: Solution | None = None
     branch: str = "advancing"
-    along: tuple[Solution, ...] = ()
+    along: tuple[Passed, ...] = ()
     give: float | None = None
 
     @classmethod
@@ -93,11 +95,10 @@ class Task:
         return control if self.give is None else Machine(control.value, self.give * units.load / units.height)
 
     def refine_topology(
-        self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 0,
-        rounds: int = ROUNDS, off: float = 1.0,
+        self, problem: Problem, control: Control, table: Array, rounds: int = ROUNDS, **how: Any
     ) -> Found | Missed:
-        """Zones that pass, from proposed ones."""
-        newton = Newton(self.tolerance, value, steps, near, off)
+        """Zones that pass, from proposed ones. how: of `Newton`, beside its tolerance."""
+        newton = Newton(self.tolerance, **how)
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
             return refine_topology(ByPressure(problem), control, table, newton, self.progress, timed=self.plan.timed, rounds=rounds)
@@ -126,5 +127,5 @@ class Task:
         profile = self.scene.profile
         if type(profile).__module__.startswith("contact."):
             return ""
-        faults = check_profile(profile, raises=False).faults
+        faults = require("contact.testing").check_profile(profile, raises=False).faults
         return f"; the profile contradicts itself, says contact.testing.check_profile: {faults[0]}" if faults else ""

@@ -15,9 +15,6 @@ from contact.formulation.fields import ZoneFields, mean_shape
 from contact.formulation.full import FullFields, FullLimit, lowest, period_samples
 from contact.formulation.problem import Problem
 from contact.formulation.tables import begun_from
-from contact.formulation.tension.cohesive import CohesivePoint
-from contact.formulation.tension.fields import scaled_second_variation
-from contact.formulation.tension.loose import LooseFields
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.model.units import quantity
@@ -25,12 +22,9 @@ from contact.solution.plan import Plan
 from contact.solution.pull_off import PullOff
 from contact.solution.solution import Solution, limit_of_approach
 from contact.verify.accuracy import Found, limit, of_positions, too_thin
-from contact.verify.certificate import Certificate, least_eigenvalue
+from contact.verify.certificate import Certificate
 from contact.verify.gap_accuracy import FoundByGaps
 from sie import Array
-
-# A miss of the reach, over it.
-_MISSED = 1e-7
 
 
 def of_zones(
@@ -101,22 +95,6 @@ def of_apart(scene: Scene, problem: Problem, approach: float | None, plan: Plan)
         points=0, holds=approach is None or approach <= 0.0, note="the surfaces are apart",
     )
     return Solution(scene, np.zeros((0, 2)), ApartFields(problem, approach), 0.0, certificate, plan, branch="receding")
-
-
-def of_loose(scene: Scene, fields: LooseFields, here: CohesivePoint, plan: Plan, branch: str) -> Solution:
-    """Surfaces that pull at each other without touching, on the intervals that were followed."""
-    for name in ("zone ends", "coarse search"):
-        plan[name].used, plan[name].reason = False, "the surfaces pull without touching"
-    ends, least, missed = len(here.table) > 0, float(here.look[1].min()), float(np.abs(here.residual).max(initial=0.0))
-    stability = least_eigenvalue(scaled_second_variation(here)) if ends else None
-    holds = least > 0.0 and missed <= _MISSED and (stability is None or stability > 0.0)
-    certificate = Certificate(
-        smallest_pressure=-scene.law.tension, smallest_gap=least * fields.problem.units.height, gap_rounding=0.0, load_balance=0.0,
-        level_spread=0.0, points=len(here.look[0]), holds=holds, note="the surfaces pull at each other without touching", intensity=missed,
-        stability=stability,
-    )
-    off = np.abs(np.linalg.solve(here.rates, here.residual)) / here.widths if ends else np.zeros(1)
-    return Solution(scene, np.zeros((0, 2)), fields, 1e-13 + float(off.max()), certificate, plan, branch=branch)
 
 
 def _told_of_full(scene: Scene, least: float) -> str:

@@ -11,10 +11,13 @@ from typing import Any
 import numpy as np
 
 from contact.errors import SceneError
+from contact.extras import require
 from contact.model.controls import Quantity
-from contact.solution import export, html, plotting
 from contact.solution.answer import Answer
 from contact.solution.validity import everything
+
+# Loaded by those who ask for them.
+_PICTURES, _PAGES, _FILES = "contact.solution.plotting", "contact.solution.html", "contact.solution.export"
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,19 +68,20 @@ class Solution(Answer):
 
     def plot(self) -> Any:
         """The surfaces and the pressure, as a matplotlib figure of its own; MissingExtra without matplotlib."""
-        return plotting.plot(self)
+        return require(_PICTURES).plot(self)
 
     def to_dataset(self) -> Any:
         """Zones, fields and numbers as an xarray.Dataset with units; MissingExtra without xarray."""
-        return export.to_xarray(self)
+        return require(_FILES).to_xarray(self)
 
     def _repr_html_(self) -> str:
-        return html.to_html(self)
+        page: str = require(_PAGES).to_html(self)
+        return page
 
     def zone_table(self) -> Any:
         """left, right, width [m], load [N/m], mean_pressure, max_pressure [Pa] of each zone: a pandas.DataFrame where pandas is
         installed, else a dictionary of an array for each column."""
-        return export.zone_frame(self)
+        return require(_FILES).zone_frame(self)
 
     def save(self, path: str | PathLike[str], overwrite: bool = False) -> None:
         """Write zones, numbers and scene as JSON, or those and the fields as netCDF: .json or .nc says which.
@@ -87,23 +91,24 @@ class Solution(Answer):
         SceneError
             If the name ends otherwise, or the file is there and `overwrite` is not given.
         """
-        known = {".json": export.write_json, ".nc": export.write_netcdf}
+        known = {".json": "write_json", ".nc": "write_netcdf"}
         ending = Path(path).suffix.lower() if isinstance(path, (str, PathLike)) else ""
         if ending not in known:
             raise SceneError.of("path", path, f"the name of a file that ends in {' or '.join(known)}")
-        known[ending](self, path, overwrite)
+        getattr(require(_FILES), known[ending])(self, path, overwrite)
 
     def save_zones(self, path: str | PathLike[str], overwrite: bool = False) -> None:
         """Write the zone table as CSV, SI, in full precision; a file that is there only with `overwrite`."""
-        export.write_csv(self, path, overwrite)
+        require(_FILES).write_csv(self, path, overwrite)
 
     def save_fields(self, path: str | PathLike[str], overwrite: bool = False) -> None:
         """Write x, pressure, gap, displacement, profile as CSV, SI, in full precision; a file that is there only with `overwrite`."""
-        export.write_fields(self, path, overwrite)
+        require(_FILES).write_fields(self, path, overwrite)
 
     def to_dict(self) -> dict[str, Any]:
         """All of it in plain types; None for what is infinite or undefined."""
-        return export.to_dict(self)
+        plain: dict[str, Any] = require(_FILES).to_dict(self)
+        return plain
 
 
 def limit_of_approach(solution: Solution, tol: float) -> str:

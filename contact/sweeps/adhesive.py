@@ -31,6 +31,7 @@ from contact.search.ways.along_curve import followed, under
 from contact.search.ways.branches import closed
 from contact.solution import made
 from contact.solution.energy import Energy
+from contact.solution.loose import of_loose
 from contact.solution.plan import plan
 from contact.solution.sampling import surfaces
 from contact.solution.solution import Solution
@@ -342,7 +343,7 @@ class _Run:
         fields = self.by.fields(here.point)
         if isinstance(fields, LooseFields):
             assert isinstance(here.point, CohesivePoint)
-            return made.of_loose(task.scene, fields, here.point, task.plan, way)
+            return of_loose(task.scene, fields, here.point, task.plan, way)
         solution = solved_at(task, self.by.outcome(task, here.point), told)
         return solution if task.give is None else replace(solution, scene=under(self.scene, "load", solution.load))
 

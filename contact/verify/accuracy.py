@@ -34,9 +34,11 @@ _MODES, _CANCELLED = 5.0, 4e-15
 
 @dataclass(frozen=True, eq=False)
 class Found(Solved):
-    """Zones that passed. off: how far the control may have been missed, in ends over the width of their zones."""
+    """Zones that passed. off: how far the control may have been missed, in ends over the width of their zones; rounded: whether rounding
+    is what keeps that from being less."""
 
     fields: ZoneFields
+    rounded: bool = False
 
     @cached_property
     def error(self) -> float:

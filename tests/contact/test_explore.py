@@ -19,6 +19,7 @@ from tornado.websocket import websocket_connect
 import contact
 from contact.explorer import page
 from contact.explorer.explore import ADDRESS
+from contact.explorer.frame import drawn
 from contact.explorer.handles import handles, turned
 from contact.explorer.page import Explorer
 from contact.model.scene_file import scene_from_tables
@@ -91,14 +92,28 @@ def test_a_slider_that_moves_shows_the_solution_of_the_text_beside_it() -> None:
     assert scene.mean_pressure == pytest.approx(1.7e9 / math.sqrt(10), rel=1e-3)
     solution = contact.solve(scene)
     assert np.array(page.frame.solution.zones) == pytest.approx(solution.zones, rel=1e-8)
-    assert f"{solution.contact_fraction * 100:.6g} %" in page.numbers.object
-    assert page.message.object == ""
-    assert len(page.line.data["up"]) > 20  # the load curve, up to full contact
-    before = list(page.line.data["up"])
+    assert ["in contact", f"{solution.contact_fraction * 100:.6g} %"] in page.pictures.frame["numbers"]
+    assert page.pictures.refused == ""
+    before = page.pictures.curve
+    assert len(before["points"][1]) > 20  # the load curve, up to full contact
     page.sliders.objects[0].value += 0.2
-    assert page.line.data["up"] == before
+    assert page.pictures.curve == before
     page.sliders.objects[1].value += 0.2
-    assert page.line.data["up"] != before
+    assert page.pictures.curve != before
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_frame_shows_the_fields_of_its_solution(name: str) -> None:
+    found = drawn(contact.solve(SCENES[name]), 0.0)
+    x, body, surface, touching, pressure = found.fields
+    assert (np.diff(x) >= 0).all() and np.isfinite([x, body, surface, pressure]).all()
+    # Bodies do not enter each other; they are one line just where they touch, and push there.
+    room = 1e-6 * (max(body.max(), surface.max()) - min(body.min(), surface.min()))
+    assert (body - surface > -room).all()
+    inside = np.any((x >= found.zones[:, :1]) & (x <= found.zones[:, 1:]), axis=0)
+    assert (np.isfinite(touching) == inside).all() and (np.abs(body - surface)[inside] < room).all()
+    assert (pressure[~inside] == 0.0).all() and pressure[inside].max() > 0.0
+    assert [name.partition(" ")[0] for name in found.names] == ["x", "height", "pressure"]
 
 
 @pytest.fixture
@@ -112,40 +127,44 @@ def awaited(monkeypatch: pytest.MonkeyPatch) -> list[Callable[[], None]]:
 
 def test_while_a_hand_moves_frames_are_light_and_at_rest_all_is_there(awaited: list[Callable[[], None]]) -> None:
     shown = Explorer(WAVE, 1e-8)
-    text, light = shown.text.value, len(shown.surfaces.data["x"])
+    text, light = shown.text.value, points(shown)
     for _ in range(5):
         shown.sliders.objects[0].value -= 0.1
     # Of five moves one frame is due, and one thing to do when the hand rests.
     assert len(awaited) == 2
-    shown._tell_at = math.inf
-    told = shown.numbers.object
     awaited.pop()()
     assert shown.frame.solution.mean_pressure == pytest.approx(1.7e9 / math.sqrt(10), rel=1e-3)
-    assert len(shown.surfaces.data["x"]) <= 1.5 * light and shown.numbers.object == told and shown.text.value == text
+    assert points(shown) <= 1.5 * light and shown.text.value == text
     assert len(awaited) == 1
     shown._rest_at = 0.0
     awaited.pop()()
-    assert len(shown.surfaces.data["x"]) > 1.5 * light
-    assert f"{shown.frame.solution.contact_fraction * 100:.6g} %" in shown.numbers.object
+    assert points(shown) > 1.5 * light
     assert scene_from_tables(tomllib.loads(shown.text.value)).mean_pressure == shown.frame.solution.mean_pressure
     # The load curve, a point at a time.
     while awaited:
         awaited.pop()()
-    assert len(shown.line.data["up"]) > 20
+    assert len(shown.pictures.curve["points"][1]) > 20
 
 
-def test_ranges_follow_what_is_shown_unless_a_hand_has_turned_them() -> None:
-    shown = Explorer(WAVE, 1e-8)
-    pressure, first = shown.ranges["push"], shown.ranges["push"].end
-    top = shown.pressure.data["p"].max()
-    assert pressure.start < 0.0 < top < first < 1.2 * top
-    shown.sliders.objects[0].value -= 0.1
-    assert pressure.end == first and shown.pressure.data["p"].max() > 0.5 * first
-    shown.sliders.objects[0].value -= 0.6
-    assert pressure.end != first and shown.pressure.data["p"].max() > 0.5 * pressure.end
-    pressure.update(start=0.1, end=0.2)
-    shown.sliders.objects[0].value += 0.8
-    assert (pressure.start, pressure.end) == (0.1, 0.2) and pressure.reset_end > shown.pressure.data["p"].max()
+def test_a_frame_under_a_moving_hand_is_one_change_of_one_thing(awaited: list[Callable[[], None]]) -> None:
+    shown, changes = Explorer(WAVE, 1e-8), []
+    shown._rest_at = 0.0
+    while awaited:  # until the curve stands
+        awaited.pop()()
+    shown.pictures.param.watch(lambda event: changes.append(event.name), ["frame", "curve", "refused"])
+    for widget in (shown.text, shown.draw, shown.branch, *shown.sliders.objects):
+        widget.param.watch(lambda event: changes.append(event.name), list(widget.param))
+    for count in range(1, 4):
+        shown.sliders.objects[0].value -= 0.1
+        changes.clear()
+        next(do for do in awaited if do.__name__ == "_show")()
+        awaited[:] = [do for do in awaited if do.__name__ != "_show"]
+        assert changes == ["frame"], count
+
+
+def points(shown: Explorer) -> int:
+    """At how many places the fields are drawn."""
+    return shown.pictures.frame["fields"].shape[1]
 
 
 def test_a_scene_that_cannot_be_is_told_and_the_last_one_stays() -> None:
@@ -155,13 +174,13 @@ def test_a_scene_that_cannot_be_is_told_and_the_last_one_stays() -> None:
     for text, said in zip(wrong, ("not a scene file", "x", "did you mean", "Poisson"), strict=True):
         page.text.value = text
         page._read()
-        assert said in page.message.object and "Traceback" not in page.message.object
+        assert said in page.pictures.refused and "Traceback" not in page.pictures.refused
         assert page.frame is last
     isolated = contact.Scene(contact.Sinusoid(1e-6, 1e-4), 1e9, contact.Isolated(), load=1.0)
     page = Explorer(isolated, 1e-8)
     page.text.value = page.text.value.replace("load = 1.0", "load = 1e9")
     page._read()
-    assert "refused" in page.message.object and page.frame is None
+    assert "border" in page.pictures.refused and page.frame is None
 
 
 def test_a_fault_of_the_program_is_told_as_one(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -172,7 +191,7 @@ def test_a_fault_of_the_program_is_told_as_one(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(page, "solved", broken)
     shown.sliders.objects[0].value -= 0.5
-    assert "a fault of the program, not of the scene (ZeroDivisionError: division by zero)" in shown.message.object
+    assert "a fault of the program, not of the scene (ZeroDivisionError: division by zero)" in shown.pictures.refused
 
 
 def test_without_panel_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -200,7 +219,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
             address = process.stdout.readline().split()[0]
             with browser() as page:
                 page.open(address)
-                page.until(lambda: page.run("deep('table.numbers td').length > 5 && deep('textarea')[0].value.length > 20"))
+                page.until(lambda: page.run("deep('dd').length > 5 && deep('textarea')[0].value.length > 20"))
                 yield Served(page, address)
         finally:
             process.terminate()
@@ -208,7 +227,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
 
 def shown(page: Page) -> dict[str, str]:
     """The numbers that stand on the page: all of a frame, the last of which is its time."""
-    rows = "deep('table.numbers tr').map(row => [row.cells[0].innerText, row.cells[1].innerText])"
+    rows = "deep('dl > div').map(one => [one.children[0].innerText, one.children[1].innerText])"
     return page.until(lambda: (now if "solved in" in (now := dict(page.run(rows))) else None))
 
 
@@ -238,18 +257,39 @@ def test_a_hand_that_drags_the_load_reads_the_numbers_of_that_load(served: Serve
 
 
 @pytest.mark.slow
+def test_what_the_server_sends_of_a_frame_is_one_message_and_is_painted_once(served: Served) -> None:
+    page, painted, text = served.page, "deep('canvas')[0].frames", "deep('textarea')[0].value"
+    before, was, heard = page.run(painted), page.run(text), len(page.told)
+    page.drag("deep('.noUi-handle')[0]", -40, steps=40)
+    page.until(lambda: page.run(text) != was)
+    patches = sum('"PATCH-DOC"' in said for said in page.told[heard:])
+    assert 2 <= page.run(painted) - before <= patches
+
+
+@pytest.mark.slow
+def test_a_stretch_that_is_dragged_over_fills_the_pictures(served: Served) -> None:
+    page, across = served.page, "(one => one.high - one.low)(deep('canvas')[0].across)"
+    whole = page.run(across)
+    page.drag("deep('canvas')[0]", 100)  # the middle is within the second picture
+    width = page.run("deep('canvas')[0].clientWidth")
+    page.until(lambda: page.run(across) == pytest.approx(whole * 100 / (width - 94), rel=0.02))
+    page.click("deep('canvas')[0]", times=2)
+    page.until(lambda: page.run(across) == whole)
+
+
+@pytest.mark.slow
 def test_a_bad_scene_is_a_message_on_the_page(served: Served) -> None:
     page = served.page
     page.run("(deep('textarea')[0].focus(), deep('textarea')[0].select())")
     page.type('[profile]\nshape = "sinusiod"')
     page.run("deep('textarea')[0].blur()")
     page.click("deep('button').find(one => one.innerText == 'solve this text')")
-    said = page.until(lambda: page.run("deep('p.refused').map(one => one.innerText)[0]"))
+    said = page.until(lambda: page.run("deep('p.refused')[0].innerText"))
     assert "missing" in said and "the last scene that was solved" in said
     assert "Traceback" not in page.run("document.documentElement.innerHTML")
     # And the page goes on.
     page.drag("deep('.noUi-handle')[1]", 20)
-    page.until(lambda: page.run("deep('p.refused').length") == 0)
+    page.until(lambda: page.run("deep('p.refused')[0].hidden"))
     assert shown(page)["certificate"] == "holds"
 
 

@@ -106,17 +106,17 @@ class Rates(sie.Kept):
     @cached_property
     def by_pressure(self) -> Array:
         """Of the strip by the nominal pressure (2, Z)."""
-        return moved_ends(self.at.strip.fields.state, 2, self.tolerance)
+        return moved_ends(self.at.strip.fields.state, 2, tolerance=self.tolerance)
 
     @cached_property
     def by_load(self) -> Array:
         """Of the strip (2, Z)."""
-        return moved_ends(self.at.strip.fields.state, 0, self.tolerance)
+        return moved_ends(self.at.strip.fields.state, 0, tolerance=self.tolerance)
 
     @cached_property
     def alone(self) -> Array:
         """Of its profile alone by the nominal pressure (2, Z): its load is that of a period."""
-        return self.at.period * moved_ends(self.at.alone.fields.state, 0, self.tolerance)
+        return self.at.period * moved_ends(self.at.alone.fields.state, 0, tolerance=self.tolerance)
 
     @cached_property
     def approach(self) -> Array:

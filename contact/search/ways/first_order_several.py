@@ -73,11 +73,9 @@ _MARGIN = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Closed(Found):
-    """The zones of the strip, and at: the contacts that they and the nominal pressure are of; rounded: whether rounding is what keeps these
-    from coming nearer to the root."""
+    """The zones of the strip, and at: the contacts that they and the nominal pressure are of."""
 
     at: At | None = None
-    rounded: bool = False
 
 
 @dataclass
@@ -278,7 +276,7 @@ class FirstOrderOfSeveral:
             at.strip.fields, amplitude_rate=float(follows[1]), centring=float(rates.approach[0] * follows[0])
         )
         found = replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed, at.table))
-        return Closed(**vars(found), at=at, rounded=self.rounded)
+        return Closed(**{**vars(found), "rounded": self.rounded}, at=at)
 
     def _signed(self, at: At) -> tuple[At, Rates, Array]:
         """`_stepped`, with the signs of what it has come to."""

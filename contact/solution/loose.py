@@ -1,0 +1,32 @@
+"""The solution of surfaces that pull at each other without touching: loaded by the scenes whose law pulls at a distance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contact.formulation.tension.cohesive import CohesivePoint
+from contact.formulation.tension.fields import scaled_second_variation
+from contact.formulation.tension.loose import LooseFields
+from contact.model.scene import Scene
+from contact.solution.plan import Plan
+from contact.solution.solution import Solution
+from contact.verify.certificate import Certificate, least_eigenvalue
+
+# A miss of the reach, over it.
+_MISSED = 1e-7
+
+
+def of_loose(scene: Scene, fields: LooseFields, here: CohesivePoint, plan: Plan, branch: str) -> Solution:
+    """On the intervals that were followed."""
+    for name in ("zone ends", "coarse search"):
+        plan[name].used, plan[name].reason = False, "the surfaces pull without touching"
+    ends, least, missed = len(here.table) > 0, float(here.look[1].min()), float(np.abs(here.residual).max(initial=0.0))
+    stability = least_eigenvalue(scaled_second_variation(here)) if ends else None
+    holds = least > 0.0 and missed <= _MISSED and (stability is None or stability > 0.0)
+    certificate = Certificate(
+        smallest_pressure=-scene.law.tension, smallest_gap=least * fields.problem.units.height, gap_rounding=0.0, load_balance=0.0,
+        level_spread=0.0, points=len(here.look[0]), holds=holds, note="the surfaces pull at each other without touching", intensity=missed,
+        stability=stability,
+    )
+    off = np.abs(np.linalg.solve(here.rates, here.residual)) / here.widths if ends else np.zeros(1)
+    return Solution(scene, np.zeros((0, 2)), fields, 1e-13 + float(off.max()), certificate, plan, branch=branch)
