@@ -273,10 +273,10 @@ class TestCentring:
 class TestFirstOrderSearch:
     """Scenes drawn at random at which the search for the nominal pressure went wrong."""
 
-    @pytest.mark.parametrize("seed", [12601, 12805])
-    def test_the_stated_error_covers_what_the_nominal_pressure_is_off(self, seed):
+    @pytest.mark.parametrize("seed, tighter", [(12601, 1e-12), (12805, 1e-12), (24907, 1e-11)])
+    def test_the_stated_error_covers_what_the_nominal_pressure_is_off(self, seed, tighter):
         scene = random_scenes.draw(seed).scene
-        solution, tight = (contact.solve(scene, tol) for tol in (1e-8, 1e-12))
+        solution, tight = (contact.solve(scene, tol) for tol in (1e-8, tighter))
         off = np.abs(solution.zones - tight.zones) / np.diff(tight.zones, axis=1)
         assert off.max() <= solution.error + tight.error
 
