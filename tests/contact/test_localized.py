@@ -273,10 +273,10 @@ class TestCentring:
 class TestFirstOrderSearch:
     """Scenes drawn at random at which the search for the nominal pressure went wrong."""
 
-    @pytest.mark.parametrize("seed", [12601, 12805])
-    def test_the_stated_error_covers_what_the_nominal_pressure_is_off(self, seed):
+    @pytest.mark.parametrize("seed, tighter", [(12601, 1e-12), (12805, 1e-12), (24907, 1e-11)])
+    def test_the_stated_error_covers_what_the_nominal_pressure_is_off(self, seed, tighter):
         scene = random_scenes.draw(seed).scene
-        solution, tight = (contact.solve(scene, tol) for tol in (1e-8, 1e-12))
+        solution, tight = (contact.solve(scene, tol) for tol in (1e-8, tighter))
         off = np.abs(solution.zones - tight.zones) / np.diff(tight.zones, axis=1)
         assert off.max() <= solution.error + tight.error
 
@@ -329,6 +329,21 @@ class TestFirstOrderOfSeveralZones:
         at = [solve(ROUGH, FIRST, tol=1e-11, mean_pressure=0.006 * (1 + off)) for off in (-1e-4, 0, 1e-4)]
         by_difference = (at[2].load - at[0].load) / (at[2].approach - at[0].approach)
         assert abs(at[1].stiffness / by_difference - 1) < 1e-4
+
+    @pytest.mark.parametrize("control", [{"mean_pressure": 0.006}, {"approach": 0.0086}])
+    def test_ends_centre_and_nominal_pressure_come_to_the_root_at_once(self, monkeypatch, control):
+        # The contacts need not be found anew at every step.
+        monkeypatch.setattr(first_order_several.FirstOrderOfSeveral, "_stepped", None)
+        solution = solve(ROUGH, FIRST, tol=1e-10, **control)
+        assert solution.certificate.holds and len(solution.zones) > 1
+
+    @pytest.mark.slow
+    def test_near_full_contact_zones_may_come_and_go_on_the_way(self):
+        profile = drawn(np.random.default_rng([1, 3]), "plateaus", 200)
+        scene = contact.Scene(profile, 1e11, contact.Periodic(), contact_fraction=1.0)
+        full = contact.solve(scene).mean_pressure
+        solution = contact.solve(contact.Scene(profile, 1e11, FIRST, mean_pressure=0.7 * full))
+        assert solution.certificate.holds and solution.error <= 1e-8 and solution.contact_fraction > 0.95
 
     def test_a_load_that_drives_a_zone_to_the_border_is_refused_by_grids_alone(self, monkeypatch):
         profile, full = trace(200, "even")

@@ -165,8 +165,15 @@ class FirstOrderOfSeveral:
         return OutOfRange(f"{self.scaled.control.told(self.problem.units)}: under the first-order closure {why.value}; {EXACT}")
 
     def _started(self, grid: ClosureGrid, rough: AtPressure) -> At:
-        """The contacts under the nominal pressure of the grids."""
-        part, points = self.task.plan["coarse search"], _FINER_GRID * grid.points
+        """The contacts under the nominal pressure of the grids, from zones of finer ones."""
+        try:
+            return self._from_grid(grid, rough, _FINER_GRID * grid.points)
+        except NotConverged:
+            # Beside the border a finer grid may tell zones that the exact contact does not have.
+            return self._from_grid(grid, rough, grid.points)
+
+    def _from_grid(self, grid: ClosureGrid, rough: AtPressure, points: int) -> At:
+        part = self.task.plan["coarse search"]
         part.used = True
         with self.task.plan.timed("coarse search"):
             fine = grid.closer(rough, points, _CLOSELY)
@@ -277,7 +284,8 @@ class FirstOrderOfSeveral:
             at, rates, off = self._together(at) or self._stepped(at, watched=look > 0)
             looked = replace(at, strip=self._looked_at(at.strip, closely=True), alone=self._looked_at(at.alone, closely=True))
             if looked.same_zones(at):
-                return looked, rates, off
+                # Zones of the profile alone that are too narrow to be put right make it wider or narrower.
+                return looked, rates, off + np.abs(np.linalg.inv(rates.matrix)[:, 0]) * _failing(looked.alone)
             at = looked
         raise self._unsettled("the zones", at)
 
@@ -425,7 +433,7 @@ class FirstOrderOfSeveral:
 
     def _rounding(self, at: At) -> float:
         """What the difference of the widths may be off."""
-        missed = _failing(at.alone)
+        missed = 0.0
         for found in (at.strip, at.alone):
             missed += float(((found.free.end_error + found.fields.state.end_truncation) * np.diff(table_of(found), axis=1)).sum())
         return missed
