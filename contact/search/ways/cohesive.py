@@ -351,7 +351,8 @@ def _tight_at_corners(pulled: Pulled, load: float, zones: Array) -> tuple[Pulled
         off = np.abs(step).T / np.diff(zones, axis=1)
         if not off.max() < 0.5 * before or before < _ROUNDED:
             off += _ROUNDED * free.T
-            return PulledFields(pulled, state), sie.Free(state, True, off, off, (), None, stable=True, reason="the ends are at rest"), control
+            found = sie.Free(state, True, off, off, (), None, stable=True, reason="the ends are at rest")
+            return PulledFields(pulled, state), found, control
         zones, before = zones + np.column_stack((-step[0], step[1])), float(off.max())
 
 
