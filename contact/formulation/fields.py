@@ -41,11 +41,14 @@ class NoZones(sie.Kept):
         raise IndexError("there are no zones: use pressure(x)")
 
 
-def moved_ends(state: sie.AnyState, condition: int = 0, response: sie.AnyDensity | None = None) -> Array:
+def moved_ends(
+    state: sie.AnyState, condition: int = 0, response: sie.AnyDensity | None = None, tolerance: float = 0.0
+) -> Array:
     """How far each end (2, Z) moves outward by a unit of a condition's value, the first one's if none is named: 2 K / A, as in a step of
-    Newton's, or as the rates of prescribed intensities have it; 0 for ends that are held. response: to that unit, if it is at hand."""
+    Newton's, or as the rates of prescribed intensities have it; 0 for ends that are held. response: to that unit, if it is at hand;
+    tolerance: of an iteration for it."""
     zones = state.density.zones
-    response = state.response(state.values(condition)) if response is None else response
+    response = state.response(state.values(condition), tolerance) if response is None else response
     k, a = np.array(response.intensities), np.array(state.density.edge_slopes)
     if zones.follow_ends:
         return sie.end_motions(state.whole, -k)[0]

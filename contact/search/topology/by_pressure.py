@@ -46,8 +46,8 @@ class ByPressure:
         equation, problem = self.problem.equation(control), self.problem
         steps = how.steps or self.most_steps
         return sie.find_ends(
-            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, off=how.off, like=how.like,
-            limited=problem.end, few=how.few, patient=how.patient, drops=how.drops,
+            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, decay=how.decay, off=how.off,
+            like=how.like, limited=problem.end, few=how.few, patient=how.patient, drops=how.drops,
         )
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> ZoneFields:

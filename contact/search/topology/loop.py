@@ -88,7 +88,7 @@ class Newton:
     most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at
     first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with. few:
     part of all ends that need not be known, after so many `patient` steps. drops: some of the intervals may not be there, and are left
-    out, or be one with the next."""
+    out, or be one with the next. decay: asked of the coefficients over the largest; None: what goes with the tolerance."""
 
     tolerance: float
     value: float = 0.0
@@ -99,6 +99,7 @@ class Newton:
     few: float = 0.0
     patient: int = 0
     drops: bool = False
+    decay: float | None = None
 
 
 def refine_topology(
