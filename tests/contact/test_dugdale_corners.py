@@ -176,6 +176,10 @@ class Rough(contact.Profile):
         waves = 1e-5 * np.cos(6 * pi * x + 1.0) + 2e-5 * np.cos(10 * pi * x + 4.0) + 5e-5 * x * x
         return np.where((x >= -0.375 - 1e-15) & (x <= 0.3125 + 1e-15), waves, np.inf)
 
+    def slope(self, x):
+        x = np.asarray(x, dtype=float) - np.round(x)
+        return -6e-5 * pi * np.sin(6 * pi * x + 1.0) - 2e-4 * pi * np.sin(10 * pi * x + 4.0) + 1e-4 * x
+
     period = 1.0
     support = (-0.375, 0.3125)
     resolution = 0.03
@@ -183,4 +187,4 @@ class Rough(contact.Profile):
 
 def test_strips_beside_corners_may_be_as_narrow_as_they_come():
     solution = solve(Rough(), law=contact.Dugdale(6.8e-9, 4.2e-3), load=0.0)
-    assert solution.certificate.holds and residual(solution) < 1e-5
+    assert solution.certificate.holds and solution.error < 1e-8

@@ -108,7 +108,10 @@ def _settled(
 
     def solved(zones: Array) -> tuple[Pulled, sie.State]:
         here = pulled.over(zones)
-        return here, sie.solve_fixed(here.equation(control(here)), sie.Zones.of(zones, pulled.end, pulled.end), tolerance)
+        try:
+            return here, sie.solve_fixed(here.equation(control(here)), sie.Zones.of(zones, pulled.end, pulled.end), tolerance)
+        except sie.SingularSystem as failure:
+            raise NotConverged("zones under a given tension came too near to one another, or to its ends") from failure
 
     for _ in range(_STEPS):
         here, state = solved(zones)
