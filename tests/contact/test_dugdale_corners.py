@@ -185,6 +185,7 @@ class Rough(contact.Profile):
     resolution = 0.03
 
 
+@pytest.mark.slow
 def test_strips_beside_corners_may_be_as_narrow_as_they_come():
     solution = solve(Rough(), law=contact.Dugdale(6.8e-9, 4.2e-3), load=0.0)
     assert solution.certificate.holds and solution.error < 1e-8
