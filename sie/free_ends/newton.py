@@ -211,8 +211,8 @@ def find_ends(
         # Where that saves a solution of its own, the value at hand is in the right side.
         sizes.linear, sizes.value = progress.linear, value
         sizes.rough = progress.linear > max(_ROUGHLY, min(progress.tightest, _ROUGH_ENOUGH))
-        # Series of many zones, or of some in doubt, are no longer than the next move asks for.
-        fall = max(decay, min(_LONGEST_FALL, _OF_CUBE * progress.last**3)) if drops or len(zones) >= _MANY else decay
+        # Series of many zones are no longer than the next move asks for.
+        fall = max(decay, min(_LONGEST_FALL, _OF_CUBE * progress.last**3)) if len(zones) >= _MANY else decay
         state = _state(equation, zones, fall, sizes, value)
         loose = state.iterated and (sizes.linear > progress.tightest or fall > decay)
         zones, let_go = _let_go(zones, limits, state.density, limited)

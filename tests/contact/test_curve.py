@@ -4,13 +4,17 @@ import numpy as np
 import pytest
 
 import contact
+import contact.search.grid.coarse
 import contact.search.shared
 import contact.search.ways.guesses
+import sie.free_ends.newton
 from contact.search.topology.by_pressure import ByPressure
+from contact.search.topology.carried import Passed, carried
 from contact.verify.certificate import certify
 
 ROUGH = contact.Fourier(1.0, [-0.01, 0.004, 0.002], [0.003, -0.002, 0.004])
 # Under growing loads its one zone becomes two, and one again, time and again.
+TRACE = contact.Sampled(np.arange(96) / 96, 1e-3 * np.random.default_rng(5).normal(size=96), period=1.0)
 BUMPY = contact.Fourier(1.0, [-0.01, 0, 0, 0, 0, 0, -0.0004], [0.002, 0, 0, 0, 0, 0, 0])
 
 
@@ -91,3 +95,70 @@ def test_the_certificate_sees_a_second_touch_right_beside_an_end_that_is_about_t
     beside = fields.density.zones.a[0] - np.linspace(0, 0.01, 101)
     assert fields.formal_gap(beside).min() < -1e-8
     assert not certify(fields, load / problem.units.load).holds
+
+
+def passed(profile, *loads):
+    return tuple(Passed(contact.solve(scene(profile, load=load), tol=1e-10)) for load in loads)
+
+
+@pytest.mark.parametrize(("known", "order"), [(1, 2), (2, 4)])
+def test_ends_are_carried_on_by_values_and_rates_to_the_order_that_these_tell(known, order):
+    """Of three zones between which nothing happens, in the middle of its way: steps half as long leave 2^order times less."""
+    profile, load = contact.Fourier(1.0, [0.0, 0.0, -0.01], [0.001, 0.002, 0.0]), 0.012
+    missed = []
+    for step in (0.08, 0.04):
+        last = passed(profile, *(load * np.exp(-k * step) for k in range(known, 0, -1)))
+        there = contact.solve(scene(profile, load=load), tol=1e-10)
+        zones, changes = carried(last, float(np.log(load)))
+        assert len(there.zones) == 3 and changes == 0
+        missed.append(np.abs(last[-1].problem.units.x(zones) - there.zones).max())
+    assert missed[0] / missed[1] > 0.7 * 2**order
+
+
+def test_zones_are_born_and_gaps_close_as_they_are_carried_on():
+    """A wave with a lower crest between its crests, which touches at the load of a birth, and all merge in the end."""
+    profile = contact.Fourier(1.0, [0.004, -0.01], [0.003, 0.0])
+    events = contact.path(scene(profile), [1e-3, 0.9999 * full_load(profile)]).events
+    assert [event.kind for event in events] == ["birth", "merge"]
+    for event in events:
+        before = passed(profile, 0.98 * event.load)
+        assert carried(before, float(np.log(0.99 * event.load)))[1] == 0 < carried(before, float(np.log(1.01 * event.load)))[1]
+    birth = events[0]
+    zones, _ = carried(passed(profile, 0.98 * birth.load), float(np.log(1.01 * birth.load)))
+    assert len(zones) == 2 and np.any((zones[:, 0] < birth.position) & (birth.position < zones[:, 1]))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [4, 10])
+def test_a_curve_of_many_zones_is_the_same_whatever_the_spacing_of_its_loads(count):
+    full = full_load(TRACE)
+    found = contact.solve_many(scene(TRACE), np.geomspace(2e-3, 0.6, count) * full)
+    for one in found[-1], found[(count - 1) // 3]:
+        other = contact.solve(one.scene)
+        assert one.certificate.holds and one.zones.shape == other.zones.shape
+        width = np.diff(other.zones, axis=1)
+        assert np.all(np.abs(one.zones - other.zones) <= (one.error + other.error) * width + 1e-15)
+
+
+@pytest.mark.slow
+def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from_scratch(monkeypatch):
+    count = {"points": 0, "solves": 0}
+    grid, state = contact.search.grid.coarse.solve_grid, sie.free_ends.newton._state
+
+    def gridded(f, *arguments, **options):
+        count["points"] += len(f)
+        return grid(f, *arguments, **options)
+
+    def solved(*arguments):
+        count["solves"] += 1
+        return state(*arguments)
+
+    monkeypatch.setattr(contact.search.grid.coarse, "solve_grid", gridded)
+    monkeypatch.setattr(sie.free_ends.newton, "_state", solved)
+    loads = np.geomspace(0.02, 0.04, 6) * full_load(TRACE)
+    contact.solve_many(scene(TRACE), loads)
+    together, count = dict(count), count
+    count.update(points=0, solves=0)
+    for load in loads:
+        contact.solve(scene(TRACE, load=load))
+    assert together["points"] < 0.5 * count["points"] and together["solves"] < 1.5 * count["solves"]

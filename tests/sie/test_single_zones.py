@@ -173,3 +173,20 @@ def test_a_narrow_zone_where_none_belongs_shrinks_away_without_a_division_by_its
     middle = problem.zones[2, 1] + 0.37 * (problem.zones[3, 0] - problem.zones[2, 1])
     table = np.insert(problem.zones, 3, [middle - 0.5 * width, middle + 0.5 * width], axis=0)
     assert list(sie.find_ends(equation(problem), sie.Zones.of(table), 1e-10).lost) == [3]
+
+
+def test_zones_in_doubt_are_dropped_or_joined_on_the_way_and_the_rest_is_as_without_them():
+    """A row of bumps; between two of them a zone where nothing touches, and one zone proposed as two that meet."""
+    wave = sie.Forcing(lambda x: np.sin(2 * np.pi * x), lambda x: -np.cos(2 * np.pi * x) / (2 * np.pi))
+    equation = sie.Equation(sie.hilbert(8.0), wave, (sie.Total(2.0), sie.EqualPotential()))
+    table = np.arange(-3.0, 4.0)[:, None] + [-0.2, 0.2]
+    right = sie.find_ends(equation, sie.Zones.of(table), 1e-11)
+    doubtful = np.sort(np.concatenate((table.ravel(), [0.49, 0.51], [1.0, 1.001]))).reshape(-1, 2)
+    assert not sie.find_ends(equation, sie.Zones.of(doubtful), 1e-11).converged
+    found = sie.find_ends(equation, sie.Zones.of(doubtful), 1e-11, drops=True)
+    assert found.converged and found.density.zones.table == pytest.approx(right.density.zones.table, abs=1e-10)
+
+
+def test_zones_joined_across_the_border_of_the_period_go_on_beyond_it():
+    zones, kept = sie.Zones.of([[0.1, 0.2], [0.3, 0.4], [0.5, 0.6], [0.9, 1.0]]).changed(np.array([1]), np.array([2, 3]), 1.0)
+    assert zones.table.round(12).tolist() == [[0.5, 1.2]] and kept.tolist() == [2]
