@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
@@ -164,3 +165,27 @@ def test_an_end_spread_over_a_zone_has_the_mean_of_its_potentials():
         assert zone.primitive(x) == pytest.approx((lag * (np.log(np.abs(lag)) - 1)).mean(), abs=1e-13)
         assert zone.periodic_log(x, period) == pytest.approx(np.log(np.abs(2 * np.sin(pi * lag / period))).mean(), abs=1e-13)
         assert zone.periodic_primitive(x, period, whole) == pytest.approx(whole(lag).mean(), abs=1e-13)
+
+
+@dataclass(frozen=True)
+class Rough(contact.Profile):
+    """A rough body between sharp corners, in a row."""
+
+    def height(self, x):
+        x = np.asarray(x, dtype=float) - np.round(x)
+        waves = 1e-5 * np.cos(6 * pi * x + 1.0) + 2e-5 * np.cos(10 * pi * x + 4.0) + 5e-5 * x * x
+        return np.where((x >= -0.375 - 1e-15) & (x <= 0.3125 + 1e-15), waves, np.inf)
+
+    def slope(self, x):
+        x = np.asarray(x, dtype=float) - np.round(x)
+        return -6e-5 * pi * np.sin(6 * pi * x + 1.0) - 2e-4 * pi * np.sin(10 * pi * x + 4.0) + 1e-4 * x
+
+    period = 1.0
+    support = (-0.375, 0.3125)
+    resolution = 0.03
+
+
+@pytest.mark.slow
+def test_strips_beside_corners_may_be_as_narrow_as_they_come():
+    solution = solve(Rough(), law=contact.Dugdale(6.8e-9, 4.2e-3), load=0.0)
+    assert solution.certificate.holds and solution.error < 1e-8

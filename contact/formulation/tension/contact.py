@@ -108,7 +108,10 @@ def _settled(
 
     def solved(zones: Array) -> tuple[Pulled, sie.State]:
         here = pulled.over(zones)
-        return here, sie.solve_fixed(here.equation(control(here)), sie.Zones.of(zones, pulled.end, pulled.end), tolerance)
+        try:
+            return here, sie.solve_fixed(here.equation(control(here)), sie.Zones.of(zones, pulled.end, pulled.end), tolerance)
+        except sie.SingularSystem as failure:
+            raise NotConverged("zones under a given tension came too near to one another, or to its ends") from failure
 
     for _ in range(_STEPS):
         here, state = solved(zones)
@@ -137,7 +140,8 @@ def _settled(
         if miss < done or (stuck > 2 and miss < _ROUNDED):
             return here, state
         reaches = _reaches(here, zones, k, step, room, shared)
-        covers = ~shared & (room < _COVERED * width) & (step > 0.5 * room) & ~held & ~reaches
+        # At a sharp corner nothing is covered, and the strip may be as narrow as it comes.
+        covers = ~shared & (room < _COVERED * width) & (step > 0.5 * room) & ~_beside_corners(here, zones)
         if covers.any():
             i = interval_of(zones, pulled.pulling.table)
             ends = np.zeros((2, len(pulled.pulling.table)), dtype=bool)
@@ -189,15 +193,21 @@ def _released(pulled: Pulled, k: Array, step: Array) -> Array:
     return -((np.pi * k / (2 * stress)) ** 2) if stress else np.where(np.isfinite(step), -np.abs(step), step)
 
 
+def _beside_corners(pulled: Pulled, zones: Array) -> Mask:
+    """Which ends (2, n) have a sharp corner next to them, not the end of an interval or nothing."""
+    table, corners = pulled.pulling.table, np.array(pulled.corners)
+    own = table[interval_of(zones, table)] if len(table) else np.broadcast_to(corners, zones.shape)
+    return np.asarray((own == corners).T)
+
+
 def _reaches(pulled: Pulled, zones: Array, k: Array, step: Array, room: Array, shared: Mask) -> Mask:
     """Which ends go up to the sharp corner that is next to them: of K the strip up to there takes 2 s/pi times the root of its width."""
     lo, hi = pulled.corners
     if not np.isfinite(lo) or len(zones) == 0:
         return np.zeros(k.shape, dtype=bool)
-    out, table = np.zeros(k.shape, dtype=bool), pulled.pulling.table
-    own = table[interval_of(zones, table)] if len(table) else np.broadcast_to([lo, hi], zones.shape)
+    out, table, beside = np.zeros(k.shape, dtype=bool), pulled.pulling.table, _beside_corners(pulled, zones)
     for side, i, corner in ((0, 0, lo), (1, -1, hi)):
-        if zones[i, side] != corner and not shared[side, i] and own[i, side] == corner:
+        if zones[i, side] != corner and not shared[side, i] and beside[side, i]:
             narrow = room[side, i] < _INWARD * (zones[i, 1] - zones[i, 0])
             part = 2 / np.pi * pulled.pulling.stress * np.sqrt(room[side, i]) if len(table) else 0.0
             out[side, i] = narrow and step[side, i] > 0.0 and (k[side, i] > part if part else step[side, i] > room[side, i])

@@ -23,7 +23,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
-from contact.formulation.tension.contact import Lost
+from contact.formulation.tension.contact import TIGHT, Lost, edge_slopes
 from contact.formulation.tension.fields import PulledFields, PulledGapFields
 from contact.formulation.tension.intervals import below, united_about
 from contact.formulation.tension.pulled import Pulled
@@ -58,6 +58,8 @@ from sie import Array
 _BARE = 1e-6
 # Zones under the tension that was found: as tightly as they come to rest.
 _TIGHT, _LOOSE = (1e-13, 1e-11), 1e-9
+# Rounding of ends over their zones.
+_ROUNDED = 1e-15
 # First zones over the intervals in which the surfaces touch.
 _TOUCH = 1e-2
 # Adhesion on a strip below this part of a zone is nearly without range; of the intensity it would have, and how far ends go for it.
@@ -323,6 +325,9 @@ def solved(task: Task, curve: Cohesive, here: Point) -> Found:
 
 
 def _tight(task: Task, pulled: Pulled, load: float, zones: Array) -> tuple[PulledFields, sie.Free, Load]:
+    """load: of q."""
+    if pulled.pulling.spread != (None, None):
+        return _tight_at_corners(pulled, load - pulled.pulling.total, zones)
     control = Load(load)
     kinds = whole(pulled, zones)
     free = next(
@@ -331,6 +336,24 @@ def _tight(task: Task, pulled: Pulled, load: float, zones: Array) -> tuple[Pulle
     if not free.converged:
         raise task.error(Missed(f"under the tension that was found {free.reason}", free), pulled)
     return PulledFields(pulled, free.state), free, control
+
+
+def _tight_at_corners(pulled: Pulled, load: float, zones: Array) -> tuple[PulledFields, sie.Free, Load]:
+    """The same where a tension is spread over zones, and goes with their free ends. load: the given one."""
+    before = np.inf
+    while True:
+        pulled = pulled.over(zones)
+        control = Load(load + pulled.pulling.total)
+        state = sie.solve_fixed(pulled.equation(control), whole(pulled, zones), TIGHT)
+        free = state.density.zones.moves
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = np.where(free, 2 * np.array(state.density.intensities) / edge_slopes(pulled, state), 0.0)
+        off = np.abs(step).T / np.diff(zones, axis=1)
+        if not off.max() < 0.5 * before or before < _ROUNDED:
+            off += _ROUNDED * free.T
+            found = sie.Free(state, True, off, off, (), None, stable=True, reason="the ends are at rest")
+            return PulledFields(pulled, state), found, control
+        zones, before = zones + np.column_stack((-step[0], step[1])), float(off.max())
 
 
 def whole(pulled: Pulled, zones: Array) -> sie.Zones:
