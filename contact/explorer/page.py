@@ -1,4 +1,4 @@
-"""The page itself: sliders, pictures, numbers and text, by Panel and Bokeh.
+"""The page itself: sliders, pictures, numbers and text, by Panel.
 
 A slider that is dragged sends more values than can be solved: what came last when a frame is done is the next frame. All that a browser
 loads comes from the page's own server.
