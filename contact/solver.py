@@ -24,6 +24,7 @@ from contact.search.find import found
 from contact.search.refine import refined
 from contact.search.shared import Shared
 from contact.search.task import Task
+from contact.search.topology.carried import Passed
 from contact.search.topology.loop import Progress
 from contact.search.ways.by_quantity import by_quantity
 from contact.search.ways.direct import directly
@@ -115,10 +116,10 @@ def _of(scene: Scene) -> tuple[object, ...]:
 
 
 def solved_along(
-    scene: Scene, tol: float, progress: Progress | None, shared: Shared, along: tuple[Solution, ...]
+    scene: Scene, tol: float, progress: Progress | None, shared: Shared, along: tuple[Passed, ...]
 ) -> Solution:
     """One scene on a curve of its control's values. shared: what it has in common with the others; along: the last of them."""
-    near = along[-1] if along else None
+    near = along[-1].solution if along else None
     if scene.control_object.held(scene) is None:
         return _solved(scene, tol, progress, near)
     direct = directly(scene, tol)

@@ -104,7 +104,6 @@ def check_profile(profile: Profile, window: tuple[float, float] | None = None, r
     checked: list[str] = []
     faults: list[str] = []
     notes: list[str] = []
-    subject = shown(profile)
     if not isinstance(profile, Profile):
         faults.append(f"{type(profile).__name__} does not derive from contact.Profile")
     else:
@@ -125,10 +124,7 @@ def check_profile(profile: Profile, window: tuple[float, float] | None = None, r
                 break  # the rest would only repeat it
         if profile.slope_is_derived:
             notes.append("slope(x) is derived from the height: a closed form is faster and more accurate")
-    report = Report(subject, tuple(checked), tuple(faults), tuple(notes))
-    if raises and faults:
-        raise ProfileFault(report)
-    return report
+    return _reported(Report(shown(profile), tuple(checked), tuple(faults), tuple(notes)), ProfileFault if raises else None)
 
 
 def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
@@ -175,8 +171,13 @@ def check_substrate(substrate: Substrate, raises: bool = True) -> Report:
         if not getattr(type(substrate), "name", ""):
             notes.append("it has no name: @contact.register_substrate(\"...\") makes it known to scene files")
     report = Report(shown(substrate), ("symbol", "compression", "copies"), tuple(faults), tuple(notes))
-    if raises and faults:
-        raise SubstrateFault(report)
+    return _reported(report, SubstrateFault if raises else None)
+
+
+def _reported(report: Report, fault: type[Fault] | None) -> Report:
+    """The report, or the fault that it is raised as."""
+    if fault is not None and not report.ok:
+        raise fault(report)
     return report
 
 

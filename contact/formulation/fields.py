@@ -15,7 +15,7 @@ import sie
 from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
-from contact.formulation.quadrature import over_period
+from contact.formulation.quadrature import over_period, panels
 from sie import Array, Index, Mask, nearest_image, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
@@ -23,6 +23,8 @@ _PEAKS = 16
 # How far from the zones a half-line is looked at closely, and at all, in units of what the zones span.
 _FAR, _FARTHEST = 1e3, 1e12
 _FAR_POINTS = 512
+# Of rates for a guess: the tolerance of an iteration; zones of which the level is read.
+ROUGHLY, _STANDING = 1e-4, 16
 # Over what the error of a density makes of the gap on its zones; and over the shape, what nobody takes for a contradiction.
 _MARGIN, _OF_SHAPE = 100.0, 1e-6
 
@@ -39,11 +41,15 @@ class NoZones(sie.Kept):
         raise IndexError("there are no zones: use pressure(x)")
 
 
-def moved_ends(state: sie.AnyState, condition: int = 0) -> Array:
+def moved_ends(
+    state: sie.AnyState, condition: int = 0, response: sie.AnyDensity | None = None, tolerance: float = 0.0
+) -> Array:
     """How far each end (2, Z) moves outward by a unit of a condition's value, the first one's if none is named: 2 K / A, as in a step of
-    Newton's, or as the rates of prescribed intensities have it; 0 for ends that are held."""
+    Newton's, or as the rates of prescribed intensities have it; 0 for ends that are held. response: to that unit, if it is at hand;
+    tolerance: of an iteration for it."""
     zones = state.density.zones
-    k, a = np.array(state.response(state.values(condition)).intensities), np.array(state.density.edge_slopes)
+    response = state.response(state.values(condition), tolerance) if response is None else response
+    k, a = np.array(response.intensities), np.array(state.density.edge_slopes)
     if zones.follow_ends:
         return sie.end_motions(state.whole, -k)[0]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -157,15 +163,10 @@ class ZoneFields(sie.Kept):
             return np.inf
         if not self.problem.interaction.strip:
             return (mean_shape(self.problem) + self.mean_displacement + self.level) * units.height
-        t, weights = np.polynomial.legendre.leggauss(24)
         total = 0.0
         for lo, hi, _, _ in self.open_intervals():
-            cuts = self._cuts(lo, hi)
-            for a, b in zip(cuts[:-1], cuts[1:], strict=True):
-                # The gap leaves an end as d^(3/2): s = sin^2 makes that smooth.
-                angle = np.pi / 4 * (1 + t)
-                x = a + (b - a) * np.sin(angle) ** 2
-                total += float(self.scaled_gap(x) @ (weights * np.pi / 4 * (b - a) * np.sin(2 * angle)))
+            x, weights = panels(self._cuts(lo, hi))
+            total += float(self.scaled_gap(x) @ weights)
         return total / period * units.height
 
     @property
@@ -226,9 +227,12 @@ class ZoneFields(sie.Kept):
         return self._raised(x, self.density.potential(x))
 
     def _raised(self, x: Array, potential: Array) -> Array:
+        return self._with_columns(x, potential, self.density.amplitudes)
+
+    def _with_columns(self, x: Array, potential: Array, amplitudes: Array) -> Array:
         out = -potential
         columns = self.problem.columns
-        for amplitude, column in zip(self.density.amplitudes[: len(columns)], columns, strict=True):
+        for amplitude, column in zip(amplitudes[: len(columns)], columns, strict=True):
             assert column.primitive is not None
             out = out + amplitude * column.primitive(x)
         return np.asarray(out)
@@ -350,9 +354,24 @@ class ZoneFields(sie.Kept):
         return np.asarray(self.problem.units.x(self.density.zones.table))
 
     @property
+    def scaled_zones(self) -> Array:
+        return np.asarray(self.density.zones.table)
+
+    @property
     def spreading(self) -> Array:
         """How far the ends move outward as the load grows by a factor of e [m] (n, 2)."""
         return moved_ends(self.state).T * self.problem.units.length * self.density.total
+
+    def rates(self, x: Array) -> tuple[Array, Array]:
+        """(how far the ends move outward, scaled (n, 2), by how much the gap at places x opens) as the load grows by a factor of e, for a
+        guess: by iteration to a few digits only."""
+        response = self.state.response(self.state.values(), ROUGHLY)
+        zones, load = self.density.zones, self.density.total
+        standing = zones.middle[:: max(1, len(zones) // _STANDING)]
+        places = np.concatenate((standing, x))
+        sunk = self._with_columns(places, response.potential(places), response.amplitudes)
+        opens = sunk[len(standing) :] - sunk[: len(standing)].mean()
+        return moved_ends(self.state, 0, response).T * load, np.asarray(opens * load)
 
     @property
     def tilt(self) -> float:

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike
 
 import sie
 from contact.formulation import zone_loads
-from contact.formulation.fields import mean_shape, moved_ends
+from contact.formulation.fields import ROUGHLY, mean_shape, moved_ends
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
@@ -102,11 +102,23 @@ class GapFields(sie.Kept):
         return np.asarray(self.problem.units.x(self.zones))
 
     @property
+    def scaled_zones(self) -> Array:
+        return self.zones
+
+    @property
     def spreading(self) -> Array:
         """How far the ends of the zones move outward as the load grows by a factor of e [m] (n, 2)."""
-        rates = moved_ends(self.state)
-        # A gap loses on its left what the zone before it gains on its right.
-        return -np.column_stack((rates[1], np.roll(rates[0], -1))) * self.problem.units.length * self.mean
+        return self._of_zones(moved_ends(self.state)) * self.problem.units.length
+
+    def _of_zones(self, rates: Array) -> Array:
+        """How far the ends of zones move (n, 2) as the load grows by a factor of e: a gap loses on its left what the zone before it gains
+        on its right. rates: of the gaps' ends (2, n), a unit of mean pressure."""
+        return -np.column_stack((rates[1], np.roll(rates[0], -1))) * self.mean
+
+    def rates(self, x: Array) -> tuple[Array, Array]:
+        """See `ZoneFields.rates`."""
+        response = self.state.response(self.state.values(), ROUGHLY)
+        return self._of_zones(moved_ends(self.state, 0, response)), np.asarray(response.whole.integral(x) * self.mean)
 
     def pressure(self, x: ArrayLike) -> Array:
         return self.scaled_pressure(self.problem.units.scaled(np.asarray(x, dtype=float))) * self.problem.units.pressure

@@ -117,7 +117,8 @@ class Problem(sie.Kept):
         heights = np.concatenate((kinks[:, 1], jumps[:, 2])) * units.length**orders / units.slope
         at = nearest_image(at, self.centre, self.cell if self.reference else self.period)
         resolution = None if profile.resolution is None else profile.resolution / units.length
-        return sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed, exact=profile.exact)
+        exact = profile.exact_places
+        return sie.Forcing(self.slope, self.shape, at, heights, orders, resolution=resolution, placed=units.placed, exact=exact)
 
     def slope(self, x: Array) -> Array:
         """f' over the unit of slope."""

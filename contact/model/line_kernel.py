@@ -65,7 +65,7 @@ class SmoothPart:
             zero = np.zeros((1, _TERMS))
             return cls(1.0, zero, zero, zero, 0.0, None, np.inf)
         first = _FIRST / top
-        integral = _Integral(symbol, top)
+        integral = _integral(symbol, top)
         # Where L goes over to its limit for long waves: beyond the inverse of that r m(r) may settle.
         slow = _longest(symbol)
         panels: list[Array] = []
@@ -143,32 +143,31 @@ def _longest(symbol: Symbol) -> float:
     return float(WAVES[max(changes[0] - 1, 0)])
 
 
-class _Integral:
+def _integral(symbol: Symbol, top: float) -> Callable[[Array], Array]:
     """m(r) of the distances r [m]."""
+    # A compliance that grows without bound has no limit to take off.
+    first, next_ = np.asarray(symbol(WAVES[:2]))
+    base = float(first) if abs(next_ - first) <= 1e-3 * abs(first) or first < 1 else 1.0
+    edges = np.concatenate(([0.0], top * 2.0 ** np.arange(-_HALVINGS, 1.0)))
+    counts = np.maximum(np.ceil(np.diff(edges) * _SUMMED / (top * _TURN)), 1).astype(int)
+    cuts = np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(edges[:-1], edges[1:], counts, strict=True)] + [[top]])
+    nodes, weights = np.polynomial.legendre.leggauss(_NODES)
+    half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
+    q = (middle[:, None] + half[:, None] * nodes).ravel()
+    weighted = (half[:, None] * weights).ravel() * (np.asarray(symbol(q)) - 1)
 
-    def __init__(self, symbol: Symbol, top: float) -> None:
-        self.symbol, self.top = symbol, top
-        # A compliance that grows without bound has no limit to take off.
-        first, next_ = np.asarray(symbol(WAVES[:2]))
-        self.base = float(first) if abs(next_ - first) <= 1e-3 * abs(first) or first < 1 else 1.0
-        edges = np.concatenate(([0.0], top * 2.0 ** np.arange(-_HALVINGS, 1.0)))
-        counts = np.maximum(np.ceil(np.diff(edges) * _SUMMED / (top * _TURN)), 1).astype(int)
-        cuts = np.concatenate([np.linspace(a, b, n + 1)[:-1] for a, b, n in zip(edges[:-1], edges[1:], counts, strict=True)] + [[top]])
-        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-        half, middle = 0.5 * np.diff(cuts), 0.5 * (cuts[1:] + cuts[:-1])
-        self.q = (middle[:, None] + half[:, None] * nodes).ravel()
-        self.weighted = (half[:, None] * weights).ravel() * (np.asarray(symbol(self.q)) - 1)
-
-    def __call__(self, r: Array) -> Array:
-        near = r * self.top <= _SUMMED
+    def integral(r: Array) -> Array:
+        near = r * top <= _SUMMED
         out = np.empty(len(r))
         if near.any():
-            out[near] = np.sin(r[near, None] * self.q) @ self.weighted
+            out[near] = np.sin(r[near, None] * q) @ weighted
         if not near.all():
             far = r[~near, None]
             # The integral of the sine alone is 1: what is summed is L less its limit, which vanishes far away.
-            out[~near] = (self.base - 1 + (np.asarray(self.symbol(_OOURA / far)) - self.base) @ _OOURA_WEIGHTS) / far[:, 0]
+            out[~near] = (base - 1 + (np.asarray(symbol(_OOURA / far)) - base) @ _OOURA_WEIGHTS) / far[:, 0]
         return out
+
+    return integral
 
 
 def _ooura_mori() -> tuple[Array, Array]:

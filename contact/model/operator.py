@@ -222,14 +222,13 @@ class Operator(sie.Kept):
         if self.period is None:
             kernel = self.kernel(1.0)
             if self.is_own:
-                return None if kernel.regular is None else _Rest(kernel)
+                return None if kernel.regular is None else partial(_rest, kernel, None)
             return partial(_cells, self.smooth_part.primitive, (0.0,), self._raised(self.datum))
         if self.is_half_plane:
             return None
         kernel = self.kernel(1.0)
         lag = self.period * (np.arange(_PLACES) + 0.5) / _PLACES
-        rest = _Rest(kernel, self.period)
-        return rest if float(np.abs(rest(lag)).max()) > _NOTHING else None
+        return partial(_rest, kernel, self.period) if float(np.abs(_beyond(kernel, self.period, lag)).max()) > _NOTHING else None
 
     @cached_property
     def strip_rest(self) -> Rest | None:
@@ -257,28 +256,23 @@ def _lowered(potential: Potential, by: float, x: Array, xi: Array) -> Array:
     return np.asarray(potential(x, xi) - by)
 
 
-@dataclass(frozen=True, eq=False)
-class _Rest:
-    """The potential of a kernel less the logarithm of its lag; with a period, less all of Hilbert's."""
+def _rest(kernel: sie.Kernel, period: float | None, lag: Array, width: float = 0.0) -> Array:
+    """The potential of a kernel less the logarithm of its lag; with a period, less all of Hilbert's: at the lags, or its means over cells
+    of a width about them."""
+    found = _beyond(kernel, period, lag)
+    near = np.flatnonzero(np.abs(lag) < _WITHIN * width)
+    if len(near):
+        # Of a source at a depth below a cell's width, the middle of the cell tells nothing.
+        places, weights = _graded()
+        found[near] = _beyond(kernel, period, (lag[near][:, None] + width * places).ravel()).reshape(len(near), -1) @ weights
+    return found
 
-    kernel: sie.Kernel
-    period: float | None = None
 
-    def __call__(self, lag: Array, width: float = 0.0) -> Array:
-        """At the lags, or its means over cells of a width about them."""
-        found = self._at(lag)
-        near = np.flatnonzero(np.abs(lag) < _WITHIN * width)
-        if len(near):
-            # Of a source at a depth below a cell's width, the middle of the cell tells nothing.
-            places, weights = _graded()
-            found[near] = self._at((lag[near][:, None] + width * places).ravel()).reshape(len(near), -1) @ weights
-        return found
-
-    def _at(self, lag: Array) -> Array:
-        if self.period is None:
-            return smooth_potential(self.kernel, lag)
-        lag = sie.nearest_image(lag, 0.0, self.period)
-        return np.asarray(smooth_potential(self.kernel, lag) - smooth_potential(sie.hilbert(self.period), lag))
+def _beyond(kernel: sie.Kernel, period: float | None, lag: Array) -> Array:
+    if period is None:
+        return smooth_potential(kernel, lag)
+    lag = sie.nearest_image(lag, 0.0, period)
+    return np.asarray(smooth_potential(kernel, lag) - smooth_potential(sie.hilbert(period), lag))
 
 
 @cache
@@ -305,4 +299,4 @@ def smooth_potential(kernel: sie.Kernel, lag: Array) -> Array:
 
 def _mean_beyond(kernel: sie.Kernel, period: float) -> float:
     """Mean over a period of a kernel's potential: Hilbert's has none."""
-    return float(_Rest(kernel, period)(period * (np.arange(_PLACES) + 0.5) / _PLACES).mean())
+    return float(_beyond(kernel, period, period * (np.arange(_PLACES) + 0.5) / _PLACES).mean())

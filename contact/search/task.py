@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from contact.model.operator import Operator
 from contact.model.scene import Scene
 from contact.search.shared import Shared
 from contact.search.topology.by_pressure import ByPressure
+from contact.search.topology.carried import Passed
 from contact.search.topology.loop import ROUNDS, Newton, Progress, refine_topology
 from contact.search.topology.missed import Missed
 from contact.solution.made import in_cell
@@ -52,7 +54,7 @@ class Task:
     progress: Progress | None = None
     near: Solution | None = None
     branch: str = "advancing"
-    along: tuple[Solution, ...] = ()
+    along: tuple[Passed, ...] = ()
     give: float | None = None
 
     @classmethod
@@ -93,11 +95,10 @@ class Task:
         return control if self.give is None else Machine(control.value, self.give * units.load / units.height)
 
     def refine_topology(
-        self, problem: Problem, control: Control, table: Array, near: bool = False, value: float = 0.0, steps: int = 0,
-        rounds: int = ROUNDS, off: float = 1.0,
+        self, problem: Problem, control: Control, table: Array, rounds: int = ROUNDS, **how: Any
     ) -> Found | Missed:
-        """Zones that pass, from proposed ones."""
-        newton = Newton(self.tolerance, value, steps, near, off)
+        """Zones that pass, from proposed ones. how: of `Newton`, beside its tolerance."""
+        newton = Newton(self.tolerance, **how)
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
             return refine_topology(ByPressure(problem), control, table, newton, self.progress, timed=self.plan.timed, rounds=rounds)

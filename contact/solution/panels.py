@@ -31,10 +31,10 @@ def panels(ax: Any, count: int) -> tuple[Any, Sequence[Any]]:
     return given[0].figure, given
 
 
-def finish(axes: Any, across: str, up: str) -> None:
+def finish(axes: Any, across: str, up: str, legend: bool = True) -> None:
     """Names of the axes, ticks inside, each label once in a legend."""
     axes.set(xlabel=across, ylabel=up)
     axes.tick_params(direction="in", top=True, right=True)
     handles = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-    if len(handles) > 1:
+    if legend and len(handles) > 1:
         axes.legend(handles.values(), handles.keys(), frameon=False, fontsize=8)

@@ -1,7 +1,6 @@
 """Self-affine roughness from a hundred zones to twenty thousand: python -m contact.studies.self_affine [--out FILE] [KMAX ...].
 
-Hurst exponent 0.8, harmonics 4 ... kmax with random phases, rms slope 0.1, mean pressure 0.05 E* slope, tolerance 1e-8, or 1e-7 where
-the narrowest zones are so small a part of the period that their ends, given as positions, are not told to 1e-8 of them. Each size in a
+Hurst exponent 0.8, harmonics 4 ... kmax with random phases, rms slope 0.1, mean pressure 0.05 E* slope, tolerance 1e-8. Each size in a
 process of its own, on one thread, for its time and peak memory. Prints a table, the exponent fitted to processor time over the number of
 zones, and how far a hundred zones are from a solution by a matrix to a tighter tolerance; FILE, for instance OUT/self-affine.md, takes it
 as Markdown, and `python -m contact.studies.pages OUT` sets it in docs/many-zones.md.
@@ -25,8 +24,6 @@ from contact.studies.bench import machine
 from sie.collocation import fixed as engine
 
 SIZES = (1_000, 3_000, 10_000, 30_000, 100_000, 300_000)
-# From this one on positions are rounded to 1e-8 of the narrowest zones.
-_FINEST = 300_000
 SLOPE, PRESSURE, HURST, FIRST = 0.1, 0.05, 0.8, 4
 NAMES = (
     "kmax", "zones", "tol", "wanted", "processor time [s]", "of the wall clock: search, ends, certificate [s]", "peak memory [GB]",
@@ -49,7 +46,7 @@ def scene(kmax: int) -> contact.Scene:
 
 def measure(kmax: int) -> dict[str, float | bool | str]:
     """One solution: zones, processor time [s], peak memory [GB], steps, stated error, whether the certificate holds."""
-    given, tol = scene(kmax), 1e-8 if kmax < _FINEST else 1e-7
+    given, tol = scene(kmax), 1e-8
     start = time.process_time()
     solution = contact.solve(given, tol=tol)
     return {

@@ -10,6 +10,7 @@ from contact.model.checks import finite_array
 from contact.model.registry import CONTROLS
 from contact.model.scene import Scene
 from contact.search.shared import Shared
+from contact.search.topology.carried import Passed
 from contact.search.topology.loop import Progress
 from contact.search.ways.direct import all_directly
 from contact.solution.solution import Solution
@@ -18,7 +19,7 @@ from contact.solver import solved_along, tolerance
 from sie import Array
 
 # Zones are carried on from so many solutions.
-_MOST = 4
+_MOST = 2
 
 
 class Curve:
@@ -30,7 +31,7 @@ class Curve:
     def __init__(self, scene: Scene, control: str, tol: float, progress: Progress | None = None) -> None:
         self.scene, self.control, self.tol, self.progress = scene, control, tol, progress
         self.shared = Shared(scene)
-        self.last: tuple[Solution, ...] = ()
+        self.last: tuple[Passed, ...] = ()
         self.known: dict[float, Solution] = {}
 
     def look_at(self, values: Array) -> None:
@@ -42,10 +43,10 @@ class Curve:
     def at(self, value: float) -> Solution:
         """The next solution, from the last ones."""
         solution = self.known.get(value) or self.beside(value, self.last)
-        self.last = (*self.last, solution)[-_MOST:]
+        self.last = (*self.last, Passed(solution))[-_MOST:]
         return solution
 
-    def beside(self, value: float, known: tuple[Solution, ...]) -> Solution:
+    def beside(self, value: float, known: tuple[Passed, ...]) -> Solution:
         """The solution at a value from known ones, the nearest last."""
         return solved_along(self._scene(value), self.tol, self.progress, self.shared, known)
 

@@ -32,6 +32,7 @@ from contact.formulation.tables import centred_on
 from contact.model.scene import Scene
 from contact.search.topology.by_gaps import ByGaps
 from contact.search.topology.by_pressure import ByPressure
+from contact.search.topology.carried import Passed
 from contact.search.topology.loop import Progress
 from contact.search.topology.missed import WrongTopology
 from contact.solution.export import new_file
@@ -59,6 +60,8 @@ _ZOOMS = 5
 _USEFUL = 1e-3
 # Where the last gap but one has closed, as a rule: this far below the load of full contact.
 _BEFORE_FULL = 1e-7
+# Of a way between two loads that must be gone for a third one to part its events.
+_ENTERED = 0.02
 _REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth", "split": "merge"}
 
 
@@ -218,7 +221,7 @@ class _Path:
     def on_the_way(self, load: float, near: Solution) -> Solution:
         """A state between two loads: close to an event a zone or gap may be too narrow for the tolerance, and still serve."""
         try:
-            return self.curve.beside(load, (near,))
+            return self.curve.beside(load, (Passed(near),))
         except NotConverged as failure:
             if isinstance(failure.best, Solution) and failure.best.certificate.holds and failure.best.error < _USEFUL:
                 return failure.best
@@ -247,7 +250,7 @@ class _Path:
         if not changes and not hides:
             return []
         if apart and (hides or len(changes) > 1):
-            middle = self.on_the_way(float(np.sqrt(low.load * high.load)), low)
+            middle = self.on_the_way(float(np.exp(_between_events(changes, low, high))), low)
             return self._events(low, middle) + self._events(middle, high)
         events = []
         for change in changes:
@@ -315,6 +318,36 @@ def _between(low: Solution, high: Solution, period: float | None) -> list[_Chang
             changes.append(_Change("birth", (), k))
         changes += [_Change("merge", (int(i), int(j)), k) for i, j in zip(held[:-1], held[1:], strict=True)]
     return changes
+
+
+def _between_events(changes: list[_Change], low: Solution, high: Solution) -> float:
+    """The logarithm of a load that parts the events between two loads, about the middle of them: as middles and squared half widths of the
+    zones that are born and of the gaps that close go on, at their rates."""
+    first, last = np.log([low.load, high.load])
+    even = 0.5 * float(first + last)
+    before, after = Passed(low), Passed(high)
+    if len(changes) < 2 or before.fields is None or after.fields is None:
+        return even
+    at = []
+    for change in changes:
+        one, side, k = (after, after.own, change.higher) if change.kind == "birth" else (before, before.between, change.lower[0])
+        square, rate = side.values[1][_of(one, k)], side.rates[1][_of(one, k)]
+        at.append(np.log(one.solution.load) - square / rate if rate != 0.0 else np.inf)
+    inner = np.sort([load for load in at if first < load < last])
+    if len(inner) < 2:
+        return even
+    # The widest way between two of them, the nearer to the middle the better.
+    middle = 0.5 * (inner[1:] + inner[:-1])
+    room = np.diff(inner) * np.minimum(middle - first, last - middle)
+    best = int(np.argmax(room))
+    return float(middle[best]) if min(middle[best] - first, last - middle[best]) > _ENTERED * (last - first) else even
+
+
+def _of(one: Passed, zone: int) -> int:
+    """The place of a solution's zone among those of its fields."""
+    period, wanted = one.solution.scene.period, one.solution.zones[zone].mean()
+    away = one.problem.units.x(one.zones.mean(axis=1)) - wanted
+    return int(np.argmin(np.abs(away if period is None else away - np.round(away / period) * period)))
 
 
 def _one_sign(known: dict[float, float]) -> bool:

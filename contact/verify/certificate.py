@@ -15,7 +15,7 @@ import numpy as np
 from contact.formulation.controls import Control
 from contact.formulation.fields import ZoneFields
 from contact.formulation.runs import runs_of
-from contact.verify.minima import DIP_ROUNDING, Signs, signs_on
+from contact.verify.minima import DIP_ROUNDING, Signs, lowest, signs_on
 from sie import Array, Index, Mask
 
 # Each zoom into a minimum narrows its bracket to a quarter at least.
@@ -58,7 +58,8 @@ class Certificate:
     of a zone; None where no moment is given. intensity: largest miss at an end, over what the law asks for; stability: least eigenvalue
     of the second variation of the energy by the motions of the ends, over twice the work of adhesion and at equal motions over
     roots of the widths, at the control held: positive where the contact is locally stable, infinite where all ends are held at sharp
-    corners; both None under laws without.
+    corners; both None under laws without. negative, overlaps: where signs fail, scaled (n, 2); lowest: scaled places, values and second
+    differences of the gap's minima (n, 3), see `minima.lowest`.
     """
 
     smallest_pressure: float
@@ -76,6 +77,7 @@ class Certificate:
     stability: float | None = None
     negative: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
     overlaps: Array = field(default_factory=lambda: np.zeros((0, 2)), repr=False)
+    lowest: Array = field(default_factory=lambda: np.zeros((0, 3)), repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         names = (
@@ -91,13 +93,14 @@ NOT_CHECKED = Certificate(np.nan, None, 0.0, np.nan, np.nan, 0, False, note="a f
 
 
 class Openings(NamedTuple):
-    """Between the zones, scaled: the least gap, where surfaces overlap (n, 2), rounding of the gap, how many points were looked at; and
-    what the gap comes to on the zones, where it is zero."""
+    """Between the zones, scaled: the least gap, where surfaces overlap (n, 2), rounding of the gap, how many points were looked at; its
+    minima; and what the gap comes to on the zones, where it is zero."""
 
     least: float | None
     overlaps: Array
     rounding: float
     points: int
+    lowest: Array
     on_zones: float
 
 
@@ -118,7 +121,7 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None,
         pulls, valleys, left_out, dip = [], [], 0, np.inf
     new = [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in pulls)]
     pressures = np.array(sorted([*pulls, *new])).reshape(-1, 2)
-    gaps, overlaps, rounding, outside, on_zones = openings(fields, few)
+    gaps, overlaps, rounding, outside, minima, on_zones = openings(fields, few)
     units = fields.problem.units
     density = fields.density
     size = fields.load_size if law.pulls else fields.problem.borne(density)
@@ -164,6 +167,7 @@ def certify(fields: ZoneFields, load: float | None, held: Control | None = None,
         stability=stability,
         negative=pressures,
         overlaps=overlaps,
+        lowest=minima,
     )
 
 
@@ -232,9 +236,9 @@ def _valleys(fields: ZoneFields) -> tuple[list[tuple[float, float]], int]:
     return found, left_out
 
 
-def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int]:
-    """(smallest gap found, intervals of overlap, rounding of the gap, points), scaled: the points of all gaps at once, and only minima
-    followed that may touch zero.
+def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, float, int, Array]:
+    """(smallest gap found, intervals of overlap, rounding of the gap, points, minima), scaled: the points of all gaps at once, and only
+    minima followed that may touch zero.
 
     Levels that are tied from neighbour to neighbour drift by rounding along a long row of zones. Far from all zones a turned or a lopsided
     body may touch as well: samples are not even there, and all minima are followed.
@@ -249,6 +253,7 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
         bend = gap[:-2] - 2 * gap[1:-1] + gap[2:]
         low = (gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:]) & (place[:-2] == place[2:])
         inner = np.flatnonzero(low & ((gap[1:-1] < bend) | (place[1:-1] >= near))) + 1
+    minima = lowest(points, gap, np.flatnonzero(low & (gap[1:-1] > rounding)) + 1)
     lo, hi, found, values, places = points[inner - 1], points[inner + 1], [points], [gap], [place]
     for _ in range(_ZOOMS if len(inner) else 0):
         fine = lo[:, None] + (hi - lo)[:, None] * np.linspace(0, 1, 9)
@@ -270,7 +275,7 @@ def _gaps(fields: ZoneFields, rounding: float) -> tuple[float | None, Array, flo
         bad += _overlaps(x[here], fails[here], *intervals[i][:2])
     seen = gap[~_closing(gap, place, rounding) & (place < near)]
     smallest = float(seen.min()) if np.isfinite(seen).any() else None
-    return smallest, np.array(bad).reshape(-1, 2), rounding, len(points)
+    return smallest, np.array(bad).reshape(-1, 2), rounding, len(points), minima
 
 
 def _on_zones(fields: ZoneFields) -> Array:

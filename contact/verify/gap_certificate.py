@@ -7,7 +7,7 @@ import numpy as np
 from contact.formulation.gaps import GapFields
 from contact.formulation.runs import runs_of
 from contact.verify.certificate import Certificate
-from contact.verify.minima import DIP_ROUNDING, Signs, follow, may_be_negative, signs_on
+from contact.verify.minima import DIP_ROUNDING, Signs, follow, lowest, may_be_negative, signs_on
 from sie import Array, Index
 
 # Half widths below this part of the period are a rounding of the ends' positions: such gaps are left out, and said so.
@@ -19,7 +19,7 @@ _WIDE, _BESIDE_ENDS = 16, 2
 
 def certify_gaps(fields: GapFields) -> Certificate:
     """Signs of gap and pressure on the whole period."""
-    openings = _openings(fields)
+    openings, minima = _openings(fields)
     least, negative, dip, points = _pressures(fields)
     valleys, left_out = _valleys(fields)
     negative += [row for row in valleys if not any(lo < row[1] and row[0] < hi for lo, hi in negative)]
@@ -32,19 +32,25 @@ def certify_gaps(fields: GapFields) -> Certificate:
         load_balance=0.0, level_spread=0.0, points=openings.points + points, holds=not (negative or openings.negative),
         undecided=left_out > 0 or (dip <= DIP_ROUNDING and not negative), note=note, dip=dip,
         negative=np.array(sorted(negative)).reshape(-1, 2), overlaps=np.array(openings.negative).reshape(-1, 2),
+        lowest=minima,
     )
 
 
-def _openings(fields: GapFields) -> Signs:
-    """The gap between its ends."""
+def _openings(fields: GapFields) -> tuple[Signs, Array]:
+    """The gap between its ends, and its minima (see `lowest`)."""
     density, gaps = fields.density, fields.density.zones
     size = np.abs(density.coefficients).sum(axis=1) + np.bincount(density.jumps.zone, np.abs(density.jumps.height), len(gaps))
+    minima: list[Array] = []
 
     def sampled(group: Index, theta: Array) -> tuple[Array, Array, Array]:
         opening = density.integral_at(group[:, None], theta)
+        row, at = np.nonzero((opening[:, 1:-1] < opening[:, :-2]) & (opening[:, 1:-1] < opening[:, 2:]))
+        x = gaps.middle[group][:, None] + gaps.half[group][:, None] * np.cos(theta)
+        minima.append(lowest(x.ravel(), opening.ravel(), row * len(theta) + at + 1))
         return opening, 64 * _EPS * (gaps.half * size)[group], opening.max(axis=1)
 
-    return signs_on(gaps, density.sampling, sampled, density.integral_at)
+    signs = signs_on(gaps, density.sampling, sampled, density.integral_at)
+    return signs, np.concatenate(minima)
 
 
 def _pressures(fields: GapFields) -> tuple[float, list[tuple[float, float]], float, int]:

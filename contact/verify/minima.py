@@ -73,6 +73,17 @@ def follow(
     return Dips(negative, least, relative, lowest)
 
 
+def lowest(x: Array, value: Array, at: Index) -> Array:
+    """Places, values and half the second derivatives (n, 3) of minima, by the parabolas through the samples `at` and those beside."""
+    before, after = x[at] - x[at - 1], x[at + 1] - x[at]
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        falls, rises = (value[at] - value[at - 1]) / before, (value[at + 1] - value[at]) / after
+        bend = (rises - falls) / (before + after)
+        slope = falls + bend * before
+        found = np.column_stack((x[at] - slope / (2 * bend), value[at] - slope**2 / (4 * bend), bend))
+    return np.asarray(found[np.isfinite(found).all(axis=1)])
+
+
 @dataclass(frozen=True)
 class Signs:
     """negative: where it is, ascending (n, 2). least: the smallest value, of those within their rounding the modulus. dip: least minimum
@@ -91,13 +102,15 @@ def signs_on(
     """counts: samples of each interval, at even angles. sampled: of intervals (k,) and angles (n,) the values (k, n), their rounding and
     their scale (k,). over: see `follow`."""
     negative: list[tuple[float, float]] = []
-    least, dip, points = np.inf, np.inf, 0
+    least, points = np.inf, 0
 
     def within(i: int, first: float, last: float) -> tuple[float, float]:
         """Between two angles, 0 and pi the ends."""
         hi, lo = intervals.middle[i] + intervals.half[i] * np.cos([first, last])
         return float(intervals.a[i] if last == np.pi else lo), float(intervals.b[i] if first == 0.0 else hi)
 
+    # Dips of all intervals are followed at once: zone, angles before and after, scale, rounding.
+    followed: list[tuple[Index, Array, Array, Array, Array]] = []
     for n in np.unique(counts):
         group = np.flatnonzero(counts == n)
         theta = (np.arange(n) + 0.5) * np.pi / n
@@ -109,7 +122,8 @@ def signs_on(
         for row in np.flatnonzero(fails.any(axis=1)):
             negative += [within(group[row], s * np.pi / n, (e + 1) * np.pi / n) for s, e in runs_of(fails[row])]
         rows, places = np.nonzero(may_be_negative(value[:, :-2], value[:, 1:-1], value[:, 2:]))
-        dips = follow(over, group[rows], theta[places], theta[places + 2], scale[rows], rounding[rows])
-        negative += [within(*found) for found in dips.negative]
-        least, dip = min(least, dips.least, dips.lowest), min(dip, dips.relative)
-    return Signs(sorted(negative), least, dip, points)
+        followed.append((group[rows], theta[places], theta[places + 2], scale[rows], rounding[rows]))
+    zone, before, after, scale, rounding = (np.concatenate(part) for part in zip(*followed, strict=True))
+    dips = follow(over, zone, before, after, scale, rounding)
+    negative += [within(*found) for found in dips.negative]
+    return Signs(sorted(negative), min(least, dips.least, dips.lowest), dips.relative, points)

@@ -88,6 +88,12 @@ def gauss(n: int) -> Array:
     return np.asarray(np.cos((np.arange(n) + 0.5) * (np.pi / n)))
 
 
+def gauss_sides(n: int) -> tuple[Array, Array]:
+    """(1 + t, 1 - t) there, to all digits."""
+    half = (np.arange(n) + 0.5) * (0.5 * np.pi / n)
+    return 2 * np.cos(half) ** 2, 2 * np.sin(half) ** 2
+
+
 def t_matrix(n: int, count: int) -> Array:
     """T_l(tau_q), shape (n, count), at the n Gauss nodes."""
     return (_t_matrix if n * count <= _KEPT else _t_matrix.__wrapped__)(n, count)

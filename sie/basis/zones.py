@@ -102,6 +102,20 @@ class Zones(Kept):
         rest = (ends - (there - back)) + (by - back)
         return replace(self, a=there[0], b=there[1], rest=rest if exactly else np.zeros_like(rest))
 
+    def changed(self, lost: Index, met: Index, period: float | None) -> tuple[Zones, Index]:
+        """(these without those that are lost, and with those joined that have met the next one, the numbers of what is left among these);
+        of joined ones the first."""
+        count = len(self)
+        kept = np.setdiff1d(np.arange(count), np.union1d(lost, (np.asarray(met) + 1) % count))
+        last, meets = kept.copy(), np.isin(np.arange(count), met)
+        while np.any(meets[last % count]):
+            last = last + meets[last % count]
+        turns, last = last // count, last % count
+        b = self.b[last] + (0.0 if period is None else turns * period)
+        left, right = [self.left[i] for i in kept], [self.right[i] for i in last]
+        rest = np.array([self.rest[0, kept], self.rest[1, last]])
+        return replace(self, a=self.a[kept], b=b, left=left, right=right, rest=rest), kept
+
     def beyond_a(self, x: Array, zone: Index) -> Array:
         """How far x lies to the right of the left ends of zones."""
         return np.asarray((x - self.a[zone]) - self.rest[0][zone])

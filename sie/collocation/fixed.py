@@ -34,7 +34,7 @@ THETA = (np.arange(LOOKS) + 0.4142) * np.pi / LOOKS
 _FIRST = np.sin(THETA[:, None] * np.arange(1, 1 + LOOKS // 2))
 _FIRST_OF = np.linalg.pinv(_FIRST)
 # From this number of unknowns on, a matrix costs more than fast sums.
-MANY_UNKNOWNS = 1500
+MANY_UNKNOWNS = 600
 # Beyond this number a matrix and its factors take more than six gigabytes.
 MOST_UNKNOWNS = 20_000
 
@@ -180,13 +180,16 @@ class State(Solved):
     def noise(self) -> Array:
         """What rounding of the right side amounts to in each zone, over its largest coefficient: where coefficients have
         stopped falling."""
+        n, (head, last) = self.sizes.own[: len(self.truncation)], self._ends_of_series
+        return np.where(last < 0.5 * head, 0.0, self.truncation * 2 * np.sqrt(n)) if len(n) else self.truncation
+
+    @cached_property
+    def _ends_of_series(self) -> tuple[Array, Array]:
+        """The largest of a few coefficients of the right side half way and at the end of each zone's series."""
         n = self.sizes.own[: len(self.truncation)]
-        size = np.abs(self.system.g)
-        falls = np.array([
-            row[k - max(4, k // 8) + 1 : k + 1].max() < 0.5 * row[k // 2 - max(4, k // 8) + 1 : k // 2 + 1].max()
-            for row, k in zip(size[: len(n)], n, strict=True)
-        ], dtype=bool)
-        return np.where(falls, 0.0, self.truncation * 2 * np.sqrt(n)) if len(n) else self.truncation
+        parts = list(zip(np.abs(self.system.g)[: len(n)], n, np.maximum(4, n // 8), strict=True))
+        head = np.array([row[k // 2 - w + 1 : k // 2 + 1].max() for row, k, w in parts])
+        return head, np.array([row[k - w + 1 : k + 1].max() for row, k, w in parts])
 
     @cached_property
     def neglected(self) -> Array:
@@ -195,11 +198,7 @@ class State(Solved):
         n = self.sizes.own[: len(self.truncation)]
         if len(n) == 0:
             return self.truncation
-        size = np.abs(self.system.g)
-        window = np.maximum(4, n // 8)
-        parts = list(zip(size[: len(n)], n, window, strict=True))
-        head = np.array([row[k // 2 - w + 1 : k // 2 + 1].max() for row, k, w in parts])
-        last = np.array([row[k - w + 1 : k + 1].max() for row, k, w in parts])
+        (head, last), window = self._ends_of_series, np.maximum(4, n // 8)
         with np.errstate(divide="ignore", invalid="ignore"):
             fall = np.where(head > 0, np.maximum(last / head, 1e-300), 1.0) ** (2.0 / n)
         # Coefficients that fall no further are rounding, whose sum grows as a random walk.

@@ -23,7 +23,7 @@ from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import felt
 from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import System, condition_rows
+from sie.collocation.system import System, condition_rows, outside
 from sie.collocation.zone_sums import ZoneSums
 from sie.equation.conditions import ByZone, Linear, by_zone, speaks_of_levels
 from sie.equation.equation import Equation
@@ -47,8 +47,8 @@ _ROUNDING = 3e-16
 _LIGHTEST = 1e-4
 # Rows at most of conditions that are not of every zone by itself: a small system couples them.
 _FEW_ROWS = 64
-# Nodes for the integral of g over one length of its resolution.
-_GAUSS = 16
+# Nodes for the integral of g over so many lengths of its resolution: of a wave of that length they leave 1e-19.
+_GAUSS, _LENGTHS = 16, 2
 
 
 @lru_cache(maxsize=1)
@@ -203,7 +203,7 @@ class IterativeSystem(System):
         forcing = self.equation.forcing
         assert forcing.resolution is not None
         start, rest, length = self._gaps
-        panels = np.ceil(length / forcing.resolution).astype(np.intp)
+        panels = np.ceil(length / (_LENGTHS * forcing.resolution)).astype(np.intp)
         gap = np.repeat(np.arange(len(length)), panels)
         number = numbered(panels)
         size = (length / panels)[gap]
@@ -341,9 +341,7 @@ class CoarseOperator:
         w = zones.half[j]
         out = np.zeros(np.broadcast(i, j).shape)
         for shift in kernel.poles:
-            right = zones.middle[i] > zones.middle[j] + shift
-            gap = np.where(right, zones.a[i] - (zones.b[j] + shift), (zones.a[j] + shift) - zones.b[i])
-            e = (gap + zones.half[i]) / w
+            e = outside(zones.a[j] + shift, zones.b[j] + shift, zones.middle[i]).excess
             if shift == 0.0:
                 e = np.where(i == j, 0.0, e)
             out += Outside(1.0, e).first(w / kernel.datum)

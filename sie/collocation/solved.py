@@ -48,6 +48,12 @@ class Sizes:
     wide: Sizes | None = None
     """Those of the wide zones, where narrow gaps are slits."""
 
+    def of(self, kept: Index) -> Sizes:
+        """Those of some of the zones."""
+        least = self.least if isinstance(self.least, int) else self.least[kept]
+        carried = None if self.carried is None else self.carried.to(kept)
+        return replace(self, own=self.own[kept], least=least, carried=carried, wide=None)
+
 
 @dataclass(frozen=True, eq=False)
 class Carried:
@@ -62,6 +68,10 @@ class Carried:
     @classmethod
     def of(cls, coarse: CoarseOperator | None, layout: Layout, y: Array) -> Carried:
         return cls(coarse, layout.padded(y), layout.m, y[layout.coefficients :])
+
+    def to(self, kept: Index) -> Carried:
+        """What of it is some of the zones'."""
+        return Carried(None, self.coefficients[kept], self.m[kept], self.amplitudes)
 
     def near(self, system: IterativeSystem) -> Array:
         """Unknowns of another system to start from: those of modes that had none are what the right side makes of them."""

@@ -63,18 +63,14 @@ class Layout:
     def padded(self, y: Array) -> Array:
         """Coefficients as a (zones, max m + 1) table, zero where a zone has fewer."""
         out = np.zeros((len(self.m), int(self.m.max()) + 1))
-        for m in np.unique(self.m):
-            zones = np.flatnonzero(self.m == m)
-            out[zones, : m + 1] = y[self.offset[zones][:, None] + np.arange(m + 1)]
+        out[np.arange(out.shape[1]) <= self.m[:, None]] = y[: self.coefficients]
         return out
 
     def flat(self, table: Array) -> Array:
         """The inverse of `padded`, amplitudes zero; a table with fewer columns is continued by zeros."""
-        out = np.zeros(self.size)
-        for m in np.unique(self.m):
-            zones = np.flatnonzero(self.m == m)
-            count = min(m + 1, table.shape[1])
-            out[self.offset[zones][:, None] + np.arange(count)] = table[zones, :count]
+        out, k = np.zeros(self.size), np.arange(table.shape[1])
+        given = k <= self.m[:, None]
+        out[(self.offset[:, None] + k)[given]] = table[given]
         return out
 
 
@@ -473,7 +469,11 @@ class System:
             raise ValueError("a condition on potentials needs the primitive of the right side")
         solved = zones.solved
         w = zones.half[solved]
-        mean = 0.5 * (forcing.primitive(zones.a[solved]) + forcing.primitive(zones.b[solved]))
+        ends, rest = np.array([zones.a[solved], zones.b[solved]]), zones.rest[:, solved]
+        heights = np.asarray(forcing.primitive(ends))
+        if forcing.exact and rest.any():
+            heights = heights + rest * np.asarray(forcing.value(ends))
+        mean = 0.5 * heights.sum(axis=0)
         if len(self.jumps):
             mean = mean + w * self.jumps.mean_offsets(zones)[solved]
         k = np.arange(2, self.g.shape[1], 2)

@@ -8,6 +8,7 @@ arithmetic: per zone the index, one for each free end, one for each unknown ampl
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -208,12 +209,13 @@ class Equation:
         images = [shift for shift in self.kernel.poles if shift > 0]
         if images and not zones.b[-1] - zones.a[0] < min(images):
             raise ValueError(f"the zones reach over {zones.b[-1] - zones.a[0]:.6g}, the period is {min(images):.6g}")
-        surplus = 0
-        for i in zones.solved:
-            if zones.central and i == zones.solved[0]:
-                surplus += zones.right[i].surplus  # odd modes are absent: half of a zone's count
-            else:
-                surplus += zones.left[i].surplus + zones.right[i].surplus - 1
+        first = int(zones.solved[0])
+        ends = [*zones.left[first:], *zones.right[first:]]
+        # Of very many there are few kinds.
+        kinds = {id(end): end for end in ends}
+        surplus = sum(count * kinds[one].surplus for one, count in Counter(map(id, ends)).items()) - len(zones.solved)
+        if zones.central:
+            surplus += 1 - zones.left[first].surplus  # odd modes are absent: half of a zone's count
         opened = sum(condition.open for condition in self.conditions)
         unknowns = surplus + len(self.columns) + opened
         given = sum(condition.count(zones) for condition in self.conditions) + len(self.end_conditions)

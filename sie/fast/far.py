@@ -22,6 +22,8 @@ from sie.fast.tree import TERMS, Tree, interactions
 
 # Pairs handled at once: their powers stay in the cache.
 _BLOCK = 512
+# Nodes, an even number, whose matrices are made together where they are not kept.
+_SIBLINGS = 1 << 13
 # Terms that leave 1e-7 of a sum: enough for what is corrected afterwards, at a quarter of the time.
 ROUGH = 12
 _TWICE = np.array([1.0] + [2.0] * (TERMS - 1))
@@ -85,8 +87,10 @@ class Nested:
         return antiderivatives(self._place[0]) * tree.half[up][:, None]
 
     def _slices(self) -> list[slice]:
-        levels = self.tree.levels
-        return [slice(s, e) for s, e in zip(levels[1:-1], levels[2:], strict=True)]
+        """Levels, in parts where their matrices are not kept: there are pairs of children in each."""
+        levels, most = self.tree.levels, len(self.tree) if self.kept else _SIBLINGS
+        bounds = zip(levels[1:-1], levels[2:], strict=True)
+        return [slice(s, min(s + most, end)) for start, end in bounds for s in range(start, end, most)]
 
     def upward(self, leaves: Array) -> Array:
         """Moments of all nodes from those of the intervals, of each as many as are given."""
@@ -118,11 +122,10 @@ class Nested:
 
 @dataclass(frozen=True, eq=False)
 class _Nodes:
-    """Of every far pair, at so many nodes on the target: rho and what stands before the sum; and what takes values there to a series."""
+    """Of far pairs, at so many nodes on the target: rho and what stands before the sum."""
 
     rho: Array
     front: Array
-    to_series: Array
 
 
 class FarSum:
@@ -150,10 +153,11 @@ class FarSum:
     def _few_nodes(self) -> _Nodes:
         return self._at(ROUGH)
 
-    def _at(self, terms: int) -> _Nodes:
-        nodes = chebyshev.gauss(terms)[:, None]
-        seen = Outside(self._sign, (self._gap + self._width * (1 + np.where(self._right, nodes, -nodes))) / self._half)
-        return _Nodes(seen.rho, 1 / (seen.root * self._half), chebyshev.to_series(terms))
+    def _at(self, terms: int, here: slice = slice(None)) -> _Nodes:
+        nodes, half = chebyshev.gauss(terms)[:, None], self._half[here]
+        away = self._gap[here] + self._width[here] * (1 + np.where(self._right[here], nodes, -nodes))
+        seen = Outside(self._sign[here], away / half)
+        return _Nodes(seen.rho, 1 / (seen.root * half))
 
     @cached_property
     def _regular(self) -> tuple[Array, Array] | None:
@@ -173,7 +177,9 @@ class FarSum:
 
     def __call__(self, leaves: Array, rough: bool = False) -> tuple[Array, Array, Array]:
         """By the moments of all intervals (n, TERMS). rough: to 1e-7 of the sum, at a quarter of the time."""
-        terms, at = (ROUGH, self._few_nodes) if rough else (TERMS, self._nodes)
+        terms = ROUGH if rough else TERMS
+        # Of a sum that is taken once they are made as they are asked for.
+        at = None if not self.targets.kept else self._few_nodes if rough else self._nodes
         moments = self.sources.upward(leaves[:, :terms])
         count = len(self.targets.tree)
         values, middle = np.zeros((terms, count)), np.zeros(count)
@@ -183,7 +189,9 @@ class FarSum:
             here = slice(s, min(s + block, len(self.far)))
             target, source = self.far.target[here], self.far.source[here]
             c = moments_twice[:, source]
-            rho, centre = at.rho[:, here], self.centre[here]
+            centre = self.centre[here]
+            some = self._at(terms, here) if at is None else _Nodes(at.rho[:, here], at.front[:, here])
+            rho = some.rho
             value = np.empty(rho.shape)
             value[:] = c[-1]
             potential = c[-1] / (terms - 1)
@@ -193,11 +201,11 @@ class FarSum:
                 potential = potential * centre
                 if k:
                     potential += c[k] / k
-            value *= at.front[:, here]
+            value *= some.front
             first = np.flatnonzero(np.diff(target, prepend=-1))
             values[:, target[first]] += np.add.reduceat(value, first, axis=1)
             middle[target[first]] += np.add.reduceat(c[0] * self.log[here] - potential, first)
-        series = at.to_series.T @ values
+        series = chebyshev.to_series(terms).T @ values
         if self._regular is not None:
             series[:, 0] += self._regular[0][:terms, :terms] @ moments[0]
             middle[0] += float(self._regular[1][:terms] @ moments[0])

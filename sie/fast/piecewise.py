@@ -90,7 +90,7 @@ class PiecewiseTransform:
         tree = Nested(Tree.over(a, self.ends[1:]), kept=False)
         far = FarSum(tree, tree, self.kernel)
         series = far(moments)[0]
-        near, (left, right) = far.near, _places()
+        near, (left, right) = far.near, chebyshev.gauss_sides(TERMS)
         values = np.zeros((len(w), TERMS))
         for s in range(0, len(near), _PAIRS):
             here = slice(s, s + _PAIRS)
@@ -104,7 +104,7 @@ class PiecewiseTransform:
 
     def _from(self, target: Index, source: Index, shift: Array, local: Array, moments: Array) -> Array:
         """What cells `source` do at the nodes of cells `target`, pair by pair: (pairs, nodes)."""
-        left, right = _places()
+        left, right = chebyshev.gauss_sides(TERMS)
         a, b, w = self.ends[:-1], self.ends[1:], self.half
         after = (a[target] + b[target]) >= (a[source] + b[source]) + 2 * shift
         own = (target == source) & (shift == 0.0)
@@ -192,9 +192,3 @@ def _monomials() -> Array:
     u, weight = np.polynomial.legendre.leggauss(TERMS)
     table = np.cos(np.arccos(u)[:, None] * np.arange(TERMS))
     return np.asarray(np.array([weight, weight * u, weight * u * u]) @ table)
-
-
-def _places() -> tuple[Array, Array]:
-    """Distances of the Gauss nodes from -1 and from 1."""
-    half = (np.arange(TERMS) + 0.5) * (0.5 * np.pi / TERMS)
-    return 2 * np.cos(half) ** 2, 2 * np.sin(half) ** 2

@@ -20,6 +20,7 @@ from sie.basis.ends import FREE, SINGULAR, End
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_of
+from sie.collocation.iterative import Iterative
 from sie.collocation.solved import Sizes
 from sie.density.density import Density
 from sie.equation.equation import Equation
@@ -141,6 +142,7 @@ def find_ends(
     limited: End = FREE,
     few: float = 0.0,
     patient: int = 0,
+    drops: bool = False,
 ) -> Free:
     """Move the free ends of `zones` until every one has its prescribed intensity.
 
@@ -178,6 +180,8 @@ def find_ends(
         The kind of an end that leaves a limit.
     few, patient : float, int
         Part of all ends that need not have come to rest after so many steps: of very many, a first look at what they are the ends of.
+    drops : bool
+        Zones that shrink away are left out, those that meet are joined, and the search goes on; else that is where it ends.
 
     Returns
     -------
@@ -200,15 +204,15 @@ def find_ends(
     opened = equation.open_condition
     keeps = equation.forcing.cornered or equation.forcing.exact
     off = min(off, _STEP_NEAR) if near else off
-    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off, few, patient)
+    progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off, few, patient, drops)
     sizes = first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
     unit: Unit | None = None
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
         sizes.linear, sizes.value = progress.linear, value
         sizes.rough = progress.linear > max(_ROUGHLY, min(progress.tightest, _ROUGH_ENOUGH))
-        # Series of many zones are no longer than the next move asks for.
-        fall = max(decay, min(_LONGEST_FALL, _OF_CUBE * progress.last**3)) if len(zones) >= _MANY else decay
+        # Series of many zones, or of some in doubt, are no longer than the next move asks for.
+        fall = max(decay, min(_LONGEST_FALL, _OF_CUBE * progress.last**3)) if drops or len(zones) >= _MANY else decay
         state = _state(equation, zones, fall, sizes, value)
         loose = state.iterated and (sizes.linear > progress.tightest or fall > decay)
         zones, let_go = _let_go(zones, limits, state.density, limited)
@@ -222,22 +226,16 @@ def find_ends(
         if not np.isfinite(motion.delta).all():
             if motion.turn is None:
                 raise SingularSystem("no motion of the ends meets the condition on them")
-            nowhere = np.full((len(zones), 2), np.inf)
-            return Free(state, False, nowhere, nowhere, tuple(progress.trace), value, reason=_NEUTRAL)
+            return _neutral(state, progress, value)
         corners = _corners(state)
         motion = replace(motion, noise=motion.noise + np.where(motion.moves, _of_places(state, corners), 0.0))
         rest = progress.after(zones, motion, corners, value, opened is not None)
-        done = rest.reached and not let_go and not loose
-        if done:
+        if rest.reached and not let_go and not loose:
             if motion.turn is not None and state.whole.iteration is not None:
-                motions, side = IteratedMotions(state.whole, state.whole.iteration), np.array(signs, dtype=float)[:, None]
-                more = motions.amplification()
-                if more > _AMPLIFIED:
-                    nowhere = np.full((len(zones), 2), np.inf)
-                    return Free(state, False, nowhere, nowhere, tuple(progress.trace), value, reason=_NEUTRAL)
-                uncertain = (more * (motion.noise + STEP * np.abs(motion.delta)) / (zones.b - zones.a)).T
-                rest = replace(rest, error=rest.error + uncertain, rounding=rest.rounding + uncertain)
-                motion = replace(motion, turn=replace(motion.turn, growth=_growth(motions, side, unit)))
+                told = _by_iteration(state.whole, state.whole.iteration, signs, unit, motion, rest)
+                if told is None:
+                    return _neutral(state, progress, value)
+                motion, rest = told
             return _found(state, progress, rest, motion, value, bounded_ends)
         hopeless = progress.is_hopeless(motion.certain) or (equation.grows and state.unresolved) or (near and not progress.is_near())
         if hopeless or len(progress.trace) > max_steps:
@@ -245,11 +243,18 @@ def find_ends(
             reason = _why_not(state, progress, motion)
             return Free(state, False, rest.error, rest.rounding, tuple(progress.trace), found, abs(motion.change), reason=reason)
         value += motion.change
-        closes = _closes(zones, equation, motion.delta)
-        vanishes = motion.delta.sum(axis=0) <= zones.a - zones.b
-        zones = _held_at(zones.moved(_limited(state, zones, motion, signs, unit), keeps), limits)
+        closes, vanishes = _closes(zones, equation, motion.delta), motion.delta.sum(axis=0) <= zones.a - zones.b
+        outward, gone = _limited(state, zones, motion, signs, unit)
+        zones = _held_at(zones.moved(outward, keeps), limits)
         lost, met = progress.vanished(zones, modes.gaps(zones, equation.kernel)[1], vanishes, closes)
-        if len(lost) or len(met):
+        lost = np.union1d(lost, gone) if drops else lost
+        changes = len(lost) + len(met)
+        if drops and 0 < changes < len(zones) and not zones.symmetric:
+            # What is lost bore little: the search goes on from the others.
+            (zones, kept), unit = zones.changed(lost, met, equation.kernel.period), None
+            sizes = sizes.of(kept)
+            progress.goes_on(zones, modes.gaps(zones, equation.kernel)[1], kept)
+        elif changes:
             reason = "; ".join(filter(None, ["a zone has shrunk away" if len(lost) else "a gap has closed", progress.past_fold]))
             return Free(
                 state, False, rest.error, rest.rounding, tuple(progress.trace), value, abs(motion.change), lost, met, reason=reason
@@ -262,6 +267,25 @@ def _state(equation: Equation, zones: Zones, decay: float, sizes: Sizes, value: 
     """The density on these zones, at the open condition's value, if there is one."""
     state, opened = solve_zones(equation, zones, decay, sizes), equation.open_condition
     return state if opened is None or value == 0.0 or state.iterated else state.with_value(opened, value)
+
+
+def _neutral(state: AnyState, progress: Progress, value: float) -> Free:
+    """Intensities that do not tell the ends."""
+    nowhere = np.full((len(state.density.zones), 2), np.inf)
+    return Free(state, False, nowhere, nowhere, tuple(progress.trace), value, reason=_NEUTRAL)
+
+
+def _by_iteration(
+    state: State, iteration: Iterative, signs: tuple[float, float], unit: Unit | None, motion: Motion, rest: Rest
+) -> tuple[Motion, Rest] | None:
+    """A step to rest and what it tells, with what iteration tells of them; None where the intensities do not tell the ends."""
+    motions, zones, side = IteratedMotions(state, iteration), state.density.zones, np.array(signs, dtype=float)[:, None]
+    more = motions.amplification()
+    if more > _AMPLIFIED or motion.turn is None:
+        return None
+    uncertain = (more * (motion.noise + STEP * np.abs(motion.delta)) / (zones.b - zones.a)).T
+    motion = replace(motion, turn=replace(motion.turn, growth=_growth(motions, side, unit)))
+    return motion, replace(rest, error=rest.error + uncertain, rounding=rest.rounding + uncertain)
 
 
 def _found(state: AnyState, progress: Progress, rest: Rest, motion: Motion, value: float, bounded_ends: bool) -> Free:
@@ -289,16 +313,20 @@ def _why_not(state: AnyState, progress: Progress, motion: Motion) -> str:
     return progress.past_fold or f"the ends did not come to rest in {len(progress.trace)} steps"
 
 
-def _limited(state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: Unit | None) -> Array:
-    """Moves cut to what widths and gaps allow; of zones far off that stand alone, by steps of their own."""
+def _limited(
+    state: AnyState, zones: Zones, motion: Motion, signs: tuple[float, float], unit: Unit | None
+) -> tuple[Array, Index]:
+    """(moves cut to what widths and gaps allow, those of zones far off that stand alone by steps of their own; zones of which nothing is
+    left)."""
     limited = _limit(zones, state.equation, motion.delta)
     single = far_off(state, motion.moves, motion.delta)
-    if len(single):
-        added = None if unit is None else (unit.response, motion.change)
-        near_a, near_b, came = moved_singly(state, single, lambda d, size: _alone(d, size, signs), added)
-        limited[0, single] = np.where(came, zones.a[single] - near_a, limited[0, single])
-        limited[1, single] = np.where(came, near_b - zones.b[single], limited[1, single])
-    return limited
+    if not len(single):
+        return limited, single
+    added = None if unit is None else (unit.response, motion.change)
+    near_a, near_b, came, gone = moved_singly(state, single, lambda d, size: _alone(d, size, signs), signs, added)
+    limited[0, single] = np.where(came, zones.a[single] - near_a, limited[0, single])
+    limited[1, single] = np.where(came, near_b - zones.b[single], limited[1, single])
+    return limited, single[gone]
 
 
 def _closes(zones: Zones, equation: Equation, delta: Array) -> Mask:

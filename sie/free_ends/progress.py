@@ -15,6 +15,8 @@ _VANISHED, _COLLAPSED = 1e-12, 1e-3
 # A gap below this part of the zones beside it, which has asked so many steps on end to be closed altogether, has closed. So many steps on
 # end have asked for nothing to be left of a zone that is lost.
 _CLOSING, _INSISTS = 0.05, 3
+# Steps, and moves over the widths, from which on a search that may drop zones is not in doubt about those that do not push outward.
+_DOUBTED, _SLOW = 4, 0.1
 # Steps after which ends that still want to move by more than half of their zones may be given up.
 _WANDERING = 20
 # Of zones said to be near: the first move over the width, and what is left of a move in the next one. Moves below the last are about
@@ -22,6 +24,8 @@ _WANDERING = 20
 _NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
 # Tolerances of solutions by iteration: at first, and at last over that of the ends.
 _LOOSE, _TIGHT = 1e-6, 1e-3
+# The first of these where it is open which zones there are.
+_LOOSER = 1e-4
 # The remaining motion of an end is the next step but for its square.
 MARGIN = 1.5
 
@@ -69,7 +73,8 @@ class Rest:
 @dataclass(eq=False)
 class Progress:
     """The steps so far of a search for ends from zones of these widths and gaps. off: what they are off by at first over these widths;
-    few: part of all ends that need not come to rest, after so many `patient` steps."""
+    few: part of all ends that need not come to rest, after so many `patient` steps; drops: see
+    `find_ends`."""
 
     tolerance: float
     first_width: Array
@@ -77,12 +82,20 @@ class Progress:
     off: float = 1.0
     few: float = 0.0
     patient: int = 0
+    drops: bool = False
     trace: list[Step] = field(default_factory=list)
     turns: list[Turn] = field(default_factory=list)
     best: float = np.inf
     stalled: int = 0
     closing: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
     leaving: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+
+    def goes_on(self, zones: Zones, gap: Array, kept: Index) -> None:
+        """Other zones, with these gaps right of them, of which some were there before."""
+        width = zones.b - zones.a
+        self.first_width, self.first_gap = np.maximum(self.first_width[kept], width), np.maximum(self.first_gap[kept], gap)
+        self.closing, self.leaving = self.closing[kept], self.leaving[kept]
+        self.stalled, self.best = 0, np.inf
 
     @property
     def last(self) -> float:
@@ -93,7 +106,7 @@ class Progress:
     def linear(self) -> float:
         """Tolerance of a solution by iteration: the next move is about the square of the last one and the one after it about the fourth
         power, which what this solution leaves must not outweigh: another solution takes longer than a few digits more of this one."""
-        return min(_LOOSE, max(1e-3 * self.last**3, self.tightest))
+        return min(_LOOSE if not self.drops else _LOOSER, max(1e-3 * self.last**3, self.tightest))
 
     @property
     def tightest(self) -> float:
@@ -122,6 +135,8 @@ class Progress:
 
     def is_hopeless(self, certain: bool) -> bool:
         """At rest, or about, where the density does not push outward; or far from rest for long: it takes other zones."""
+        if self.drops and not certain and len(self.trace) > _DOUBTED and self.trace[-1].move < _SLOW:
+            return True
         if self.stalled >= 5 and not certain and (self.trace[-1].move < 1e-6 or (self.stalled >= 15 and self._stays())):
             return True
         return len(self.trace) > _WANDERING and min(step.move for step in self.trace[-10:]) > 0.5 and self._stays()
@@ -134,6 +149,8 @@ class Progress:
     def _stays(self) -> bool:
         """Whether the zones have neither grown nor shrunk in the last steps, nor their ends come to rest."""
         now, before = (np.diff(step.zones, axis=1) for step in (self.trace[-1], self.trace[-10]))
+        if len(now) != len(before):
+            return False
         return bool(np.all((before / 3 < now) & (now < 3 * before))) and self.trace[-1].move > 0.7 * self.trace[-5].move
 
     def vanished(self, zones: Zones, gap: Array, vanishes: Mask, closes: Mask) -> tuple[Index, Index]:
@@ -150,7 +167,7 @@ class Progress:
         insists = self.leaving >= 2 if insists.any() and len(zones) > 1 else np.zeros(len(gone), dtype=bool)
         lost = np.flatnonzero(gone | insists)
         narrowest = np.minimum(zones.b - zones.a, self.first_width)
-        closed = (self.closing >= _INSISTS) & (gap < _CLOSING * narrowest)
+        closed = self.closing >= 2 if self.drops else (self.closing >= _INSISTS) & (gap < _CLOSING * narrowest)
         return lost, np.flatnonzero((gap < _COLLAPSED * np.minimum(self.first_gap, narrowest)) | closed)
 
     @property

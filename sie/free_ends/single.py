@@ -39,13 +39,15 @@ Added: TypeAlias = tuple[Density, float]
 # A zone is far off if an end wants to move by more than this part of its width; alone, it is moved until it does not.
 FAR_OFF, _CLOSE = 0.05, 1e-3
 # If more than this part of all zones is far off, the field is not known either.
-_FEW = 0.25
+_FEW = 0.5
 # Nodes on a zone; coefficients of the field, to which no other zone is nearer than the width of this one.
 _NODES, _FIELD = 48, 3
 # How far from where it stood a zone is looked for: in half widths, or as a part of the length over which the right side varies;
 # and how far into a gap.
 _HALVES, _WAVE, _INTO_GAP = 4.0, 0.125, 0.4
 _MOST_STEPS = 16
+# Of a density's size on a zone: a total that is none.
+_NO_TOTAL = 1e-3
 # Half widths are no less than so many units in the last digit of their places: zones as narrow as that have vanished.
 _LEAST = 2
 _ORDER = np.arange(1.0, _NODES + 1)
@@ -136,9 +138,9 @@ class Moving:
         self.level = self.level + np.where(wider, -rise, rise)
         self.middle, self.half, self.h = middle, half, h
 
-    def to_tips(self) -> None:
+    def to_tips(self) -> Mask:
         """Go to the lone interval about the place where the right side's primitive is least: with h = kappa (x - x_0) and level L there,
-        (kappa a^2 / 2) (log(a / 2d) - 1/2) = L."""
+        (kappa a^2 / 2) (log(a / 2d) - 1/2) = L. Hands out which zones have none: where L is not negative."""
         middle, half, k = self.middle, self.half, _ORDER
         self.to(0.5 * (self.lowest + self.highest), 0.5 * (self.highest - self.lowest))
         t = chebyshev.lobatto(_NODES)[0][1:-1]
@@ -156,6 +158,15 @@ class Moving:
         tip = np.where(holds, self.middle + self.half * t[deepest], middle)
         left, right = np.maximum(tip - a, self.lowest), np.minimum(tip + a, self.highest)
         self.to(0.5 * (left + right), 0.5 * (right - left))
+        return np.asarray(depth >= 0)
+
+    def shut(self, sign: float) -> Mask:
+        """Which zones of no total have nothing to open them: h of the density's sign nowhere about them."""
+        middle, half = 0.5 * (self.lowest + self.highest), 0.5 * (self.highest - self.lowest)
+        x = middle[:, None] + half[:, None] * chebyshev.lobatto(_NODES)[0][1:-1]
+        g = np.asarray(self.equation.forcing.value(x.ravel())).reshape(x.shape)
+        h = g - self.field(x)
+        return np.asarray((np.abs(self.total) <= _NO_TOTAL * half * np.abs(h).max(axis=1)) & ((sign * h).max(axis=1) <= 0))
 
     def density(self) -> Density:
         """The densities of the zones where they are."""
@@ -166,18 +177,23 @@ class Moving:
         return Density(here, self.equation.kernel, np.column_stack((first, -self.h)), ForcingJumps.none(), np.zeros(0))
 
 
-def moved_singly(state: AnyState, chosen: Index, step: Step, added: Added | None = None) -> tuple[Array, Array, Mask]:
-    """(new ends a, b, whether they came to rest) of the chosen zones, after what is added to the density, if anything is."""
-    moving = Moving(state, chosen, added)
+def moved_singly(
+    state: AnyState, chosen: Index, step: Step, signs: tuple[float, float], added: Added | None = None
+) -> tuple[Array, Array, Mask, Mask]:
+    """(new ends a, b, whether they came to rest, whether nothing is left of them) of the chosen zones, after what is added to the density,
+    if anything is. signs: see `find_ends`."""
+    moving, gone = Moving(state, chosen, added), np.zeros(len(chosen), dtype=bool)
     if any(c.levels for c in state.equation.conditions):
-        moving.to_tips()
+        gone = moving.to_tips() & (signs == (1.0, 1.0))
+    elif signs[0] != signs[1]:
+        gone = moving.shut(signs[0])
     for _ in range(_MOST_STEPS):
         density = moving.density()
         delta = step(density, np.abs(moving.h).max(axis=1))
         a = np.maximum(density.zones.a - delta[0], moving.lowest)
         b = np.minimum(density.zones.b + delta[1], moving.highest)
         rest = np.abs(delta).max(axis=0) <= _CLOSE * (b - a)
-        if rest.all():
+        if np.all(rest | gone):
             break
         moving.to(0.5 * (a + b), 0.5 * (b - a))
-    return a, b, rest
+    return a, b, rest & ~gone, gone

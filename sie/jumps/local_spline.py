@@ -173,10 +173,9 @@ class LocalSpline(Kept):
     def _close(self) -> PiecewiseTransform:
         """On the spline and beside it, in cells that double in length away from it."""
         lo, hi = self._reach
-        away = np.diff(self.knots[:2])[0] * 2.0 ** np.arange(60) - np.diff(self.knots[:2])[0]
-        before = self.knots[0] - away[1:][away[1:] < 0.75 * (self.knots[0] - lo)]
-        away = np.diff(self.knots[-2:])[0] * (2.0 ** np.arange(60) - 1)
-        after = self.knots[-1] + away[1:][away[1:] < 0.75 * (hi - self.knots[-1])]
+        first, last = np.diff(self.knots)[[0, -1], None] * (2.0 ** np.arange(1, 60) - 1)
+        before = self.knots[0] - first[first < 0.75 * (self.knots[0] - lo)]
+        after = self.knots[-1] + last[last < 0.75 * (hi - self.knots[-1])]
         ends = np.concatenate(([lo], before[::-1], self.knots, after, [hi]))
         pieces = np.zeros((len(ends) - 1, 3))
         start = len(before) + 1

@@ -27,6 +27,7 @@ from functools import cached_property
 
 import numpy as np
 
+from sie.basis import chebyshev
 from sie.basis.arrays import Array, Mask
 from sie.basis.interval import Outside, theta
 from sie.basis.kept import Kept
@@ -66,9 +67,8 @@ class SlitKink(Kept):
     @cached_property
     def mean_places(self) -> tuple[Array, Array, Array]:
         """Gauss nodes of the equilibrium measure: z, and distances from the wide zone's ends."""
-        angle = (np.arange(_MEANS) + 0.5) * np.pi / _MEANS
-        left, right = 2 * np.cos(angle / 2) ** 2, 2 * np.sin(angle / 2) ** 2
-        return np.cos(angle), self.start + self.half * left, self.rest + self.half * right
+        left, right = chebyshev.gauss_sides(_MEANS)
+        return chebyshev.gauss(_MEANS), self.start + self.half * left, self.rest + self.half * right
 
     # psi ------------------------------------------------------------------------------------------------------------
     def slope(self, left: Array, right: Array) -> Array:

@@ -66,8 +66,7 @@ class Slit(Kept):
     @cached_property
     def gauss(self) -> tuple[Array, Array]:
         """(1 + z, 1 - z) at the Gauss nodes."""
-        theta = (np.arange(self.nodes) + 0.5) * np.pi / self.nodes
-        return 2 * np.cos(theta / 2) ** 2, 2 * np.sin(theta / 2) ** 2
+        return chebyshev.gauss_sides(self.nodes)
 
     @cached_property
     def theta(self) -> Array:
@@ -186,12 +185,8 @@ class Slits(Kept):
         self.a, self.b = a, b
         self.offset = np.concatenate(([0], np.cumsum([slit.modes + 1 for slit in self.slits])))
         self.modes = modes
-        self._angles = [self._lobatto(slit) for slit in self.slits]
-
-    @staticmethod
-    def _lobatto(slit: Slit) -> tuple[Array, Array]:
-        _, right, left = chebyshev.lobatto(slit.modes)
-        return left[1:-1], right[1:-1]
+        nodes = (chebyshev.lobatto(slit.modes) for slit in self.slits)
+        self._angles = [(left[1:-1], right[1:-1]) for _, right, left in nodes]
 
     def split(self, d: Array) -> list[Array]:
         return [d[s:e] for s, e in zip(self.offset[:-1], self.offset[1:], strict=True)]

@@ -1,8 +1,8 @@
 """Solutions on zones beside narrow gaps: the system of the wide zones, with a slack on their slits.
 
 The slits change the right side of the wide zones' system by -s, and the level of each by the mean of what s opens; the wide
-zones' coefficients are the right sides of the slits. A slit bends its surroundings by the square of its width over its distance,
-so with factors at hand a few alternations come to rest; by iteration the slits' answer is part of the rows.
+zones' coefficients are the right sides of the slits. With factors at hand both are solved together by GMRES on the slits' series; by
+iteration the slits' answer is part of the rows.
 """
 
 from __future__ import annotations
@@ -37,15 +37,12 @@ from sie.slits.density import SlitDensity
 from sie.slits.merged import Merged, merge
 from sie.slits.slits import TOLD, Slits
 
-_ALTERNATIONS = 60
-# Alternations that shrink by less than this are given up.
-_SLOW = 0.7
 # Solutions by GMRES, the second of what rounding has left of the first.
 _CORRECTIONS = 2
 # Tolerance of the wide zones' own solution by iteration, from which the slits' one starts.
 _START = 0.1
 _ROUNDING = 2.2e-16
-# What alternating may leave over the largest coefficient, to be stated as an error; more is no solution.
+# What may be left over the largest coefficient, to be stated as an error; more is no solution.
 _SETTLED = 1e-10
 # Times the tolerance: with such an error the zones are looked at by themselves too, where a kink lies between them.
 _CARELESS = 1e3
@@ -80,7 +77,7 @@ class Opened(Trial):
 
 
 class SlitsNotConverged(SingularSystem):
-    """System and slits, solved in turn, do not come to rest: a slit bends its surroundings too much."""
+    """System and slits do not come to rest: a slit bends its surroundings too much."""
 
 
 class SlitSystem(Kept):
@@ -150,41 +147,23 @@ class SlitSystem(Kept):
                 lambda y: self._right(self._series(y, True), True),
             )
             return folded, self._series(folded, homogeneous), 0.0
-        first = folded = solver(right_side) if homogeneous else self.base.folded_unknowns
-        d = self._series(folded, homogeneous)
-        change, before = np.inf, np.inf
-        for _ in range(_ALTERNATIONS):
-            folded = first + solver(self._right(d, homogeneous))
-            new = self._series(folded, homogeneous)
-            size = max(float(np.abs(folded).max()), 1e-300)
-            change = max(float(np.abs(one - old).max()) for one, old in zip(new, d, strict=True)) / size
-            d = new
-            if change <= _ROUNDING or (change < 1e-13 and change > 0.5 * before):
-                break
-            if change > _SLOW * before:
-                folded, d, change = self._together(first, homogeneous)
-                break
-            before = change
-        if not np.isfinite(change) or change > max(_SETTLED, 10 * self.linear):
-            raise SlitsNotConverged("the slits of a wide zone do not come to rest")
-        return folded, d, change
-
-    def _together(self, first: Array, homogeneous: bool) -> tuple[Array, tuple[Array, ...], float]:
-        """The same where going to and fro does not lead on, as when slits are near to each other or to an end: by GMRES on the
-        slits' series."""
-        solver, bounds = self.base.solver, np.cumsum([here.offset[-1] for here in self.slits])[:-1]
+        first = solver(right_side) if homogeneous else self.base.folded_unknowns
+        bounds = np.cumsum([here.offset[-1] for here in self.slits])[:-1]
 
         def answer(series: Array, homogeneous: bool, start: Array | float) -> tuple[Array, Array]:
             folded = start + solver(self._right(tuple(np.split(series, bounds)), homogeneous))
             return folded, np.concatenate(self._series(folded, homogeneous))
 
-        series = np.zeros(sum(here.offset[-1] for here in self.slits))
+        # A slit bends its surroundings by the square of its width over its distance: a few steps are enough.
+        series = np.concatenate(self._series(first, homogeneous))
         folded, again = answer(series, homogeneous, first)
         for _ in range(_CORRECTIONS):
-            missing = again - series
-            series = series + gmres(lambda v: v - answer(v, True, 0.0)[1], missing, _ROUNDING * float(np.linalg.norm(missing))).x
+            missing, rounding = again - series, _ROUNDING * float(np.linalg.norm(again))
+            series = series + gmres(lambda v: v - answer(v, True, 0.0)[1], missing, rounding).x
             folded, again = answer(series, homogeneous, first)
         change = float(np.abs(again - series).max()) / max(float(np.abs(folded).max()), 1e-300)
+        if not change <= max(_SETTLED, 10 * self.linear):
+            raise SlitsNotConverged("the slits of a wide zone do not come to rest")
         return folded, tuple(np.split(series, bounds)), change
 
     def _first(self, values: Array | None) -> Array:
@@ -250,7 +229,7 @@ class SlitSystem(Kept):
 class SlitState(Answered):
     """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the slits.
 
-    wide: state of the wide zones, slits included; rest: what alternating left, over the largest coefficient.
+    wide: state of the wide zones, slits included; rest: what solving both together left, over the largest coefficient.
     """
 
     slit_system: SlitSystem

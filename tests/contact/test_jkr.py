@@ -12,7 +12,7 @@ from hypothesis import assume, example, given
 
 import contact
 from contact import exact, inverse
-from contact.formulation.equilibria import Point
+from contact.formulation.equilibria import Equilibria, Point
 from contact.reference.inverse.stability import second_variation
 from contact.search.equilibria import arc, flow
 from tests.contact.strategies import adhesive_designs
@@ -261,6 +261,7 @@ class Stiff:
         profile=SimpleNamespace(resolution=None), units=SimpleNamespace(length=1.0), borders=(-np.inf, np.inf), period=None
     )
     start = np.array([[-2.0, -1.0], [1.0, 2.0]])
+    unit = Equilibria.unit
 
     def gaps(self, table):
         return np.append(table[1:, 0] - table[:-1, 1], np.inf)

@@ -10,6 +10,8 @@ import contact
 import sie
 from contact.reference.exact import Westergaard
 from contact.search.grid import coarse
+from contact.search.topology import loop
+from contact.search.ways import guesses
 from sie.collocation import fixed as engine
 from sie.collocation.iterative import Iterative, IterativeSystem
 from sie.slits import merged as cuts
@@ -199,3 +201,43 @@ def test_a_shape_of_very_many_features_has_half_as_fine_a_grid(monkeypatch):
     for features in (2**14, 2**15, 2**16):
         coarse.propose(np.cos, (0.0, 1.0), coarse.Response(1.0), load=0.1, resolution=1 / features)
     assert [n for n, after in zip(sizes, [*sizes[1:], 64], strict=True) if after <= n] == [2**18, 2**19, 2**19]
+
+
+def test_very_many_zones_are_first_looked_at_with_ends_that_are_known_loosely(monkeypatch):
+    """Where the first zones are not those of the solution, no tight solution is made on them."""
+    monkeypatch.setattr(loop, "MANY", 20)
+    proposed, asked = guesses.proposed, []
+
+    def left_out(*given, **named):
+        proposal = proposed(*given, **named)
+        return replace(proposal, zones=np.delete(proposal.zones, [3, 17], axis=0))
+
+    monkeypatch.setattr(guesses, "proposed", left_out)
+    original = sie.find_ends
+
+    def found(equation, zones, tolerance, *given, **named):
+        asked.append((tolerance, len(zones)))
+        return original(equation, zones, tolerance, *given, **named)
+
+    monkeypatch.setattr(sie, "find_ends", found)
+    scene = rough(400)
+    solution = contact.solve(scene, tol=1e-9)
+    tight = [count for tolerance, count in asked if tolerance < loop.LOOSELY]
+    assert len(asked) > len(tight) == 1 and tight[0] == len(solution.zones) != asked[0][1]
+    monkeypatch.undo()
+    plain = contact.solve(scene, tol=1e-9)
+    assert np.abs((solution.zones - plain.zones) / np.diff(plain.zones)).max() <= solution.error + plain.error
+
+
+def test_ends_with_what_their_places_cut_off_are_those_of_the_roughness_moved_by_a_quarter():
+    """A quarter turns the harmonics exactly: zones are the same to more digits than their places have."""
+    scene = rough(1200)
+    profile = scene.profile
+    c = (np.asarray(profile.cosine) - 1j * np.asarray(profile.sine)) * np.array([1, -1j, -1, 1j])[np.arange(1, 1201) % 4]
+    here, moved = (contact.solve(replace(scene, profile=one), tol=1e-9) for one in (profile, contact.Fourier(1.0, c.real, -c.imag)))
+    order = np.argsort((here.zones[:, 0] + 0.75) % 1.0)
+    apart = moved.zones - here.zones[order] - 0.25
+    apart = (apart - np.round(apart)) + (moved.zone_remainders - here.zone_remainders[order])
+    assert np.any(here.zone_remainders != 0.0)
+    assert np.abs(apart / here.zone_widths[order, None]).max() <= here.error + moved.error
+    assert here.zone_widths[order] == pytest.approx(moved.zone_widths, rel=2 * (here.error + moved.error), abs=0)

@@ -101,6 +101,14 @@ def test_two_traces_of_the_same_positions_are_the_trace_of_their_summed_heights(
     assert np.ptp(Combined(PIECE, Sampled(PIECE.x, -heights)).height(x) - one.height(x)) > 1e-3 * np.ptp(one.height(x))
 
 
+@pytest.mark.parametrize("turns", (-20, -1, 1, 5))
+def test_corners_face_each_other_however_many_periods_the_counter_body_is_shifted_by(turns: int) -> None:
+    rows = contact.Flat(0.84, 1.0), contact.Flat(0.17, 1.0)
+    assert contact.Combined(*rows, shift=0.265 + turns).support == pytest.approx((0.18, 0.35), abs=1e-13)
+    with pytest.raises(contact.SceneError, match="2 stretches"):
+        contact.Combined(contact.Flat(0.29, 1.0), contact.Flat(1.398, 2.0), shift=-0.245 + 2.0 * turns)
+
+
 @pytest.mark.parametrize("shift", [0.0, 0.25 * L, 30 * L])
 def test_a_trace_on_a_flat_wider_than_it_is_the_trace(shift: float) -> None:
     trace = Sampled(PIECE.x + shift, PIECE.heights)

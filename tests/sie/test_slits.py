@@ -1,5 +1,7 @@
 """Narrow gaps as slits of wide zones: the same answer as zone by zone, and one that does not depend on the gap."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -242,3 +244,29 @@ def test_totals_of_pieces_add_up_where_the_ends_are_no_solution_and_the_density_
     zones = sie.Zones.of([[-1.0, -0.001], [0.001, 0.6], [0.601, 1.0]])
     density = solve_zones(sie.Equation(sie.cauchy(), still, (sie.Total(1.0), sie.EqualPotential())), zones).density
     assert abs(density.totals.sum() - 1) < 1e-12
+
+
+@pytest.mark.parametrize("most", [10**9, 10], ids=["matrix", "sums"])
+@pytest.mark.parametrize("resolution", [None, 0.5], ids=["heights", "slopes"])
+def test_zones_far_from_the_origin_keep_the_digits_that_their_places_lose(monkeypatch, most, resolution):
+    """Moved by 4096 a zone of 1e-7 is told by its place to 1e-5 of it: what that has cut off is kept, in slits and in far sums too."""
+    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", most)
+    table = np.cumsum(np.random.default_rng(3).uniform(0.5, 1.5, 48)).reshape(24, 2) / 60
+    table[5, 0], table[17, 0], table[9, 1] = table[4, 1] + 1e-5, table[16, 1] + 1e-6, table[9, 0] + 1e-7
+    away = 4096.0
+
+    def solved(zones, by):
+        forcing = sie.Forcing(
+            lambda x: np.sin(6 * (x - by)), lambda x: -np.cos(6 * (x - by)) / 6, resolution=resolution, exact=True, looked_at=True
+        )
+        return solve_zones(sie.Equation(sie.cauchy(), forcing, (sie.Total(0.3), sie.EqualPotential())), zones).density
+
+    near = sie.Zones.of(table)
+    far = near.moved(away * np.array([[-1.0], [1.0]]) * np.ones((2, 24)))
+    here, there, cut = solved(near, 0.0), solved(far, away), solved(replace(far, rest=np.zeros((2, 24))), away)
+
+    def most_apart(one):
+        size = np.abs(np.array(here.intensities))
+        return float((np.abs(np.array(one.intensities) - here.intensities) / size).max())
+
+    assert most_apart(there) < 1e-9 < 1e-7 < most_apart(cut)

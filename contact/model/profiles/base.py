@@ -136,8 +136,8 @@ class Profile(sie.Kept):
         return self.resolution
 
     @property
-    def exact(self) -> bool:
-        """Whether `slope` loses nothing of the places that it is given, but what its own terms are rounded to."""
+    def exact_places(self) -> bool:
+        """Whether `slope` is that at the very number x: of the product of a wave number and x, say, no digit is lost."""
         return False
 
     @property

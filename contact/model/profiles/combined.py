@@ -273,46 +273,33 @@ class Combined(Profile):
 
     def _supports(self, known: Window | None) -> list[Window] | None:
         """Stretches between sharp corners, of both at once: in a period, else all; None without any corners."""
-        stretches = []
-        for place, body in self.bodies.items():
-            if body.support is None:
-                continue
-            counter = place == "counter"
-            first = self._window_of(body.support) if counter else body.support
-            stretches.append(self._copies(first, body.period, known, around=counter and self.profile.support is not None))
-        if not stretches:
+        found = [
+            (self._window_of(body.support) if place == "counter" else body.support, body.period)
+            for place, body in self.bodies.items() if body.support is not None
+        ]  # fmt: skip
+        if not found:
             return None
+        looked_at = known or next((first for first, period in found if period is None), None)
+        if self.period is not None:
+            looked_at = found[0][0][0], found[0][0][0] + self.period
+        stretches = [self._copies(first, period, looked_at) for first, period in found]
         if len(stretches) == 1:
             return stretches[0]
         shared = [(max(a[0], b[0]), min(a[1], b[1])) for a in stretches[0] for b in stretches[1]]
         least = 8 * _EPS * (abs(self.shift) + max((abs(end) for stretch in shared for end in stretch), default=0.0))
         return [(lo, hi) for lo, hi in shared if hi - lo > least]
 
-    def _copies(self, first: Window, period: float | None, known: Window | None, around: bool) -> list[Window]:
-        """A stretch that repeats, as often as it does in what is looked at; around: also those of the cells beside, which may reach in."""
+    def _copies(self, first: Window, period: float | None, looked_at: Window | None) -> list[Window]:
+        """A stretch that repeats, as often as it reaches into what is looked at."""
         if period is None:
             return [first]
-        if self.period is not None:
-            count = round(self.period / period)
-            turns = range(-count, 2 * count) if around else range(count)
-        else:
-            other = known or self._lone_support
-            if other is None:
-                allowed = "without a period of its own, or facing a body that ends: corners without end bound no one stretch"
-                raise SceneError.of("counter", self.counter, allowed)
-            turns = range(int(np.floor((other[0] - first[1]) / period)), int(np.ceil((other[1] - first[0]) / period)) + 1)
-        copies = [(first[0] + turn * period, first[1] + turn * period) for turn in turns]
-        bounds = known or self._lone_support if self.period is None else None
-        return copies if bounds is None else [c for c in copies if c[1] > bounds[0] and c[0] < bounds[1]]
-
-    @property
-    def _lone_support(self) -> Window | None:
-        """Corners of that body that does not repeat."""
-        if self.profile.period is None and self.profile.support is not None:
-            return self.profile.support
-        if self.counter.period is None and self.counter.support is not None:
-            return self._window_of(self.counter.support)
-        return None
+        if looked_at is None:
+            allowed = "without a period of its own, or facing a body that ends: corners without end bound no one stretch"
+            raise SceneError.of("counter", self.counter, allowed)
+        (start, stop), slack = looked_at, self._alike(np.array(looked_at))
+        turns = np.arange(np.floor((start - first[1]) / period), np.ceil((stop - first[0]) / period) + 1)
+        copies = [(float(first[0] + turn * period), float(first[1] + turn * period)) for turn in turns]
+        return [copy for copy in copies if copy[1] > start + slack and copy[0] < stop - slack]
 
     @cached_property
     def _merged(self) -> tuple[Array, Array, Array]:

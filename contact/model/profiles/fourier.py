@@ -89,7 +89,7 @@ class Fourier(Profile):
         return self.period / np.size(self.cosine)
 
     @property
-    def exact(self) -> bool:
+    def exact_places(self) -> bool:
         """In two words a place keeps all of its digits over the period."""
         return bool(np.size(self.cosine) >= _LONG)
 

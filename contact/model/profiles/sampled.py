@@ -273,7 +273,7 @@ class Sampled(Profile):
         jump = np.diff(third, prepend=third[-1:]) if self.period is not None else np.diff(third)
         return np.column_stack((at, np.full(at.size, 3.0), jump))
 
-    @property
+    @cached_property
     def resolution(self) -> float:
         return float(np.min(np.diff(self._knots)))
 

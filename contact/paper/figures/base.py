@@ -13,7 +13,7 @@ from contact.errors import OutOfRange
 from contact.model.interactions import Interaction, Isolated, Localized, Periodic
 from contact.model.profiles import Profile
 from contact.model.scene import Scene
-from contact.solution.panels import new_figure
+from contact.solution.panels import finish, new_figure
 from contact.solution.solution import Solution
 from contact.solver import solve
 from sie import Array
@@ -99,10 +99,8 @@ def curve(axes: Any, x: Array, y: Array, model: str, label: str | None = None) -
 
 def label_panel(axes: Any, x: str, y: str, legend: bool = True, **limits: tuple[float | None, float | None]) -> None:
     """Names of the axes, their limits (xlim, ylim), ticks inside, a legend without a frame."""
-    axes.set(xlabel=x, ylabel=y, **limits)
-    axes.tick_params(direction="in", top=True, right=True)
-    if legend:
-        axes.legend(frameon=False, fontsize=8)
+    axes.set(**limits)
+    finish(axes, x, y, legend)
 
 
 def worst(a: Array, b: Array) -> float:

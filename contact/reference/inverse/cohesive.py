@@ -28,14 +28,16 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import SceneError
-from contact.model.checks import keep, positive
+from contact.model.checks import finite_or_none, keep, positive
 from contact.model.profiles.polynomial import Polynomial
 from contact.reference.inverse.profile import exp_of_power_sums
 
 Array = NDArray[np.float64]
 
 # Gauss's nodes on a strip, on a way to the gap at a place, and places at which signs are looked at.
-_NODES, _WAY, _LOOKS = 64, 90, 200
+_NODES, _WAY, _LOOKS, _FEW_LOOKS = 64, 90, 200, 12
+# Over what the intervals span, how far beyond it is looked at.
+_BEYOND = np.geomspace(1e-3, 30.0, 60)
 
 
 @dataclass(frozen=True)
@@ -69,6 +71,8 @@ class CohesiveDesign:
         Tension [Pa]; its reach is work/stress.
     rise : float
         Highest coefficient of M, in Chebyshev polynomials over the hull of the zones: how sharply the body curves away from it.
+    given_load : float or None
+        The load [N/m], where M has a coefficient more for it; or two, of which one is zero, so that the body rises on either side.
 
     Attributes
     ----------
@@ -76,6 +80,8 @@ class CohesiveDesign:
         The shape that has this contact.
     load : float
         Of all zones less the tension [N/m].
+    condition : float
+        Condition number of the linear conditions that M follows from.
     is_admissible : bool
         Whether the surfaces press on the zones with more than -stress, keep apart elsewhere, and are nearer than the reach on the
         intervals alone.
@@ -85,7 +91,7 @@ class CohesiveDesign:
     Raises
     ------
     SceneError
-        If a value is not positive and finite, or zones and intervals do not lie as they must.
+        If a value is not positive and finite, zones and intervals do not lie as they must.
 
     Examples
     --------
@@ -104,9 +110,11 @@ class CohesiveDesign:
     work: float
     stress: float
     rise: float
+    given_load: float | None = None
 
     def __post_init__(self) -> None:
         keep(self, positive, "E_star", "work", "stress", "rise")
+        keep(self, finite_or_none, "given_load")
         for name in ("zones", "cohesive"):
             table = np.array(getattr(self, name), dtype=float)
             if table.ndim != 2 or table.shape[1] != 2 or not len(table) or not np.all(np.diff(table.ravel()) > 0):
@@ -202,7 +210,7 @@ class CohesiveDesign:
         by_tension = np.zeros(t.shape)
         for strip in self._strips:
             by_tension += self._near(strip, t) if strip.gap == gap else self._root(t) * self._far(strip, t)
-        modes = chebyshev.chebvander(t, self._count) * self._root(t)[..., None]
+        modes = chebyshev.chebvander(t, self._degree) * self._root(t)[..., None]
         return modes, self._tension * by_tension
 
     def _risen(self, gap: int, start: float, stop: Array) -> tuple[Array, Array]:
@@ -220,8 +228,8 @@ class CohesiveDesign:
         return np.einsum("pw,pwk->pk", weight, modes), out
 
     @cached_property
-    def _smooth(self) -> Array:
-        """Coefficients of M."""
+    def _conditions(self) -> tuple[Array, Array]:
+        """(matrix, right side) of the coefficients of M."""
         half = self._frame[1]
         rows, right = [], []
         for strip in self._strips:
@@ -233,23 +241,58 @@ class CohesiveDesign:
             by, rest = self._risen(gap, self._ends[2 * gap - 1], self._ends[2 * gap : 2 * gap + 1])
             rows.append(by[0])
             right.append(-rest[0])
-        matrix = np.array(rows)
-        lower = np.linalg.solve(matrix[:, :-1], np.array(right) - self.rise * matrix[:, -1])
-        return np.append(lower, self.rise)
+        every = np.eye(self._degree + 1)
+        rows.append(every[-1])
+        right.append(self.rise)
+        if self.given_load is not None:
+            # Of the last coefficient of the series, which is the load, what each of M's and the tension make.
+            rows.append(np.array([self._series_of(unit, 0.0)[-1] for unit in every]))
+            right.append(self._load_unit * self.given_load - self._series_of(0.0 * every[0], self._tension)[-1])
+        if len(rows) < len(every):
+            rows.append(every[-2])
+            right.append(0.0)
+        matrix, values = np.array(rows), np.array(right)
+        size = np.abs(matrix).max(axis=1)
+        return matrix / size[:, None], values / size
+
+    @cached_property
+    def _smooth(self) -> Array:
+        """Coefficients of M."""
+        return np.asarray(np.linalg.solve(*self._conditions))
+
+    @property
+    def condition(self) -> float:
+        """Condition number of the linear conditions, the largest entry of each being one."""
+        return float(np.linalg.cond(self._conditions[0]))
+
+    @property
+    def _degree(self) -> int:
+        """Of M."""
+        if self.given_load is None:
+            return self._count
+        return self._count + 1 + (len(self.zones) + self._count) % 2
+
+    @property
+    def _load_unit(self) -> float:
+        return -1.0 / (pi * self._frame[1] * 0.5 * self.E_star)
 
     # what it comes to -------------------------------------------------------------------------------------------------------------
     @cached_property
     def _series(self) -> Array:
-        """Coefficients of X R, of t^N, t^(N-1), ..., t^-1."""
-        n, degree = len(self.zones), len(self._smooth) - 1
+        return self._series_of(self._smooth, self._tension)
+
+    def _series_of(self, smooth: Array, tension: float) -> Array:
+        """Coefficients of X R, of t^N, t^(N-1), ..., t^-1, of an M and a tension."""
+        n, degree = len(self.zones), len(smooth) - 1
         count = n + degree + 2
         power_sums = np.array([0.5 * np.sum(self._ends**k) for k in range(count)])
         root = exp_of_power_sums(power_sums).real
         ratio = np.zeros(count)
-        ratio[: degree + 1] = chebyshev.cheb2poly(self._smooth)[::-1]
+        coefficients = chebyshev.cheb2poly(smooth)
+        ratio[degree + 1 - len(coefficients) : degree + 1] = coefficients[::-1]
         nodes, weights = (np.concatenate(parts) for parts in zip(*(self._nodes(strip)[:2] for strip in self._strips), strict=True))
         for k in range(degree + 1, count):
-            ratio[k] += self._tension * float(weights @ nodes ** (k - degree - 1))
+            ratio[k] += tension * float(weights @ nodes ** (k - degree - 1))
         return np.asarray(np.convolve(root, ratio)[:count])
 
     @cached_property
@@ -262,7 +305,7 @@ class CohesiveDesign:
     @property
     def load(self) -> float:
         """Of all zones less the tension [N/m]."""
-        return float(-pi * self._frame[1] * 0.5 * self.E_star * self._series[-1])
+        return float(self._series[-1] / self._load_unit)
 
     def pressure(self, x: ArrayLike) -> Array:
         """p [Pa]."""
@@ -322,20 +365,28 @@ class CohesiveDesign:
 
     @cached_property
     def is_admissible(self) -> bool:
-        """By signs at many places."""
-        u = 0.5 - 0.5 * np.cos(pi * (np.arange(_LOOKS) + 0.5) / _LOOKS)
+        """By signs at many places; at a few of them first."""
+        return self._signs_are_right(_FEW_LOOKS) and self._signs_are_right(_LOOKS)
+
+    def _signs_are_right(self, looks: int) -> bool:
+        u = 0.5 - 0.5 * np.cos(pi * (np.arange(looks) + 0.5) / looks)
         inner = (self.zones[:, :1] + np.diff(self.zones) * u).ravel()
         if not np.all(self.pressure(inner) > -self.stress):
             return False
         lo, hi = self.cohesive[0, 0], self.cohesive[-1, 1]
-        ends = np.concatenate(([lo - (hi - lo)], self.zones.ravel(), [hi + (hi - lo)]))
-        for a, b in zip(ends[::2], ends[1::2], strict=True):
+        beyond = (hi - lo) * _BEYOND[:: len(_BEYOND) // min(looks, len(_BEYOND))]
+        if not (np.all(self.gap(hi + beyond) > self.reach) and np.all(self.gap(lo - beyond) > self.reach)):
+            return False
+        ends = self.zones.ravel()
+        for a, b in zip(ends[1:-1:2], ends[2::2], strict=True):
             x = a + (b - a) * u
             held = np.any((x[:, None] >= self.cohesive[:, 0]) & (x[:, None] <= self.cohesive[:, 1]), axis=1)
             gap = self.gap(x)
             if not (np.all(gap > 0) and np.all((gap < self.reach) == held)):
                 return False
-        return True
+        strips = np.concatenate((lo + (ends[0] - lo) * u, hi - (hi - ends[-1]) * u))
+        gap = self.gap(strips)
+        return bool(np.all(gap > 0) and np.all(gap < self.reach))
 
 
 def _gauss(count: int) -> tuple[Array, Array]:

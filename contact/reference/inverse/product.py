@@ -107,14 +107,14 @@ class CutProduct:
         self, i: int, dl: Array, dr: Array, offsets: Array
     ) -> tuple[Array, Array, Mask]:
         """Ways left and right to all roots, (..., roots), and whether each lies behind; `offsets` (roots, 2)
-        from the ends of their gaps. For the root of the point's own gap both ways carry the sign of x - r."""
+        from the ends of their gaps. The way left to the root of the point's own gap carries the sign of x - r, that right is none."""
         m = 2 * len(self.zones)
         left, right, behind = [], [], []
         for g, (s, rest) in zip(self.gaps, offsets, strict=True):
             if g == i:
                 near = np.where(dl < dr, dl - s, rest - dr)
                 left.append(near)
-                right.append(-near)
+                right.append(np.full_like(near, np.inf))
                 behind.append(True)
                 continue
             to_right_end = self._leftward[i, (g + 1) % m] if i >= 0 else np.nan
@@ -130,11 +130,7 @@ class CutProduct:
         )
 
     def _root_factors(self, i: int, dl: Array, dr: Array, offsets: Array) -> Array:
-        left, right, behind = self._root_distances(i, dl, dr, offsets)
-        if self.period is None:
-            return np.where(behind, left, -right) / self._unit
-        own = np.array([g == i for g in self.gaps], dtype=bool)
-        return 2.0 * np.sin(self._turn * np.where(own, left, np.minimum(left, right)))
+        return self._factors(*self._root_distances(i, dl, dr, offsets))
 
     @cached_property
     def roots(self) -> Array:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contact.reference.inverse.adhesive import AdhesiveDesign
+from contact.reference.inverse.cohesive import CohesiveDesign
 from contact.reference.inverse.designed import DesignedContact
 from contact.reference.inverse.stability import is_stable
 from sie import Array
@@ -164,3 +165,83 @@ def random_adhesive_problem(
         if adhesive.is_admissible and (not stable or is_stable(adhesive)):
             return adhesive
         pull *= 0.5
+
+
+def random_cohesive_problem(
+    rng: np.random.Generator, zones: int | None = None, *, pull: float = 0.5, strip: float = 0.1, **shape: float
+) -> CohesiveDesign:
+    """A random contact of 1 to 6 (or the given number of) zones alone with a constant tension beside them, else as `random_problem`.
+
+    The intervals are those on which the gap of the frictionless contact of these zones and this load is below a reach: to begin with,
+    the gap at `strip` of the narrowest zone or gap beside some end. The tension is `pull` times the mean pressure, quartered until signs
+    and gaps are as they must be: with none the frictionless contact is the design.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Where the numbers come from.
+    zones : int or None
+        How many zones; None: 1 to 6.
+    pull : float
+        Tension over the mean pressure of the zones, to begin with.
+    strip : float
+        Width of a strip over that of the narrowest zone or gap.
+    **shape : float
+        E_star, strain, spread, fraction and length of `random_problem`, by name.
+
+    Returns
+    -------
+    CohesiveDesign
+
+    Raises
+    ------
+    SceneError
+        If a number is not positive and finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from contact.inverse import random_cohesive_problem
+    >>> made = random_cohesive_problem(np.random.default_rng(0), zones=4)
+    >>> len(made.zones), made.is_admissible
+    (4, True)
+    """
+    count = int(rng.integers(1, 7)) if zones is None else zones
+    free = random_problem(rng, count, None, **shape)  # type: ignore[arg-type]
+    # The shape is a polynomial of x: about the middle of the zones it keeps the most digits.
+    ends = free.zones - 0.5 * (free.zones[0, 0] + free.zones[-1, 1])
+    free = DesignedContact(ends, free.E_star, free.load)
+    gaps = ends[1:, 0] - ends[:-1, 1]
+    width = strip * float(min(np.diff(ends, axis=1).min(), gaps.min(initial=np.inf)))
+    beside = np.concatenate((ends[:, 0] - width, ends[:, 1] + width))
+    reach = float(np.median(free.gap(beside)))
+    before, after = [2 * ends[0, 0] - ends[-1, 1], *ends[:-1, 1]], [*ends[1:, 0], 2 * ends[-1, 1] - ends[0, 0]]
+    left = [_where(free, *way, reach) for way in zip(ends[:, 0].tolist(), before, strict=True)]
+    right = [_where(free, *way, reach) for way in zip(ends[:, 1].tolist(), after, strict=True)]
+    # Beside a gap that stays below the reach there is one interval.
+    rows = [[left[0], 0.0]]
+    for k in range(count - 1):
+        if left[k + 1] > right[k]:
+            rows[-1][1] = right[k]
+            rows.append([left[k + 1], 0.0])
+    rows[-1][1] = right[-1]
+    mean = float(free.load / np.diff(ends, axis=1).sum())
+    while True:
+        stress, rise = pull * mean, pull * mean / free.E_star
+        made = CohesiveDesign(ends, np.array(rows), free.E_star, stress * reach, stress, rise, free.load)
+        if made.is_admissible:
+            return made
+        pull *= 0.25
+
+
+def _where(free: DesignedContact, start: float, stop: float, reach: float) -> float:
+    """The place nearest to the end of a zone at which the gap is a reach, before another place; that if there is none."""
+    x = start + (stop - start) * np.linspace(0.0, 1.0, 2001)[1:] ** 2
+    above = np.flatnonzero(free.gap(x) > reach)
+    if len(above) == 0:
+        return stop
+    lo, hi = (start if above[0] == 0 else float(x[above[0] - 1])), float(x[above[0]])
+    for _ in range(60):
+        middle = 0.5 * (lo + hi)
+        lo, hi = (lo, middle) if float(free.gap(np.array([middle]))[0]) > reach else (middle, hi)
+    return hi

@@ -223,13 +223,8 @@ def propose(
     if points is not None:
         target = limit = int(points)
     else:
-        features = 16.0 if resolution is None else width / resolution
-        wanted = max(4 * COARSEST, (_PER_FEATURE if features <= _FEATURES else _PER_ONE_OF_MANY) * features)
-        target = 2 ** int(np.ceil(np.log2(wanted)))
-        # A shape of known resolution is worth as many points as it asks for.
-        limit = max_points if resolution is None else max(max_points, min(target, MOST_POINTS))
-        target = min(target, limit)
-        if features > _FEATURES:
+        target, limit = asked(width, resolution, max_points)
+        if _features(width, resolution) > _FEATURES:
             # What this is wrong by, the look at the signs puts right as well.
             tol = max(tol, _PASSING)
     n, start = target, None
@@ -247,8 +242,22 @@ def propose(
         if n >= target and (resolved or 2 * n > limit):
             break
         n, start = 2 * n, _refine(state.pressure, response.periodic)
-    closeness = n / features if points is None else np.inf
+    closeness = n / _features(width, resolution) if points is None else np.inf
     return Proposal(zones_of(state, x, closeness), n, iterations, state, state.full, resolved, state.touches_border)
+
+
+def _features(width: float, resolution: float | None) -> float:
+    return 16.0 if resolution is None else width / resolution
+
+
+def asked(width: float, resolution: float | None, most: int) -> tuple[int, int]:
+    """(points that a cell of this width asks for, points at the most)."""
+    features = _features(width, resolution)
+    wanted = max(4 * COARSEST, (_PER_FEATURE if features <= _FEATURES else _PER_ONE_OF_MANY) * features)
+    target = 2 ** int(np.ceil(np.log2(wanted)))
+    # A shape of known resolution is worth as many points as it asks for.
+    limit = most if resolution is None else max(most, min(target, MOST_POINTS))
+    return min(target, limit), limit
 
 
 def _refine(p: Array, periodic: bool) -> Array:

@@ -59,7 +59,7 @@ class ByGaps:
         steps = how.steps or self.most_steps
         return sie.find_ends(
             self.equation(control), zones, how.tolerance, steps, value=how.value, signs=(1.0, -1.0), near=how.near, off=how.off,
-            few=how.few, patient=how.patient,
+            few=how.few, patient=how.patient, drops=how.drops,
         )
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> GapFields:

@@ -46,8 +46,8 @@ class ByPressure:
         equation, problem = self.problem.equation(control), self.problem
         steps = how.steps or self.most_steps
         return sie.find_ends(
-            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, off=how.off, like=how.like,
-            limited=problem.end, few=how.few, patient=how.patient,
+            equation, zones, how.tolerance, steps, value=how.value, limits=problem.corners, near=how.near, decay=how.decay, off=how.off,
+            like=how.like, limited=problem.end, few=how.few, patient=how.patient, drops=how.drops,
         )
 
     def formal(self, load: float, table: Array, tolerance: float, decay: float | None = None) -> ZoneFields:
@@ -163,7 +163,7 @@ def _narrow_valley(problem: Problem, table: Array, free: sie.Free) -> float | No
     """Width of a gap over the kink of a valley that the search has closed or taken off its kink: too narrow for it. Such gaps
     do not close, but narrow as exp(-pressure); None if there is none."""
     kinks, heights = problem.forcing.kinks
-    if not np.any(heights < 0) or len(table) < 2:
+    if not np.any(heights < 0) or len(table) < 2 or len(free.density.zones) < len(table):
         return None
     at = wrapped(kinks[heights < 0], table[0, 0], problem.period)
     i = np.searchsorted(table[:, 0], at, side="right") - 1

@@ -10,16 +10,20 @@ from sie import Array, Index
 
 def without(table: Array, parts: Array) -> Array:
     """Intervals (n, 2) without the parts (m, 2), both ascending."""
+    # Of very many few are cut.
+    first = np.searchsorted(parts[:, 1], table[:, 0], side="right")
+    after = np.searchsorted(parts[:, 0], table[:, 1], side="left")
     rows = []
-    for a, b in table:
-        left = a
-        for lo, hi in parts[(parts[:, 0] < b) & (parts[:, 1] > a)]:
+    for i in np.flatnonzero(after > first):
+        left, b = table[i]
+        for lo, hi in parts[first[i] : after[i]]:
             if lo > left:
                 rows.append([left, lo])
             left = max(left, hi)
         if left < b:
             rows.append([left, b])
-    return np.array(rows).reshape(-1, 2)
+    out = np.concatenate((table[after <= first], np.array(rows).reshape(-1, 2)))
+    return np.asarray(out[np.argsort(out[:, 0], kind="stable")])
 
 
 def merged(table: Array, met: Index, period: float | None) -> Array:

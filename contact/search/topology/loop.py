@@ -87,7 +87,8 @@ class Newton:
     """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
     most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at
     first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with. few:
-    part of all ends that need not be known, after so many `patient` steps."""
+    part of all ends that need not be known, after so many `patient` steps. drops: some of the intervals may not be there, and are left
+    out, or be one with the next. decay: asked of the coefficients over the largest; None: what goes with the tolerance."""
 
     tolerance: float
     value: float = 0.0
@@ -97,6 +98,8 @@ class Newton:
     like: sie.AnyState | None = None
     few: float = 0.0
     patient: int = 0
+    drops: bool = False
+    decay: float | None = None
 
 
 def refine_topology(
@@ -151,7 +154,7 @@ def _rounds(
                 # Of very many some are always about to be lost: no round of its own.
                 done, left_out, newton = done - 1, left_out + 1, replace(newton, patient=max(newton.patient - len(free.trace), 0))
             continue
-        if not free.converged:
+        if not free.converged and not newton.drops:
             raise WrongTopology(f"the {form.what} ends did not settle", free)
         fields = form.fields(control, free, newton.tolerance)
         if formal:
@@ -161,6 +164,11 @@ def _rounds(
             certificate = form.certificate(fields, control, newton.few)
         if newton.tolerance > wanted:
             table, newton = _loosely(form, free, fields.state, certificate, newton, wanted)
+        elif not free.converged:
+            # Where signs fail tells which ones are missing.
+            missing = not certificate.holds
+            table = form.corrected(free.density.zones, certificate) if missing else ended
+            newton = replace(newton, drops=missing)
         elif certificate.holds:
             yield form.solved(free, fields, certificate, done, control, newton.tolerance)
             table, newton = ended, replace(newton, tolerance=TIGHT, near=False)

@@ -1,7 +1,7 @@
-"""The contact from the last ones on a curve of one control's values: their scaled problem, and zones or gaps carried on to here.
+"""The contact from the last ones on a curve of one control's values: their scaled problem, and zones carried on to here.
 
-Ends go as polynomials of the logarithm of the value, as long as there are as many of them. A change of their number is left to the
-corrections of the topology loop, which needs no grid for it: zones are born where the gap is negative, gaps that close are dropped.
+What the carrying on has not told of their number is left to the corrections of the topology loop, which needs no grid for it: zones are
+born where the gap is negative, gaps that close are dropped.
 """
 
 from __future__ import annotations
@@ -9,59 +9,55 @@ from __future__ import annotations
 import numpy as np
 
 from contact.formulation.controls import Control
-from contact.formulation.fields import ZoneFields
-from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
-from contact.formulation.units import Units
 from contact.model.controls import Quantity
+from contact.search.grid.coarse import MOST_POINTS, asked
+from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Task
 from contact.search.topology.by_gaps import ByGaps
+from contact.search.topology.carried import Passed, carried, gaps_between
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import NOT_MINE, Missed, attempted
 from contact.search.ways.full_contact import full_under
-from contact.search.ways.gaps import OF_GAPS, by_gaps, tightened_gaps, worth_gaps
-from contact.search.ways.guesses import Outcome
-from contact.solution.solution import Solution
+from contact.search.ways.gaps import OF_GAPS, tightened_gaps, worth_gaps
+from contact.search.ways.guesses import Outcome, from_grid
 from sie import Array
 
 # Values over one another between which a contact counted in the units of one is in good hands.
 _FARTHEST = 16.0
-# Of a zone, or of a gap, that must be left where it is carried on.
-_KEPT = 0.1
 # Corrections of the number of zones, after which a search from scratch is no longer.
 _ROUNDS = 6
-# Zones that come or go between two values times all that are moved at each correction for them, up to which that is the shorter way; and
-# zones of a first value among which there are no more.
-_OFTEN, _MANY = 100, 64
+# Zones that come and go up to which corrections are the shorter way. Else the points of a grid: by what part they are fewer than those of a
+# search from scratch, with few zones and with many, one more of which is longer than more points; and at the least.
+_FEW, _COARSER, _MANY, _FEWEST = 8, (4, 2), 400, 256
 
 
 def from_last(task: Task) -> Outcome | Missed:
     """From the last solution of a curve and those before it."""
     if not task.along or not _is_followed(task):
         return NOT_MINE
-    if _changes_often(task.along):
-        return Missed("so many zones come and go that a grid tells them sooner")
-    fields, value = task.along[-1].fields, task.scene.control[1]
-    if not isinstance(fields, ZoneFields | GapFields) or not 1 / _FARTHEST <= value / task.along[-1].scene.control[1] <= _FARTHEST:
+    last, value = task.along[-1], task.scene.control[1]
+    fields = last.fields
+    if fields is None or not 1 / _FARTHEST <= value / last.solution.scene.control[1] <= _FARTHEST:
         return NOT_MINE
     problem = fields.problem
     control = task.control(problem)
     if full := full_under(task, control):
         return full
-    table = _carried_on(task.along, value)
-    if isinstance(fields, GapFields):
-        outcome: Outcome | Missed = attempted(lambda: _from_gaps(task, problem, fields, control, table))
+    by_grid = task.scene.profile.period is not None and control.load is not None
+    if by_grid and _changes_often(task.along):
+        # Not even asked how the ends move.
+        return _by_grid_or_missed(task, problem, control)
+    zones, changes = carried(task.along, float(np.log(value)))
+    if len(zones) == 0:
+        return NOT_MINE
+    if by_grid and changes > _FEW:
+        return _by_grid_or_missed(task, problem, control)
+    if worth_gaps(task, problem, float(np.sum(zones[:, 1] - zones[:, 0]))):
+        outcome: Outcome | Missed = attempted(lambda: _by_gaps(task, problem, control, zones))
     else:
-        outcome = attempted(lambda: _from_zones(task, problem, control, table))
+        outcome = attempted(lambda: _by_zones(task, problem, control, zones))
     return outcome
-
-
-def _changes_often(along: tuple[Solution, ...]) -> bool:
-    """Whether so many zones come and go from one value to the next that a grid tells them sooner than corrections do."""
-    if len(along) == 1:
-        return len(along[-1].zones) > _MANY
-    count, before = len(along[-1].zones), len(along[-2].zones)
-    return abs(count - before) * max(count, before) > _OFTEN
 
 
 def _is_followed(task: Task) -> bool:
@@ -73,69 +69,33 @@ def _is_followed(task: Task) -> bool:
     return scene.law.convex and not moves and not scene.is_flat and followed
 
 
-def _carried_on(along: tuple[Solution, ...], value: float) -> Array:
-    """Scaled zones or gaps at a value, by the polynomial through those of the last values, of as many as are alike."""
-    last = along[-1]
-    tables: list[Array] = []
-    at: list[float] = []
-    for solution in reversed(along):
-        known = _table(solution)
-        if known is None or type(solution.fields) is not type(last.fields) or not _alike(solution, last):
-            break
-        tables.append(known)
-        at.append(float(np.log(solution.scene.control[1] / value)))
-    first = tables[0]
-    if len(set(at)) < len(at):
-        return first
-    # Lagrange's weights at 0.
-    weights = [np.prod([-other / (own - other) for other in at if other != own]) for own in at]
-    table = np.asarray(sum(weight * known for weight, known in zip(weights, tables, strict=True)))
-    # Nothing is carried over what narrows to nothing on the way.
-    assert isinstance(last.fields, ZoneFields | GapFields)
-    period = last.fields.problem.period
-    kept = np.all(np.diff(table, axis=1) > _KEPT * np.diff(first, axis=1)) and np.all(_gaps(table, period) > _KEPT * _gaps(first, period))
-    return table if kept else first
+def _changes_often(along: tuple[Passed, ...]) -> bool:
+    """Whether more zones have come or gone between the last two values than corrections are the shorter way for."""
+    return len(along) > 1 and abs(len(along[-1].solution.zones) - len(along[-2].solution.zones)) > _FEW
 
 
-def _gaps(table: Array, period: float | None) -> Array:
-    """Widths of what lies between intervals."""
-    after = table[1:, 0] if period is None else np.append(table[1:, 0], table[0, 0] + period)
-    return np.asarray(after - table[: len(after), 1])
+def _by_grid_or_missed(task: Task, problem: Problem, control: Control) -> Outcome | Missed:
+    """Where many zones come and go a grid tells them, of which a few points are enough: what it is wrong about is dropped on the way."""
+    profile, many = task.scene.profile, len(task.along[-1].solution.zones) > _MANY
+    assert profile.period is not None
+    points = max(_FEWEST, asked(profile.period, profile.feature, MOST_POINTS)[0] // _COARSER[many])
+    scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
+    outcome: Outcome | Missed = attempted(lambda: from_grid(task, scaled, points=points, drops=True))
+    return outcome
 
 
-def _table(solution: Solution) -> Array | None:
-    fields = solution.fields
-    return np.asarray(fields.density.zones.table) if isinstance(fields, ZoneFields | GapFields) else None
+def _by_zones(task: Task, problem: Problem, control: Control, zones: Array) -> Outcome | Missed:
+    guess = 0.0 if control.load is not None else task.along[-1].solution.load / problem.units.load
+    return task.refine_topology(problem, control, zones, value=guess, rounds=_ROUNDS, drops=True)
 
 
-def _units(solution: Solution) -> Units | None:
-    return solution.fields.problem.units if isinstance(solution.fields, ZoneFields | GapFields) else None
-
-
-def _alike(one: Solution, other: Solution) -> bool:
-    mine, others = _table(one), _table(other)
-    if mine is None or others is None or mine.shape != others.shape or _units(one) != _units(other):
-        return False
-    # The same ones, and not as many others.
-    return bool(np.all((mine[:, 0] < others[:, 1]) & (others[:, 0] < mine[:, 1])))
-
-
-def _from_zones(task: Task, problem: Problem, control: Control, table: Array) -> Outcome | Missed:
-    width = float(np.sum(table[:, 1] - table[:, 0]))
-    if worth_gaps(task, problem, width):
-        return by_gaps(task, problem, control, width, table)
-    guess = 0.0 if control.load is not None else task.along[-1].load / problem.units.load
-    return task.refine_topology(problem, control, table, value=guess, rounds=_ROUNDS)
-
-
-def _from_gaps(task: Task, problem: Problem, fields: GapFields, control: Control, table: Array) -> Outcome | Missed:
-    contact = fields.period - float(np.sum(table[:, 1] - table[:, 0]))
-    if not worth_gaps(task, problem, contact):
-        between = np.column_stack((table[:, 1], np.append(table[1:, 0], table[0, 0] + fields.period)))
-        return task.refine_topology(problem, control, between, value=fields.mean * fields.period, rounds=_ROUNDS)
-    form, newton = ByGaps(problem, fields.relief), Newton(OF_GAPS * task.tolerance, fields.mean)
+def _by_gaps(task: Task, problem: Problem, control: Control, zones: Array) -> Outcome | Missed:
+    period = problem.period
+    assert period is not None
+    mean = task.along[-1].solution.load / problem.units.load / period
+    form, newton = ByGaps(problem, task.shared.relief(problem)), Newton(OF_GAPS * task.tolerance, mean, drops=True)
     with task.plan.timed("zone ends"):
-        found = refine_topology(form, control, table, newton, task.progress, rounds=_ROUNDS)
+        found = refine_topology(form, control, gaps_between(zones, period), newton, task.progress, rounds=_ROUNDS)
         if isinstance(found, Missed):
             return found
         found = tightened_gaps(task, found)

@@ -38,6 +38,11 @@ class At:
     strip: Found
     alone: Found
 
+    @property
+    def period(self) -> float:
+        assert self.strip.fields.problem.period is not None
+        return self.strip.fields.problem.period
+
     @cached_property
     def table(self) -> Array:
         return self.strip.free.density.zones.table
@@ -63,14 +68,13 @@ class At:
         middle = 0.5 * float(self.table[0, 0] + self.table[-1, 1])
         strip, alone = self.own
         wider = float(strip.sum()) - float(alone.sum())
-        aside = 0.5 * float(strip[1, -1] - strip[0, 0])
-        return np.array([width_of(self.strip) - width_of(self.alone) + wider, middle + aside - self.unknowns[0]])
+        return np.array([width_of(self.strip) - width_of(self.alone) + wider, middle + _aside(strip) - self.unknowns[0]])
 
-    def after(self, step: Array, moved: Array, moved_alone: Array, part: float) -> tuple[Place, float]:
-        """(where all ends come to, the largest move over the width of a zone or of a gap beside it), by a step of the unknowns and the
-        ends' own moves beside those it calls up. part: of a width or a gap that may go."""
+    def after(self, step: Array, rates: Rates, part: float) -> tuple[Place, float]:
+        """(where all ends come to, the largest move over the width of a zone or of a gap beside it), by a step of the unknowns and
+        their own moves beside those it calls up. part: of a width or a gap that may go."""
         strip, alone = self.table, table_of(self.alone)
-        moved, moved_alone = moved + self.own[0], moved_alone + self.own[1]
+        moved, moved_alone = rates.of_strip(step) + self.own[0], rates.alone * step[1] + self.own[1]
         largest = max(float((np.abs(move) / _room_beside(table)).max()) for move, table in ((moved, strip), (moved_alone, alone)))
         there = Place(self.unknowns + step, spread(strip, moved, part), spread(alone, moved_alone, part))
         # What is cut off at the borders of the strip moves with these.
@@ -80,50 +84,73 @@ class At:
 
 
 @dataclass(frozen=True, eq=False)
-class Rates:
-    """How ends of the strip (2, Z) move outward, and the approach grows, by the centre, the nominal pressure and the load; alone: ends of
-    its profile alone by its load; cut: the width of that by the centre."""
+class Rates(sie.Kept):
+    """How the ends of contacts move outward, and the approach grows, by the centre, the nominal pressure and the load: each found when it
+    is first asked for, to a tolerance, where it is found by iteration."""
 
-    ends: Array
-    approach: Array
-    alone: Array
-    cut: float
+    at: At
+    tolerance: float
 
-    @classmethod
-    def of(cls, at: At) -> Rates:
-        state, zones = at.strip.fields.state, at.strip.free.density.zones
-        moves = np.array([[end.moves for end in zones.left], [end.moves for end in zones.right]])
-        shifted = _shifted(at)
+    @cached_property
+    def _shifted(self) -> sie.AnyState:
+        return _shifted(self.at)
+
+    @cached_property
+    def by_centre(self) -> Array:
+        """Of the strip (2, Z)."""
+        density = self.at.strip.fields.state.density
         with np.errstate(divide="ignore", invalid="ignore"):
-            by_centre = np.where(moves, 2 * np.array(shifted.density.intensities) / np.array(state.density.edge_slopes), 0.0)
-        approach = [-float(shifted.levels.mean())]
+            moved = 2 * np.array(self._shifted.density.intensities) / np.array(density.edge_slopes)
+        return np.where(density.zones.moves, moved, 0.0)
+
+    @cached_property
+    def by_pressure(self) -> Array:
+        """Of the strip by the nominal pressure (2, Z)."""
+        return moved_ends(self.at.strip.fields.state, 2, tolerance=self.tolerance)
+
+    @cached_property
+    def by_load(self) -> Array:
+        """Of the strip (2, Z)."""
+        return moved_ends(self.at.strip.fields.state, 0, tolerance=self.tolerance)
+
+    @cached_property
+    def alone(self) -> Array:
+        """Of its profile alone by the nominal pressure (2, Z): its load is that of a period."""
+        return self.at.period * moved_ends(self.at.alone.fields.state, 0, tolerance=self.tolerance)
+
+    @cached_property
+    def approach(self) -> Array:
+        """Of the strip by all three (3,)."""
+        state, rates = self.at.strip.fields.state, [float(self._shifted.levels.mean())]
         for condition in (2, 0):
             values = np.zeros(len(state.condition_scale))
             values[state.condition_index[condition]] = 1.0
-            approach.append(-float(state.level_rates(values).mean()))
-        low, high = at.cut_off
-        ends = np.array([by_centre, moved_ends(state, 2), moved_ends(state)])
-        return cls(ends, np.array(approach), moved_ends(at.alone.fields.state), float(high) - float(low))
+            rates.append(float(state.level_rates(values).mean()))
+        return -np.array(rates)
 
-    def matrix(self, period: float) -> Array:
-        """Of the misses by the unknowns (2, 3)."""
-        width, middle = self.ends.sum(axis=(1, 2)), 0.5 * (self.ends[:, 1, -1] - self.ends[:, 0, 0])
-        width[:2] -= self.cut, period * float(self.alone.sum())
-        middle[0] -= 1.0
-        return np.array([width, middle])
+    @cached_property
+    def matrix(self) -> Array:
+        """Of the misses by the centre and the nominal pressure (2, 2)."""
+        low, high = self.at.cut_off
+        width = float(self.by_centre.sum()) - (float(high) - float(low)), float(self.by_pressure.sum() - self.alone.sum())
+        return np.array([width, (_aside(self.by_centre) - 1.0, _aside(self.by_pressure))])
 
-    def following(self, period: float) -> Array:
+    @cached_property
+    def following(self) -> Array:
         """How the unknowns grow with the load (3,)."""
-        matrix = self.matrix(period)
-        return np.append(-np.linalg.solve(matrix[:, :2], matrix[:, 2]), 1.0)
+        return np.append(-np.linalg.solve(self.matrix, (float(self.by_load.sum()), _aside(self.by_load))), 1.0)
 
     def of_strip(self, step: Array) -> Array:
         """Motions of the ends of the strip by a step of the unknowns."""
-        return np.asarray(np.tensordot(step, self.ends, 1))
+        moved = step[0] * self.by_centre + step[1] * self.by_pressure
+        return moved if step[2] == 0.0 else moved + step[2] * self.by_load
 
     def of_ends(self, off: Array, table: Array) -> Array:
         """What unknowns that are off make of the ends (Z, 2) over the widths of their zones, at the most."""
-        return np.asarray(np.tensordot(np.abs(off), np.abs(self.ends), 1).T / np.diff(table, axis=1))
+        moved = abs(off[0]) * np.abs(self.by_centre) + abs(off[1]) * np.abs(self.by_pressure)
+        if off[2:].any():
+            moved = moved + abs(off[2]) * np.abs(self.by_load)
+        return np.asarray(moved.T / np.diff(table, axis=1))
 
 
 def _shifted(at: At) -> sie.AnyState:
@@ -139,7 +166,8 @@ def _shifted(at: At) -> sie.AnyState:
         _Difference(ahead.primitive, behind.primitive, 0.5 * pressure / away), between=True,
     )
     equation = sie.Equation(problem.kernel, forcing, (sie.Total(0.0), sie.EqualPotential()))
-    return sie.solve_zones(equation, at.strip.free.density.zones, _ROUGHLY)
+    zones = at.strip.free.density.zones
+    return sie.solve_zones(equation, zones, _ROUGHLY)
 
 
 @dataclass(frozen=True)
@@ -152,6 +180,11 @@ class _Difference:
 
     def __call__(self, x: Array) -> Array:
         return (self.ahead(x) - self.behind(x)) * self.factor
+
+
+def _aside(moved: Array) -> float:
+    """What outward moves (2, Z) do to the middle of the outermost ends."""
+    return 0.5 * float(moved[1, -1] - moved[0, 0])
 
 
 def _own_moves(found: Found) -> Array:

@@ -40,7 +40,7 @@ from sie import Array
 _STEPS, _HALVED, _LOOKS, _FAR, _BENT, _SLOW = 40, 4, 4, 1e-2, 1e-4, 0.5
 # Steps of all ends and unknowns at once, the largest move over the width of a zone or a gap from which they start, after which rates are
 # found anew, and which is as good as none.
-_TOGETHER, _BOLDEST, _BENT_MUCH, _NEARBY, _LAST_OF_ALL, _SLOW_STEPS, _HALF = 16, 1.0, 0.3, 1e-2, 1e-4, 3, 0.4
+_TOGETHER, _BOLDEST, _NEARBY, _LAST_OF_ALL, _SLOW_STEPS, _HALF = 20, 1.0, 1e-2, 1e-4, 3, 0.4
 # Part of a width or a gap that is foreseen to go in a step.
 _PART = 0.1
 # Steps in a row of which none halves the misses: zones come and go with every one of them.
@@ -61,12 +61,12 @@ _CORRECTIONS, _MINOR = 3, 1e-4
 _LARGEST = 0.1
 # Loads tried for an approach; how near one is, over it, for Newton's steps on the load, and by what part it changes at the most before.
 _LOADS, _NEAR, _LEAST_PART = 12, 2e-2, 0.3
-# Tolerance of the grids that zones are taken from.
-_CLOSELY = 1e-5
+# Tolerance of the grids that zones are taken from, and of how many more points: a zone or gap that is missed takes longer than these.
+_CLOSELY, _FINER_GRID = 1e-5, 4
 # Tolerance of the ends at first, and of later ones over the step of the unknowns, as long as that is not one of the last.
 _ROUGHLY, _FINER, _FINER_THAN_MISSED, _LAST = 1e-6, 1e-2, 0.02, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
-_SHARPENED, _SHARPER = 2, 1e-3
+_SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
 
@@ -131,8 +131,8 @@ class FirstOrderOfSeveral:
                 high, refused = grid.load, rough.unrest
             else:
                 at = self._started(grid, rough)
-                rates = Rates.of(at)
-                step = (control.approach + at.strip.fields.level) / float(rates.approach @ rates.following(self.period))
+                rates = Rates(at, 0.0)
+                step = (control.approach + at.strip.fields.level) / float(rates.approach @ rates.following)
                 if abs(step) < _NEAR * grid.load:
                     return self._exact(at)
                 if control.approach > -at.strip.fields.level:
@@ -166,7 +166,7 @@ class FirstOrderOfSeveral:
 
     def _started(self, grid: ClosureGrid, rough: AtPressure) -> At:
         """The contacts under the nominal pressure of the grids."""
-        part, points = self.task.plan["coarse search"], grid.points
+        part, points = self.task.plan["coarse search"], _FINER_GRID * grid.points
         part.used = True
         with self.task.plan.timed("coarse search"):
             fine = grid.closer(rough, points, _CLOSELY)
@@ -178,9 +178,7 @@ class FirstOrderOfSeveral:
             centre = 0.0
         at = self._at(Place(np.array([centre, fine.amplitude, grid.load]), strip, alone), 1.0, _ROUGHLY)
         self.wanted = self._wanted(at)
-        if fine.strip.resolved and fine.alone.resolved:
-            return at
-        return replace(at, strip=self._looked_at(at.strip), alone=self._looked_at(at.alone))
+        return at
 
     def _wanted(self, at: At) -> float:
         """Tolerance of the ends with which the pressure has that of the task: beside the border it is steep."""
@@ -203,7 +201,8 @@ class FirstOrderOfSeveral:
         while True:
             # The nominal pressure goes to infinity so near to ends beside the border that coefficients fall slowly.
             like = self.likes.get(problem.reference)
-            how = replace(newton, tolerance=max(LEAST, self.sharpness * newton.tolerance), like=like)
+            decay = max(0.1 * self.sharpness * newton.tolerance, _LEAST_DECAY)
+            how = replace(newton, decay=decay, like=like)
             found = refine_topology(ByPressure(problem), Load(load), table, how, task.progress, formal, task.plan.timed)
             if isinstance(found, Missed):
                 what = "its profile alone" if problem.reference else "the strip"
@@ -211,7 +210,7 @@ class FirstOrderOfSeveral:
                 raise task.error(replace(found, beyond=False, reason=reason), problem)
             self.likes[problem.reference] = found.fields.state
             cut_short = float(found.fields.state.end_truncation.max())
-            if cut_short <= newton.tolerance or how.tolerance == LEAST or sharpened == _SHARPENED:
+            if cut_short <= newton.tolerance or decay == _LEAST_DECAY or sharpened == _SHARPENED:
                 return replace(found, tolerance=newton.tolerance)
             self.sharpness *= _SHARPER
             newton, table, sharpened = replace(newton, off=cut_short), table_of(found), sharpened + 1
@@ -251,7 +250,7 @@ class FirstOrderOfSeveral:
         approach, size, before = self.scaled.control.approach, float(at.unknowns[2]), math.inf
         for _ in range(_LOADS):
             at, rates, off = self._signed(at)
-            follows = rates.following(self.period)
+            follows = rates.following
             if approach is None:
                 missed = np.append(off, 0.0)
                 break
@@ -291,18 +290,18 @@ class FirstOrderOfSeveral:
         steps of all ends, the centre and the nominal pressure at once, each with one solution of the strip and one of its profile alone.
         None where they do not come ever closer."""
         before, slow, looked, last = math.inf, 0, False, False
-        rates = Rates.of(at)
+        rates, size = Rates(at, _ROUGHLY), np.array([self.period, at.unknowns[1]])
+        matrix = rates.matrix
         for _ in range(_TOGETHER):
-            matrix = rates.matrix(self.period)[:, :2]
             step = np.append(-np.linalg.solve(matrix, at.misses), 0.0)
             off = float(rates.of_ends(step, at.table).max())
             if last:
                 self.rounded = self.again and off > self.wanted
                 return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
-            place, largest = at.after(step, rates.of_strip(step), rates.alone * self.period * step[1], _HALF)
+            place, largest = at.after(step, rates, _HALF)
             if largest > _BOLDEST:
                 step *= _HALF / largest
-                place, _ = at.after(step, rates.of_strip(step), rates.alone * self.period * step[1], _HALF)
+                place, _ = at.after(step, rates, _HALF)
             slow = slow + 1 if largest > _SLOW * before else 0
             last = largest <= _LAST_OF_ALL and (off <= self.wanted or slow > 0)
             if slow > _SLOW_STEPS or not math.isfinite(largest):
@@ -317,8 +316,11 @@ class FirstOrderOfSeveral:
                     there, looked = replace(there, strip=self._looked_at(there.strip), alone=self._looked_at(there.alone)), True
             except (NotConverged, WrongTopology, sie.SingularSystem):
                 return None
-            if last or not there.same_zones(at) or largest > _BENT_MUCH:
-                rates = Rates.of(there)
+            if last or not there.same_zones(at):
+                rates = Rates(there, 0.0 if last else _ROUGHLY)
+                matrix = rates.matrix
+            else:
+                matrix = matrix + _secant(matrix, step[:2], there.misses - at.misses, size)
             at, before = there, largest
         return None
 
@@ -347,8 +349,8 @@ class FirstOrderOfSeveral:
         """(contacts at the root under their load, rates near it, what centre and nominal pressure are off): Newton's steps within a bracket
         of the nominal pressure, since widths bend sharply where zones are born or meet. watched: signs are looked at after every step, as
         once zones have come or gone."""
-        rates = Rates.of(at)
-        matrix, misses = rates.matrix(self.period)[:, :2], at.misses
+        rates = Rates(at, 0.0)
+        matrix, misses = rates.matrix, at.misses
         size, bracket, before = np.array([self.period, at.unknowns[1]]), _Bracket(), math.inf
         least, stalled, wild = math.inf, 0, 0
         for _ in range(_STEPS):
@@ -384,12 +386,12 @@ class FirstOrderOfSeveral:
             last, misses = misses, there.misses
             by, noise = step[:2], max(at.strip.tolerance, there.strip.tolerance) * width_of(there.strip)
             if asked > _LEAST and float(np.abs(matrix @ by).max()) > _ABOVE_NOISE * noise:
-                matrix = matrix + np.outer(misses - last - matrix @ by, by / size**2) / float(((by / size) ** 2).sum())
+                matrix = matrix + _secant(matrix, by, misses - last, size)
             same = there.same_zones(at)
             watched = watched or not same
             if not same or (asked > _BENT and not there.strip.fields.state.iterated):
-                rates = Rates.of(there)
-                matrix = rates.matrix(self.period)[:, :2]
+                rates = Rates(there, 0.0)
+                matrix = rates.matrix
             at, before = there, asked if same else math.inf
         if weak <= _WEAK:
             raise self._unsettled(
@@ -406,7 +408,7 @@ class FirstOrderOfSeveral:
     def _moved(self, at: At, rates: Rates, step: Array, asked: float, watched: bool) -> tuple[At, Array]:
         """The contacts after a step, or after as much of it as they follow."""
         for halved in range(_HALVED + 1):
-            place, _ = at.after(step, rates.of_strip(step), rates.alone * self.period * step[1], _PART)
+            place, _ = at.after(step, rates, _PART)
             try:
                 # The ends need be no better known than what the next step will move them by.
                 missed = float(np.abs(at.misses).max()) / width_of(at.strip)
@@ -427,6 +429,11 @@ class FirstOrderOfSeveral:
         for found in (at.strip, at.alone):
             missed += float(((found.free.end_error + found.fields.state.end_truncation) * np.diff(table_of(found), axis=1)).sum())
         return missed
+
+
+def _secant(matrix: Array, step: Array, change: Array, size: Array) -> Array:
+    """What a matrix lacks of the change of the misses in a step, by Broyden's rule. size: of the unknowns."""
+    return np.asarray(np.outer(change - matrix @ step, step / size**2) / float(((step / size) ** 2).sum()))
 
 
 def _failing(found: Found) -> float:

@@ -36,21 +36,23 @@ def worth_gaps(task: Task, problem: Problem, width: float) -> bool:
 
 
 def by_gaps(
-    task: Task, problem: Problem, control: Control, width: float, zones: Array | None = None, near: bool = False
+    task: Task, problem: Problem, control: Control, width: float, zones: Array | None = None, near: bool = False, drops: bool = False
 ) -> FoundByGaps | Missed:
-    """The contact solved by its gaps, where it is about as wide as that."""
+    """The contact solved by its gaps, where it is about as wide as that; drops: see `Newton`."""
     if control.half_width is not None or not worth_gaps(task, problem, width):
         return NOT_WIDE
     form = ByGaps(problem, task.shared.relief(problem))
     with task.plan.timed("zone ends"):
-        found = _found(task, form, control, width, zones, near)
+        found = _found(task, form, control, width, zones, near, drops)
         if isinstance(found, Missed):
             return found
         found = tightened_gaps(task, found)
     return found if math.isfinite(found.error) else Missed("the gaps leave no pressure that could be told", found.free)
 
 
-def _found(task: Task, form: ByGaps, control: Control, width: float, zones: Array | None, near: bool) -> FoundByGaps | Missed:
+def _found(
+    task: Task, form: ByGaps, control: Control, width: float, zones: Array | None, near: bool, drops: bool
+) -> FoundByGaps | Missed:
     """First guesses, Newton, signs. width: about that of all contact, zones: about where it is; near: these are those of a solution, and
     given up as soon as they turn out to be far."""
     tolerance, period = OF_GAPS * task.tolerance, form.period
@@ -60,7 +62,8 @@ def _found(task: Task, form: ByGaps, control: Control, width: float, zones: Arra
         if zones is not None and len(zones) > 0:
             # Where zones are known about, so are the gaps; but not those that a grid does not see.
             between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + period)))
-            found = refine_topology(form, control, united(between, period, True, form.what), Newton(tolerance, mean, near=near))
+            newton = Newton(tolerance, mean, near=near, drops=drops)
+            found = refine_topology(form, control, united(between, period, True, form.what), newton)
             if near or isinstance(found, FoundByGaps):
                 return found
         first = task.shared.first_gaps(form.problem)

@@ -129,12 +129,12 @@ def _one_zone(task: Task, scaled: ScaledScene, start: Array | None) -> Outcome |
     )
 
 
-def from_grid(task: Task, scaled: ScaledScene, held: bool = False) -> Outcome:
-    """Zones from a coarse grid, refined until Newton and the certificate agree with it. held: a strip stays where it is."""
+def from_grid(task: Task, scaled: ScaledScene, held: bool = False, points: int | None = None, drops: bool = False) -> Outcome:
+    """Zones from a coarse grid, refined until Newton and the certificate agree with it. held: a strip stays where it is; points: of the
+    first grid, if not as many as the profile asks for; drops: see `Newton`."""
     problem, control, plan = scaled.problem, scaled.control, task.plan
     part = plan["coarse search"]
     part.used, part.reason = True, part.reason if part.used else "one zone did not pass the certificate"
-    points: int | None = None
     failure: Missed | None = None
     most, touched, widened, full, width = _MOST_POINTS, False, 0, False, 0.0
     while points is None or points <= most:
@@ -160,7 +160,7 @@ def from_grid(task: Task, scaled: ScaledScene, held: bool = False) -> Outcome:
             touched, points = True, 4 * points
             continue
         width = proposal.width / problem.units.length
-        found = _from_proposal(task, problem, control, proposal, held)
+        found = _from_proposal(task, problem, control, proposal, held, drops)
         if not isinstance(found, Missed):
             return found
         if found is not NOT_MINE:
@@ -194,18 +194,20 @@ def _not_found(task: Task, problem: Problem, failure: Missed | None, width: floa
     return task.error(failure or Missed(narrow), problem)
 
 
-def _from_proposal(task: Task, problem: Problem, control: Control, proposal: Proposed, held: bool) -> Outcome | Missed:
+def _from_proposal(
+    task: Task, problem: Problem, control: Control, proposal: Proposed, held: bool, drops: bool
+) -> Outcome | Missed:
     """The contact from the zones that a grid proposes: full, by its gaps, or by its zones."""
     width = proposal.width / problem.units.length
     if problem.period is not None and width > 0.4 * problem.period and (known := full_under(task, control)):
         return known
     table = placed(problem, proposal.zones)
-    found_by_gaps = by_gaps(task, problem, control, width, table)
+    found_by_gaps = by_gaps(task, problem, control, width, table, drops=drops)
     if isinstance(found_by_gaps, FoundByGaps):
         return found_by_gaps
     if proposal.full or not len(proposal.zones):
         return NOT_MINE
-    found = task.refine_topology(problem if held else about(problem, table), control, table)
+    found = task.refine_topology(problem if held else about(problem, table), control, table, drops=drops)
     if isinstance(found, Missed) and found.beyond:
         raise task.error(found, problem)
     return found
