@@ -99,6 +99,8 @@ class Explorer:
             tooltips=False, sizing_mode="stretch_width",
         )  # fmt: skip
 
+        slider._debounce = 0  # Panel waits so many ms for further values, 50 of its own: here a frame waits for the last one itself
+
         def move(event: Any) -> None:
             self.moved[handle.name] = self._value(handle, event.new, abs(event.new - start) < 0.5 * step)
             self._change()
