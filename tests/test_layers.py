@@ -216,6 +216,14 @@ def test_a_wave_is_solved_without_the_search_for_ends() -> None:
     assert loaded_after(f"import contact; contact.solve({scene}).max_pressure", engine) == set()
 
 
+def test_a_series_is_solved_without_tables_pictures_or_what_belongs_to_a_tension() -> None:
+    late = ("contact.solution.export", "contact.solution.plotting", "html", "contact.testing", "contact.formulation.tension.pulled")
+    scene = "contact.Scene(contact.Fourier(1e-4, [-1e-6, 2e-7]), 1e11, contact.Periodic(), mean_pressure=1e8)"
+    solve = f"import contact; solution = contact.solve({scene}); solution.gap(0.0), solution.energy"
+    assert loaded_after(solve, late) == set()
+    assert loaded_after(f"{solve}; solution._repr_html_()", late) >= set(late[1:3])
+
+
 def test_every_name_of_contact_that_is_loaded_late_is_found_where_it_is_said_to_be() -> None:
     homes = {name: module for module, names in contact._HOMES.items() for name in names.split()}
     assert set(homes) < set(contact.__all__)

@@ -1,4 +1,4 @@
-"""The page itself: sliders, pictures, numbers and text, by Panel and Bokeh.
+"""The page itself: sliders, pictures, numbers and text, by Panel.
 
 A slider that is dragged sends more values than can be solved: what came last when a frame is done is the next frame. All that a browser
 loads comes from the page's own server.
@@ -98,6 +98,8 @@ class Explorer:
             label=handle.name.replace("_star", "*").replace("_", " "), start=low, end=high, step=step, value=start, format=readout,
             tooltips=False, sizing_mode="stretch_width",
         )  # fmt: skip
+
+        slider._debounce = 0  # Panel waits so many ms for further values, 50 of its own: here a frame waits for the last one itself
 
         def move(event: Any) -> None:
             self.moved[handle.name] = self._value(handle, event.new, abs(event.new - start) < 0.5 * step)

@@ -162,6 +162,12 @@ def test_a_frame_under_a_moving_hand_is_one_change_of_one_thing(awaited: list[Ca
         assert changes == ["frame"], count
 
 
+def test_a_slider_waits_for_nothing_before_it_tells_its_value() -> None:
+    # The name is Panel's: held, so that another version of it is noticed.
+    assert type(Explorer(WAVE, 1e-8).sliders.objects[0])._debounce > 0
+    assert {slider._debounce for slider in Explorer(WAVE, 1e-8).sliders.objects} == {0}
+
+
 def points(shown: Explorer) -> int:
     """At how many places the fields are drawn."""
     return shown.pictures.frame["fields"].shape[1]
