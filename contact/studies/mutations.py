@@ -56,7 +56,7 @@ MUTATIONS = (
     ),
     Mutation(
         "sign in the far images", "sie/basis/kernels.py",
-        "(psi(2 - d) - psi(2 + d)) / period", "(psi(2 + d) - psi(2 - d)) / period",
+        "(psi(2 - d) - psi(2 + d)) / self.period", "(psi(2 + d) - psi(2 - d)) / self.period",
     ),
     Mutation(
         "wrong index: coefficients of the right side shifted by one", "sie/collocation/system.py",

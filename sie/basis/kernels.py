@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -147,23 +147,38 @@ class Smooth:
 def _summed(first: Regular | None, second: Regular | None) -> Regular | None:
     if first is None or second is None:
         return first or second
-    return partial(_both, first, second)
+    return _Both(first, second)
 
 
-def _both(first: Regular, second: Regular, x: Array, xi: Array) -> Array:
-    return first(x, xi) + second(x, xi)
+@dataclass(frozen=True)
+class _Both:
+    first: Regular
+    second: Regular
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        return self.first(x, xi) + self.second(x, xi)
 
 
-def _hilbert_rest(period: float, x: Array, xi: Array) -> Array:
+@dataclass(frozen=True)
+class _HilbertRest:
     """(pi/L) cot(pi d/L) less its poles at 0 and +-L."""
-    d = (x - xi) / period
-    return np.asarray((psi(2 - d) - psi(2 + d)) / period)
+
+    period: float
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        d = (x - xi) / self.period
+        return np.asarray((psi(2 - d) - psi(2 + d)) / self.period)
 
 
-def _hilbert_slope_rest(period: float, x: Array, xi: Array) -> Array:
-    """Derivative of `_hilbert_rest`."""
-    d = (x - xi) / period
-    return np.asarray(-(_trigamma(2 - d) + _trigamma(2 + d)) / period**2)
+@dataclass(frozen=True)
+class _HilbertSlopeRest:
+    """Derivative of `_HilbertRest`."""
+
+    period: float
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        d = (x - xi) / self.period
+        return np.asarray(-(_trigamma(2 - d) + _trigamma(2 + d)) / self.period**2)
 
 
 # Of the asymptotic series of psi', Bernoulli's numbers B_2, B_4, ...; beyond so many steps it is as good as rounding (DLMF 5.15.8).
@@ -183,11 +198,16 @@ def _trigamma(z: Array) -> Array:
     return np.asarray(out)
 
 
-def _hilbert_potential_rest(period: float, x: Array, xi: Array) -> Array:
+@dataclass(frozen=True)
+class _HilbertPotentialRest:
     """log|2 sin(pi d/L)| less those of its poles."""
-    d = (x - xi) / period
-    log = loggamma if np.iscomplexobj(d) else gammaln
-    return np.asarray(math.log(2 * math.pi) - log(2 - d) - log(2 + d))
+
+    period: float
+
+    def __call__(self, x: Array, xi: Array) -> Array:
+        d = (x - xi) / self.period
+        log = loggamma if np.iscomplexobj(d) else gammaln
+        return np.asarray(math.log(2 * math.pi) - log(2 - d) - log(2 + d))
 
 
 def cauchy(datum: float = 1.0) -> Kernel:
@@ -246,8 +266,8 @@ def hilbert(period: float) -> Kernel:
     length = float(period)
     if not (math.isfinite(length) and length > 0):
         raise ValueError(f"period must be a finite positive number, got {period!r}")
-    rest, potential, slope = (partial(part, length) for part in (_hilbert_rest, _hilbert_potential_rest, _hilbert_slope_rest))
-    return Kernel((0.0, -length, length), length, rest, potential, length, datum=length, sure=True, regular_slope=slope, of_lag=True)
+    parts, slope = (_HilbertRest(length), _HilbertPotentialRest(length)), _HilbertSlopeRest(length)
+    return Kernel((0.0, -length, length), length, *parts, length, datum=length, sure=True, regular_slope=slope, of_lag=True)
 
 
 def images(period: float, neighbours: int, datum: float = 1.0) -> Kernel:
