@@ -117,6 +117,7 @@ def test_a_mode_beyond_the_coupled_ones_acts_through_the_smooth_part(period):
 @pytest.mark.parametrize("period", [None, PERIOD])
 def test_many_zones_are_summed_and_iterated_like_few(period, monkeypatch):
     zones, x = sie.Zones.of(scattered(30)), np.linspace(-1.1, 1.1, 301)
+    monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 10**9)
     direct = sie.solve_fixed(equation(kernel(0.8, 0.1, period)), zones)
     assert not direct.iterated
     monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 50)
@@ -199,6 +200,7 @@ def test_beside_a_slit_the_density_is_that_of_the_zones_by_themselves(period, of
 def test_where_nothing_asks_for_potentials_many_zones_need_none_of_the_kernel(monkeypatch):
     zones, without = sie.Zones.of(scattered(34), sie.SINGULAR, sie.SINGULAR), replace(VARIED, regular_potential=None)
     right = sie.Forcing(np.sin, lambda x: -np.cos(x))
+    monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 10**9)
     direct = sie.solve_fixed(sie.Equation(VARIED, right, (sie.ZoneTotals(0.1),)), zones)
     monkeypatch.setattr(fixed, "MANY_UNKNOWNS", 50)
     by_sums = sie.solve_fixed(sie.Equation(without, right, (sie.ZoneTotals(0.1),)), zones)
