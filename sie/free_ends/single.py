@@ -54,8 +54,10 @@ _ORDER = np.arange(1.0, _NODES + 1)
 
 
 def far_off(state: AnyState, moves: Mask, delta: Array) -> Index:
-    """Zones that want to move far and can be moved alone; none if they are many."""
+    """Zones that want to move far and can be moved alone, to where nothing is singular at their ends; none if they are many."""
     zones, kernel = state.density.zones, state.equation.kernel
+    if zones.follow_ends:
+        return np.zeros(0, dtype=np.intp)
     width = zones.b - zones.a
     off = (np.abs(delta) > FAR_OFF * width).any(axis=0)
     if not off.any() or np.count_nonzero(off) > _FEW * len(zones):
