@@ -150,8 +150,8 @@ def _carried_on(known: list[Motion], away: list[float], period: float | None) ->
     """Middles and squared half widths (2, n) of the first ones' intervals, `away` back; each by as many as have it."""
     first = known[0]
     out = first.values - away[0] * first.rates
-    has = np.ones(len(first.table), dtype=bool)
-    values, rates = [first.values], [first.rates]
+    has = np.isfinite(first.values).all(axis=0)
+    values, rates = [np.where(has, first.values, 0.0)], [first.rates]
     for count, other in enumerate(known[1:], start=2):
         partner, turn = _partners(first.table, other.table, period)
         has = has & (partner >= 0)
@@ -159,7 +159,7 @@ def _carried_on(known: list[Motion], away: list[float], period: float | None) ->
             break
         moved = other.values[:, partner].copy()
         moved[0] += turn
-        values.append(moved)
+        values.append(np.where(has, moved, 0.0))
         rates.append(other.rates[:, partner])
         by_value, by_rate = _hermite(np.array(away[:count]))
         further = np.tensordot(by_value, np.array(values), 1) + np.tensordot(by_rate, np.array(rates), 1)
