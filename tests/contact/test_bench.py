@@ -170,13 +170,26 @@ class TestVerdicts:
         verdict = stability.run(case)
         assert verdict.outcome == "known" and verdict.note.endswith(case.known)
 
-    def test_a_scene_that_takes_too_long_is_given_up_and_fails(self):
+    def test_a_scene_whose_truth_takes_too_long_is_not_judged(self):
         def make():
             while True:
                 sum(range(1000))
 
         verdict = stability.run(dataclasses.replace(self.WAVE, make=make), patience=0.05)
-        assert verdict.outcome == "FAIL" and "given up" in verdict.note
+        assert verdict.outcome == "not judged" and "given up" in verdict.note
+
+    def test_a_scene_is_judged_no_more_closely_than_its_truth_is_known(self):
+        scene, exact = self.WAVE.make()
+
+        @dataclasses.dataclass(frozen=True)
+        class Found(Westergaard):
+            error: float = 0.0
+
+        told = {f.name: getattr(exact, f.name) for f in dataclasses.fields(exact)}
+        told["half_width"] *= 1 + 1e-9
+        for error, outcome in ((1e-8, "not judged"), (1e-12, "FAIL")):
+            verdict = stability.run(dataclasses.replace(self.WAVE, make=lambda error=error: (scene, Found(**told, error=error))))
+            assert verdict.outcome == outcome
 
     @pytest.mark.parametrize(("undecided", "outcome"), [(True, "undecided"), (False, "FAIL")])
     def test_merged_zones_are_no_failure_where_the_gap_is_below_rounding_and_the_certificate_says_so(

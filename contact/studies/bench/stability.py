@@ -27,7 +27,8 @@ PATIENCE = 60.0
 @dataclass(frozen=True)
 class Verdict:
     """One case. error, stated: of the stated measure; outcome: "pass"; "undecided", where two topologies are the same answer to what
-    is allowed and the certificate says so; "known" (fails, and why is known); "FAIL"."""
+    is allowed and the certificate says so; "not judged", where the truth is not known so well, or not within the time; "known" (fails, and
+    why is known); "FAIL"."""
 
     group: str
     name: str
@@ -69,7 +70,7 @@ def run(case: Extreme, patience: float = PATIENCE) -> Verdict:
         scene, exact = clock.limited(case.make, patience)
     except (ContactError, clock.TooLong) as failure:
         note = f"its truth: {_short(failure)}"
-        return _verdict(case, np.inf, np.inf, np.nan, "FAIL", note)
+        return _verdict(case, np.inf, np.inf, np.nan, "not judged", note)
     found, note, seconds = attempt(scene, case.allowed, patience)
     error = stated = np.inf
     outcome = "FAIL"
@@ -84,6 +85,8 @@ def run(case: Extreme, patience: float = PATIENCE) -> Verdict:
             note = note or text
             if found.certificate.undecided and apart <= case.allowed and not case.decidable:
                 outcome = "undecided"
+        elif error <= stated + known_to < np.inf and known_to > case.allowed:
+            outcome, note = "not judged", f"its truth is known to {known_to:.0e}"
         elif error > stated + known_to:
             note = (note + "; " if note else "") + "the true error is above the stated one"
     return _verdict(case, error, stated, seconds, outcome, note)
