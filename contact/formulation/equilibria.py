@@ -20,7 +20,7 @@ from contact.errors import NotConverged, OutOfRange
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.formulation.tables import centred_on
+from contact.formulation.tables import centred_on, gaps_between
 from sie import Array, Mask
 
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
@@ -193,5 +193,4 @@ class Equilibria:
 
     def gaps(self, table: Array) -> Array:
         """Right of each zone; infinite beyond the last without a period."""
-        period = self.problem.period
-        return np.append(table[1:, 0] - table[:-1, 1], np.inf if period is None else table[0, 0] + period - table[-1, 1])
+        return np.asarray(np.diff(gaps_between(table, self.problem.period))[:, 0])

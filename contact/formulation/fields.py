@@ -37,6 +37,8 @@ class NoZones(sie.Kept):
     widening_rate = 0.0
     pressure_bound = math.inf
 
+    cut_off = None
+
     def pressure_at(self, zone: int, t: ArrayLike) -> Array:
         raise IndexError("there are no zones: use pressure(x)")
 
@@ -49,11 +51,16 @@ def moved_ends(
     tolerance: of an iteration for it."""
     zones = state.density.zones
     response = state.response(state.values(condition), tolerance) if response is None else response
-    k, a = np.array(response.intensities), np.array(state.density.edge_slopes)
     if zones.follow_ends:
-        return sie.end_motions(state.whole, -k)[0]
+        return sie.end_motions(state.whole, -np.array(response.intensities))[0]
+    return moves_by(response, state.density)
+
+
+def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
+    """2 K / A (2, Z) with K of a density and A of one on the same zones: how far ends without prescribed intensities move outward as what
+    calls up the first is added to what calls up the second; 0 for ends that are held."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(zones.moves, 2 * k / a, 0.0)
+        return np.where(on.zones.moves, 2 * np.array(density.intensities) / np.array(on.edge_slopes), 0.0)
 
 
 @dataclass(frozen=True, eq=False)

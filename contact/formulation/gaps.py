@@ -30,6 +30,7 @@ from contact.formulation.fields import ROUGHLY, mean_shape, moved_ends
 from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
+from contact.formulation.tables import gaps_between
 from sie import Array, Index
 
 
@@ -46,6 +47,7 @@ class GapFields(sie.Kept):
     mean: float
     relief: ScaledRelief
     pressure_bound = math.inf
+    cut_off = None
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {"problem": self.problem, "mean": self.mean, "relief": self.relief}
@@ -65,7 +67,7 @@ class GapFields(sie.Kept):
     def zones(self) -> Array:
         """Scaled contact zones, between the gaps."""
         gaps = self.density.zones
-        return np.column_stack((gaps.b, np.append(gaps.a[1:], gaps.a[0] + self.period)))
+        return gaps_between(gaps.table, self.period)
 
     # scaled -----------------------------------------------------------------------------------------------------------
     def formal_gap(self, x: Array) -> Array:

@@ -118,7 +118,7 @@ class Answer(sie.Kept):
 
     @cached_property
     def _cut_off(self) -> Array | None:
-        told = getattr(self.fields, "cut_off", None)
+        told = self.fields.cut_off
         return None if told is None else told(self.zones, self._order)
 
     @property

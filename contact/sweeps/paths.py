@@ -28,7 +28,7 @@ import numpy as np
 from contact.errors import NotConverged, OutOfRange, SceneError, unwarned, warn
 from contact.formulation.maxima import maximum
 from contact.formulation.roots import bracketed
-from contact.formulation.tables import centred_on
+from contact.formulation.tables import centred_on, gaps_between
 from contact.model.scene import Scene
 from contact.search.topology.by_gaps import ByGaps
 from contact.search.topology.by_pressure import ByPressure
@@ -43,7 +43,7 @@ from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
 from contact.sweeps.hidden import may_hide
 from contact.sweeps.path_plot import plot_path
-from sie import Array
+from sie import Array, nearest_image
 
 # Loads closer than this part of themselves are one: events within it are reported at their own loads but not separated.
 _CLOSE = 1e-7
@@ -345,9 +345,8 @@ def _between_events(changes: list[_Change], low: Solution, high: Solution) -> fl
 
 def _of(one: Passed, zone: int) -> int:
     """The place of a solution's zone among those of its fields."""
-    period, wanted = one.solution.scene.period, one.solution.zones[zone].mean()
-    away = one.problem.units.x(one.zones.mean(axis=1)) - wanted
-    return int(np.argmin(np.abs(away if period is None else away - np.round(away / period) * period)))
+    away = one.problem.units.x(one.zones.mean(axis=1)) - one.solution.zones[zone].mean()
+    return int(np.argmin(np.abs(nearest_image(away, 0.0, one.solution.scene.period))))
 
 
 def _one_sign(known: dict[float, float]) -> bool:
@@ -446,10 +445,8 @@ def _full_event(full: Solution, low: Solution) -> Event:
 
 def _gap_before(low: Solution) -> tuple[float, float]:
     """The widest gap between zones."""
-    zones, period = low.zones, low.scene.period
-    assert period is not None
-    right = zones[:, 1]
-    left = np.append(zones[1:, 0], zones[0, 0] + period)
-    k = int(np.argmax(left - right))
-    return float(right[k]), float(left[k])
+    assert low.scene.period is not None
+    gaps = gaps_between(low.zones, low.scene.period)
+    right, left = gaps[np.argmax(np.diff(gaps)[:, 0])].tolist()
+    return right, left
 

@@ -69,6 +69,7 @@ class LooseFields(sie.Kept):
     pulled: Pulled
     level: float
     pressure_bound = 0.0
+    cut_off = None
 
     @property
     def tension(self) -> Tension:

@@ -15,6 +15,7 @@ from contact.errors import NotConverged
 from contact.formulation.equilibria import Closed, Equilibria, NoState, Point
 from contact.formulation.maxima import maximum
 from contact.formulation.runs import runs_of
+from contact.formulation.tables import gaps_between
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint, Loose
 from contact.formulation.tension.contact import Covered, Lost
 from contact.formulation.tension.intervals import below, interval_of, joined, within
@@ -317,7 +318,7 @@ def _holds(here: CohesivePoint, a: float, b: float) -> bool:
 def _outside(curve: Cohesive, table: Array) -> list[tuple[float, float]]:
     """Between the intervals: with a period the last one ends at the first interval of the next."""
     if curve.problem.round is not None:
-        return list(zip(table[:, 1], np.append(table[1:, 0], table[0, 0] + curve.problem.round), strict=True))
+        return [(a, b) for a, b in gaps_between(table, curve.problem.round)]
     return list(zip(np.append(-np.inf, table[:, 1]), np.append(table[:, 0], np.inf), strict=True))
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from contact.formulation.controls import Control, Load
 from contact.formulation.problem import Problem
-from contact.formulation.tables import centred_on
+from contact.formulation.tables import centred_on, gaps_between
 from contact.model.interactions.periodic import Periodic
 from contact.search.grid.coarse import Proposal, grid_height, propose
 from contact.search.grid.conjugate_gradient import GridState, Response
@@ -126,9 +126,9 @@ def cut_of(whole: Proposal, x0: float, period: float) -> float:
     """The middle of the widest gap of a period; in full contact the place of least pressure."""
     if whole.full or len(whole.zones) == 0:
         return x0 + period * (int(np.argmin(whole.state.pressure)) + 0.5) / whole.points
-    left, right = whole.zones[:, 1], np.append(whole.zones[1:, 0], whole.zones[0, 0] + period)
-    widest = int(np.argmax(right - left))
-    return 0.5 * float(left[widest] + right[widest])
+    gaps = gaps_between(whole.zones, period)
+    left, right = gaps[np.argmax(np.diff(gaps)[:, 0])]
+    return 0.5 * float(left + right)
 
 
 class _TooNarrow(Exception):
@@ -244,7 +244,7 @@ def placed(problem: Problem, zones: Array) -> Array:
         scaled = centred_on(scaled, middle, period)
         scaled = scaled[np.argsort(scaled[:, 0])]
     if problem.interaction.strip and len(scaled) and not bounded:
-        gaps = np.append(scaled[1:, 0] - scaled[:-1, 1], scaled[0, 0] + period - scaled[-1, 1])
+        gaps = np.diff(gaps_between(scaled, period))[:, 0]
         if gaps[-1] < (1 - 1e-6) * gaps.max():
             first = int(np.argmax(gaps)) + 1
             scaled = np.concatenate((scaled[first:], scaled[:first] + period))

@@ -17,6 +17,7 @@ import sie
 from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
+from contact.formulation.tables import gaps_between
 from contact.model.controls import Quantity
 from contact.search.topology.intervals import united
 from contact.solution.solution import Solution
@@ -95,11 +96,6 @@ class Passed(sie.Kept):
         """Of the gaps right of each zone, the last one over the border of the period."""
         left, right = self.outward.T
         return Motion.of(gaps_between(self.zones, self.problem.period), right, -np.roll(left, -1))
-
-
-def gaps_between(zones: Array, period: float | None) -> Array:
-    """The gap right of each zone; of the last one, where nothing repeats, without end."""
-    return np.column_stack((zones[:, 1], np.append(zones[1:, 0], np.inf if period is None else zones[0, 0] + period)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,8 +242,7 @@ def _with_new(zones: Array, last: Passed, away: float) -> Array:
     change = away * last.opening
     depth = np.where(value + change < _SLIGHT * np.abs(change), np.maximum(-value - change, _SLIGHT * np.abs(change)), 0.0)
     period = last.problem.period
-    if period is not None:
-        place = place - np.floor((place - zones[0, 0]) / period) * period
+    place = sie.wrapped(place, float(zones[0, 0]), period)
     with np.errstate(invalid="ignore", divide="ignore"):
         half = _NEW * np.sqrt(np.maximum(depth, 0.0) / bend)
     before = np.searchsorted(zones[:, 0], place, side="right") - 1

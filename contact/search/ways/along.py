@@ -10,12 +10,13 @@ import numpy as np
 
 from contact.formulation.controls import Control
 from contact.formulation.problem import Problem
+from contact.formulation.tables import gaps_between
 from contact.model.controls import Quantity
 from contact.search.grid.coarse import MOST_POINTS, asked
 from contact.search.grid.scaling import ScaledScene
 from contact.search.task import Task
 from contact.search.topology.by_gaps import ByGaps
-from contact.search.topology.carried import Passed, carried, gaps_between
+from contact.search.topology.carried import Passed, carried
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import NOT_MINE, Missed, attempted
 from contact.search.ways.full_contact import full_under

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 import sie
-from contact.formulation.fields import moved_ends
+from contact.formulation.fields import moved_ends, moves_by
 from contact.verify.accuracy import Found
 from sie import Array, Mask
 
@@ -98,10 +98,7 @@ class Rates(sie.Kept):
     @cached_property
     def by_centre(self) -> Array:
         """Of the strip (2, Z)."""
-        density = self.at.strip.fields.state.density
-        with np.errstate(divide="ignore", invalid="ignore"):
-            moved = 2 * np.array(self._shifted.density.intensities) / np.array(density.edge_slopes)
-        return np.where(density.zones.moves, moved, 0.0)
+        return moves_by(self._shifted.density, self.at.strip.fields.state.density)
 
     @cached_property
     def by_pressure(self) -> Array:
@@ -189,9 +186,7 @@ def _aside(moved: Array) -> float:
 
 def _own_moves(found: Found) -> Array:
     """Outward moves 2 K / A (2, Z) that the ends of a contact have left."""
-    density = found.free.density
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(density.zones.moves, 2 * np.array(density.intensities) / np.array(density.edge_slopes), 0.0)
+    return moves_by(found.free.density, found.free.density)
 
 
 def _room_beside(table: Array) -> Array:

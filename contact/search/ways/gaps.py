@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from contact.formulation.controls import Control
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
+from contact.formulation.tables import gaps_between
 from contact.search.task import Task
 from contact.search.topology.by_gaps import ByGaps
 from contact.search.topology.intervals import united
@@ -61,9 +60,8 @@ def _found(
         mean = control.load / period if control.load is not None else task.shared.first_gaps(form.problem).mean_of(width)
         if zones is not None and len(zones) > 0:
             # Where zones are known about, so are the gaps; but not those that a grid does not see.
-            between = np.column_stack((zones[:, 1], np.append(zones[1:, 0], zones[0, 0] + period)))
             newton = Newton(tolerance, mean, near=near, drops=drops)
-            found = refine_topology(form, control, united(between, period, True, form.what), newton)
+            found = refine_topology(form, control, united(gaps_between(zones, period), period, True, form.what), newton)
             if near or isinstance(found, FoundByGaps):
                 return found
         first = task.shared.first_gaps(form.problem)

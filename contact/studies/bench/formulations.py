@@ -21,7 +21,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.gaps import GapFields
 from contact.formulation.problem import Problem
 from contact.formulation.relief import Relief, ScaledRelief
-from contact.formulation.tables import begun_from
+from contact.formulation.tables import begun_from, gaps_between
 from contact.formulation.units import Units
 from contact.model.scene import Scene
 from contact.search.topology import by_gaps, by_pressure
@@ -79,7 +79,7 @@ class ByGaps:
         units = problem.units
         assert problem.period is not None
         start = units.scaled(solve(scene, 1e-6).zones)
-        gaps = np.column_stack((start[:, 1], np.append(start[1:, 0], start[0, 0] + problem.period)))
+        gaps = gaps_between(start, problem.period)
         gaps += _MOVED * np.minimum(np.diff(gaps, axis=1), np.diff(start, axis=1).min()) * [[-1.0, 1.0]]
 
         relief = ScaledRelief.of(Relief(scene.profile, scene.operator), problem)
@@ -122,7 +122,7 @@ class ByZones:
         units = problem.units
         assert problem.period is not None
         start = units.scaled(solve(scene, 1e-6).zones)
-        gaps = np.append(start[1:, 0], start[0, 0] + problem.period) - start[:, 1]
+        gaps = np.diff(gaps_between(start, problem.period))[:, 0]
         start = start + _MOVED * np.column_stack((np.roll(gaps, 1), -gaps))
         # The zones' formulation wants them within one cell, which may begin at any gap.
         turn = int(np.argmax(np.diff(np.append(start[:, 0], start[0, 0] + problem.period)) - np.diff(start, axis=1)[:, 0])) + 1
