@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 
 from sie.basis.arrays import Array
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem
@@ -21,7 +22,7 @@ _DECAY, _ENDS = 0.1, (0.1, 1e-3, 1e-5)
 _LEAST = 3e-16
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Solution:
     """What `solve` has found.
 

@@ -11,6 +11,7 @@ from scipy.linalg import lu_solve
 
 from sie.basis.arrays import Array, Index
 from sie.basis.kept import Kept
+from sie.basis.record import record
 from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
 from sie.collocation.symmetry import MirrorSymmetry
@@ -55,7 +56,7 @@ class Sizes:
         return replace(self, own=self.own[kept], least=least, carried=carried, wide=None)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Carried:
     """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, unknown coefficients (zones, max m + 1)
     of m, amplitudes."""
@@ -82,7 +83,7 @@ class Carried:
         return y if system.symmetry.keep is None else y[system.symmetry.keep]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Factored:
     """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
     made of; rows: themselves, where intensities are prescribed and will be asked for their rates."""
@@ -165,7 +166,7 @@ class Answered(Kept):
         return self.whole.field_tail > UNRESOLVED and int(self.whole.system.layout.m.max()) >= modes.most(self.equation.kernel)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Solved(Answered):
     """The fields of `State`, and how it answers."""
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
@@ -18,6 +18,7 @@ import numpy as np
 from sie.basis.arrays import Array, Index
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.equation.conditions import Condition, EndCondition
 from sie.jumps.density import DensityJumps
@@ -41,7 +42,7 @@ class CountError(ValueError):
     """
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Forcing(Kept):
     """A known function of the right side.
 
@@ -149,7 +150,7 @@ def _of_order_zero(at: Array, heights: Array, orders: Index | None) -> tuple[Arr
     return np.asarray(at)[which], np.asarray(heights)[which]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Equation:
     """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the ends alone.
 

@@ -11,12 +11,13 @@ with the end is d^(-3/2)-singular and couples all ends (`end_rates`; of very man
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.ends import FREE, SINGULAR, End
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_of
@@ -57,7 +58,7 @@ _UNSTABLE = "the ends are at rest, but unstably: pushed off they go on, and anot
 _NEUTRAL = "some motion of the ends, as of all of them together, leaves the intensities as they are, so that these do not tell the ends"
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Free:
     """Result of the search for the ends.
 
@@ -460,7 +461,7 @@ def _newton(
     return Motion(moves, delta, noise, change, not np.any(weak & moves))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Unit:
     """K and A (2, Z) that a unit of the open condition's value makes on zones (Z, 2), and the density without slits that has them."""
 

@@ -10,8 +10,6 @@ moved by a thousandth of its interval, so that it finds the ends by itself.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -29,6 +27,7 @@ from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed
 from contact.solver import solve
 from contact.verify.accuracy import Found
+from sie import record
 
 Array = NDArray[np.float64]
 
@@ -64,7 +63,7 @@ def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
     return table[order], order
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ByGaps:
     """A periodic contact with the slope of the gap as the unknown, in SI units."""
 
@@ -107,7 +106,7 @@ class ByGaps:
         return np.asarray(self.fields.pressure(x))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ByZones:
     """A periodic contact with the pressure as the unknown, in SI units."""
 
