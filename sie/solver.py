@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import field
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from sie.basis.arrays import Array
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem
@@ -22,7 +21,7 @@ _DECAY, _ENDS = 0.1, (0.1, 1e-3, 1e-5)
 _LEAST = 3e-16
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Solution:
     """What `solve` has found.
 

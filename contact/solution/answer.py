@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from numbers import Integral
 from typing import Any, Self
@@ -24,10 +24,10 @@ from contact.solution.peaks import peaks
 from contact.solution.plan import Plan
 from contact.solution.pull_off import PullOff
 from contact.verify.certificate import Certificate
-from sie import Array, Index, record, wrapped
+from sie import Array, Index, wrapped
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Answer(sie.Kept):
     """Zones, fields and numbers of a solved scene in SI units: see `Solution`. None is a quantity that the scene does not define."""
 

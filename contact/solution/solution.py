@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -14,13 +15,12 @@ from contact.extras import require
 from contact.model.controls import Quantity
 from contact.solution.answer import Answer
 from contact.solution.validity import everything
-from sie import record
 
 # Loaded by those who ask for them.
 _PICTURES, _PAGES, _FILES = "contact.solution.plotting", "contact.solution.html", "contact.solution.export"
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Solution(Answer):
     """Zones (n, 2) [m], pressure and gap anywhere, loads per unit thickness [N/m]; made by `contact.solve`.
 

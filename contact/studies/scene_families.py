@@ -6,6 +6,7 @@ A family returns a profile of about unit slope times 1e-3 ... 1e-1, whose cell i
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,13 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 import contact
 from contact.reference.inverse import random_problem
 from contact.studies.trace_kinds import KINDS, POSITIONS, drawn
-from sie import record
 
 Array = NDArray[np.float64]
 Family = Callable[[np.random.Generator, float], contact.Profile]
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class PiecewiseLinear(contact.Profile):
     """Straight lines between corners, ascending; periodic, or going on as they end. Trapezoids, sawteeth, rough polygons."""
 
@@ -61,7 +61,7 @@ class PiecewiseLinear(contact.Profile):
         return float(np.diff(self._corners()[0]).min())
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Mixed(contact.Profile):
     """The sum of profiles, which have one period or none."""
 

@@ -6,7 +6,7 @@ its stated error and certificate, from where it was followed to.
 
 from __future__ import annotations
 
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -39,14 +39,14 @@ from contact.solution.validity import of_solution
 from contact.solver import solved_at, task_of
 from contact.sweeps.adhesive_plot import Drawn, draw
 from contact.sweeps.paths import Event, Path
-from sie import Array, record
+from sie import Array
 
 # Of a figure: points, and how much is shown beside the zones, over what they span.
 _PLACES, _AROUND = 601, 1.5
 _UNITS = {"load": "loads", "mean_pressure": "mean pressures", "approach": "approaches"}
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class AdhesiveEvent(Event):
     """A jump of surfaces that adhere, or a first touch.
 
@@ -99,7 +99,7 @@ class AdhesiveEvent(Event):
         return f"{before} to {len(self.after) or ends[self.kind == 'full']}"
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class AdhesivePath(Path):
     """A path of surfaces that adhere, up and down.
 

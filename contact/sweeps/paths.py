@@ -43,7 +43,7 @@ from contact.sweeps import path_table
 from contact.sweeps.curve import Curve
 from contact.sweeps.hidden import may_hide
 from contact.sweeps.path_plot import plot_path
-from sie import Array, nearest_image, record
+from sie import Array, nearest_image
 
 # Loads closer than this part of themselves are one: events within it are reported at their own loads but not separated.
 _CLOSE = 1e-7
@@ -65,7 +65,7 @@ _ENTERED = 0.02
 _REVERSED = {"birth": "death", "merge": "split", "full": "full", "death": "birth", "split": "merge"}
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Event:
     """A change of the number of zones between two loads of a path.
 
@@ -100,7 +100,7 @@ class Event:
         return f"{len(self.before) or 'full contact'} to {len(self.after) or 'full contact'}"
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Path:
     """Solutions at the given loads and the events between them, in the order of the path.
 

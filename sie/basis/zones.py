@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.ends import FREE, End
 from sie.basis.kept import Kept
-from sie.basis.record import record
 
 # Rounding that symmetric zones may differ by from their mirror images, over their width.
 _MIRROR_TOLERANCE = 1e-6
@@ -25,7 +24,7 @@ def _kinds(ends: End | Sequence[End], count: int, side: str) -> tuple[End, ...]:
     return kinds
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Zones(Kept):
     """`n` zones with ends a (n,) and b (n,), a < b < next a; `Zones.of(table, left, right)` makes and checks them.
 

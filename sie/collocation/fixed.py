@@ -4,7 +4,7 @@ Many zones are not assembled: there fast sums and GMRES take the place of the ma
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,7 +12,6 @@ from scipy.linalg import lapack, lu_factor, lu_solve
 
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import edge_scale
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem, unfit
@@ -59,7 +58,7 @@ class TooLarge(SingularSystem):
     """More unknowns than a matrix holds, of an equation that has no fast sums."""
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class State(Solved):
     """The solution on given zones, with what its error is made of.
 

@@ -166,7 +166,7 @@ class Answered(Kept):
         return self.whole.field_tail > UNRESOLVED and int(self.whole.system.layout.m.max()) >= modes.most(self.equation.kernel)
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Solved(Answered):
     """The fields of `State`, and how it answers."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -9,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sie.basis.arrays import Array, Mask
-from sie.basis.record import record
 from sie.density.field import CHUNK, from_zones, regular_at
 from sie.density.located import real_of
 from sie.density.plane import Plane
@@ -21,7 +21,7 @@ from sie.fast.far import reaches
 _MANY_PAIRS = 500_000
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Density(Series):
     """phi(x) = sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the jumps, on each zone, t from -1 to 1 there.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -21,7 +22,6 @@ from sie.basis.interval import (
     values_on,
 )
 from sie.basis.kernels import Kernel
-from sie.basis.record import record
 from sie.basis.sums import of_zones
 from sie.basis.zones import Zones
 from sie.density.located import Located, real_of
@@ -37,7 +37,7 @@ _MOST_PLACES = 2**14
 LOOKS = 128
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Series(Located):
     """sum_j c_j T_j(t) / sqrt(1 - t^2) + logarithms of the jumps, on each zone: see `sie.Density`."""
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +18,6 @@ import numpy as np
 from sie.basis.arrays import Array, Index
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.equation.conditions import Condition, EndCondition
 from sie.jumps.density import DensityJumps
@@ -42,7 +41,7 @@ class CountError(ValueError):
     """
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Forcing(Kept):
     """A known function of the right side.
 
@@ -150,7 +149,7 @@ def _of_order_zero(at: Array, heights: Array, orders: Index | None) -> tuple[Arr
     return np.asarray(at)[which], np.asarray(heights)[which]
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Equation:
     """Kernel, right side, columns of unknown amplitude, side conditions, and conditions on the ends alone.
 

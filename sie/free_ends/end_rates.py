@@ -15,11 +15,12 @@ So the rows at hand, applied to these, tell what S does to the other zones, and 
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.linalg import lu_factor
 
 from sie.basis.arrays import Array
-from sie.basis.record import record
 from sie.collocation.fixed import SingularSystem, State, rows_of
 from sie.collocation.solved import Factored
 from sie.free_ends.iterated import IteratedMotions
@@ -31,7 +32,7 @@ _NEUTRAL_FROM = 1e14
 _MANY = 8000
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class EndRates:
     """Derivatives by the outward motions of the free ends, (side, zone) each, side 0 left and 1 right; of a mirrored pair the one on
     the right stands for both. The values of the side conditions are held.

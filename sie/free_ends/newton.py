@@ -11,7 +11,7 @@ with the end is d^(-3/2)-singular and couples all ends (`end_rates`; of very man
 from __future__ import annotations
 
 import math
-from dataclasses import field, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -58,7 +58,7 @@ _UNSTABLE = "the ends are at rest, but unstably: pushed off they go on, and anot
 _NEUTRAL = "some motion of the ends, as of all of them together, leaves the intensities as they are, so that these do not tell the ends"
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Free:
     """Result of the search for the ends.
 

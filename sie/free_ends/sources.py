@@ -10,12 +10,13 @@ this kind, are geometric series and logarithms, however near to the zone a sourc
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index
 from sie.basis.interval import edge_scale
-from sie.basis.record import record
 from sie.collocation.fixed import State
 from sie.collocation.system import Places, fields, outside
 
@@ -23,7 +24,7 @@ from sie.collocation.system import Places, fields, outside
 _NOTHING = 1e-18
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Answers:
     """What is added to a solution by each of J cases.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,7 +15,6 @@ from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Outside, edge_scale, slope_scale
 from sie.basis.kernels import Kernel, cauchy
 from sie.basis.places import wrapped
-from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.density.density import Density
 from sie.density.field import from_zones
@@ -33,7 +32,7 @@ _BLOCK = 4096
 _TELLS = 0.36
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class SlitDensity(Located):
     """phi on zones beside narrow gaps: what wide zones that span the gaps, g - s on their right side, have beside the slits.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 from numpy.typing import ArrayLike
@@ -10,13 +12,12 @@ from contact.errors import SceneError
 from contact.model.checks import finite_array, keep, positive_or_none
 from contact.model.profiles.base import Array, Profile
 from contact.model.registry import register_profile
-from sie import record
 
 _ROUNDING = 1e-12  # of the sum of the terms' sizes: a smaller mismatch at the border is rounding
 
 
 @register_profile("polynomial")
-@record
+@dataclass(frozen=True, eq=False)
 class Polynomial(Profile):
     """f = c0 + c1 x + c2 x^2 + ...; with a period the heights at both borders agree, the slopes need not.
 

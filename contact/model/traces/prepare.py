@@ -26,7 +26,7 @@ from contact.model.traces.filters import low_pass, refuse_cut_offs
 from contact.model.traces.instruments import is_instrument_file, read_instrument
 from contact.model.traces.text import at
 from contact.model.units import quantity
-from sie import Array, record
+from sie import Array
 
 _TRENDS = {"none": -1, "line": 1, "quadratic": 2}
 _HIGHEST_TREND = 12  # degree of a form; more is a filter
@@ -42,7 +42,7 @@ _LENGTHS, _PITCHES, _SHALLOWEST = (1e-9, 1.0), (1e-12, 1e-3), 1e-11
 _MOST_BEYOND = 1.5
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Reading:
     """What a file says: positions and heights [m] as they stand there, the line of each, and the units."""
 

@@ -28,7 +28,6 @@ from scipy.optimize import brentq
 from contact.errors import OutOfRange, SceneError
 from contact.model.checks import keep, positive
 from contact.reference.exact.base import Array, least_value
-from sie import record
 
 # The terms of a series that falls as rho^n: up to rounding, and what that takes where a zone all but ends at a singularity.
 _DIGITS = 38.0
@@ -37,7 +36,7 @@ _FEWEST, _MOST = 32, 8192
 Ratio = Callable[[Array, float, float], Array]
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class EvenPair:
     """Two zones a <= |x| <= b under an even pressure, alone or once in every period, as one zone in y = v^2 = m + h cos(theta).
 

@@ -14,6 +14,7 @@ doi 10.1016/0020-7683(94)00111-9).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt
 from typing import Any
@@ -26,10 +27,10 @@ from contact.model.profiles.fourier import Fourier
 from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
-from sie import Array, Mask, record
+from sie import Array, Mask
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class AdhesiveDesign(GivenZones):
     """An exact JKR contact of given zones, load and work of adhesion, with p ~ -sqrt(E* w/pi)/sqrt(d) at every end.
 

@@ -31,7 +31,6 @@ from contact.errors import SceneError
 from contact.model.checks import finite_or_none, keep, positive
 from contact.model.profiles.polynomial import Polynomial
 from contact.reference.inverse.profile import exp_of_power_sums
-from sie import record
 
 Array = NDArray[np.float64]
 
@@ -52,7 +51,7 @@ class _Strip:
     gap: int
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class CohesiveDesign:
     """An exact contact of given zones with a constant tension beside them, on given intervals that hold the zones; the body is alone.
 

@@ -17,6 +17,7 @@ end.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -28,10 +29,10 @@ from contact.model.profiles.fourier import Fourier
 from contact.reference.inverse.given import GivenZones
 from contact.reference.inverse.product import CutProduct
 from contact.reference.inverse.profile import DesignedProfile, exp_of_power_sums
-from sie import Array, Mask, record
+from sie import Array, Mask
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class DesignedContact(GivenZones):
     """An exact contact of given zones and load: the profile is chosen such that they are right; see the head of this module.
 

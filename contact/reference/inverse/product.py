@@ -8,6 +8,7 @@ end i + 1: zones have even numbers, gaps odd ones; with a period the last gap wr
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from math import ceil, sqrt
 from typing import Any
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contact.errors import NotConverged
-from sie import Index, Mask, record
+from sie import Index, Mask
 
 Array = NDArray[np.floating]
 
@@ -24,7 +25,7 @@ _NEWTON_STEPS = 60
 _PI = "3.14159265358979323846264338327950288"
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class CutProduct:
     """X M for zones (n, 2), ascending, within one period if there is one, in the precision of `zones`.
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from contact.model.profiles.base import Profile
-from sie import Array, record
+from sie import Array
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class DesignedProfile(Profile):
     """The shape of a designed contact that is alone: f' a sum of Chebyshev polynomials on `hull`.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -28,7 +28,6 @@ from contact.solution.solution import Solution
 from contact.solver import solve
 from contact.studies.bench.formulations import ByGaps, ByZones
 from contact.studies.bench.truth import Exact
-from sie import record
 
 Array = NDArray[np.float64]
 
@@ -36,7 +35,7 @@ E_STAR = 1.1e11
 PERIOD = 1e-4
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Case:
     """A scene under periodic contact and how its truth is known; `exact` is made when first asked for. single: one zone a period;
     localized: the localized models are run on it too; law: where it is not frictionless contact, no other program is asked."""

@@ -10,6 +10,8 @@ moved by a thousandth of its interval, so that it finds the ends by itself.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -27,7 +29,6 @@ from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed
 from contact.solver import solve
 from contact.verify.accuracy import Found
-from sie import record
 
 Array = NDArray[np.float64]
 
@@ -63,7 +64,7 @@ def _in_cell(table: Array, scene: Scene) -> tuple[Array, NDArray[np.intp]]:
     return table[order], order
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class ByGaps:
     """A periodic contact with the slope of the gap as the unknown, in SI units."""
 
@@ -106,7 +107,7 @@ class ByGaps:
         return np.asarray(self.fields.pressure(x))
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class ByZones:
     """A periodic contact with the pressure as the unknown, in SI units."""
 

@@ -14,6 +14,7 @@ of a polynomial, which Gauss and Legendre integrate exactly (derived here).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 from math import cos, pi
 
@@ -21,12 +22,10 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
-from sie import record
-
 Array = NDArray[np.float64]
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class HarmonicZone:
     """The zone [-a, a] of period 1; amplitudes d_1, d_2, ... as long as the pressure is positive and the gap open."""
 

@@ -11,6 +11,7 @@ z = y/tau (derived here). G is a small difference of large numbers: it is formed
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import pi, sqrt
 
 import numpy as np
@@ -18,7 +19,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from contact.model.profiles import Fourier
 from contact.model.scene import Scene
-from sie import record
 
 Array = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ _THETA = np.pi * (np.arange(_NODES) + 0.5) / _NODES
 _PI = np.longdouble(pi) + np.longdouble(1.2246467991473532e-16)  # pi to 64 bits
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class OneGap:
     """The contact of period 1 and E* = 1 with one gap, of a mean pressure below that of full contact."""
 

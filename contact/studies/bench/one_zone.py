@@ -11,20 +11,20 @@ Gauss and Legendre's rule of eight points leaves nothing.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.model.profiles.base import Profile
-from sie import record
 
 Array = NDArray[np.float64]
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class SymmetricZone:
     """The zone [-a, a] of an even profile whose slope is smooth between `breaks`."""
 

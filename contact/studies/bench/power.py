@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from contact.reference.exact import Westergaard
-from sie import record
 
 Array = NDArray[np.float64]
 
@@ -47,7 +46,7 @@ class PowerPunch:
         return float(self.pressure_at(np.cos(np.linspace(0, pi / 2, 20001))).max())
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Repeated:
     """Waves that repeat `count` times in a period of length 1, their first tip `shift` of their length from the origin; the left
     ends of the zones lie in [-1/2, 1/2)."""

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import field
+from dataclasses import dataclass, field
 
 from contact.model.scene import Scene
 from contact.studies.bench.truth import Exact
-from sie import record
 
 # What is allowed of a well-conditioned scene: the solver states no error below some 5e-14.
 FLOOR = 1e-13
@@ -15,7 +14,7 @@ ROUNDINGS = 100
 EPS = 2.2e-16
 
 
-@record
+@dataclass(frozen=True, eq=False)
 class Extreme:
     """One case.
 
