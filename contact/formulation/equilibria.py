@@ -181,9 +181,12 @@ class Equilibria:
         here.refuse_neutral()
         for _ in range(_STEPS):
             size = float(np.abs(here.newton / here.widths).max())
-            if size < _TIGHT or size > _ANOTHER:
+            if size > _ANOTHER:
                 break
+            # The last step is taken, too: a digit more.
             here = self.at(here.moved(here.newton), here.value)
+            if size < _TIGHT:
+                break
         return here
 
     def fields(self, here: Point) -> ZoneFields:

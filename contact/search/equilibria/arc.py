@@ -329,6 +329,7 @@ def _corrected(curve: Equilibria, here: Place, start: Array, normal: Array, tigh
     how: dict[str, Any] = {} if tight else {"tolerance": _ROUGH}
     if here.at.corners is not None:
         how["held"] = here.at.held
+    before = np.inf
     for k in range(_CORRECTIONS):
         table = here.at.moved(moved)
         if here.at.corners is not None:
@@ -353,7 +354,9 @@ def _corrected(curve: Equilibria, here: Place, start: Array, normal: Array, tigh
         if not tight and size < _ROUGHLY:
             return at
         moved, value = moved + step[:-1] * widths, float(value + step[-1] * unit)
-        if size < _TIGHT:
+        # Of zones far narrower than others rounding leaves more: then steps do not fall any more.
+        if size < _TIGHT or 0.5 * before < size < _ROUGHLY:
             how.pop("tolerance", None)
             return curve.at(here.at.moved(moved), value, **how)
+        before = size
     return None
