@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from scipy.linalg import lu_solve
 
+from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index
 from sie.basis.kept import Kept
 from sie.basis.record import record
 from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
 from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import Layout, System
+from sie.collocation.system import System
 from sie.density.density import Density
 from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.equation.equation import Equation
@@ -58,28 +59,49 @@ class Sizes:
 
 @record
 class Carried:
-    """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, unknown coefficients (zones, max m + 1)
-    of m, amplitudes."""
+    """What a solve by iteration leaves to the next one on about the same zones.
+
+    Where ends move by d, a density whose ends are about free changes by d^2 at fixed places: so do the total of a zone and what the others
+    do to it, while what the right side makes of its coefficients is known on any zones.
+
+    coarse: inverse; middle, half: of the zones (n,); totals: of each, over pi (n,); field: what the others do to each, coefficients of
+    U_{k-1} at [:, k] (n, max m + 1) for k up to m (n,); amplitudes: of the columns.
+    """
 
     coarse: CoarseOperator | None
-    coefficients: Array
+    middle: Array
+    half: Array
+    totals: Array
+    field: Array
     m: Index
     amplitudes: Array
 
     @classmethod
-    def of(cls, coarse: CoarseOperator | None, layout: Layout, y: Array) -> Carried:
-        return cls(coarse, layout.padded(y), layout.m, y[layout.coefficients :])
+    def of(cls, coarse: CoarseOperator | None, system: System, y: Array) -> Carried:
+        layout, zones = system.layout, system.zones
+        table = layout.padded(y)
+        totals, count = zones.half * (table[:, 0] + system.known[:, 0]), min(table.shape[1], system.lowest.shape[1])
+        table[:, :count] += system.lowest[:, :count]
+        return cls(coarse, zones.middle, zones.half, totals, table, layout.m, y[layout.coefficients :])
 
     def to(self, kept: Index) -> Carried:
         """What of it is some of the zones'."""
-        return Carried(None, self.coefficients[kept], self.m[kept], self.amplitudes)
+        middle, half, totals, field = (part[kept] for part in (self.middle, self.half, self.totals, self.field))
+        return Carried(None, middle, half, totals, field, self.m[kept], self.amplitudes)
 
     def near(self, system: IterativeSystem) -> Array:
-        """Unknowns of another system to start from: those of modes that had none are what the right side makes of them."""
-        count = max(self.coefficients.shape[1], system.lowest.shape[1])
-        table, right = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self.coefficients, system.lowest))
-        y = system.layout.flat(np.where(np.arange(count) <= self.m[:, None], table, -right))
-        y[system.layout.coefficients :] = self.amplitudes
+        """Unknowns of another system to start from."""
+        zones, layout = system.zones, system.layout
+        count = max(self.field.shape[1], system.lowest.shape[1], int(layout.m.max()) + 1)
+        table = -np.pad(system.lowest, ((0, 0), (0, count - system.lowest.shape[1])))
+        for n in np.unique(self.m):
+            group = np.flatnonzero(self.m == n)
+            shift = (zones.middle[group] - self.middle[group]) / self.half[group]
+            field = self.field[group, 1 : n + 1]
+            table[group, 1 : n + 1] += chebyshev.u_moved(field, shift, zones.half[group] / self.half[group])
+        table[:, 0] = self.totals / zones.half - system.known[:, 0]
+        y = layout.flat(table)
+        y[layout.coefficients :] = self.amplitudes
         return y if system.symmetry.keep is None else y[system.symmetry.keep]
 
 

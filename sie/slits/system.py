@@ -443,7 +443,7 @@ def solve_zones(
             break
         inner.least = least
     if inner.carried is not None:
-        inner.carried = Carried.of(inner.carried.coarse, wide.system.layout, wide.unknowns)
+        inner.carried = Carried.of(inner.carried.coarse, wide.system, wide.unknowns)
     sizes.wide = inner
     sizes.solves += 1
     sizes.profile_evaluations += inner.profile_evaluations - profile
