@@ -12,7 +12,16 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Equilibria, Point
-from contact.search.equilibria.flow import DRIVEN, MOST_STEPS, MOST_TRIES, REST, ROUGH, SLIGHT, closing, inward_and_outward
+from contact.search.equilibria.flow import (
+    DRIVEN,
+    MOST_STEPS,
+    MOST_TRIES,
+    REST,
+    ROUGH,
+    SLIGHT,
+    closing,
+    inward_and_outward,
+)
 from contact.search.equilibria.growth import with_new
 from contact.verify.certificate import openings
 from sie import Array, wrapped
