@@ -27,6 +27,8 @@ Recede = Callable[[Equilibria, Array, float], Point | None]
 _FIRST, _LONGEST, _CORRECTIONS, _TIGHT, _MOST_STEPS, _NO_STEP = 0.02, 0.3, 8, 1e-11, 3000, 1e-9
 # Of a step: how much longer the next one is, and how much shorter after one that failed.
 _LONGER, _SHORTER = 1.6, 0.3
+# The unit of the control over that of the step before, at the least.
+_SLOWER = 0.5
 # Cosine of the angle by which a step may turn the tangent.
 _STRAIGHT = 0.85
 # Of equations that are met, what may be left of them, over what the control does to an end at the most.
@@ -285,7 +287,8 @@ def _begun(curve: Equilibria, here: Point, sense: float) -> Place:
 
 def onward(curve: Equilibria, before: Place, ahead: Point) -> Place:
     """The same sense of the curve at another equilibrium of it."""
-    unit = _unit(curve, ahead)
+    # At a turning point motions are without bound: the unit follows by and by, or the turn would be all too sharp in it.
+    unit = max(_unit(curve, ahead), _SLOWER * before.unit)
     tangent = _tangent(ahead, ahead.widths, unit)
     same = before.tangent @ np.append(tangent[:-1] * ahead.widths / before.widths, tangent[-1] * unit / before.unit) >= 0.0
     return Place(ahead, ahead.widths, unit, tangent if same else -tangent)

@@ -24,7 +24,7 @@ from sie import Array, Mask
 # A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's resolution.
 _INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
 # On the way the states are solved to this; ends at rest: the last step over the widths.
-ROUGH, REST = 1e-9, 1e-6
+ROUGH, REST, _SETTLED = 1e-9, 1e-6, 1e-5
 # By how much of r, and of K*, a step may pass a place of rest; from how near an equilibrium Newton's step is taken as it is.
 _OVERSHOT, SLIGHT, _NEAR, _FAR = 0.1, 1e-4, 0.02, 0.05
 # A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
@@ -59,12 +59,20 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
             here, widths, residual = curve.at(here.table[~apart], value), widths[stays], residual[stays]
             continue
         here, move = _step(curve, here, sign)
-        driven = float(np.abs(here.residual).max())
-        if move <= REST and driven <= (DRIVEN if here.growth < 0.0 else SLIGHT):
+        if at_rest(here, move):
             return here
         if move == 0.0:
             break
     raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
+
+
+def at_rest(here: Point, move: float) -> bool:
+    """Whether ends are at rest after a step of this largest move over the widths: Newton's next one is none either, as one may be short
+    since another end has come to its corner."""
+    if move > REST:
+        return False
+    driven = float(np.abs(here.residual).max())
+    return driven <= SLIGHT or (driven <= DRIVEN and here.growth < 0.0 and float(np.abs(here.newton / here.widths).max()) <= _SETTLED)
 
 
 def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:

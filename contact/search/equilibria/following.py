@@ -53,6 +53,12 @@ class Jump:
     smooth: bool = False
 
 
+def followed_by_approach(curve: Equilibria) -> bool:
+    """Whether ends may hold back, or drive on, one another from one end of a body to the other, as its approach is held: a change of the
+    control is followed then through all jumps."""
+    return curve.held.load is None and (curve.problem.period is not None or curve.problem.profile.support is not None)
+
+
 @dataclass(frozen=True)
 class Following:
     """cell: [m], where the surfaces touch first."""

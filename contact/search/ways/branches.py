@@ -20,7 +20,7 @@ from contact.formulation.equilibria import Equilibria, Point
 from contact.model.scene import Scene
 from contact.search.equilibria.arc import pull_off
 from contact.search.equilibria.flow import Closed, receded
-from contact.search.equilibria.following import Following, Jump, Standing
+from contact.search.equilibria.following import Following, Jump, Standing, followed_by_approach
 from contact.search.equilibria.growth import grown, touched
 from contact.search.equilibria.history import History
 from contact.search.grid.proposals import placed
@@ -49,11 +49,10 @@ def followed(task: Task) -> Outcome:
         return closed(task)
     scaled, curve = to_follow(task)
     problem, control = curve.problem, curve.held
-    start: Point | None = None
     rest: Point | None
     try:
         with task.plan.timed("zone ends"):
-            if control.load is None and (problem.profile.support is not None or problem.period is not None):
+            if followed_by_approach(curve):
                 rest = _lowered(task, scaled, curve)
             elif task.branch == "receding":
                 last = _greatest(curve, scaled, control.value)
