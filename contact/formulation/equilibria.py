@@ -21,7 +21,7 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import centred_on, gaps_between
-from sie import Array, Mask
+from sie import Array, Mask, record
 
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
 _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
@@ -43,7 +43,7 @@ class NoState(Exception):
     """There is no contact on such intervals."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Corners:
     """Of zones of a profile with sharp corners. held: which ends rest at one (2n,); residual, rates, by_value: as if none did."""
 
@@ -53,7 +53,7 @@ class Corners:
     by_value: Array
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Point:
     """Zones (n, 2) under a value of the control. residual: r over |K*| of the left and then the right ends (2n,); rates: dr/ds (2n, 2n);
     by_value: dr/d(value); load and level: scaled. At ends that are held nothing drives them: the residual is 0, and stays so but for
@@ -181,9 +181,12 @@ class Equilibria:
         here.refuse_neutral()
         for _ in range(_STEPS):
             size = float(np.abs(here.newton / here.widths).max())
-            if size < _TIGHT or size > _ANOTHER:
+            if size > _ANOTHER:
                 break
+            # The last step is taken, too: a digit more.
             here = self.at(here.moved(here.newton), here.value)
+            if size < _TIGHT:
+                break
         return here
 
     def fields(self, here: Point) -> ZoneFields:

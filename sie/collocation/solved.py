@@ -13,6 +13,7 @@ from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index
 from sie.basis.kept import Kept
 from sie.basis.places import wrapped
+from sie.basis.record import record
 from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
 from sie.collocation.symmetry import MirrorSymmetry
@@ -56,7 +57,7 @@ class Sizes:
         return replace(self, own=self.own[kept], least=least, wide=None)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Carried:
     """What a solve by iteration leaves to the next one, on zones most of which are about the same.
 
@@ -115,7 +116,7 @@ class Carried:
         return np.where(place >= 0, self.totals[place], np.bincount(within, self.totals, minlength=len(middle) + 1)[:-1])
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Factored:
     """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
     made of; rows: themselves, where intensities are prescribed and will be asked for their rates."""

@@ -17,6 +17,7 @@ import numpy as np
 
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.ends import FREE, SINGULAR, End
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_of
@@ -460,7 +461,7 @@ def _newton(
     return Motion(moves, delta, noise, change, not np.any(weak & moves))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Unit:
     """K and A (2, Z) that a unit of the open condition's value makes on zones (Z, 2), and the density without slits that has them."""
 

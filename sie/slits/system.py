@@ -8,7 +8,7 @@ iteration the slits' answer is part of the rows.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from sie.basis.arrays import Array, Index
 from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.fixed import (
     THETA,
@@ -50,7 +51,7 @@ _CARELESS = 1e3
 _SAFETY = 3.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Opened(Trial):
     """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only."""
 
@@ -212,7 +213,7 @@ class SlitSystem(Kept):
         return field_tails(self.system, wide.unknowns - self.system.layout.flat(self.s_table(d, False)), wide.density)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SlitState(Answered):
     """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the slits.
 

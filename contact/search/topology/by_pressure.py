@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from contact.search.topology.missed import WrongTopology
 from contact.verify.accuracy import HOPELESS, Found, too_thin
 from contact.verify.certificate import Certificate, certify
 from contact.verify.solved import Solved
-from sie import Array, wrapped
+from sie import Array, record, wrapped
 
 # Gaps over kinks below this part of the zones beside them are not taken to close.
 _NARROW = 1e-3
@@ -27,7 +27,7 @@ _NARROW = 1e-3
 _NEW = 0.7
 
 
-@dataclass(frozen=True)
+@record
 class ByPressure:
     """A scaled problem by its zones."""
 
