@@ -101,7 +101,8 @@ class Task:
         newton = Newton(self.tolerance, **how)
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
-            return refine_topology(ByPressure(problem), control, table, newton, self.progress, timed=self.plan.timed, rounds=rounds)
+            form = ByPressure(problem)
+            return refine_topology(form, control, form.begun(table), newton, self.progress, timed=self.plan.timed, rounds=rounds)
 
     def left(self, way: str, missed: Missed) -> None:
         """Say in the plan what was tried and why it led to nothing."""

@@ -47,7 +47,7 @@ _SAME_RESPONSE = 0.01
 # Of a solution by iteration that is wanted no better than this, sums are rough; the last one, if no better than that.
 _ROUGHLY, _ROUGH_ENOUGH = 1e-7, 5e-7
 # From this number of zones on: what series fall to before the last step, over the cube of the move before, and at least.
-_MANY, _OF_CUBE, _LONGEST_FALL = 1000, 1e-3, 1e-4
+_MANY, _OF_CUBE, _LONGEST_FALL = 60, 1e-3, 1e-4
 # What zones said to be near are expected to move by, over their widths: what a rougher solution would add does not fall as steps do.
 _STEP_NEAR = 1e-4
 
@@ -215,7 +215,7 @@ def find_ends(
         # Series of many zones are no longer than the next move asks for.
         fall = max(decay, min(_LONGEST_FALL, _OF_CUBE * progress.last**3)) if len(zones) >= _MANY else decay
         state = _state(equation, zones, fall, sizes, value)
-        loose = state.iterated and (sizes.linear > progress.tightest or fall > decay)
+        loose = fall > decay or (state.iterated and sizes.linear > progress.tightest)
         zones, let_go = _let_go(zones, limits, state.density, limited)
         if let_go and zones.follow_ends:
             # The rates are those of the ends that move now.

@@ -26,7 +26,7 @@ _NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
 # Tolerances of solutions by iteration: at first, and at last over that of the ends.
 _LOOSE, _TIGHT = 1e-6, 1e-3
 # The first of these where it is open which zones there are.
-_LOOSER = 1e-4
+_LOOSER = 1e-5
 # The remaining motion of an end is the next step but for its square.
 MARGIN = 1.5
 

@@ -420,6 +420,7 @@ def solve_zones(
     inner = sizes.wide
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
+    inner.carried = sizes.carried
     # By iteration the wide zones alone are no more than a start.
     inner.linear = sizes.linear if equation.grows else max(sizes.linear, _START)
     inner.rough, inner.value = sizes.rough, sizes.value
@@ -443,7 +444,7 @@ def solve_zones(
             break
         inner.least = least
     if inner.carried is not None:
-        inner.carried = Carried.of(inner.carried.coarse, wide.system, wide.unknowns)
+        inner.carried = sizes.carried = Carried.of(inner.carried.coarse, wide.system, wide.unknowns)
     sizes.wide = inner
     sizes.solves += 1
     sizes.profile_evaluations += inner.profile_evaluations - profile
