@@ -21,7 +21,7 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import centred_on, gaps_between
-from sie import Array, Mask
+from sie import Array, Mask, record
 
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
 _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
@@ -46,7 +46,7 @@ class NoState(Exception):
     """There is no contact on such intervals."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Corners:
     """Of zones of a profile with sharp corners. held: which ends rest at one (2n,); residual, rates, by_value: as if none did."""
 
@@ -56,7 +56,7 @@ class Corners:
     by_value: Array
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Point:
     """Zones (n, 2) under a value of the control. residual: r over |K*| of the left and then the right ends (2n,); rates: dr/ds (2n, 2n);
     by_value: dr/d(value); load and level: scaled. At ends that are held nothing drives them: the residual is 0, and stays so but for

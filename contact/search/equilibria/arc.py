@@ -10,7 +10,7 @@ one begins with that end held, or free. If it is free but unstable it lets go, a
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from contact.errors import NotConverged
 from contact.formulation.equilibria import NEUTRAL, Equilibria, NoState, Point
 from contact.formulation.roots import bracketed
 from contact.search.equilibria.flow import receded
-from sie import Array
+from sie import Array, record
 
 Recede = Callable[[Equilibria, Array, float], Point | None]
 
@@ -49,7 +49,7 @@ _MOST_STANDS = 3
 _ROUGH, _ROUGHLY, _ABOUT, _OFF = 1e-9, 1e-6, 1e-3, 1e-5
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Place:
     """An equilibrium on the curve: widths that motions are counted in (2n,), the unit of the control, and the unit tangent (2n + 1,)."""
 
@@ -64,7 +64,7 @@ class Place:
         return float(self.tangent[-1])
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Step:
     """A step along the arc, of a length, from one equilibrium to another. after: the equilibrium at its end with other ends held at sharp
     corners, from which the next one begins; None where these are the same."""

@@ -18,13 +18,13 @@ from contact.search.equilibria.flow import receded
 from contact.search.equilibria.growth import grown, touched
 from contact.search.equilibria.relaxation import relaxed
 from contact.verify.certificate import openings
-from sie import Array
+from sie import Array, record
 
 # A new zone over the overlap that was seen beyond its first touch; how narrow at the least; and what drives its ends that is nothing.
 NEW, LEAST, SLIGHT = 1e-2, 1e-12, 1e-6
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Standing:
     """What there is under a value of the control: an equilibrium, or surfaces closed over the whole period, or apart."""
 
@@ -42,7 +42,7 @@ class Standing:
         return 0 if self.point is None else len(self.point.contact)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Jump:
     """What happens to the zones: kind (contact.sweeps.adhesive); place: scaled, where it begins; smooth: nothing jumps, nothing is lost."""
 

@@ -57,7 +57,7 @@ def followed(task: Task) -> Outcome:
             elif task.branch == "receding":
                 last = _greatest(curve, scaled, control.value)
                 rest = receded(curve, last, control.value)
-                start: Point | None = None if rest is not None else _held_higher(curve, last, control.value)
+                start = None if rest is not None else _held_higher(curve, last, control.value)
             else:
                 start = advancing(task, scaled, curve, max(control.value, 0.0))
                 rest = start if control.value >= 0.0 else receded(curve, start.table, control.value)
