@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -257,3 +258,13 @@ def test_a_pull_off_whose_end_breaks_a_symmetry_is_located_and_its_loss_left_ope
     found = contact.path(pair, [0.0, 1.8e-3, -0.05])
     assert [event.kind for event in found.events] == ["merge", "pull-off"] and found.events[0].lost > 0.0
     assert found.events[1].lost is None is found.dissipated and found.events[1].load < 0.0
+
+
+def test_of_two_equal_tips_under_a_held_approach_one_comes_off_where_stability_is_lost():
+    twice = contact.Scene(contact.Fourier(1.0, [0.0, -0.01], [0.0, 0.0]), 1.0, contact.Periodic(), law=contact.JKR(1e-4), approach=0.0)
+    one = contact.path(twice, [0.006, -0.0041], control="approach")
+    (event,) = one.events
+    assert event.kind == "death" and event.lost > 0.0 and (len(event.before), len(event.after)) == (2, 1)
+    above, below = (contact.solve(replace(twice, approach=event.value + more)) for more in (1e-7, -1e-9))
+    assert len(above.zones) == 2 and 0.0 < above.certificate.stability < 1e-3
+    assert len(below.zones) == 1 and below.certificate.holds and below.load == pytest.approx(event.load_after, rel=1e-5)

@@ -42,6 +42,8 @@ _PUSH = 0.03
 _HALVINGS, _MOST_TRIES = 5, 160
 # Zones that come apart one after the other from there on, at the most.
 _MOST_TURNS = 200
+# Of a step, halvings by which the loss of stability in it is located.
+_LOCATED = 40
 # So many steps without a length come after one another at sharp corners.
 _MOST_STANDS = 3
 # Where a curve is only to be followed: how tightly its states are solved, and how small Newton's last step is; over the step, from how near
@@ -114,13 +116,14 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
     states that are solved as tightly as there is."""
     here.refuse_neutral()
     place, length, why, stands = _begun(curve, here, sense), _FIRST, "the curve of equilibria was not followed on", 0
+    unstable: tuple[Place, float] | None = None
     for _ in range(_MOST_STEPS):
         reached = _corner_within(curve, place, length)
         ahead = along(curve, place, length, tight) if reached is None else _to_corner(curve, place, reached, tight)
         end = None if ahead is None else onward(curve, place, ahead)
         if end is None or not _keeps(place, end):
             if end is not None and place.at.growth < 0.0 <= end.at.growth:
-                why = "a contact loses its stability without a turn of its curve, to a motion that breaks a symmetry: it is not followed on"
+                unstable = place, length
             length *= _SHORTER
             if length < _NO_STEP:
                 break
@@ -141,7 +144,42 @@ def steps(curve: Equilibria, here: Point, sense: float, tight: bool = True) -> I
             step.after.refuse_neutral()
             place = _begun(curve, step.after, step.end.rises)
         length = min(_LONGER * length, _LONGEST)
+    if unstable is not None:
+        raise _breaks_a_symmetry(curve, *unstable)
     raise NotConverged(why)
+
+
+class SymmetryLost(NotConverged):
+    """A curve goes on unstably, without a turn. at: the last stable equilibrium."""
+
+    at: Point
+
+
+def _breaks_a_symmetry(curve: Equilibria, place: Place, length: float) -> SymmetryLost:
+    """Where stability is lost within a step without a turn."""
+    low, high, at = 0.0, length, place.at
+    for _ in range(_LOCATED):
+        middle = 0.5 * (low + high)
+        found = along(curve, place, middle)
+        if found is None:
+            break
+        low, high, at = (middle, high, found) if found.growth < 0.0 else (low, middle, at)
+    units, told = curve.problem.units, ""
+    if curve.problem.operator.has_approach:
+        told = f", approach {-at.level * units.height:.10g} m"
+    lost = SymmetryLost(
+        "a contact loses its stability without a turn of its curve, to a motion that breaks a symmetry, at load "
+        f"{at.load * units.load:.10g} N/m{told}: it is not followed on, since the scene does not say which way it goes"
+    )
+    lost.at = at
+    return lost
+
+
+def beside(here: Point) -> Array:
+    """Zones from which ends move on where a motion of theirs without a change of the control drives them."""
+    growth, motions = np.linalg.eig(here.rates / here.weight[:, None])
+    motion = motions[:, int(np.argmax(growth.real))].real
+    return here.moved(np.asarray(_PUSH * motion / np.abs(motion / here.widths).max()))
 
 
 def _corner_within(curve: Equilibria, here: Place, length: float) -> int | None:

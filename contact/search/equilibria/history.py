@@ -20,7 +20,7 @@ import numpy as np
 
 from contact.errors import NotConverged
 from contact.formulation.equilibria import Point
-from contact.search.equilibria.arc import Step, beyond, let_go, steps
+from contact.search.equilibria.arc import Step, SymmetryLost, beside, beyond, let_go, steps
 from contact.search.equilibria.following import Following, Jump, Standing
 
 # Of a step, from how near a value Newton's steps go there.
@@ -98,12 +98,25 @@ class History:
                     yield self._at_corner(step, step.after)
                 self.note(last)
                 here = last
+        except SymmetryLost as lost:
+            if sense * (lost.at.value - value) > 0.0:
+                raise
+            return self._aside(lost)
         except NotConverged:
             end = law.gone(here, sense)
             if end is None or sense * (end.before.value - value) > 0.0:
                 raise
             return end
         raise NotConverged("the curve of equilibria ended")
+
+    def _aside(self, lost: SymmetryLost) -> Jump:
+        """From where a symmetry is lost on, one of the two ways: the other one is its mirror image."""
+        law, before = self.law, Standing(lost.at.value, lost.at)
+        try:
+            after = law.shrunk(beside(lost.at), lost.at.value)
+        except NotConverged:
+            raise lost from None
+        return Jump(law.kind(before, after, False), float(lost.at.contact.mean()), before, after)
 
     def _at_corner(self, step: Step, after: Point) -> Jump:
         """An end that has reached a sharp corner, or leaves it, without a jump."""
