@@ -264,3 +264,16 @@ def test_a_regular_kernel_that_is_not_analytic_is_refused():
         density.transform(np.array([0.1 + 0.3j]))
     with pytest.raises(ValueError, match="no potential"):
         density.potential(np.array([0.1 + 0.3j]))
+
+
+@pytest.mark.parametrize("kernel", [sie.cauchy(), sie.hilbert(1.0)], ids=["line", "period"])
+def test_intervals_with_slits_hold_any_weighted_integral_and_go_on_to_another_value(kernel):
+    forcing = sie.Forcing(lambda x: np.sin(7 * x) + 2 * x, lambda x: x * x - np.cos(7 * x) / 7)
+    equations = [
+        sie.Equation(kernel, forcing, (sie.Weighted(lambda x: np.cos(40 * x), value), sie.EqualPotential())) for value in (0.3, 0.4)
+    ]
+    slit = solve_zones(equations[0], sie.Zones.of(SLITS))
+    for state, equation in zip((slit, slit.with_value(0, 0.1)), equations, strict=True):
+        plain = sie.solve_fixed(equation, sie.Zones.of(SLITS))
+        assert isinstance(state, SlitState)
+        assert np.abs(state.density.totals - plain.density.totals).max() < 1e-13
