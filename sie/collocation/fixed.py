@@ -258,6 +258,17 @@ def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
     return Sizes(sizes.own, sizes.least, primitive_rounding=sizes.primitive_rounding, wide=sizes.wide and replace(sizes.wide, carried=None))
 
 
+def sizes_after(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
+    """Modes to begin with and a first guess of the unknowns, from what was left by the last solve, on about the same zones."""
+    out = first_sizes(equation, zones)
+    if sizes.carried is not None:
+        place = sizes.carried.place(zones)
+        out.own = np.where(place < 0, out.own, sizes.carried.own[place])
+        out.carried = replace(sizes.carried, coarse=None)
+    out.wide, out.solves, out.primitive_rounding = sizes.wide, sizes.solves, sizes.primitive_rounding
+    return out
+
+
 def solve_fixed(
     equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None, largest: int = 8192, direct: bool = False
 ) -> State:
@@ -366,7 +377,7 @@ def _solve_iterated(
 ) -> State:
     """By fast sums and iteration, starting from what the last solve on about these zones left."""
     system = IterativeSystem(equation, zones, m, samples.coefficients, jumps, sizes.rough)
-    carried = sizes.carried if sizes.carried is not None and len(sizes.carried.m) == len(zones) else None
+    carried = sizes.carried if sizes.carried is not None and len(sizes.carried.amplitudes) == system.layout.columns else None
     coarse = carried.coarse if carried is not None else None
     if system.levelled and (coarse is None or not coarse.near(system)):
         coarse = CoarseOperator(zones, system)
@@ -381,7 +392,7 @@ def _solve_iterated(
     sizes.kernel_evaluations += solver.iterations * system.sums.size
     solver.tolerance = 0.0
     state = _state(system, solver, folded, solver.equations, np.ones(solver.size - solver.equations), samples, sizes)
-    sizes.carried = Carried.of(coarse, system.layout, state.unknowns)
+    sizes.carried = Carried.of(coarse, system, state.unknowns, state.density, sizes.own)
     return state
 
 

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from scipy.linalg import lu_solve
 
-from sie.basis.arrays import Array, Index
+from sie.basis.arrays import Array, Index, Mask
+from sie.basis.chebyshev import bounded_part
 from sie.basis.kept import Kept
+from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
 from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import Layout, System
+from sie.collocation.system import System
 from sie.density.density import Density
 from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.equation.equation import Equation
@@ -22,6 +24,8 @@ from sie.jumps.forcing import ForcingJumps
 
 # With the last coupled coefficients above this part of the largest, zones lie too close to what is singular beside them.
 UNRESOLVED = 1e-6
+# Coefficients of a zone that tell how its density changes as its ends move.
+_SHOWN = 64
 
 
 @dataclass(eq=False)
@@ -47,39 +51,71 @@ class Sizes:
     primitive_rounding: float | None = None
     wide: Sizes | None = None
     """Those of the wide zones, where narrow gaps are slits."""
+    joined: Mask | None = None
+    """After which of the zones a narrow gap was a slit."""
 
     def of(self, kept: Index) -> Sizes:
         """Those of some of the zones."""
         least = self.least if isinstance(self.least, int) else self.least[kept]
-        carried = None if self.carried is None else self.carried.to(kept)
-        return replace(self, own=self.own[kept], least=least, carried=carried, wide=None)
+        return replace(self, own=self.own[kept], least=least, joined=None if self.joined is None else self.joined[kept])
 
 
 @dataclass(frozen=True, eq=False)
 class Carried:
-    """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, unknown coefficients (zones, max m + 1)
-    of m, amplitudes."""
+    """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, the zones, their coefficients up to a few
+    dozen, m of them unknown, the sizes of their series, amplitudes, and which of the zones may be moved."""
 
     coarse: CoarseOperator | None
+    zones: Zones
     coefficients: Array
     m: Index
+    own: Index
     amplitudes: Array
+    moves: Mask
 
     @classmethod
-    def of(cls, coarse: CoarseOperator | None, layout: Layout, y: Array) -> Carried:
-        return cls(coarse, layout.padded(y), layout.m, y[layout.coefficients :])
+    def of(cls, coarse: CoarseOperator | None, system: System, y: Array, density: Density, own: Index, slits: Index | None = None) -> Carried:
+        """slits: zones that have some."""
+        layout, moves = system.layout, np.ones(len(own), dtype=bool)
+        unknown, table = layout.padded(y), density.coefficients
+        table = table[:, : max(unknown.shape[1], min(table.shape[1], _SHOWN))]
+        table = np.pad(table, ((0, 0), (0, max(unknown.shape[1] - table.shape[1], 0))))
+        within = np.arange(unknown.shape[1]) <= layout.m[:, None]
+        table[:, : unknown.shape[1]] = np.where(within, unknown, table[:, : unknown.shape[1]])
+        if slits is not None:
+            moves[slits] = False
+        return cls(coarse, density.zones, table, layout.m, own, y[layout.coefficients :], moves)
 
-    def to(self, kept: Index) -> Carried:
-        """What of it is some of the zones'."""
-        return Carried(None, self.coefficients[kept], self.m[kept], self.amplitudes)
+    def place(self, zones: Zones) -> Index:
+        """Which of these each of other zones is, of about the same width; -1 where there is none."""
+        before = self.zones
+        i = np.clip(np.searchsorted(before.a, zones.middle, side="right") - 1, 0, len(before) - 1)
+        about = (zones.middle < before.b[i]) & (np.abs(np.log2(zones.half / before.half[i])) < 1.0)
+        return np.where(about, i, -1)
 
     def near(self, system: IterativeSystem) -> Array:
-        """Unknowns of another system to start from: those of modes that had none are what the right side makes of them."""
+        """Unknowns of another system to start from; those of modes that had none are what the right side makes of them."""
+        place = self.place(system.zones)
         count = max(self.coefficients.shape[1], system.lowest.shape[1])
-        table, right = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self.coefficients, system.lowest))
-        y = system.layout.flat(np.where(np.arange(count) <= self.m[:, None], table, -right))
+        table, right = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self._moved(system.zones, place), system.lowest))
+        known = np.where(place < 0, -1, self.m[place])
+        y = system.layout.flat(np.where(np.arange(count) <= known[:, None], table, -right))
         y[system.layout.coefficients :] = self.amplitudes
         return y if system.symmetry.keep is None else y[system.symmetry.keep]
+
+    def _moved(self, zones: Zones, place: Index) -> Array:
+        """Coefficients on other zones of what has the values of the density at fixed points, to the first order in the moves of the ends.
+
+        In theta, t = cos theta, sum u_k sin (k + 1) theta is the density that is bounded at the ends, and its derivative times -tau what
+        it gains where t becomes t + tau; on the left of it stands K / sqrt(d), which a step of Newton's takes away."""
+        before, c = self.zones, self.coefficients[place]
+        shift = np.where(self.moves[place], (zones.middle - before.middle[place]) / before.half[place], 0.0)
+        grown = np.where(self.moves[place], (zones.half - before.half[place]) / before.half[place], 0.0)
+        v = np.zeros_like(c)
+        v[:, 1:-1] = bounded_part(c)[2] * np.arange(1, c.shape[1] - 1)
+        c[:, 1:] -= (shift[:, None] * v[:, 1:]) + 0.5 * grown[:, None] * v[:, :-1]
+        c[:, :-1] -= 0.5 * grown[:, None] * v[:, 1:]
+        return c
 
 
 @dataclass(frozen=True, eq=False)

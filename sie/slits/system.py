@@ -25,6 +25,7 @@ from sie.collocation.fixed import (
     first_sizes,
     more_modes,
     residual_error,
+    sizes_after,
     solve_fixed,
 )
 from sie.collocation.solved import Answered, Carried, Sizes, Solver, density_of
@@ -411,14 +412,13 @@ def solve_zones(
     [0.5, 0.5]
     """
     equation.check_count(zones)
-    found = merge(equation, zones)
+    sizes = first_sizes(equation, zones) if sizes is None else sizes
+    found = merge(equation, zones, sizes.joined)
     if found is None:
         return solve_fixed(equation, zones, tolerance, sizes)
-    if sizes is None:
-        sizes = first_sizes(equation, zones)
-    inner = sizes.wide
+    sizes.joined, inner = found.slit_after >= 0, sizes.wide
     if inner is None or len(inner.own) != len(found.wide):
-        inner = first_sizes(equation, found.wide)
+        inner = first_sizes(equation, found.wide) if inner is None else sizes_after(inner, equation, found.wide)
     # By iteration the wide zones alone are no more than a start.
     inner.linear = sizes.linear if equation.grows else max(sizes.linear, _START)
     inner.rough, inner.value = sizes.rough, sizes.value
@@ -442,7 +442,7 @@ def solve_zones(
             break
         inner.least = least
     if inner.carried is not None:
-        inner.carried = Carried.of(inner.carried.coarse, wide.system.layout, wide.unknowns)
+        inner.carried = Carried.of(inner.carried.coarse, wide.system, wide.unknowns, wide.density, inner.own, found.slit_zone)
     sizes.wide = inner
     sizes.solves += 1
     sizes.profile_evaluations += inner.profile_evaluations - profile
