@@ -385,7 +385,8 @@ def _solve_iterated(
     right = solver.right()
     if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right))):
         raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
-    folded = solver(right, None if carried is None else carried.near(system))
+    near = None if carried is None else carried.near(system)
+    folded = near if near is not None and sizes.start else solver(right, near)
     if not np.all(np.isfinite(folded)):
         raise SingularSystem("the system is singular: the side conditions depend on each other")
     sizes.iterations += solver.iterations

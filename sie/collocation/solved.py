@@ -45,6 +45,7 @@ class Sizes:
     solves: int = 0
     linear: float = 0.0
     rough: bool = False
+    start: bool = False
     value: float = 0.0
     iterations: int = 0
     carried: Carried | None = None
@@ -63,7 +64,7 @@ class Sizes:
 @dataclass(frozen=True, eq=False)
 class Carried:
     """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, the zones, their coefficients up to a few
-    dozen, m of them unknown, the sizes of their series, amplitudes, and which of the zones may be moved."""
+    dozen, those up to m told by more than the right side, the sizes of their series, and amplitudes."""
 
     coarse: CoarseOperator | None
     zones: Zones
@@ -71,20 +72,21 @@ class Carried:
     m: Index
     own: Index
     amplitudes: Array
-    moves: Mask
 
     @classmethod
     def of(cls, coarse: CoarseOperator | None, system: System, y: Array, density: Density, own: Index, slits: Index | None = None) -> Carried:
         """slits: zones that have some."""
-        layout, moves = system.layout, np.ones(len(own), dtype=bool)
+        layout = system.layout
         unknown, table = layout.padded(y), density.coefficients
-        table = table[:, : max(unknown.shape[1], min(table.shape[1], _SHOWN))]
-        table = np.pad(table, ((0, 0), (0, max(unknown.shape[1] - table.shape[1], 0))))
-        within = np.arange(unknown.shape[1]) <= layout.m[:, None]
-        table[:, : unknown.shape[1]] = np.where(within, unknown, table[:, : unknown.shape[1]])
+        count = unknown.shape[1]
+        table = table[:, : max(count, _SHOWN, 3 * count // 2 if slits is not None else 0)]
+        table = np.pad(table, ((0, 0), (0, max(count - table.shape[1], 0))))
+        table[:, :count] = np.where(np.arange(count) <= layout.m[:, None], unknown, table[:, :count])
+        known = layout.m.copy()
         if slits is not None:
-            moves[slits] = False
-        return cls(coarse, density.zones, table, layout.m, own, y[layout.coefficients :], moves)
+            # What slits add goes on beyond the unknown ones.
+            known[slits] = table.shape[1]
+        return cls(coarse, density.zones, table, known, own, y[layout.coefficients :])
 
     def place(self, zones: Zones) -> Index:
         """Which of these each of other zones is, of about the same width; -1 where there is none."""
@@ -109,8 +111,8 @@ class Carried:
         In theta, t = cos theta, sum u_k sin (k + 1) theta is the density that is bounded at the ends, and its derivative times -tau what
         it gains where t becomes t + tau; on the left of it stands K / sqrt(d), which a step of Newton's takes away."""
         before, c = self.zones, self.coefficients[place]
-        shift = np.where(self.moves[place], (zones.middle - before.middle[place]) / before.half[place], 0.0)
-        grown = np.where(self.moves[place], (zones.half - before.half[place]) / before.half[place], 0.0)
+        shift = (zones.middle - before.middle[place]) / before.half[place]
+        grown = (zones.half - before.half[place]) / before.half[place]
         v = np.zeros_like(c)
         v[:, 1:-1] = bounded_part(c)[2] * np.arange(1, c.shape[1] - 1)
         c[:, 1:] -= (shift[:, None] * v[:, 1:]) + 0.5 * grown[:, None] * v[:, :-1]

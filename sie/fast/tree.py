@@ -8,6 +8,7 @@ either side, and series of `TERMS` Chebyshev terms leave rho^TERMS < 1e-16, rho 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -76,7 +77,7 @@ class Tree:
     def __len__(self) -> int:
         return len(self.lo)
 
-    @property
+    @cached_property
     def leaves(self) -> Index:
         """Node of every interval, in their order."""
         nodes = np.flatnonzero(self.item >= 0)
