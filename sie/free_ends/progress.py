@@ -112,7 +112,8 @@ class Progress:
 
     @property
     def tightest(self) -> float:
-        return _TIGHT * self.tolerance
+        # The norm of what a solution leaves is let grow with their number: but all of it may be left of one zone that feels it the most.
+        return _TIGHT * self.tolerance / (max(0.1 * np.sqrt(len(self.first_width)), 1.0) if self.few == 0.0 else 1.0)
 
     def after(self, zones: Zones, motion: Motion, corners: Array, value: float, opened: bool) -> Rest:
         """Enters a step. corners: distance of a corner from each end (2, Z), over which the density changes; value: of the open condition,
