@@ -259,14 +259,8 @@ def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
 
 
 def sizes_after(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
-    """Modes to begin with and a first guess of the unknowns, from what was left by the last solve, on about the same zones."""
-    out = first_sizes(equation, zones)
-    if sizes.carried is not None:
-        place = sizes.carried.place(zones)
-        out.own = np.where(place < 0, out.own, sizes.carried.own[place])
-        out.carried = replace(sizes.carried, coarse=None)
-    out.wide, out.solves, out.primitive_rounding = sizes.wide, sizes.solves, sizes.primitive_rounding
-    return out
+    """Modes to begin with, and what the last solve has left, on zones most of which are about the same."""
+    return replace(first_sizes(equation, zones), carried=sizes.carried, solves=sizes.solves, primitive_rounding=sizes.primitive_rounding)
 
 
 def solve_fixed(
@@ -393,7 +387,7 @@ def _solve_iterated(
     sizes.kernel_evaluations += solver.iterations * system.sums.size
     solver.tolerance = 0.0
     state = _state(system, solver, folded, solver.equations, np.ones(solver.size - solver.equations), samples, sizes)
-    sizes.carried = Carried.of(coarse, system, state.unknowns, state.density, sizes.own)
+    sizes.carried = Carried.of(coarse, system, state.unknowns)
     return state
 
 

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from scipy.linalg import lu_solve
 
+from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index, Mask
-from sie.basis.chebyshev import bounded_part
 from sie.basis.kept import Kept
-from sie.basis.zones import Zones
+from sie.basis.places import wrapped
+from sie.basis.record import record
 from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
 from sie.collocation.symmetry import MirrorSymmetry
@@ -24,8 +25,6 @@ from sie.jumps.forcing import ForcingJumps
 
 # With the last coupled coefficients above this part of the largest, zones lie too close to what is singular beside them.
 UNRESOLVED = 1e-6
-# Coefficients of a zone that tell how its density changes as its ends move.
-_SHOWN = 64
 
 
 @dataclass(eq=False)
@@ -34,6 +33,7 @@ class Sizes:
 
     primitive_rounding: of the right side's primitive, once it has been looked at.
     linear: tolerance of solutions by iteration, relative; 0: as tight as rounding allows. rough: whether sums to 1e-7 will do for them.
+    start: whether they are no more than a start, for which those of the last solve will do.
     iterations: their number so far.
     value: of the open condition, if there is one, with which these are found.
     """
@@ -58,69 +58,69 @@ class Sizes:
     def of(self, kept: Index) -> Sizes:
         """Those of some of the zones."""
         least = self.least if isinstance(self.least, int) else self.least[kept]
-        return replace(self, own=self.own[kept], least=least, joined=None if self.joined is None else self.joined[kept])
+        return replace(self, own=self.own[kept], least=least, wide=None, joined=None if self.joined is None else self.joined[kept])
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Carried:
-    """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, the zones, their coefficients up to a few
-    dozen, those up to m told by more than the right side, the sizes of their series, and amplitudes."""
+    """What a solve by iteration leaves to the next one, on zones most of which are about the same.
+
+    Where ends move by d, a density whose ends are about free changes by d^2 at fixed places: so do the total of a zone and what the others
+    do to it, while what the right side makes of its coefficients is known on any zones.
+
+    coarse: inverse; middle, half: of the zones (n,); totals: of each, over pi (n,); field: what the others do to each, coefficients of
+    U_{k-1} at [:, k] (n, max m + 1) for k up to m (n,); amplitudes: of the columns.
+    """
 
     coarse: CoarseOperator | None
-    zones: Zones
-    coefficients: Array
+    middle: Array
+    half: Array
+    totals: Array
+    field: Array
     m: Index
-    own: Index
     amplitudes: Array
 
     @classmethod
-    def of(cls, coarse: CoarseOperator | None, system: System, y: Array, density: Density, own: Index, slits: Index | None = None) -> Carried:
-        """slits: zones that have some."""
-        layout = system.layout
-        unknown, table = layout.padded(y), density.coefficients
-        count = unknown.shape[1]
-        table = table[:, : max(count, _SHOWN, 3 * count // 2 if slits is not None else 0)]
-        table = np.pad(table, ((0, 0), (0, max(count - table.shape[1], 0))))
-        table[:, :count] = np.where(np.arange(count) <= layout.m[:, None], unknown, table[:, :count])
-        known = layout.m.copy()
-        if slits is not None:
-            # What slits add goes on beyond the unknown ones.
-            known[slits] = table.shape[1]
-        return cls(coarse, density.zones, table, known, own, y[layout.coefficients :])
-
-    def place(self, zones: Zones) -> Index:
-        """Which of these each of other zones is, of about the same width; -1 where there is none."""
-        before = self.zones
-        i = np.clip(np.searchsorted(before.a, zones.middle, side="right") - 1, 0, len(before) - 1)
-        about = (zones.middle < before.b[i]) & (np.abs(np.log2(zones.half / before.half[i])) < 1.0)
-        return np.where(about, i, -1)
+    def of(cls, coarse: CoarseOperator | None, system: System, y: Array) -> Carried:
+        layout, zones = system.layout, system.zones
+        table = layout.padded(y)
+        totals, count = zones.half * (table[:, 0] + system.known[:, 0]), min(table.shape[1], system.lowest.shape[1])
+        table[:, :count] += system.lowest[:, :count]
+        return cls(coarse, zones.middle, zones.half, totals, table, layout.m, y[layout.coefficients :])
 
     def near(self, system: IterativeSystem) -> Array:
-        """Unknowns of another system to start from; those of modes that had none are what the right side makes of them."""
-        place = self.place(system.zones)
-        count = max(self.coefficients.shape[1], system.lowest.shape[1])
-        table, right = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self._moved(system.zones, place), system.lowest))
-        known = np.where(place < 0, -1, self.m[place])
-        y = system.layout.flat(np.where(np.arange(count) <= known[:, None], table, -right))
-        y[system.layout.coefficients :] = self.amplitudes
+        """Unknowns of another system to start from."""
+        zones, layout, period = system.zones, system.layout, system.equation.kernel.period
+        at = wrapped(zones.middle, float(self.middle[0] - self.half[0]), period)
+        place = self._place(at, zones.half)
+        count = max(self.field.shape[1], system.lowest.shape[1], int(layout.m.max()) + 1)
+        table = -np.pad(system.lowest, ((0, 0), (0, count - system.lowest.shape[1])))
+        modes_of = np.where(place >= 0, self.m[place], 0)
+        for n in np.unique(modes_of):
+            group = np.flatnonzero(modes_of == n)
+            old = place[group]
+            shift, stretch = (at[group] - self.middle[old]) / self.half[old], zones.half[group] / self.half[old]
+            table[group, 1 : n + 1] += chebyshev.u_moved(self.field[old, 1 : n + 1], shift, stretch)
+        table[:, 0] = self._totals(at, zones.half, place) / zones.half - system.known[:, 0]
+        y = layout.flat(table)
+        y[layout.coefficients :] = self.amplitudes
         return y if system.symmetry.keep is None else y[system.symmetry.keep]
 
-    def _moved(self, zones: Zones, place: Index) -> Array:
-        """Coefficients on other zones of what has the values of the density at fixed points, to the first order in the moves of the ends.
+    def _place(self, middle: Array, half: Array) -> Index:
+        """Which of these each of other zones is, of about the same width; -1 where there is none."""
+        i = np.maximum(np.searchsorted(self.middle - self.half, middle, side="right") - 1, 0)
+        alike = (np.abs(middle - self.middle[i]) < self.half[i]) & (half < 2 * self.half[i]) & (2 * half > self.half[i])
+        return np.where(alike, i, -1)
 
-        In theta, t = cos theta, sum u_k sin (k + 1) theta is the density that is bounded at the ends, and its derivative times -tau what
-        it gains where t becomes t + tau; on the left of it stands K / sqrt(d), which a step of Newton's takes away."""
-        before, c = self.zones, self.coefficients[place]
-        shift = (zones.middle - before.middle[place]) / before.half[place]
-        grown = (zones.half - before.half[place]) / before.half[place]
-        v = np.zeros_like(c)
-        v[:, 1:-1] = bounded_part(c)[2] * np.arange(1, c.shape[1] - 1)
-        c[:, 1:] -= (shift[:, None] * v[:, 1:]) + 0.5 * grown[:, None] * v[:, :-1]
-        c[:, :-1] -= 0.5 * grown[:, None] * v[:, 1:]
-        return c
+    def _totals(self, middle: Array, half: Array, place: Index) -> Array:
+        """Totals over pi: of zones that are none of these, of those in them."""
+        order = np.argsort(middle)
+        within = order[np.maximum(np.searchsorted((middle - half)[order], self.middle, side="right") - 1, 0)]
+        within = np.where(np.abs(self.middle - middle[within]) < half[within], within, len(middle))
+        return np.where(place >= 0, self.totals[place], np.bincount(within, self.totals, minlength=len(middle) + 1)[:-1])
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Factored:
     """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
     made of; rows: themselves, where intensities are prescribed and will be asked for their rates."""

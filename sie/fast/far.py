@@ -6,7 +6,6 @@ Moments of what stands on an interval, the integrals of T_k over pi, go up the t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -18,6 +17,7 @@ from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
 from sie.basis.places import numbered
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.fast import lazy
 from sie.fast.panels import panels_over
@@ -37,7 +37,7 @@ def antiderivatives(s: Array) -> Array:
     return np.moveaxis(np.asarray(chebval(s, chebint(np.eye(TERMS))), dtype=float), 0, -1)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Nested:
     """A tree with what takes series from children to parents and back; kept: whether to keep it for the next sum."""
 
@@ -160,7 +160,7 @@ class Nested:
         rest[here] = (above - (middle[here] - back)) + (added - back)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Nodes:
     """Of far pairs, at so many nodes on the target: rho and what stands before the sum."""
 

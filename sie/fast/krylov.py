@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_triangular
 
 from sie.basis.arrays import Array
+from sie.basis.record import record
 
 
 # Vectors of which no more than this part is new are made orthogonal twice (L. Giraud, J. Langou, M. Rozloznik, Comput. Math. Appl. 50
@@ -16,7 +16,7 @@ from sie.basis.arrays import Array
 _LITTLE = 0.1
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Iterated:
     """x, the norm of its residual, and the number of applications."""
 

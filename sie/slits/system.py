@@ -8,7 +8,7 @@ iteration the slits' answer is part of the rows.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from sie.basis.arrays import Array, Index
 from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.fixed import (
     THETA,
@@ -25,7 +26,6 @@ from sie.collocation.fixed import (
     first_sizes,
     more_modes,
     residual_error,
-    sizes_after,
     solve_fixed,
 )
 from sie.collocation.solved import Answered, Carried, Sizes, Solver, density_of
@@ -51,7 +51,7 @@ _CARELESS = 1e3
 _SAFETY = 3.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Opened(Trial):
     """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only."""
 
@@ -221,7 +221,7 @@ class SlitSystem(Kept):
         return field_tails(self.system, wide.unknowns - self.system.layout.flat(self.s_table(d, False)), wide.density)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SlitState(Answered):
     """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the slits.
 
@@ -426,7 +426,8 @@ def solve_zones(
         return solve_fixed(equation, zones, tolerance, sizes)
     sizes.joined, inner = found.slit_after >= 0, sizes.wide
     if inner is None or len(inner.own) != len(found.wide):
-        inner = first_sizes(equation, found.wide) if inner is None else sizes_after(inner, equation, found.wide)
+        inner = first_sizes(equation, found.wide)
+    inner.carried = sizes.carried
     # By iteration the wide zones alone are no more than a start.
     inner.linear = sizes.linear if equation.grows else max(sizes.linear, _START)
     inner.start = not equation.grows
@@ -451,7 +452,7 @@ def solve_zones(
             break
         inner.least = least
     if inner.carried is not None:
-        inner.carried = Carried.of(inner.carried.coarse, wide.system, wide.unknowns, wide.density, inner.own, found.slit_zone)
+        inner.carried = sizes.carried = Carried.of(inner.carried.coarse, wide.system, wide.unknowns)
     sizes.wide = inner
     sizes.solves += 1
     sizes.profile_evaluations += inner.profile_evaluations - profile

@@ -30,7 +30,7 @@ grow with n:
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Any
 
@@ -39,7 +39,7 @@ import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
 from contact.errors import OutOfRange
-from sie import Array, Index, Mask
+from sie import Array, Index, Mask, record
 
 Rest = Callable[[Array, float], Array]
 Symbol = Callable[[Array], Array]
@@ -55,7 +55,7 @@ _AS_GOOD_AS_FULL = (
 )
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Multiplier:
     """An operator by its factors in Fourier space over their largest, `scale`; in the precision that these have."""
 
@@ -88,7 +88,7 @@ class Multiplier:
         return out if divided * self.scale == 1.0 else out * np.float64(divided * self.scale)
 
 
-@dataclass(frozen=True)
+@record
 class Influence:
     """The operator S of one grid, made by `periodic` or `isolated`: `apply(p)` is the displacement."""
 
@@ -162,7 +162,7 @@ class Influence:
         return self.n if self.is_periodic or self.images else 2 * self.n
 
 
-@dataclass(frozen=True)
+@record
 class Response:
     """What pressure does to the surface, on any grid. periodic: on a period, by the body's `symbol` and `compression`; else alone on the
     line, with `images` copies of the cell each side, heights counted with the length `datum` in the logarithm, and `rest`: what the kernel
@@ -228,7 +228,7 @@ class _Extension:
         return np.asarray((divided * self.stiffness.scale) * (z - z.mean()), dtype=np.float64)
 
 
-@dataclass(frozen=True)
+@record
 class GridState:
     """A contact on the grid. `iterations` counts applications of S within the conjugate gradients."""
 
