@@ -26,7 +26,8 @@ from sie import Array, Mask, record
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
 _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
 
-# To which states are solved that are none on the way; and densities by which rates are told where zones are many: of a state, and of one on the way.
+# To which states are solved that are none on the way; and densities by which rates are told where zones are many: of a state, and of
+# one on the way.
 _EXACT, _OF_RATES, _OF_ROUGH_RATES = 1e-13, 1e-10, 1e-4
 
 

@@ -85,7 +85,7 @@ class Multiplier:
     def __call__(self, values: Array, size: int) -> Array:
         taken, divided = self.taken(values)
         out = self.on(taken, size)
-        return out if divided * self.scale == 1.0 else out * np.float64(divided * self.scale)
+        return np.asarray(out if divided * self.scale == 1.0 else out * np.float64(divided * self.scale))
 
 
 @record
