@@ -54,12 +54,17 @@ class StripGrid:
     length: float
     resolution: float | None
 
+    @property
+    def turns(self) -> bool:
+        """Whether the grid is even in the angle."""
+        return self.response.rest is None
+
     def contact(
         self, height: Callable[[Array], Array], middle: float, load: float, points: int, tol: float, near: StripContact | None
     ) -> StripContact:
         """Of a shape [m] about a middle [m] under a load [N/m]; near: another strip to begin with."""
         half, state = 0.5 * self.length, None if near is None else near.state
-        if self.response.rest is not None:
+        if not self.turns:
             cell = (middle - half, middle + half)
             found = propose(height, cell, self.response, resolution=self.resolution, points=points, load=load, tol=tol, near=state)
             pressure = found.state.pressure

@@ -27,9 +27,9 @@ from sie import Array
 # Angles to a shortest length of the profile, and bounds of how many.
 _CLOSE, _FEWEST, _MOST = 32, 2**12, 2**17
 # Tolerance of the ends, and of what a unit of the unknowns calls up.
-_ENDS, _RATES = 1e-8, 1e-6
+_ENDS, _RATES, _DECAY, _ROUGHLY, _FINER, _FAR = 1e-6, 1e-5, 1e-5, 1e-3, 1e-2, 0.1
 # Steps at the most, how often one is halved, largest part of the room beside the border and of the nominal pressure in one.
-_STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 4, 0.25, 0.2
+_STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 3, 0.25, 0.2
 # Rounds in which signs are looked at; of the largest pressure, and of the largest gap: what is none. Samples looked at.
 _ROUNDS, _NONE, _OVERLAP, _SAMPLES = 8, 1e-6, 1e-4, 2**14
 # Of a gap or a zone that may go in a step; and what it is no farther than at the root.
@@ -37,7 +37,7 @@ _PART, _THERE = 0.4, 1e-6
 _NEWTON = 25
 
 
-class _Lost(Exception):
+class Lost(Exception):
     """No gaps that lead on."""
 
 
@@ -121,6 +121,16 @@ class _Both:
         return np.array(strip), np.array(alone)
 
     @cached_property
+    def far(self) -> float:
+        """Newton's step over the room and the nominal pressure."""
+        return float(np.linalg.norm(np.linalg.solve(self.matrix, self.misses) / (self.room, self.pressure)))
+
+    def moved(self, step: Array) -> tuple[Array, Array, float]:
+        """(outward moves of the gaps of the strip and of those alone by a step, the largest over the width of a gap or a zone)."""
+        strip, alone = (np.tensordot(step, rates, 1) for rates in self.rates)
+        return strip, alone, max(_largest(self.strip.table, strip), _largest(self.alone.table, alone))
+
+    @cached_property
     def matrix(self) -> Array:
         """Of the misses by the centre and the nominal pressure."""
         strip, alone = self.rates
@@ -139,44 +149,59 @@ class GapClosure:
     load: float
 
     def root(self, start: Place) -> Place:
-        """From some zones near by; raises _Lost."""
-        here = self._at(float(start.unknowns[0]), float(start.unknowns[1]), start)
+        """From some zones near by; raises Lost."""
+        centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
+        turn = StripTurn(self.problem, centre, self._points)
+        here = self._with(turn, pressure, turn.gaps_of(start.strip), turn.gaps_of(start.alone), 1.0, True)
+        looked = True
         for _ in range(_STEPS):
             step = -np.linalg.solve(here.matrix, here.misses)
-            strip, alone = (np.tensordot(step, rates, 1) for rates in here.rates)
-            largest = max(_largest(here.strip.table, strip), _largest(here.alone.table, alone))
+            largest = here.moved(step)[2]
             if DEBUG: print("   gap step", here.misses, "step", step, "largest", f"{largest:.1e}", "sv", np.linalg.svd(here.matrix*np.array([here.room,here.pressure])/here.room,compute_uv=False),len(here.strip.table),len(here.alone.table),"room",here.room, time.process_time())
             if largest < _THERE:
-                return self._place(here)
+                if looked:
+                    return self._place(here)
+                before, looked = here, True
+                here = self._with(here.strip.turn, here.pressure, here.strip.table, here.alone.table, _ENDS, True)
+                if here.strip.table.shape == before.strip.table.shape and here.alone.table.shape == before.alone.table.shape:
+                    return self._place(here)
+                continue
             step = step / max(1.0, abs(step[0]) / (_TRUSTED * here.room), abs(step[1]) / (_LARGEST * here.pressure))
-            here = self._after(here, step)
-        raise _Lost("did not settle")
+            looked = largest > _FAR
+            here = self._after(here, step, largest, looked)
+        raise Lost("did not settle")
 
-    def _after(self, here: _Both, step: Array) -> _Both:
-        for halved in range(_HALVED + 1):
-            strip, alone = (np.tensordot(step, rates, 1) for rates in here.rates)
+    def _after(self, here: _Both, step: Array, off: float, look: bool) -> _Both:
+        """After a step, or as much of it as brings the root nearer, as the rates before it have that (P. Deuflhard, Newton Methods for
+        Nonlinear Problems, 2004, section 3.1): with the last part of it in any case, since widths bend where gaps come and go."""
+        size = np.array([here.room, here.pressure])
+        part, there = 1.0, None
+        for _ in range(_HALVED + 1):
+            strip, alone, _ = here.moved(part * step)
+            turn = StripTurn(self.problem, here.centre + part * float(step[0]), self._points)
             try:
-                return self._with(
-                    here.centre + step[0], here.pressure + step[1], spread(here.strip.table, strip, _PART),
-                    spread(here.alone.table, alone, _PART),
+                there = self._with(
+                    turn, here.pressure + part * float(step[1]), spread(here.strip.table, strip, _PART),
+                    spread(here.alone.table, alone, _PART), part * off, look,
                 )
-            except _Lost:
-                if halved == _HALVED:
+                left = np.linalg.solve(here.matrix, there.misses)
+                if np.linalg.norm(left / size) <= (1 - 0.25 * part) * here.far:
+                    break
+            except Lost:
+                if part < 0.1 and there is None:
                     raise
-                step = 0.5 * step
-        raise AssertionError
+            part *= 0.5
+        if there is None:
+            raise Lost("no step")
+        return there
 
-    def _at(self, centre: float, pressure: float, zones: Place) -> _Both:
-        turn = StripTurn(self.problem, centre, self._points)
-        return self._with(centre, pressure, turn.gaps_of(zones.strip), turn.gaps_of(zones.alone))
-
-    def _with(self, centre: float, pressure: float, strip: Array, alone: Array) -> _Both:
-        turn = StripTurn(self.problem, centre, self._points)
+    def _with(self, turn: StripTurn, pressure: float, strip: Array, alone: Array, off: float, look: bool) -> _Both:
+        tolerance = min(max(_FINER * off, _ENDS), _ROUGHLY)
         added = 2 * turn.half * pressure / np.pi
-        found = _contact(turn, pressure, self.load / np.pi - added, strip)
+        found = _contact(turn, pressure, self.load / np.pi - added, strip, tolerance, look)
         if found.borders is None:
-            raise _Lost("border")
-        return _Both(centre, pressure, found, _contact(turn, 0.0, added, alone))
+            raise Lost("border")
+        return _Both(turn.centre, pressure, found, _contact(turn, 0.0, added, alone, tolerance, look))
 
     @cached_property
     def _points(self) -> int:
@@ -196,19 +221,21 @@ def _largest(table: Array, moved: Array) -> float:
     return float((np.abs(moved) / room).max())
 
 
-def _contact(turn: StripTurn, beyond: float, mean: float, table: Array) -> GapContact:
+def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, tolerance: float, look: bool) -> GapContact:
     """From about its gaps, with those that its signs ask for."""
     equation = turn.equation(turn.relief, beyond * turn.half, mean)
     for _ in range(_ROUNDS):
         if len(table) == 0:
-            raise _Lost("no gap")
+            raise Lost("no gap")
         try:
-            free = sie.find_ends(equation, sie.Zones.of(table), _ENDS, _NEWTON, signs=(1.0, -1.0), drops=True)
+            free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _NEWTON, signs=(1.0, -1.0), drops=True, decay=_DECAY, bounded_ends=False)
         except (ValueError, sie.SingularSystem) as e:
-            raise _Lost(str(e)) from e
+            raise Lost(str(e)) from e
         if not free.converged:
-            raise _Lost(free.reason)
+            raise Lost(free.reason)
         found = GapContact(turn, beyond, mean, free.state)
+        if not look:
+            return found
         pulls, overlaps = _signs(found)
         if len(pulls) == 0 and len(overlaps) == 0:
             return found
@@ -216,10 +243,10 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array) -> GapCo
         try:
             table = united(np.concatenate((without(found.table, overlaps), pulls)), TURN, True, "gap")
         except WrongTopology as e:
-            raise _Lost(str(e)) from e
+            raise Lost(str(e)) from e
         table = centred_on(table, np.pi - 1e-3, TURN)
         table = table[np.argsort(table[:, 0])]
-    raise _Lost("signs")
+    raise Lost("signs")
 
 
 def _signs(found: GapContact) -> tuple[Array, Array]:

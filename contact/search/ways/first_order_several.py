@@ -30,6 +30,7 @@ from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
 from contact.search.ways.first_order_contacts import At, Place, Rates, room, table_of, width_of
+from contact.search.ways.first_order_gaps import GapClosure, Lost
 from contact.search.ways.guesses import EXACT
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
@@ -67,6 +68,9 @@ _CLOSELY, _FINER_GRID = 1e-5, 4
 _ROUGHLY, _FINER, _FINER_THAN_MISSED, _LAST = 1e-6, 1e-2, 0.02, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
+# Contact of more than this part of the strip is solved by its gaps.
+_NEARLY_FULL = 0.5
+DEBUG = False
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
 
@@ -166,24 +170,47 @@ class FirstOrderOfSeveral:
 
     def _started(self, grid: ClosureGrid, rough: AtPressure) -> At:
         """The contacts under the nominal pressure of the grids, from zones of finer ones."""
+        place = self._by_gaps(grid, rough)
+        if place is not None:
+            return self._begun(place, _ROUGHLY)
         try:
             return self._from_grid(grid, rough, _FINER_GRID * grid.points)
         except NotConverged:
             # Beside the border a finer grid may tell zones that the exact contact does not have.
             return self._from_grid(grid, rough, grid.points)
 
+    def _by_gaps(self, grid: ClosureGrid, rough: AtPressure) -> Place | None:
+        """The root by the gaps, where the contact is nearly full."""
+        if not grid.grid.turns or rough.widths[0] < _NEARLY_FULL * self.period:
+            return None
+        with self.task.plan.timed("zone ends"):
+            closure = GapClosure(self.problem, grid.load)
+            for points in (1, _FINER_GRID):
+                fine = rough if points == 1 else grid.closer(rough, points * grid.points, _CLOSELY)
+                try:
+                    return closure.root(self._place(grid, fine))
+                except Lost as lost:
+                    if DEBUG: print("LOST", lost)
+        return None
+
+    def _place(self, grid: ClosureGrid, fine: AtPressure) -> Place:
+        strip, alone = (self.problem.units.scaled(each.zones) for each in (fine.strip, fine.alone))
+        return Place(np.array([fine.centre, fine.amplitude, grid.load]), strip, alone)
+
     def _from_grid(self, grid: ClosureGrid, rough: AtPressure, points: int) -> At:
         part = self.task.plan["coarse search"]
         part.used = True
         with self.task.plan.timed("coarse search"):
             fine = grid.closer(rough, points, _CLOSELY)
-        assert fine.alone is not None
-        strip, alone = (self.problem.units.scaled(each.zones) for each in (fine.strip, fine.alone))
-        part.detail = f"{points} points, {len(strip)} zones proposed"
-        centre = fine.centre
-        if self.problem.profile.symmetric and abs(centre) < 0.25 * float(np.diff(strip).min()):
-            centre = 0.0
-        at = self._at(Place(np.array([centre, fine.amplitude, grid.load]), strip, alone), 1.0, _ROUGHLY)
+        place = self._place(grid, fine)
+        part.detail = f"{points} points, {len(place.strip)} zones proposed"
+        return self._begun(place, 1.0)
+
+    def _begun(self, place: Place, off: float) -> At:
+        centre = float(place.unknowns[0])
+        if self.problem.profile.symmetric and abs(centre) < 0.25 * float(np.diff(place.strip).min()):
+            place.unknowns[0] = 0.0
+        at = self._at(place, off, _ROUGHLY)
         self.wanted = self._wanted(at)
         return at
 
