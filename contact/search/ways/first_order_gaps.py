@@ -35,6 +35,17 @@ _ROUNDS, _NONE, _OVERLAP, _SAMPLES = 8, 1e-6, 1e-4, 2**14
 # Of a gap or a zone that may go in a step; and what it is no farther than at the root.
 _PART, _THERE = 0.4, 1e-6
 _NEWTON = 25
+# Finer samples at the root, at the most, what they leave of what they change, and the least tolerance there.
+_FINER_SAMPLES, _FINEST, _LEFT, _LEAST = 4, 2**19, 0.1, 1e-12
+
+
+@dataclass(frozen=True)
+class _How:
+    """tolerance, decay: of the ends and of the coefficients; look: whether signs are looked at."""
+
+    tolerance: float
+    decay: float
+    look: bool
 
 
 class Lost(Exception):
@@ -48,7 +59,11 @@ class GapContact:
     turn: StripTurn
     beyond: float
     mean: float
-    state: sie.AnyState
+    free: sie.Free
+
+    @property
+    def state(self) -> sie.AnyState:
+        return self.free.state
 
     @cached_property
     def table(self) -> Array:
@@ -71,6 +86,12 @@ class GapContact:
         """Outward moves (2, n) that a change of the right side calls up."""
         equation = self.turn.equation(values, beyond, mean)
         return moves_by(sie.solve_zones(equation, self.state.density.zones, _RATES).density, self.state.density)
+
+    @property
+    def unsure(self) -> Array:
+        """What the ends may be off (2, n)."""
+        known = self.free.end_error + self.state.end_truncation
+        return np.asarray((known * np.diff(self.table, axis=1)).T)
 
     def widening(self, moved: Array) -> float:
         """What that adds to the width of the gaps."""
@@ -121,9 +142,27 @@ class _Both:
         return np.array(strip), np.array(alone)
 
     @cached_property
-    def far(self) -> float:
-        """Newton's step over the room and the nominal pressure."""
-        return float(np.linalg.norm(np.linalg.solve(self.matrix, self.misses) / (self.room, self.pressure)))
+    def step(self) -> Array:
+        """Newton's, of the centre and the nominal pressure."""
+        return np.asarray(-np.linalg.solve(self.matrix, self.misses))
+
+    @property
+    def unsure(self) -> Array:
+        """What the misses may be off."""
+        strip, alone = self.strip.unsure, self.alone.unsure
+        return np.array([self.strip.widening(strip) + self.alone.widening(alone), self._aside(strip * [[-1.0], [1.0]])])
+
+    @property
+    def following(self) -> Array:
+        """How the unknowns grow with the load."""
+        by_load = self.strip.moves(None, 0.0, 1 / np.pi)
+        return np.asarray(-np.linalg.solve(self.matrix, (-self.strip.widening(by_load), self._aside(by_load))))
+
+    def _aside(self, moved: Array) -> float:
+        """What outward moves of the gaps of the strip do to the middle of its outermost ends."""
+        assert self.strip.borders is not None
+        (left, right), sides = self.strip.borders, np.sin(self._ends)
+        return 0.5 * self.strip.turn.half * float(sides[0] * moved[1, left] - sides[1] * moved[0, right])
 
     def moved(self, step: Array) -> tuple[Array, Array, float]:
         """(outward moves of the gaps of the strip and of those alone by a step, the largest over the width of a gap or a zone)."""
@@ -134,74 +173,100 @@ class _Both:
     def matrix(self) -> Array:
         """Of the misses by the centre and the nominal pressure."""
         strip, alone = self.rates
-        assert self.strip.borders is not None
-        (left, right), sides = self.strip.borders, np.sin(self._ends)
         widths = [self.alone.widening(a) - self.strip.widening(s) for s, a in zip(strip, alone, strict=True)]
-        middle = [0.5 * self.strip.turn.half * float(sides[0] * s[1, left] - sides[1] * s[0, right]) for s in strip]
-        return np.array([widths, middle])
+        return np.array([widths, [self._aside(s) for s in strip]])
+
+
+@dataclass(frozen=True, eq=False)
+class Root:
+    """Both contacts at the root. off: what centre and nominal pressure may be off (2,); following: how they grow with the load (2,)."""
+
+    both: _Both
+    off: Array
+    following: Array
+    place: Place
 
 
 @dataclass(frozen=True, eq=False)
 class GapClosure:
-    """The root under a scaled load."""
+    """The root under a scaled load, whose gaps are found to a tolerance."""
 
     problem: Problem
     load: float
+    tolerance: float
 
-    def root(self, start: Place) -> Place:
+    @classmethod
+    def serves(cls, problem: Problem) -> bool:
+        """Whether a strip is one of a half-plane, of a profile without corners."""
+        profile = problem.profile
+        return problem.operator.strip_rest is None and profile.support is None and len(profile.kinks) == 0
+
+    def root(self, start: Place) -> Root:
         """From some zones near by; raises Lost."""
         centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
         turn = StripTurn(self.problem, centre, self._points)
-        here = self._with(turn, pressure, turn.gaps_of(start.strip), turn.gaps_of(start.alone), 1.0, True)
+        roughly = self._settled(self._with(turn, pressure, turn.gaps_of(start.strip), turn.gaps_of(start.alone), _How(_ROUGHLY, _DECAY, True)))
+        # Once more from closer samples of the profile: what these change tells what they leave.
+        finest = min(_FINER_SAMPLES * self._points, _FINEST)
+        finely = _How(max(self.tolerance, _LEAST), max(0.1 * self.tolerance, _LEAST), False)
+        turn = StripTurn(self.problem, roughly.centre, finest)
+        here = self._with(turn, roughly.pressure, roughly.strip.table, roughly.alone.table, finely)
+        first = here.step
+        turn = StripTurn(self.problem, here.centre + float(first[0]), finest)
+        moved = here.moved(first)
+        here = self._with(turn, here.pressure + float(first[1]), here.strip.table + _outward(moved[0]), here.alone.table + _outward(moved[1]), finely)
+        last = here.step
+        if DEBUG: print("   fine", first, last, here.unsure)
+        off = np.abs(last) + np.abs(np.linalg.inv(here.matrix)) @ here.unsure + _LEFT * np.abs(first)
+        place = Place(np.array([here.centre, here.pressure, self.load]), *(each.turn.zones_of(each.table) for each in (here.strip, here.alone)))
+        return Root(here, off, here.following, place)
+
+    def _settled(self, here: _Both) -> _Both:
         looked = True
         for _ in range(_STEPS):
-            step = -np.linalg.solve(here.matrix, here.misses)
-            largest = here.moved(step)[2]
+            step, largest = here.step, here.moved(here.step)[2]
             if DEBUG: print("   gap step", here.misses, "step", step, "largest", f"{largest:.1e}", "sv", np.linalg.svd(here.matrix*np.array([here.room,here.pressure])/here.room,compute_uv=False),len(here.strip.table),len(here.alone.table),"room",here.room, time.process_time())
             if largest < _THERE:
                 if looked:
-                    return self._place(here)
+                    return here
                 before, looked = here, True
-                here = self._with(here.strip.turn, here.pressure, here.strip.table, here.alone.table, _ENDS, True)
+                here = self._with(here.strip.turn, here.pressure, here.strip.table, here.alone.table, _How(_ENDS, _DECAY, True))
                 if here.strip.table.shape == before.strip.table.shape and here.alone.table.shape == before.alone.table.shape:
-                    return self._place(here)
+                    return here
                 continue
             step = step / max(1.0, abs(step[0]) / (_TRUSTED * here.room), abs(step[1]) / (_LARGEST * here.pressure))
             looked = largest > _FAR
-            here = self._after(here, step, largest, looked)
-        raise Lost("did not settle")
+            here = self._after(here, step, _How(min(max(_FINER * largest, _ENDS), _ROUGHLY), _DECAY, looked))
+        raise Lost("the nominal pressure did not settle")
 
-    def _after(self, here: _Both, step: Array, off: float, look: bool) -> _Both:
+    def _after(self, here: _Both, step: Array, how: _How) -> _Both:
         """After a step, or as much of it as brings the root nearer, as the rates before it have that (P. Deuflhard, Newton Methods for
         Nonlinear Problems, 2004, section 3.1): with the last part of it in any case, since widths bend where gaps come and go."""
         size = np.array([here.room, here.pressure])
-        part, there = 1.0, None
-        for _ in range(_HALVED + 1):
+        far = float(np.linalg.norm(here.step / size))
+        there: _Both | None = None
+        for halved in range(_HALVED + 1):
+            part = 0.5**halved
             strip, alone, _ = here.moved(part * step)
             turn = StripTurn(self.problem, here.centre + part * float(step[0]), self._points)
+            strip, alone = (spread(each.table, by, _PART) for each, by in ((here.strip, strip), (here.alone, alone)))
             try:
-                there = self._with(
-                    turn, here.pressure + part * float(step[1]), spread(here.strip.table, strip, _PART),
-                    spread(here.alone.table, alone, _PART), part * off, look,
-                )
-                left = np.linalg.solve(here.matrix, there.misses)
-                if np.linalg.norm(left / size) <= (1 - 0.25 * part) * here.far:
-                    break
-            except Lost:
-                if part < 0.1 and there is None:
-                    raise
-            part *= 0.5
+                there = self._with(turn, here.pressure + part * float(step[1]), strip, alone, how)
+            except Lost as lost:
+                reason = lost
+                continue
+            if np.linalg.norm(np.linalg.solve(here.matrix, there.misses) / size) <= (1 - 0.25 * part) * far:
+                break
         if there is None:
-            raise Lost("no step")
+            raise reason
         return there
 
-    def _with(self, turn: StripTurn, pressure: float, strip: Array, alone: Array, off: float, look: bool) -> _Both:
-        tolerance = min(max(_FINER * off, _ENDS), _ROUGHLY)
+    def _with(self, turn: StripTurn, pressure: float, strip: Array, alone: Array, how: _How) -> _Both:
         added = 2 * turn.half * pressure / np.pi
-        found = _contact(turn, pressure, self.load / np.pi - added, strip, tolerance, look)
+        found = _contact(turn, pressure, self.load / np.pi - added, strip, how)
         if found.borders is None:
-            raise Lost("border")
-        return _Both(turn.centre, pressure, found, _contact(turn, 0.0, added, alone, tolerance, look))
+            raise Lost("the strip reaches its border")
+        return _Both(turn.centre, pressure, found, _contact(turn, 0.0, added, alone, how))
 
     @cached_property
     def _points(self) -> int:
@@ -210,9 +275,10 @@ class GapClosure:
         features = 16.0 if profile.feature is None else profile.period / profile.feature
         return 2 ** int(np.clip(np.ceil(np.log2(_CLOSE * features)), math.log2(_FEWEST), math.log2(_MOST)))
 
-    def _place(self, here: _Both) -> Place:
-        turn = here.strip.turn
-        return Place(np.array([here.centre, here.pressure, self.load]), turn.zones_of(here.strip.table), turn.zones_of(here.alone.table))
+
+def _outward(moved: Array) -> Array:
+    """Outward moves (2, n) as changes of a table (n, 2)."""
+    return np.asarray(np.column_stack((-moved[0], moved[1])))
 
 
 def _largest(table: Array, moved: Array) -> float:
@@ -221,20 +287,23 @@ def _largest(table: Array, moved: Array) -> float:
     return float((np.abs(moved) / room).max())
 
 
-def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, tolerance: float, look: bool) -> GapContact:
+def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _How) -> GapContact:
     """From about its gaps, with those that its signs ask for."""
     equation = turn.equation(turn.relief, beyond * turn.half, mean)
     for _ in range(_ROUNDS):
         if len(table) == 0:
             raise Lost("no gap")
         try:
-            free = sie.find_ends(equation, sie.Zones.of(table), tolerance, _NEWTON, signs=(1.0, -1.0), drops=True, decay=_DECAY, bounded_ends=False)
+            zones = sie.Zones.of(table)
+            free = sie.find_ends(
+                equation, zones, how.tolerance, _NEWTON, signs=(1.0, -1.0), drops=how.look, decay=how.decay, bounded_ends=False
+            )
         except (ValueError, sie.SingularSystem) as e:
             raise Lost(str(e)) from e
         if not free.converged:
             raise Lost(free.reason)
-        found = GapContact(turn, beyond, mean, free.state)
-        if not look:
+        found = GapContact(turn, beyond, mean, free)
+        if not how.look:
             return found
         pulls, overlaps = _signs(found)
         if len(pulls) == 0 and len(overlaps) == 0:

@@ -29,7 +29,7 @@ from contact.search.task import LEAST, Task
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
-from contact.search.ways.first_order_contacts import At, Place, Rates, room, table_of, width_of
+from contact.search.ways.first_order_contacts import At, Place, Rates, StripRates, room, table_of, width_of
 from contact.search.ways.first_order_gaps import GapClosure, Lost
 from contact.search.ways.guesses import EXACT
 from contact.verify.accuracy import Found
@@ -69,7 +69,7 @@ _ROUGHLY, _FINER, _FINER_THAN_MISSED, _LAST = 1e-6, 1e-2, 0.02, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
 # Contact of more than this part of the strip is solved by its gaps.
-_NEARLY_FULL = 0.5
+_NEARLY_FULL, _OF_GAPS = 0.5, 0.1
 DEBUG = False
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
@@ -80,6 +80,7 @@ class Closed(Found):
     """The zones of the strip, and at: the contacts that they and the nominal pressure are of."""
 
     at: At | None = None
+    place: Place | None = None
 
 
 @dataclass
@@ -124,7 +125,7 @@ class FirstOrderOfSeveral:
             rough = self._rough(grid, first)
             if rough.unrest is not None:
                 raise self._refused(rough.unrest)
-            return self._exact(self._started(grid, rough))
+            return self._by_gaps(grid, rough) or self._exact(self._started(grid, rough))
         assert control.approach is not None
         low, high = 0.0, math.inf
         refused: Unrest | None = None
@@ -135,7 +136,7 @@ class FirstOrderOfSeveral:
                 high, refused = grid.load, rough.unrest
             else:
                 at = self._started(grid, rough)
-                rates = Rates(at, 0.0)
+                rates = Rates.of(at, 0.0)
                 step = (control.approach + at.strip.fields.level) / float(rates.approach @ rates.following)
                 if abs(step) < _NEAR * grid.load:
                     return self._exact(at)
@@ -156,6 +157,11 @@ class FirstOrderOfSeveral:
 
     def closer(self, found: Closed) -> Found:
         """The same more tightly."""
+        if found.place is not None:
+            try:
+                return self._of_gaps(found.place)
+            except Lost as lost:
+                raise NotConverged(f"not converged: {lost}") from lost
         assert found.at is not None
         at = found.at
         self.wanted, self.again = self._wanted(at), True
@@ -170,28 +176,40 @@ class FirstOrderOfSeveral:
 
     def _started(self, grid: ClosureGrid, rough: AtPressure) -> At:
         """The contacts under the nominal pressure of the grids, from zones of finer ones."""
-        place = self._by_gaps(grid, rough)
-        if place is not None:
-            return self._begun(place, _ROUGHLY)
         try:
             return self._from_grid(grid, rough, _FINER_GRID * grid.points)
         except NotConverged:
             # Beside the border a finer grid may tell zones that the exact contact does not have.
             return self._from_grid(grid, rough, grid.points)
 
-    def _by_gaps(self, grid: ClosureGrid, rough: AtPressure) -> Place | None:
+    def _by_gaps(self, grid: ClosureGrid, rough: AtPressure) -> Closed | None:
         """The root by the gaps, where the contact is nearly full."""
-        if not grid.grid.turns or rough.widths[0] < _NEARLY_FULL * self.period:
+        if not GapClosure.serves(self.problem) or rough.widths[0] < _NEARLY_FULL * self.period:
             return None
-        with self.task.plan.timed("zone ends"):
-            closure = GapClosure(self.problem, grid.load)
-            for points in (1, _FINER_GRID):
-                fine = rough if points == 1 else grid.closer(rough, points * grid.points, _CLOSELY)
-                try:
-                    return closure.root(self._place(grid, fine))
-                except Lost as lost:
-                    if DEBUG: print("LOST", lost)
+        for points in (1, _FINER_GRID):
+            with self.task.plan.timed("coarse search"):
+                place = self._place(grid, rough if points == 1 else grid.closer(rough, points * grid.points, _CLOSELY))
+            try:
+                return self._of_gaps(place)
+            except Lost as lost:
+                if DEBUG: print("LOST", lost)
         return None
+
+    def _of_gaps(self, place: Place) -> Closed:
+        """The strip at the root, from some zones near by."""
+        tolerance, load = self.task.tolerance, float(place.unknowns[2])
+        with self.task.plan.timed("zone ends"):
+            root = GapClosure(self.problem, load, _OF_GAPS * tolerance).root(place)
+            (centre, pressure), problem = root.place.unknowns[:2], self.problem
+            problem = problem.with_amplitude(float(pressure)).about(float(centre))
+            form, newton = ByPressure(problem), Newton(tolerance, off=_ROUGHLY)
+            found = refine_topology(form, Load(load), root.place.strip, newton, self.task.progress, False, self.task.plan.timed)
+            if isinstance(found, Missed) or len(table_of(found)) != len(root.place.strip):
+                raise Lost("the strip by its zones")
+        rates = StripRates(found, 0.0)
+        fields = replace(found.fields, amplitude_rate=float(root.following[1]), centring=float(rates.approach[0] * root.following[0]))
+        off = rates.of_ends(np.append(_MARGIN * root.off, 0.0))
+        return Closed(**{**vars(found), "fields": fields, "control": self.scaled.control, "off": found.off + off}, place=root.place)
 
     def _place(self, grid: ClosureGrid, fine: AtPressure) -> Place:
         strip, alone = (self.problem.units.scaled(each.zones) for each in (fine.strip, fine.alone))
@@ -292,7 +310,7 @@ class FirstOrderOfSeveral:
             load = (approach + at.strip.fields.level) / rate
             # The load that has the approach is off by what centre and nominal pressure are, and these by what it is.
             missed = np.append(off, 0.0) + np.abs(follows) * (_MARGIN * abs(load) + float(np.abs(rates.approach[:2]) @ off) / abs(rate))
-            settled = rates.of_ends(load * follows, at.table).max() <= self.task.tolerance
+            settled = rates.of_ends(load * follows).max() <= self.task.tolerance
             if settled or (abs(load) > _SLOW * before and before < self.task.tol * size):
                 break
             before, asked = abs(load), abs(load) / size
@@ -302,7 +320,7 @@ class FirstOrderOfSeveral:
         fields: ZoneFields = replace(
             at.strip.fields, amplitude_rate=float(follows[1]), centring=float(rates.approach[0] * follows[0])
         )
-        found = replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed, at.table))
+        found = replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed))
         return Closed(**{**vars(found), "rounded": self.rounded}, at=at)
 
     def _signed(self, at: At) -> tuple[At, Rates, Array]:
@@ -325,11 +343,11 @@ class FirstOrderOfSeveral:
         steps of all ends, the centre and the nominal pressure at once, each with one solution of the strip and one of its profile alone.
         None where they do not come ever closer."""
         before, slow, looked, last = math.inf, 0, False, False
-        rates, size = Rates(at, _ROUGHLY), np.array([self.period, at.unknowns[1]])
+        rates, size = Rates.of(at, _ROUGHLY), np.array([self.period, at.unknowns[1]])
         matrix = rates.matrix
         for _ in range(_TOGETHER):
             step = np.append(-np.linalg.solve(matrix, at.misses), 0.0)
-            off = float(rates.of_ends(step, at.table).max())
+            off = float(rates.of_ends(step).max())
             if last:
                 self.rounded = self.again and off > self.wanted
                 return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
@@ -352,7 +370,7 @@ class FirstOrderOfSeveral:
             except (NotConverged, WrongTopology, sie.SingularSystem):
                 return None
             if last or not there.same_zones(at):
-                rates = Rates(there, 0.0 if last else _ROUGHLY)
+                rates = Rates.of(there, 0.0 if last else _ROUGHLY)
                 matrix = rates.matrix
             else:
                 matrix = matrix + _secant(matrix, step[:2], there.misses - at.misses, size)
@@ -384,7 +402,7 @@ class FirstOrderOfSeveral:
         """(contacts at the root under their load, rates near it, what centre and nominal pressure are off): Newton's steps within a bracket
         of the nominal pressure, since widths bend sharply where zones are born or meet. watched: signs are looked at after every step, as
         once zones have come or gone."""
-        rates = Rates(at, 0.0)
+        rates = Rates.of(at, 0.0)
         matrix, misses = rates.matrix, at.misses
         size, bracket, before = np.array([self.period, at.unknowns[1]]), _Bracket(), math.inf
         least, stalled, wild = math.inf, 0, 0
@@ -396,7 +414,7 @@ class FirstOrderOfSeveral:
             step = np.zeros(3)
             step[:2] = -np.linalg.solve(matrix, misses)
             asked = float(np.abs(step[:2] / size).max())
-            off = rates.of_ends(step, at.table)
+            off = rates.of_ends(step)
             settled = off.max() <= self.wanted or (asked > _SLOW * before and before < self.task.tol)
             if settled and at.strip.tolerance <= self.wanted:
                 self.rounded = self.again and bool(off.max() > self.wanted)
@@ -425,7 +443,7 @@ class FirstOrderOfSeveral:
             same = there.same_zones(at)
             watched = watched or not same
             if not same or (asked > _BENT and not there.strip.fields.state.iterated):
-                rates = Rates(there, 0.0)
+                rates = Rates.of(there, 0.0)
                 matrix = rates.matrix
             at, before = there, asked if same else math.inf
         if weak <= _WEAK:
