@@ -9,7 +9,8 @@ part of what one solution by the zones takes.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -35,8 +36,6 @@ _ROUNDS, _NONE, _OVERLAP, _SAMPLES = 8, 1e-6, 1e-4, 2**14
 # Of a gap or a zone that may go in a step; and what it is no farther than at the root.
 _PART, _THERE = 0.4, 1e-6
 _NEWTON = 25
-# Finer samples at the root, at the most, what they leave of what they change, and the least tolerance there.
-_FINER_SAMPLES, _FINEST, _LEFT, _LEAST = 4, 2**19, 0.1, 1e-12
 
 
 @dataclass(frozen=True)
@@ -82,16 +81,19 @@ class GapContact:
         found = [np.flatnonzero((self.table[:, 0] < at) & (self.table[:, 1] > at)) for at in (0.0, np.pi)]
         return (int(found[0][0]), int(found[1][0])) if len(found[0]) and len(found[1]) else None
 
-    def moves(self, values: Array | None, beyond: float, mean: float) -> Array:
+    def moves(self, given: Callable[[Array], Array] | None, beyond: float, mean: float) -> Array:
         """Outward moves (2, n) that a change of the right side calls up."""
-        equation = self.turn.equation(values, beyond, mean)
+        equation = self.turn.equation(given, beyond, mean)
         return moves_by(sie.solve_zones(equation, self.state.density.zones, _RATES).density, self.state.density)
 
-    @property
-    def unsure(self) -> Array:
-        """What the ends may be off (2, n)."""
-        known = self.free.end_error + self.state.end_truncation
-        return np.asarray((known * np.diff(self.table, axis=1)).T)
+    def finely(self, decay: float) -> tuple[Array, Array]:
+        """(outward moves (2, n) that the exact profile and longer series ask for, what they leave)."""
+        zones = self.state.density.zones
+        equation = self.turn.equation(self.turn.exact_at, self.beyond * self.turn.half, self.mean)
+        state = sie.solve_zones(equation, zones, decay)
+        moved, widths = moves_by(state.density, state.density), np.diff(self.table, axis=1)
+        if DEBUG: print("finely", state.density.coefficients.shape, "trunc", (state.end_truncation).max(), np.abs(moved/widths.T).max())
+        return moved, (state.end_truncation * widths).T + moved**2 / widths.T
 
     def widening(self, moved: Array) -> float:
         """What that adds to the width of the gaps."""
@@ -137,8 +139,8 @@ class _Both:
         """(outward moves of the gaps of the strip by the centre and the nominal pressure (2, 2, n), the same of those alone)."""
         turn = self.strip.turn
         added = 2 * turn.half / np.pi
-        strip = [self.strip.moves(turn.by_centre, 0.0, 0.0), self.strip.moves(None, turn.half, -added)]
-        alone = [self.alone.moves(turn.by_centre, 0.0, 0.0), self.alone.moves(None, 0.0, added)]
+        strip = [self.strip.moves(turn.by_centre_at, 0.0, 0.0), self.strip.moves(None, turn.half, -added)]
+        alone = [self.alone.moves(turn.by_centre_at, 0.0, 0.0), self.alone.moves(None, 0.0, added)]
         return np.array(strip), np.array(alone)
 
     @cached_property
@@ -147,18 +149,12 @@ class _Both:
         return np.asarray(-np.linalg.solve(self.matrix, self.misses))
 
     @property
-    def unsure(self) -> Array:
-        """What the misses may be off."""
-        strip, alone = self.strip.unsure, self.alone.unsure
-        return np.array([self.strip.widening(strip) + self.alone.widening(alone), self._aside(strip * [[-1.0], [1.0]])])
-
-    @property
     def following(self) -> Array:
         """How the unknowns grow with the load."""
         by_load = self.strip.moves(None, 0.0, 1 / np.pi)
-        return np.asarray(-np.linalg.solve(self.matrix, (-self.strip.widening(by_load), self._aside(by_load))))
+        return np.asarray(-np.linalg.solve(self.matrix, (-self.strip.widening(by_load), self.aside(by_load))))
 
-    def _aside(self, moved: Array) -> float:
+    def aside(self, moved: Array) -> float:
         """What outward moves of the gaps of the strip do to the middle of its outermost ends."""
         assert self.strip.borders is not None
         (left, right), sides = self.strip.borders, np.sin(self._ends)
@@ -174,17 +170,16 @@ class _Both:
         """Of the misses by the centre and the nominal pressure."""
         strip, alone = self.rates
         widths = [self.alone.widening(a) - self.strip.widening(s) for s, a in zip(strip, alone, strict=True)]
-        return np.array([widths, [self._aside(s) for s in strip]])
+        return np.array([widths, [self.aside(s) for s in strip]])
 
 
 @dataclass(frozen=True, eq=False)
 class Root:
-    """Both contacts at the root. off: what centre and nominal pressure may be off (2,); following: how they grow with the load (2,)."""
+    """The zones at the root. off: what centre and nominal pressure may be off (2,); following: how they grow with the load (2,)."""
 
-    both: _Both
+    place: Place
     off: Array
     following: Array
-    place: Place
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,21 +200,18 @@ class GapClosure:
         """From some zones near by; raises Lost."""
         centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
         turn = StripTurn(self.problem, centre, self._points)
-        roughly = self._settled(self._with(turn, pressure, turn.gaps_of(start.strip), turn.gaps_of(start.alone), _How(_ROUGHLY, _DECAY, True)))
-        # Once more from closer samples of the profile: what these change tells what they leave.
-        finest = min(_FINER_SAMPLES * self._points, _FINEST)
-        finely = _How(max(self.tolerance, _LEAST), max(0.1 * self.tolerance, _LEAST), False)
-        turn = StripTurn(self.problem, roughly.centre, finest)
-        here = self._with(turn, roughly.pressure, roughly.strip.table, roughly.alone.table, finely)
-        first = here.step
-        turn = StripTurn(self.problem, here.centre + float(first[0]), finest)
-        moved = here.moved(first)
-        here = self._with(turn, here.pressure + float(first[1]), here.strip.table + _outward(moved[0]), here.alone.table + _outward(moved[1]), finely)
-        last = here.step
-        if DEBUG: print("   fine", first, last, here.unsure)
-        off = np.abs(last) + np.abs(np.linalg.inv(here.matrix)) @ here.unsure + _LEFT * np.abs(first)
-        place = Place(np.array([here.centre, here.pressure, self.load]), *(each.turn.zones_of(each.table) for each in (here.strip, here.alone)))
-        return Root(here, off, here.following, place)
+        here = self._settled(self._with(turn, pressure, turn.gaps_of(start.strip), turn.gaps_of(start.alone), _How(_ROUGHLY, _DECAY, True)))
+        # One more step, by the exact profile and longer series.
+        (strip, of_strip), (alone, of_alone) = (each.finely(self.tolerance) for each in (here.strip, here.alone))
+        missed = here.misses + (here.alone.widening(alone) - here.strip.widening(strip), here.aside(strip))
+        step = -np.linalg.solve(here.matrix, missed)
+        left = here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])
+        off = np.abs(np.linalg.inv(here.matrix)) @ left
+        by_strip, by_alone, _ = here.moved(step)
+        turn = StripTurn(self.problem, here.centre + float(step[0]), self._points)
+        zones = (turn.zones_of(each.table + _outward(moved)) for each, moved in ((here.strip, strip + by_strip), (here.alone, alone + by_alone)))
+        if DEBUG: print("   fine", missed, step, left, off)
+        return Root(Place(np.array([turn.centre, here.pressure + float(step[1]), self.load]), *zones), off, here.following)
 
     def _settled(self, here: _Both) -> _Both:
         looked = True
@@ -289,7 +281,7 @@ def _largest(table: Array, moved: Array) -> float:
 
 def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _How) -> GapContact:
     """From about its gaps, with those that its signs ask for."""
-    equation = turn.equation(turn.relief, beyond * turn.half, mean)
+    equation = turn.equation(turn.relief_at, beyond * turn.half, mean)
     for _ in range(_ROUNDS):
         if len(table) == 0:
             raise Lost("no gap")
@@ -326,7 +318,7 @@ def _signs(found: GapContact) -> tuple[Array, Array]:
     angle = np.concatenate((turn.angles[::every], TURN - turn.angles[::-every]))
     angle = np.sort(zones.a[0] + (angle - zones.a[0]) % TURN)
     inside = density.locate(angle)[2]
-    pressure = found.mean - turn.between(turn.relief, angle) + found.beyond * turn.half * np.abs(np.sin(angle)) + density.transform(angle)
+    pressure = found.mean - turn.relief_at(angle) + found.beyond * turn.half * np.abs(np.sin(angle)) + density.transform(angle)
     pulls = _runs(~inside & (pressure < -_NONE * np.abs(pressure[~inside]).max(initial=0.0)), angle)
     overlaps = []
     for k in range(len(zones)):
