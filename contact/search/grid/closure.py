@@ -105,6 +105,7 @@ class ClosureGrid:
             2 ** int(np.clip(np.ceil(np.log2(max(cells * features, 1.0))), math.log2(_FEWEST), math.log2(most)))
             for cells, most in ((_CELLS, _MOST), (_CELLS_FINELY, _FINEST))
         )
+        self.rough_is_enough = True
         # How the miss goes with the logarithm of the nominal pressure.
         self.rate = -_POWER
 
@@ -123,7 +124,7 @@ class ClosureGrid:
         """The contacts at the root, roughly, from some; with the strip's unrest, where it has none: then the profile alone is in wider
         contact wherever the strip is clear of its border."""
         found, clear = self._followed(here)
-        while self.points < self.finest:
+        while self.points < self.finest and not (found.unrest is None and self.grid.turns and self.rough_is_enough):
             # What a coarse grid tells is the beginning of what a finer one does.
             if found.unrest is not None and clear is None:
                 return found

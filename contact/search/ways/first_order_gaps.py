@@ -34,8 +34,10 @@ _STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 3, 0.25, 0.2
 # Rounds in which signs are looked at; of the largest pressure, and of the largest gap: what is none. Samples looked at.
 _ROUNDS, _NONE, _OVERLAP, _SAMPLES = 8, 1e-6, 1e-4, 2**14
 # Of a gap or a zone that may go in a step; and what it is no farther than at the root.
-_PART, _THERE = 0.4, 1e-6
+_PART, _THERE, _NEAR = 0.4, 1e-4, 0.05
 _NEWTON = 25
+# Steps by the exact profile, and how long one may be after which there is none.
+_FINE_STEPS, _SQUARE = 3, 3e-6
 
 
 @dataclass(frozen=True)
@@ -53,21 +55,14 @@ class Lost(Exception):
 
 @dataclass(frozen=True, eq=False)
 class GapContact:
-    """A contact by its gaps in the angle. beyond: the nominal pressure beyond the strip."""
+    """A contact by its gaps in the angle. beyond: the nominal pressure beyond the strip; table: of the gaps (n, 2) of a turn; state: None of
+    gaps that were moved on."""
 
     turn: StripTurn
     beyond: float
     mean: float
-    free: sie.Free
-
-    @property
-    def state(self) -> sie.AnyState:
-        return self.free.state
-
-    @cached_property
-    def table(self) -> Array:
-        """The gaps (n, 2) of a turn."""
-        return self.state.density.zones.table
+    table: Array
+    state: sie.AnyState | None
 
     @cached_property
     def opened(self) -> float:
@@ -83,12 +78,13 @@ class GapContact:
 
     def moves(self, given: Callable[[Array], Array] | None, beyond: float, mean: float) -> Array:
         """Outward moves (2, n) that a change of the right side calls up."""
+        assert self.state is not None
         equation = self.turn.equation(given, beyond, mean)
         return moves_by(sie.solve_zones(equation, self.state.density.zones, _RATES).density, self.state.density)
 
     def finely(self, decay: float) -> tuple[Array, Array]:
         """(outward moves (2, n) that the exact profile and longer series ask for, what they leave)."""
-        zones = self.state.density.zones
+        zones = sie.Zones.of(self.table)
         equation = self.turn.equation(self.turn.exact_at, self.beyond * self.turn.half, self.mean)
         state = sie.solve_zones(equation, zones, decay)
         moved, widths = moves_by(state.density, state.density), np.diff(self.table, axis=1)
@@ -114,6 +110,7 @@ class _Both:
     pressure: float
     strip: GapContact
     alone: GapContact
+    kept: tuple[Array, Array] | None = None
 
     @cached_property
     def misses(self) -> Array:
@@ -121,6 +118,10 @@ class _Both:
         left, right = self._ends
         middle = -0.5 * self.strip.turn.half * (math.cos(left) + math.cos(right))
         return np.array([self.alone.opened - self.strip.opened, middle])
+
+    def same_gaps(self, other: _Both) -> bool:
+        """Whether both have as many gaps as before."""
+        return self.strip.table.shape == other.strip.table.shape and self.alone.table.shape == other.alone.table.shape
 
     @property
     def room(self) -> float:
@@ -137,6 +138,8 @@ class _Both:
     @cached_property
     def rates(self) -> tuple[Array, Array]:
         """(outward moves of the gaps of the strip by the centre and the nominal pressure (2, 2, n), the same of those alone)."""
+        if self.kept is not None:
+            return self.kept
         turn = self.strip.turn
         added = 2 * turn.half / np.pi
         strip = [self.strip.moves(turn.by_centre_at, 0.0, 0.0), self.strip.moves(None, turn.half, -added)]
@@ -201,34 +204,52 @@ class GapClosure:
         centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
         turn = StripTurn(self.problem, centre, self._points)
         here = self._settled(self._with(turn, pressure, turn.gaps_of(start.strip), turn.gaps_of(start.alone), _How(_ROUGHLY, _DECAY, True)))
-        # One more step, by the exact profile and longer series.
-        (strip, of_strip), (alone, of_alone) = (each.finely(self.tolerance) for each in (here.strip, here.alone))
-        missed = here.misses + (here.alone.widening(alone) - here.strip.widening(strip), here.aside(strip))
-        step = -np.linalg.solve(here.matrix, missed)
-        left = here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])
-        off = np.abs(np.linalg.inv(here.matrix)) @ left
-        by_strip, by_alone, _ = here.moved(step)
-        turn = StripTurn(self.problem, here.centre + float(step[0]), self._points)
-        zones = (turn.zones_of(each.table + _outward(moved)) for each, moved in ((here.strip, strip + by_strip), (here.alone, alone + by_alone)))
-        if DEBUG: print("   fine", missed, step, left, off)
-        return Root(Place(np.array([turn.centre, here.pressure + float(step[1]), self.load]), *zones), off, here.following)
+        following = here.following
+        # Newton's steps by the exact profile and longer series, at the same rates.
+        for _ in range(_FINE_STEPS):
+            (strip, of_strip), (alone, of_alone) = (each.finely(self.tolerance) for each in (here.strip, here.alone))
+            missed = here.misses + (here.alone.widening(alone) - here.strip.widening(strip), here.aside(strip))
+            step = -np.linalg.solve(here.matrix, missed)
+            left = here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])
+            off = np.abs(np.linalg.inv(here.matrix)) @ left
+            by_strip, by_alone, largest = here.moved(step)
+            if DEBUG: print("   fine", missed, step, left, off, largest)
+            tables = [each.table + _outward(moved) for each, moved in ((here.strip, strip + by_strip), (here.alone, alone + by_alone))]
+            turn = StripTurn(self.problem, here.centre + float(step[0]), self._points)
+            pressure = here.pressure + float(step[1])
+            largest = max(largest, _largest(here.strip.table, strip), _largest(here.alone.table, alone))
+            if largest < _SQUARE:
+                break
+            here = replace(self._on(turn, pressure, *tables), kept=here.rates)
+        place = Place(np.array([turn.centre, pressure, self.load]), *(turn.zones_of(table) for table in tables))
+        return Root(place, off, following)
+
+    def _on(self, turn: StripTurn, pressure: float, strip: Array, alone: Array) -> _Both:
+        """On gaps as they are."""
+        added = 2 * turn.half * pressure / np.pi
+        found = (GapContact(turn, pressure, self.load / np.pi - added, strip, None), GapContact(turn, 0.0, added, alone, None))
+        return _Both(turn.centre, pressure, *found)
 
     def _settled(self, here: _Both) -> _Both:
+        """At the root, as nearly as samples tell it."""
         looked = True
         for _ in range(_STEPS):
             step, largest = here.step, here.moved(here.step)[2]
-            if DEBUG: print("   gap step", here.misses, "step", step, "largest", f"{largest:.1e}", "sv", np.linalg.svd(here.matrix*np.array([here.room,here.pressure])/here.room,compute_uv=False),len(here.strip.table),len(here.alone.table),"room",here.room, time.process_time())
+            if DEBUG: print("   gap step", here.misses, "step", step, "largest", f"{largest:.1e}", len(here.strip.table),len(here.alone.table),"room",here.room, here.kept is not None, time.process_time())
             if largest < _THERE:
                 if looked:
                     return here
                 before, looked = here, True
                 here = self._with(here.strip.turn, here.pressure, here.strip.table, here.alone.table, _How(_ENDS, _DECAY, True))
-                if here.strip.table.shape == before.strip.table.shape and here.alone.table.shape == before.alone.table.shape:
-                    return here
+                if here.same_gaps(before):
+                    return replace(here, kept=before.rates)
                 continue
             step = step / max(1.0, abs(step[0]) / (_TRUSTED * here.room), abs(step[1]) / (_LARGEST * here.pressure))
             looked = largest > _FAR
+            before = here
             here = self._after(here, step, _How(min(max(_FINER * largest, _ENDS), _ROUGHLY), _DECAY, looked))
+            if largest < _NEAR and here.same_gaps(before):
+                here = replace(here, kept=before.rates)
         raise Lost("the nominal pressure did not settle")
 
     def _after(self, here: _Both, step: Array, how: _How) -> _Both:
@@ -237,6 +258,7 @@ class GapClosure:
         size = np.array([here.room, here.pressure])
         far = float(np.linalg.norm(here.step / size))
         there: _Both | None = None
+        reason = Lost()
         for halved in range(_HALVED + 1):
             part = 0.5**halved
             strip, alone, _ = here.moved(part * step)
@@ -294,7 +316,7 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _Ho
             raise Lost(str(e)) from e
         if not free.converged:
             raise Lost(free.reason)
-        found = GapContact(turn, beyond, mean, free)
+        found = GapContact(turn, beyond, mean, free.density.zones.table, free.state)
         if not how.look:
             return found
         pulls, overlaps = _signs(found)
@@ -312,6 +334,7 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _Ho
 
 def _signs(found: GapContact) -> tuple[Array, Array]:
     """(where the pressure pulls, where the gap is negative) on even samples."""
+    assert found.state is not None
     turn, density = found.turn, found.state.density
     zones = density.zones
     every = max(1, turn.points // _SAMPLES)

@@ -69,7 +69,7 @@ _ROUGHLY, _FINER, _FINER_THAN_MISSED, _LAST = 1e-6, 1e-2, 0.02, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
 # Contact of more than this part of the strip is solved by its gaps.
-_NEARLY_FULL, _OF_GAPS = 0.5, 0.1
+_NEARLY_FULL, _OF_GAPS = 0.5, 0.01
 DEBUG = False
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
