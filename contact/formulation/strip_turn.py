@@ -136,9 +136,11 @@ class StripTurn(sie.Kept):
 
         if beyond != 0.0:
             right = sie.Forcing(value, jumps_at=_BORDERS, jumps=np.full(2, -2 * beyond), orders=_OF_SLOPE)
-        else:
+        elif given is not None:
             at, heights, orders = self.jumps
             right = sie.Forcing(value, density_jumps_at=at, density_jumps=heights, density_orders=orders)
+        else:
+            right = sie.Forcing(value)
         conditions = sie.Amplitude(0, mean), sie.ZoneTotals(0.0)
         return sie.Equation(_KERNEL, right, conditions, (sie.Forcing(minus_one, modes=1),))
 

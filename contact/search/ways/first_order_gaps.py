@@ -83,13 +83,18 @@ class GapContact:
         return moves_by(sie.solve_zones(equation, self.state.density.zones, _RATES).density, self.state.density)
 
     def finely(self, decay: float) -> tuple[Array, Array]:
-        """(outward moves (2, n) that the exact profile and longer series ask for, what they leave)."""
-        zones = sie.Zones.of(self.table)
-        equation = self.turn.equation(self.turn.exact_at, self.beyond * self.turn.half, self.mean)
-        state = sie.solve_zones(equation, zones, decay)
-        moved, widths = moves_by(state.density, state.density), np.diff(self.table, axis=1)
-        if DEBUG: print("finely", state.density.coefficients.shape, "trunc", (state.end_truncation).max(), np.abs(moved/widths.T).max())
-        return moved, (state.end_truncation * widths).T + moved**2 / widths.T
+        """(outward moves (2, n) that the exact profile and longer series ask for, what they leave): of what it and what the nominal pressure
+        call up, each with the jumps that are its own."""
+        turn, zones = self.turn, sie.Zones.of(self.table)
+        parts = [turn.equation(turn.exact_at, 0.0, self.mean)]
+        parts += [turn.equation(None, self.beyond * turn.half, 0.0)] if self.beyond else []
+        states = [sie.solve_zones(equation, zones, decay) for equation in parts]
+        slopes = [np.array(state.density.edge_slopes) for state in states]
+        moved = 2 * sum(np.array(state.density.intensities) for state in states) / sum(slopes)
+        unsure = sum(np.abs(state.end_truncation.T * slope) for state, slope in zip(states, slopes, strict=True)) / np.abs(sum(slopes))
+        widths = np.diff(self.table, axis=1).T
+        if DEBUG: print("finely", [state.density.coefficients.shape for state in states], "trunc", unsure.max(), np.abs(moved/widths).max())
+        return moved, unsure * widths + moved**2 / widths
 
     def widening(self, moved: Array) -> float:
         """What that adds to the width of the gaps."""
@@ -178,7 +183,8 @@ class _Both:
 
 @dataclass(frozen=True, eq=False)
 class Root:
-    """The zones at the root. off: what centre and nominal pressure may be off (2,); following: how they grow with the load (2,)."""
+    """The zones at the root. off: what centre and nominal pressure may be off (2, 2), by what the width
+    and the centre are missed; following: how they grow with the load (2,)."""
 
     place: Place
     off: Array
@@ -211,7 +217,7 @@ class GapClosure:
             missed = here.misses + (here.alone.widening(alone) - here.strip.widening(strip), here.aside(strip))
             step = -np.linalg.solve(here.matrix, missed)
             left = here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])
-            off = np.abs(np.linalg.inv(here.matrix)) @ left
+            off = np.linalg.inv(here.matrix) * left
             by_strip, by_alone, largest = here.moved(step)
             if DEBUG: print("   fine", missed, step, left, off, largest)
             tables = [each.table + _outward(moved) for each, moved in ((here.strip, strip + by_strip), (here.alone, alone + by_alone))]

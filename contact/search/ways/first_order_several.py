@@ -208,7 +208,7 @@ class FirstOrderOfSeveral:
                 raise Lost("the strip by its zones")
         rates = StripRates(found, 0.0)
         fields = replace(found.fields, amplitude_rate=float(root.following[1]), centring=float(rates.approach[0] * root.following[0]))
-        off = rates.of_ends(np.append(_MARGIN * root.off, 0.0))
+        off = _MARGIN * sum(np.abs(rates.of_strip(np.append(step, 0.0))).T for step in root.off.T) / np.diff(table_of(found), axis=1)
         return Closed(**{**vars(found), "fields": fields, "control": self.scaled.control, "off": found.off + off}, place=root.place)
 
     def _place(self, grid: ClosureGrid, fine: AtPressure) -> Place:
