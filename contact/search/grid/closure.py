@@ -105,7 +105,6 @@ class ClosureGrid:
             2 ** int(np.clip(np.ceil(np.log2(max(cells * features, 1.0))), math.log2(_FEWEST), math.log2(most)))
             for cells, most in ((_CELLS, _MOST), (_CELLS_FINELY, _FINEST))
         )
-        self.rough_is_enough = True
         # How the miss goes with the logarithm of the nominal pressure.
         self.rate = -_POWER
 
@@ -120,11 +119,11 @@ class ClosureGrid:
             here = self._at(here.amplitude * math.exp(_CLEARED), centre, here)
         return here
 
-    def root(self, here: AtPressure) -> AtPressure:
+    def root(self, here: AtPressure, finely: bool) -> AtPressure:
         """The contacts at the root, roughly, from some; with the strip's unrest, where it has none: then the profile alone is in wider
-        contact wherever the strip is clear of its border."""
+        contact wherever the strip is clear of its border. finely: on the finest grids, even where a coarse one has a root."""
         found, clear = self._followed(here)
-        while self.points < self.finest and not (found.unrest is None and self.grid.turns and self.rough_is_enough):
+        while self.points < self.finest and (finely or found.unrest is not None):
             # What a coarse grid tells is the beginning of what a finer one does.
             if found.unrest is not None and clear is None:
                 return found

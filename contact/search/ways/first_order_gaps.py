@@ -30,11 +30,13 @@ _CLOSE, _FEWEST, _MOST = 32, 2**12, 2**17
 # Tolerance of the ends, and of what a unit of the unknowns calls up.
 _ENDS, _RATES, _DECAY, _ROUGHLY, _FINER, _FAR = 1e-6, 1e-5, 1e-5, 1e-3, 1e-2, 0.1
 # Steps at the most, how often one is halved, largest part of the room beside the border and of the nominal pressure in one.
-_STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 3, 0.25, 0.2
+_STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 3, 0.5, 0.2
 # Rounds in which signs are looked at; of the largest pressure, and of the largest gap: what is none. Samples looked at.
 _ROUNDS, _NONE, _OVERLAP, _SAMPLES = 8, 1e-6, 1e-4, 2**14
 # Of a gap or a zone that may go in a step; and what it is no farther than at the root.
 _PART, _THERE, _NEAR = 0.4, 1e-4, 0.05
+# Steps in a row of which none halves what is left.
+_STALLED, _SLOW = 5, 0.5
 _NEWTON = 25
 # Steps by the exact profile, and how long one may be after which there is none.
 _FINE_STEPS, _SQUARE = 3, 3e-6
@@ -50,7 +52,11 @@ class _How:
 
 
 class Lost(Exception):
-    """No gaps that lead on."""
+    """No gaps that lead on. last: contacts on the way there, where there are any."""
+
+    def __init__(self, reason: str, last: _Both | None = None) -> None:
+        super().__init__(reason)
+        self.last = last
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,6 +174,18 @@ class _Both:
         (left, right), sides = self.strip.borders, np.sin(self._ends)
         return 0.5 * self.strip.turn.half * float(sides[0] * moved[1, left] - sides[1] * moved[0, right])
 
+    @property
+    def far(self) -> float:
+        """Newton's step over the room beside the border and the nominal pressure."""
+        return float(np.linalg.norm(self.step / (self.room, self.pressure)))
+
+    def closing(self, step: Array) -> Array:
+        """By what part the gaps at the left and at the right border open in a step."""
+        assert self.strip.borders is not None
+        (left, right), moved = self.strip.borders, self.moved(step)[0]
+        ends = self._ends
+        return np.array([moved[1, left] / ends[0], moved[0, right] / (np.pi - ends[1])])
+
     def moved(self, step: Array) -> tuple[Array, Array, float]:
         """(outward moves of the gaps of the strip and of those alone by a step, the largest over the width of a gap or a zone)."""
         strip, alone = (np.tensordot(step, rates, 1) for rates in self.rates)
@@ -238,8 +256,12 @@ class GapClosure:
 
     def _settled(self, here: _Both) -> _Both:
         """At the root, as nearly as samples tell it."""
-        looked = True
+        looked, least, stalled = True, math.inf, 0
         for _ in range(_STEPS):
+            missed = here.far
+            least, stalled = (missed, 0) if missed < _SLOW * least else (least, stalled + 1)
+            if stalled > _STALLED:
+                break
             step, largest = here.step, here.moved(here.step)[2]
             if DEBUG: print("   gap step", here.misses, "step", step, "largest", f"{largest:.1e}", len(here.strip.table),len(here.alone.table),"room",here.room, here.kept is not None, time.process_time())
             if largest < _THERE:
@@ -250,21 +272,22 @@ class GapClosure:
                 if here.same_gaps(before):
                     return replace(here, kept=before.rates)
                 continue
-            step = step / max(1.0, abs(step[0]) / (_TRUSTED * here.room), abs(step[1]) / (_LARGEST * here.pressure))
             looked = largest > _FAR
             before = here
-            here = self._after(here, step, _How(min(max(_FINER * largest, _ENDS), _ROUGHLY), _DECAY, looked))
+            here = self._after(here, _How(min(max(_FINER * largest, _ENDS), _ROUGHLY), _DECAY, looked))
             if largest < _NEAR and here.same_gaps(before):
                 here = replace(here, kept=before.rates)
-        raise Lost("the nominal pressure did not settle")
+        raise Lost("the nominal pressure did not settle", here)
 
-    def _after(self, here: _Both, step: Array, how: _How) -> _Both:
+    def _after(self, here: _Both, how: _How) -> _Both:
         """After a step, or as much of it as brings the root nearer, as the rates before it have that (P. Deuflhard, Newton Methods for
         Nonlinear Problems, 2004, section 3.1): with the last part of it in any case, since widths bend where gaps come and go."""
         size = np.array([here.room, here.pressure])
-        far = float(np.linalg.norm(here.step / size))
+        beside, centre, pressure = here.closing(here.step), *np.abs(here.step)
+        whole = 1 / max(1.0, np.abs(beside).max() / _TRUSTED, centre / self._feature, pressure / (_LARGEST * here.pressure))
+        step = whole * here.step
         there: _Both | None = None
-        reason = Lost()
+        reason = Lost("")
         for halved in range(_HALVED + 1):
             part = 0.5**halved
             strip, alone, _ = here.moved(part * step)
@@ -275,7 +298,7 @@ class GapClosure:
             except Lost as lost:
                 reason = lost
                 continue
-            if np.linalg.norm(np.linalg.solve(here.matrix, there.misses) / size) <= (1 - 0.25 * part) * far:
+            if np.linalg.norm(np.linalg.solve(here.matrix, there.misses) / size) <= (1 - 0.25 * part * whole) * here.far:
                 break
         if there is None:
             raise reason
@@ -289,10 +312,16 @@ class GapClosure:
         return _Both(turn.centre, pressure, found, _contact(turn, 0.0, added, alone, how))
 
     @cached_property
-    def _points(self) -> int:
+    def _feature(self) -> float:
+        """The scaled length on which the profile varies."""
         profile = self.problem.profile
         assert profile.period is not None
-        features = 16.0 if profile.feature is None else profile.period / profile.feature
+        return (profile.feature or profile.period / 16) / self.problem.units.length
+
+    @cached_property
+    def _points(self) -> int:
+        assert self.problem.period is not None
+        features = self.problem.period / self._feature
         return 2 ** int(np.clip(np.ceil(np.log2(_CLOSE * features)), math.log2(_FEWEST), math.log2(_MOST)))
 
 

@@ -69,7 +69,7 @@ _ROUGHLY, _FINER, _FINER_THAN_MISSED, _LAST = 1e-6, 1e-2, 0.02, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
 # Contact of more than this part of the strip is solved by its gaps.
-_NEARLY_FULL, _OF_GAPS = 0.5, 0.01
+_NEARLY_FULL, _OF_GAPS = 0.5, 1e-3
 DEBUG = False
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
@@ -122,15 +122,12 @@ class FirstOrderOfSeveral:
         """The zones that carry the control, from grids under about its load."""
         control = self.scaled.control
         if control.load is not None:
-            rough = self._rough(grid, first)
-            if rough.unrest is not None:
-                raise self._refused(rough.unrest)
-            return self._by_gaps(grid, rough) or self._exact(self._started(grid, rough))
+            return self._under_load(grid, first)
         assert control.approach is not None
         low, high = 0.0, math.inf
         refused: Unrest | None = None
         for _ in range(_LOADS):
-            rough = self._rough(grid, first)
+            rough = self._rough(grid, first, True)
             step = math.nan
             if rough.unrest is not None:
                 high, refused = grid.load, rough.unrest
@@ -159,7 +156,7 @@ class FirstOrderOfSeveral:
         """The same more tightly."""
         if found.place is not None:
             try:
-                return self._of_gaps(found.place)
+                return self._by_gaps(found.place)
             except Lost as lost:
                 raise NotConverged(f"not converged: {lost}") from lost
         assert found.at is not None
@@ -167,9 +164,23 @@ class FirstOrderOfSeveral:
         self.wanted, self.again = self._wanted(at), True
         return self._exact(self._at(Place(at.unknowns, at.table, table_of(at.alone)), self.task.tolerance, 0.0))
 
-    def _rough(self, grid: ClosureGrid, first: AtPressure) -> AtPressure:
+    def _under_load(self, grid: ClosureGrid, first: AtPressure) -> Found:
+        """By the gaps from coarse grids, or from fine ones; where these do not serve, by the zones."""
+        by_gaps = GapClosure.serves(self.problem)
+        for finely in (False, True) if by_gaps else (True,):
+            first = self._rough(grid, first, finely)
+            if first.unrest is not None:
+                raise self._refused(first.unrest)
+            if by_gaps and first.widths[0] > _NEARLY_FULL * self.period:
+                try:
+                    return self._by_gaps(self._place(grid, first))
+                except Lost as lost:
+                    if DEBUG: print("LOST", lost, None if lost.last is None else (lost.last.misses, lost.last.room, lost.last.strip.opened, lost.last.alone.opened))
+        return self._exact(self._started(grid, first))
+
+    def _rough(self, grid: ClosureGrid, first: AtPressure, finely: bool) -> AtPressure:
         with self.task.plan.timed("coarse search"):
-            return grid.root(first)
+            return grid.root(first, finely)
 
     def _refused(self, why: Unrest) -> OutOfRange:
         return OutOfRange(f"{self.scaled.control.told(self.problem.units)}: under the first-order closure {why.value}; {EXACT}")
@@ -182,20 +193,7 @@ class FirstOrderOfSeveral:
             # Beside the border a finer grid may tell zones that the exact contact does not have.
             return self._from_grid(grid, rough, grid.points)
 
-    def _by_gaps(self, grid: ClosureGrid, rough: AtPressure) -> Closed | None:
-        """The root by the gaps, where the contact is nearly full."""
-        if not GapClosure.serves(self.problem) or rough.widths[0] < _NEARLY_FULL * self.period:
-            return None
-        for points in (1, _FINER_GRID):
-            with self.task.plan.timed("coarse search"):
-                place = self._place(grid, rough if points == 1 else grid.closer(rough, points * grid.points, _CLOSELY))
-            try:
-                return self._of_gaps(place)
-            except Lost as lost:
-                if DEBUG: print("LOST", lost)
-        return None
-
-    def _of_gaps(self, place: Place) -> Closed:
+    def _by_gaps(self, place: Place) -> Closed:
         """The strip at the root, from some zones near by."""
         tolerance, load = self.task.tolerance, float(place.unknowns[2])
         with self.task.plan.timed("zone ends"):
