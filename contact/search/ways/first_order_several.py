@@ -161,7 +161,7 @@ class FirstOrderOfSeveral:
                 raise NotConverged(f"not converged: {lost}") from lost
         assert found.at is not None
         at = found.at
-        self.wanted, self.again = self._wanted(at), True
+        self.wanted, self.again = self._wanted(at.strip), True
         return self._exact(self._at(Place(at.unknowns, at.table, table_of(at.alone)), self.task.tolerance, 0.0))
 
     def _under_load(self, grid: ClosureGrid, first: AtPressure) -> Found:
@@ -200,10 +200,13 @@ class FirstOrderOfSeveral:
             root = GapClosure(self.problem, load, _OF_GAPS * tolerance).root(place)
             (centre, pressure), problem = root.place.unknowns[:2], self.problem
             problem = problem.with_amplitude(float(pressure)).about(float(centre))
-            form, newton = ByPressure(problem), Newton(tolerance, off=_ROUGHLY)
-            found = refine_topology(form, Load(load), root.place.strip, newton, self.task.progress, False, self.task.plan.timed)
-            if isinstance(found, Missed) or len(table_of(found)) != len(root.place.strip):
-                raise Lost("the strip by its zones")
+            self.wanted = tolerance
+            found = self._contact(problem, load, root.place.strip, Newton(tolerance, off=_ROUGHLY), False)
+            self.wanted = self._wanted(found)
+            if self.wanted < tolerance:
+                found = self._contact(problem, load, table_of(found), Newton(self.wanted, off=tolerance), False)
+            if len(table_of(found)) != len(root.place.strip):
+                raise Lost("the strip has other zones than gaps tell")
         rates = StripRates(found, 0.0)
         fields = replace(found.fields, amplitude_rate=float(root.following[1]), centring=float(rates.approach[0] * root.following[0]))
         off = _MARGIN * sum(np.abs(rates.of_strip(np.append(step, 0.0))).T for step in root.off.T) / np.diff(table_of(found), axis=1)
@@ -227,12 +230,12 @@ class FirstOrderOfSeveral:
         if self.problem.profile.symmetric and abs(centre) < 0.25 * float(np.diff(place.strip).min()):
             place.unknowns[0] = 0.0
         at = self._at(place, off, _ROUGHLY)
-        self.wanted = self._wanted(at)
+        self.wanted = self._wanted(at.strip)
         return at
 
-    def _wanted(self, at: At) -> float:
+    def _wanted(self, strip: Found) -> float:
         """Tolerance of the ends with which the pressure has that of the task: beside the border it is steep."""
-        peak, by_left, by_right = at.strip.free.density.sensitivity
+        peak, by_left, by_right = strip.free.density.sensitivity
         return max(LEAST, self.task.tolerance / max(1.0, float(max(by_left.max(), by_right.max()) / peak.max())))
 
     def _at(self, place: Place, off: float, tolerance: float) -> At:
