@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from sie.basis.kept import Kept
     from sie.basis.kernels import Kernel, Smooth, cauchy, hilbert, images
     from sie.basis.places import nearest_image, wrapped
+    from sie.basis.record import record
     from sie.basis.zones import Zones
     from sie.collocation.fixed import SingularSystem, State, solve_fixed
     from sie.density.density import Density
@@ -41,7 +42,7 @@ __all__ = [
     "EndRates", "EqualPotential", "Equation", "FREE", "Forcing", "Free", "Index", "Kept", "Kernel", "Level", "Mask", "NotConverged",
     "PiecewiseTransform", "Rows", "SINGULAR", "SingularSystem", "SlitDensity", "Smooth", "Solution", "State", "Total",
     "TotalWidth", "Weighted", "ZoneMoments", "ZoneTotals", "Zones", "answers", "cauchy", "end_motions", "end_rates",
-    "find_ends", "free_with_intensity", "hilbert", "images", "moment", "nearest_image", "solve", "solve_fixed",
+    "find_ends", "free_with_intensity", "hilbert", "images", "moment", "nearest_image", "record", "solve", "solve_fixed",
     "solve_zones", "uncollected", "wrapped",
 ]
 
@@ -53,6 +54,7 @@ _HOMES = {
     "sie.basis.kept": "Kept",
     "sie.basis.kernels": "Kernel Smooth cauchy hilbert images",
     "sie.basis.places": "nearest_image wrapped",
+    "sie.basis.record": "record",
     "sie.basis.zones": "Zones",
     "sie.collocation.fixed": "SingularSystem State solve_fixed",
     "sie.density.density": "Density",

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from contact.formulation.fields import NoZones, mean_shape
 from contact.formulation.problem import Problem
-from sie import Array
+from sie import Array, record
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ApartFields(NoZones):
     """approach [m], not above zero; None where no approach is held: then they may be anywhere, and their gap is infinite."""
 

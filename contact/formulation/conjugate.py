@@ -13,7 +13,6 @@ that is known better than x (sie.jumps.density), and everything else is `smooth`
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property, partial
 from math import pi
 
@@ -26,7 +25,7 @@ from scipy.special import zeta
 import sie
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum
-from sie import Array
+from sie import Array, record
 
 _LARGEST = 2**18
 _LEAST = 256
@@ -43,7 +42,7 @@ _ZETA3 = float(zeta(3))
 _BESIDE = 1e-5
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Conjugate(sie.Kept):
     """H f' of x [m] of a periodic profile, with its kinks (k, 2) as it declares them; breakpoints: the profile's others."""
 

@@ -21,10 +21,13 @@ from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.formulation.tables import centred_on, gaps_between
-from sie import Array, Mask
+from sie import Array, Mask, record
 
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
 _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
+
+# To which states on the way are solved; and densities by which rates are told where zones are many: of a state, and of one on the way.
+ROUGH, _OF_RATES, _OF_ROUGH_RATES = 1e-9, 1e-10, 1e-4
 
 
 # An end nearer to a sharp corner than this part of the body's width is there; and one that is driven inward by so little is still held.
@@ -43,7 +46,7 @@ class NoState(Exception):
     """There is no contact on such intervals."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Corners:
     """Of zones of a profile with sharp corners. held: which ends rest at one (2n,); residual, rates, by_value: as if none did."""
 
@@ -53,7 +56,7 @@ class Corners:
     by_value: Array
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Point:
     """Zones (n, 2) under a value of the control. residual: r over |K*| of the left and then the right ends (2n,); rates: dr/ds (2n, 2n);
     by_value: dr/d(value); load and level: scaled. At ends that are held nothing drives them: the residual is 0, and stays so but for
@@ -139,16 +142,21 @@ class Equilibria:
         if table[0, 0] <= lo or table[-1, 1] >= hi:
             raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
         zones = sie.Zones.of(table, problem.end, problem.end)
-        state = sie.solve_zones(problem.equation(control), zones, tolerance).whole
-        rates, wanted = sie.end_rates(state), problem.end.intensity
+        equation = problem.equation(control)
+        state = sie.solve_zones(equation, zones, tolerance).whole
+        follows, wanted = state, problem.end.intensity
+        if state.iteration is not None:
+            # There are as many right sides as ends: a matrix once, as small as rates are told by, not an iteration for each.
+            follows = sie.solve_fixed(equation, state.density.zones, _OF_RATES if tolerance < ROUGH else _OF_ROUGH_RATES, direct=True)
+        rates = sie.end_rates(follows)
         assert wanted is not None
         size = abs(wanted)
-        values = np.zeros(len(state.condition_scale))
-        first = state.condition_index[0]
+        values = np.zeros(len(follows.condition_scale))
+        first = follows.condition_index[0]
         # The load is the total; else minus the value stands in the row of every zone.
         by_load = control.load is not None
         values[first : first + (1 if by_load else len(table))] = 1.0 if by_load else -1.0
-        unit = np.concatenate(state.response(values).intensities)
+        unit = np.concatenate(follows.response(values).intensities)
         residual = (np.concatenate(state.density.intensities) - wanted) / size
         level = -value if control.approach is not None else float(state.levels.mean())
         here = Point(table, value, residual, rates.intensities / size, unit / size, state.density.total, level)
@@ -181,9 +189,12 @@ class Equilibria:
         here.refuse_neutral()
         for _ in range(_STEPS):
             size = float(np.abs(here.newton / here.widths).max())
-            if size < _TIGHT or size > _ANOTHER:
+            if size > _ANOTHER:
                 break
+            # The last step is taken, too: a digit more.
             here = self.at(here.moved(here.newton), here.value)
+            if size < _TIGHT:
+                break
         return here
 
     def fields(self, here: Point) -> ZoneFields:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +16,7 @@ from contact.formulation.controls import Load
 from contact.formulation.maxima import maximum, reaches
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import over_period, panels
-from sie import Array, Index, Mask, nearest_image, wrapped
+from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 # Zones at the most that the highest pressure is looked for in, below the sampling.
 _PEAKS = 16
@@ -63,7 +63,7 @@ def moves_by(density: sie.AnyDensity, on: sie.AnyDensity) -> Array:
         return np.where(on.zones.moves, 2 * np.array(density.intensities) / np.array(on.edge_slopes), 0.0)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ZoneFields(sie.Kept):
     """Fields of a load-controlled state on its zones; scaled inside, SI in `pressure`, `displacement`, `gap`.
 

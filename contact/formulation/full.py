@@ -7,7 +7,6 @@ valley with a kink makes R (contact.formulation.relief) infinite: no load brings
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -21,7 +20,7 @@ from contact.formulation.relief import Relief, period_samples
 from contact.model.laws.base import Law
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
-from sie import Array
+from sie import Array, record
 
 
 def has_kinked_valley(profile: Profile) -> bool:
@@ -74,7 +73,7 @@ def lowest(profile: Profile, cell: tuple[float, float] | None = None) -> float:
     return -maximum(lambda points: -np.asarray(profile.height(points)), x)[1]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class FullFields(NoZones):
     """Full contact of a periodic profile: p = pbar - (E*/2) R; no gap. mean_height: mean f - min f [m]."""
 

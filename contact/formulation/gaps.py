@@ -17,7 +17,7 @@ w = (l/pi) exp(-pi (2 pbar/E* - C)/|J|): it never closes, and is narrower than a
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any
 
@@ -31,10 +31,10 @@ from contact.formulation.maxima import maximum
 from contact.formulation.problem import Problem
 from contact.formulation.relief import ScaledRelief
 from contact.formulation.tables import gaps_between
-from sie import Array, Index
+from sie import Array, Index, record
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class GapFields(sie.Kept):
     """Fields of a periodic contact from the slope of its gaps; scaled inside, SI in the public methods.
 

@@ -11,7 +11,7 @@ column C = -x, of slope -1, turns the body by what is missing. x counts from x =
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -25,7 +25,7 @@ from contact.model.operator import Operator
 from contact.model.profiles.base import Profile, onto
 from contact.model.profiles.tilted import Tilted
 from contact.model.substrates.base import Substrate
-from sie import Array, Index, nearest_image
+from sie import Array, Index, nearest_image, record
 
 
 def minus_one(x: Array) -> Array:
@@ -33,7 +33,7 @@ def minus_one(x: Array) -> Array:
     return np.full(np.shape(x), -1.0)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Problem(sie.Kept):
     """Profile, interaction, substrate and law in scaled variables. centre: of the strip; amplitude: the column's, where it is given.
     reference: one strip alone, of a profile that repeats: zones may lie across the border of its cell, and end at that of the strip.

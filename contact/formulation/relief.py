@@ -8,7 +8,6 @@ there (infinite pressure), a concave one, a valley with a kink, +inf: the logari
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -21,13 +20,13 @@ from contact.formulation.units import Units
 from contact.model.operator import Operator
 from contact.model.profiles.base import Profile
 from contact.model.profiles.trigonometric import Sum
-from sie import Array, Complex, Index
+from sie import Array, Complex, Index, record
 
 # Samples of R a shortest length of the profile.
 _CLOSE = 20
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Relief(Conjugate):
     """R of x [m] of a periodic profile, with its kinks (k, 2) as it declares them; breakpoints: the profile's others."""
 
@@ -82,7 +81,7 @@ class Relief(Conjugate):
         return 2 * float(np.finfo(np.float64).eps) * height * float(np.sum(self._q * np.abs(self.inverse)))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ScaledRelief(sie.Kept):
     """R over the unit of slope, of scaled x; the kinks' places are those of the problem, bit for bit."""
 

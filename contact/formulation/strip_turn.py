@@ -15,7 +15,6 @@ contact that reaches a border ends there as at the corner of a punch, p ~ 1/sin(
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +25,7 @@ from numpy.polynomial.legendre import leggauss
 import sie
 from contact.formulation.conjugate import Conjugate
 from contact.formulation.problem import Problem, minus_one
-from sie import Array, Index
+from sie import Array, Index, record
 
 TURN = 2 * np.pi
 _BORDERS, _OF_SLOPE = np.array([0.0, np.pi]), np.ones(2, dtype=np.intp)
@@ -37,7 +36,7 @@ _SMALL = 0.05
 _KERNEL = sie.hilbert(TURN)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class StripTurn(sie.Kept):
     """A strip of a scaled problem about a centre, in so many even angles of half a turn."""
 

@@ -17,11 +17,10 @@ far away.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from sie import Array
+from sie import Array, record
 
 Symbol = Callable[[Array], Array]
 
@@ -39,7 +38,7 @@ _M, _REACH = 40.0, 7.0
 _SETTLED = 3e-15
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SmoothPart:
     """m, M and N of the distance r [m].
 

@@ -17,7 +17,7 @@ kernel the operator has no inverse: neither full contact nor the gap formulation
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, cached_property, partial
 
 import numpy as np
@@ -30,7 +30,7 @@ from contact.model.line_kernel import SmoothPart
 from contact.model.spectrum import checked, excess, kernel_of
 from contact.model.strip import BeyondStrip
 from contact.model.substrates.base import Substrate
-from sie import Array
+from sie import Array, record
 
 Potential = Callable[[Array, Array], Array]
 Symbol = Callable[[Array], Array]
@@ -45,7 +45,7 @@ _WITHIN, _PANELS, _PER_PANEL = 4.5, 32, 6
 _SOFTEST = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Operator(sie.Kept):
     """The operator of an interaction on a substrate under a period [m] of the solution, None where nothing repeats."""
 

@@ -11,17 +11,16 @@ goes to the right side: (2 pbar/pi) artanh(2y/W) on a half-plane, equation (13) 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from contact.model.line_kernel import SmoothPart
-from sie import Array
+from sie import Array, record
 
 _INSIDE = 1 - 1e-15
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class BeyondStrip:
     """Of a unit of nominal pressure, scaled; unit [m]: that of lengths, for the substrate's smooth part and compression."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -30,7 +30,7 @@ from contact.solution.plan import Plan, plan
 from contact.solution.solution import Solution
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
-from sie import Array
+from sie import Array, record
 
 Solver = Callable[[Scene, float, Progress | None, Solution | None], Solution]
 
@@ -38,7 +38,7 @@ Solver = Callable[[Scene, float, Progress | None, Solution | None], Solution]
 LEAST = 2e-15
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Task:
     """One solve. branch: which of several equilibria; tolerance: of the ends and of the density; shared: what it has in common with others
     of the scene; near: a solution of the same profile and model; under: the solver itself, for a control that is found by loads; along: the
@@ -101,7 +101,8 @@ class Task:
         newton = Newton(self.tolerance, **how)
         # Given ends are not searched for.
         with self.plan.timed("zone ends") if self.plan["zone ends"].used else nullcontext():
-            return refine_topology(ByPressure(problem), control, table, newton, self.progress, timed=self.plan.timed, rounds=rounds)
+            form = ByPressure(problem)
+            return refine_topology(form, control, form.begun(table), newton, self.progress, timed=self.plan.timed, rounds=rounds)
 
     def left(self, way: str, missed: Missed) -> None:
         """Say in the plan what was tried and why it led to nothing."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 
-from sie import Array
+from sie import Array, record
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class PullOff:
     """The last equilibrium before the surfaces come apart altogether, as the control falls: load [N/m] (per period where there is one),
     approach [m] (None without), zones [m] there."""

@@ -7,14 +7,13 @@ approach, contact is drawn in its place. The surfaces are those just before pull
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from contact.model.units import prefix
 from contact.solution.panels import finish, panels
-from sie import Array, Mask
+from sie import Array, Mask, record
 
 _UP, _DOWN, _BODY, _CONTACT = "#1f5a92", "#b3261e", "#7a7a7a", "#b3261e"
 # Of the heights of the deformed surface, what is shown above its lowest place.
@@ -22,7 +21,7 @@ _SHOWN = 3.0
 _MARKS = {"jump-in": ">", "birth": "^", "merge": "D", "full": "*", "jump": "s", "death": "v", "pull-off": "X"}
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Drawn:
     """across, load: (n,) of what was followed, nan where a jump breaks it; rises: whether the control did, (n,); jumps: (kind, across and
     load before, after); label, unit: of what is across; places, surface, body: (m,) [m], of what title says; zones: (k, 2)."""

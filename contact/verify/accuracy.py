@@ -7,7 +7,6 @@ pressure follows its ends (`sie.Density.sensitivity`), and is off itself by the 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +16,7 @@ from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
 from contact.verify.certificate import ROUNDING
 from contact.verify.solved import Solved
-from sie import Array
+from sie import Array, record
 
 # Beside a singular end the pressure is several times the mean, to which its error is referred.
 _SINGULAR = 8
@@ -32,7 +31,7 @@ RESOLVED, HOPELESS = 40.0, 300.0
 _MODES, _CANCELLED = 5.0, 4e-15
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Found(Solved):
     """Zones that passed. off: how far the control may have been missed, in ends over the width of their zones; rounded: whether rounding
     is what keeps that from being less."""

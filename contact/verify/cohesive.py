@@ -5,7 +5,7 @@ p >= -s inside the zones is q = p + s >= 0, which that part's certificate looks 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +16,7 @@ from contact.formulation.tension.contact import look_at
 from contact.formulation.tension.fields import PulledFields, scaled_second_variation
 from contact.verify.accuracy import Found
 from contact.verify.certificate import Certificate, least_eigenvalue
-from sie import wrapped
+from sie import record, wrapped
 
 # A miss of the reach, over it, and what rounding of heights may make of it.
 _REACH = 1e-7
@@ -28,7 +28,7 @@ _BESIDE = 1e-9
 _MOVED = 16.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class FoundBeside(Found):
     """Zones with a tension beside them. beside: what it adds to the error."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +10,7 @@ from contact.formulation.fields import moved_ends
 from contact.formulation.gaps import GapFields
 from contact.verify.certificate import ROUNDING
 from contact.verify.solved import Solved
-from sie import Array, wrapped
+from sie import Array, record, wrapped
 
 # Pressures closer to a gap than this part of the period are as uncertain as the rounding of their own position makes them:
 # what is stated is not about them.
@@ -24,7 +23,7 @@ _UNCERTAIN = 1e-4
 _BESIDE_TIPS = 0.01
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class FoundByGaps(Solved):
     """Gaps that passed. off: how far the mean pressure may be off where it was found from another control."""
 

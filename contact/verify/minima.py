@@ -4,13 +4,12 @@ that no sample has met."""
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 import sie
 from contact.formulation.runs import runs_of
-from sie import Array, Index, Mask
+from sie import Array, Index, Mask, record
 
 # Each zoom into a minimum narrows its bracket to an eighth.
 _ZOOMS = 7
@@ -20,7 +19,7 @@ _TELLING = 4
 DIP_ROUNDING = 1e-14
 
 
-@dataclass(frozen=True)
+@record
 class Dips:
     """negative: (zone, angle from, angle to) of every dip below its rounding; least: value above it; relative: least of all over
     the zone's scale, inf without any; lowest: least of the negative ones."""
@@ -84,7 +83,7 @@ def lowest(x: Array, value: Array, at: Index) -> Array:
     return np.asarray(found[np.isfinite(found).all(axis=1)])
 
 
-@dataclass(frozen=True)
+@record
 class Signs:
     """negative: where it is, ascending (n, 2). least: the smallest value, of those within their rounding the modulus. dip: least minimum
     between samples over the interval's scale, inf without any. points: how many samples."""

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import sie
 from contact.formulation.controls import Control
 from contact.verify.certificate import Certificate
-from sie import Array
+from sie import Array, record
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Solved:
     """free: the Newton result. fields: under the load that the intervals have. rounds: corrections it took. tolerance: of the ends.
     off: how far the control may have been missed, in what the formulation says; of all intervals, or of each end (n, 2)."""

@@ -62,6 +62,21 @@ def u_coefficients(values: Array) -> Array:
     return np.asarray(fft.dst(values * np.sin(angles(n)[1:-1]), type=1, axis=-1) / (n + 1))
 
 
+def u_moved(g: Array, shift: Array, stretch: Array) -> Array:
+    """Coefficients of sum g_k U_{k-1}(shift + stretch t), k = 1 ... n, of g (zones, n), as polynomials in t: of zones that have moved.
+    Where these reach beyond (-1, 1) by more than such series hold, it is the value there."""
+    n = g.shape[1]
+    if n == 0:
+        return g
+    beyond = 1 + 1 / n**2
+    t = np.clip(shift[:, None] + stretch[:, None] * lobatto(n)[0][1:-1], -beyond, beyond)
+    # Clenshaw's recurrence.
+    here, before = np.zeros_like(t), np.zeros_like(t)
+    for k in range(n - 1, -1, -1):
+        here, before = g[:, k : k + 1] + 2 * t * here - before, here
+    return u_coefficients(here)
+
+
 def project_rows(values: Array) -> Array:
     """`u_coefficients` along the first axis: rows of node values become rows of U coefficients."""
     return u_coefficients(values.T).T

@@ -17,7 +17,6 @@ from both ends over w, or by |zeta| - 1; at complex points by zeta + 1 and zeta 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
@@ -25,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sie.basis.arrays import Array, Complex, Index, Mask
+from sie.basis.record import record
 from sie.basis.sums import cosine_sum, sine_sum, sum_of_powers
 
 Number = NDArray[Any]
@@ -101,7 +101,7 @@ class Seen:
             yield -power / l if potential else power
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Outside(Seen):
     """Points of the line off intervals: the sign of zeta, and |zeta| - 1."""
 
@@ -134,7 +134,7 @@ class Outside(Seen):
         return fall(self.excess)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class OnLine(Seen):
     """Points of the line seen from intervals: distances from the ends over w (positive on the interval), R and rho, if on it; there rho
     is any value inside the unit circle."""
@@ -173,7 +173,7 @@ def complex_of(x: Any, y: Any) -> Complex:
     return out
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class InPlane:
     """Points of the closed upper half plane seen from intervals, pair by pair, by zeta + 1 and zeta - 1, whose roots p and m are both in
     the first quadrant: R = p m, rho = 2 / (p + m)^2, 1 - rho = 2 m / (p + m)."""

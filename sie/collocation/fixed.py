@@ -366,7 +366,7 @@ def _solve_iterated(
 ) -> State:
     """By fast sums and iteration, starting from what the last solve on about these zones left."""
     system = IterativeSystem(equation, zones, m, samples.coefficients, jumps, sizes.rough)
-    carried = sizes.carried if sizes.carried is not None and len(sizes.carried.m) == len(zones) else None
+    carried = sizes.carried if sizes.carried is not None and len(sizes.carried.amplitudes) == system.layout.columns else None
     coarse = carried.coarse if carried is not None else None
     if system.levelled and (coarse is None or not coarse.near(system)):
         coarse = CoarseOperator(zones, system)
@@ -381,7 +381,7 @@ def _solve_iterated(
     sizes.kernel_evaluations += solver.iterations * system.sums.size
     solver.tolerance = 0.0
     state = _state(system, solver, folded, solver.equations, np.ones(solver.size - solver.equations), samples, sizes)
-    sizes.carried = Carried.of(coarse, system.layout, state.unknowns)
+    sizes.carried = Carried.of(coarse, system, state.unknowns)
     return state
 
 

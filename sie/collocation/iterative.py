@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -19,6 +18,7 @@ from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.places import numbered
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import felt
@@ -263,7 +263,7 @@ class IterativeSystem(System):
         return rows[:, None], constants
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Applied:
     """What conditions may ask for (`conditions.Rows`), with rows already applied to one set of unknowns: one column."""
 

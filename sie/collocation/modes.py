@@ -7,14 +7,13 @@ nearest foreign end (or image, or singularity of a column), so few coupled modes
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index
 from sie.basis.interval import fall
 from sie.basis.kernels import Kernel
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.equation.equation import Forcing
 from sie.jumps.forcing import ForcingJumps
@@ -83,7 +82,7 @@ def _at_least(sizes: Index, want: Array) -> Index:
     return sizes[np.minimum(np.searchsorted(sizes, want), len(sizes) - 1)]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Samples:
     """U coefficients of the smooth right side, g_k at [:, k] (g_0 unused), the sizes used, the size of their last part
     and the largest coefficient, per zone."""

@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING, Any, Self
 import numpy as np
 from scipy.linalg import lu_solve
 
+from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index
 from sie.basis.kept import Kept
+from sie.basis.places import wrapped
+from sie.basis.record import record
 from sie.collocation import modes
 from sie.collocation.iterative import CoarseOperator, Iterative, IterativeSystem
 from sie.collocation.symmetry import MirrorSymmetry
-from sie.collocation.system import Layout, System
+from sie.collocation.system import System
 from sie.density.density import Density
 from sie.equation.conditions import of_levels, speaks_of_levels
 from sie.equation.equation import Equation
@@ -51,38 +54,69 @@ class Sizes:
     def of(self, kept: Index) -> Sizes:
         """Those of some of the zones."""
         least = self.least if isinstance(self.least, int) else self.least[kept]
-        carried = None if self.carried is None else self.carried.to(kept)
-        return replace(self, own=self.own[kept], least=least, carried=carried, wide=None)
+        return replace(self, own=self.own[kept], least=least, wide=None)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Carried:
-    """What a solve by iteration leaves to the next one on about the same zones: coarse inverse, unknown coefficients (zones, max m + 1)
-    of m, amplitudes."""
+    """What a solve by iteration leaves to the next one, on zones most of which are about the same.
+
+    Where ends move by d, a density whose ends are about free changes by d^2 at fixed places: so do the total of a zone and what the others
+    do to it, while what the right side makes of its coefficients is known on any zones.
+
+    coarse: inverse; middle, half: of the zones (n,); totals: of each, over pi (n,); field: what the others do to each, coefficients of
+    U_{k-1} at [:, k] (n, max m + 1) for k up to m (n,); amplitudes: of the columns.
+    """
 
     coarse: CoarseOperator | None
-    coefficients: Array
+    middle: Array
+    half: Array
+    totals: Array
+    field: Array
     m: Index
     amplitudes: Array
 
     @classmethod
-    def of(cls, coarse: CoarseOperator | None, layout: Layout, y: Array) -> Carried:
-        return cls(coarse, layout.padded(y), layout.m, y[layout.coefficients :])
-
-    def to(self, kept: Index) -> Carried:
-        """What of it is some of the zones'."""
-        return Carried(None, self.coefficients[kept], self.m[kept], self.amplitudes)
+    def of(cls, coarse: CoarseOperator | None, system: System, y: Array) -> Carried:
+        layout, zones = system.layout, system.zones
+        table = layout.padded(y)
+        totals, count = zones.half * (table[:, 0] + system.known[:, 0]), min(table.shape[1], system.lowest.shape[1])
+        table[:, :count] += system.lowest[:, :count]
+        return cls(coarse, zones.middle, zones.half, totals, table, layout.m, y[layout.coefficients :])
 
     def near(self, system: IterativeSystem) -> Array:
-        """Unknowns of another system to start from: those of modes that had none are what the right side makes of them."""
-        count = max(self.coefficients.shape[1], system.lowest.shape[1])
-        table, right = (np.pad(part, ((0, 0), (0, count - part.shape[1]))) for part in (self.coefficients, system.lowest))
-        y = system.layout.flat(np.where(np.arange(count) <= self.m[:, None], table, -right))
-        y[system.layout.coefficients :] = self.amplitudes
+        """Unknowns of another system to start from."""
+        zones, layout, period = system.zones, system.layout, system.equation.kernel.period
+        at = wrapped(zones.middle, float(self.middle[0] - self.half[0]), period)
+        place = self._place(at, zones.half)
+        count = max(self.field.shape[1], system.lowest.shape[1], int(layout.m.max()) + 1)
+        table = -np.pad(system.lowest, ((0, 0), (0, count - system.lowest.shape[1])))
+        modes_of = np.where(place >= 0, self.m[place], 0)
+        for n in np.unique(modes_of):
+            group = np.flatnonzero(modes_of == n)
+            old = place[group]
+            shift, stretch = (at[group] - self.middle[old]) / self.half[old], zones.half[group] / self.half[old]
+            table[group, 1 : n + 1] += chebyshev.u_moved(self.field[old, 1 : n + 1], shift, stretch)
+        table[:, 0] = self._totals(at, zones.half, place) / zones.half - system.known[:, 0]
+        y = layout.flat(table)
+        y[layout.coefficients :] = self.amplitudes
         return y if system.symmetry.keep is None else y[system.symmetry.keep]
 
+    def _place(self, middle: Array, half: Array) -> Index:
+        """Which of these each of other zones is, of about the same width; -1 where there is none."""
+        i = np.maximum(np.searchsorted(self.middle - self.half, middle, side="right") - 1, 0)
+        alike = (np.abs(middle - self.middle[i]) < self.half[i]) & (half < 2 * self.half[i]) & (2 * half > self.half[i])
+        return np.where(alike, i, -1)
 
-@dataclass(frozen=True, eq=False)
+    def _totals(self, middle: Array, half: Array, place: Index) -> Array:
+        """Totals over pi: of zones that are none of these, of those in them."""
+        order = np.argsort(middle)
+        within = order[np.maximum(np.searchsorted((middle - half)[order], self.middle, side="right") - 1, 0)]
+        within = np.where(np.abs(self.middle - middle[within]) < half[within], within, len(middle))
+        return np.where(place >= 0, self.totals[place], np.bincount(within, self.totals, minlength=len(middle) + 1)[:-1])
+
+
+@record
 class Factored:
     """LU factors of the rows; size_of_rows: root of the sum of squares of each row's terms at the solution, and of what they are
     made of; rows: themselves, where intensities are prescribed and will be asked for their rates."""

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from sie.basis.arrays import Array, Index
 from sie.basis.places import numbered
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class MirrorSymmetry:
     """keep: the kept unknowns; of a symmetric set, unknowns `follow` are `sign` times those at `source`."""
 

@@ -12,7 +12,6 @@ itself `sie.basis.interval` knows.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -22,6 +21,7 @@ from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside, edge_scale, mean_potential
 from sie.basis.kernels import Kernel, regular_size
 from sie.basis.places import numbered
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.spline_moments import coefficients as coefficients_between
 from sie.collocation.spline_moments import many_jumps
@@ -35,7 +35,7 @@ from sie.jumps.forcing import ForcingJumps
 _LARGEST_WEIGHT = 8192
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Layout:
     """Where the unknowns stand: zone i has coefficients offset[i] ... offset[i] + m[i]; then come the amplitudes."""
 
@@ -74,7 +74,7 @@ class Layout:
         return out
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Targets:
     """Points on zones: zone index, distances from the zone's left and right end, and the points themselves."""
 
@@ -118,7 +118,7 @@ class Targets:
         return (Outside(sign, e), None) if own is None else (Outside(sign, np.where(own, 1.0, e)), np.where(own, 0.0, 1.0))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Places:
     """Points x outside all zones."""
 

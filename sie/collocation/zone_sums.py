@@ -12,7 +12,6 @@ Greengard & Rokhlin (1987), J. Comput. Phys. 73, 325-348, in one dimension and w
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ from sie.basis import chebyshev
 from sie.basis.arrays import Array
 from sie.basis.interval import Outside, fall
 from sie.basis.kernels import Kernel
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.system import Layout
 from sie.fast import lazy
@@ -32,7 +32,7 @@ from sie.fast.tree import TERMS, Pairs, Tree
 _VANISHED = 40.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class NearRows:
     """Sparse matrices of what near zones do: the transform at the inner Lobatto nodes of each solved zone, one zone after the
     other, and the potential at their middles."""

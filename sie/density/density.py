@@ -18,7 +18,7 @@ from sie.density.treecode import Treecode
 from sie.fast.far import reaches
 
 # From this number of (point, source) pairs on, far sources are summed fast; all that follow are, once their series are at hand.
-_MANY_PAIRS = 500_000
+_MANY_PAIRS = 40_000
 
 
 @dataclass(frozen=True, eq=False)

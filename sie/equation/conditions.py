@@ -16,6 +16,7 @@ import numpy as np
 from sie.basis import chebyshev
 from sie.basis.arrays import Array
 from sie.basis.interval import edge_scale
+from sie.basis.record import record
 from sie.basis.zones import Zones
 
 Linear = tuple[Array, Array]
@@ -159,7 +160,7 @@ def for_every_zone(condition: Condition) -> str | None:
     return "levels" if rows in (EqualPotential.rows, Level.rows) else "totals" if rows is ZoneTotals.rows else None
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ByZone:
     """A condition that asks one thing of every solved zone, or of every two neighbours, told by what it makes of the zones' levels and of
     densities c_0 / sqrt(1 - t^2): row i is
@@ -177,7 +178,7 @@ class ByZone:
         return bool(np.all(self.levels != 0.0))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Trial:
     """What conditions may ask of c_0 / sqrt(1 - t^2) on every solved zone, and of levels that have nothing to do with it, all else being
     nothing; first, level: what unknowns make of both (solved zones, unknowns)."""
@@ -352,7 +353,7 @@ def moment(value: float, about: float = 0.0) -> Weighted:
     return Weighted(_Lever(float(about)), float(value), degree=1)
 
 
-@dataclass(frozen=True)
+@record
 class _Lever:
     """x - about."""
 

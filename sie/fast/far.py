@@ -6,7 +6,6 @@ Moments of what stands on an interval, the integrals of T_k over pi, go up the t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +15,7 @@ from sie.basis import chebyshev
 from sie.basis.arrays import Array
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.fast.panels import panels_over
 from sie.fast.tree import TERMS, Tree, interactions
@@ -34,7 +34,7 @@ def antiderivatives(s: Array) -> Array:
     return np.moveaxis(np.asarray(chebval(s, chebint(np.eye(TERMS))), dtype=float), 0, -1)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Nested:
     """A tree with what takes series from children to parents and back; kept: whether to keep it for the next sum."""
 
@@ -120,7 +120,7 @@ class Nested:
         return np.ascontiguousarray(series[:, leaves].T), middle[leaves], rest[leaves]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Nodes:
     """Of far pairs, at so many nodes on the target: rho and what stands before the sum."""
 

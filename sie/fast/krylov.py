@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import solve_triangular
 
 from sie.basis.arrays import Array
+from sie.basis.record import record
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Iterated:
     """x, the norm of its residual, and the number of applications."""
 

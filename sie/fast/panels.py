@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -24,6 +23,7 @@ from sie.basis import chebyshev
 from sie.basis.arrays import Array, Complex, Index
 from sie.basis.kept import Kept
 from sie.basis.kernels import Kernel
+from sie.basis.record import record
 from sie.basis.zones import Zones
 
 Function = Callable[[Array, Array], Array]
@@ -72,7 +72,7 @@ def panels_of(kernel: Kernel, lo: float, hi: float, most: int = _MOST) -> Panels
         step, before = 0.5 * step, tail
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Panels(Kept):
     """Panels [p step, (p + 1) step], p = first ... first + count - 1, of the sources; farthest: lag that is looked at."""
 
@@ -185,7 +185,7 @@ class Panels(Kept):
         return out
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class PairPanels(Panels):
     """The same of a kernel that is not of the lag alone: a matrix for each pair of panels."""
 
@@ -220,7 +220,7 @@ def _tail(blocks: Array) -> float:
     return 0.0 if largest == 0.0 else float(max(np.abs(blocks[:, -2:]).max(), np.abs(blocks[:, :, -2:]).max())) / largest
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Spread(Kept):
     """Points (n,) on the panels: T_k at each, (n, TERMS), and which of them lie in which panel."""
 

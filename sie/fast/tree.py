@@ -7,11 +7,10 @@ either side, and series of `TERMS` Chebyshev terms leave rho^TERMS < 1e-16, rho 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from sie.basis.arrays import Array, Index
+from sie.basis.record import record
 
 TERMS = 24
 SEPARATION = 1.45
@@ -19,7 +18,7 @@ SEPARATION = 1.45
 _ASIDE, _FARTHEST = 8, 24
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Tree:
     """Nodes (n,) level by level, the root first: hull [lo, hi], half width, children (-1 for a leaf), parent, and the
     interval of a leaf (-1 for the others). levels: first node of every level, and n. rest: what rounding has cut off the ends of the
@@ -98,7 +97,7 @@ def _between_wide(cut: Index, first: Index, last: Index, narrower: Array) -> Ind
     return np.clip(out, first + 1, last)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Pairs:
     """Pairs (target, source) with the source moved by `shift`."""
 

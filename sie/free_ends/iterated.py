@@ -10,12 +10,12 @@ to its own zone alone, so that the number of steps does not grow with that of th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from sie.basis.arrays import Array
+from sie.basis.record import record
 from sie.collocation.fixed import State
 from sie.collocation.iterative import Applied, Iterative, IterativeSystem
 from sie.collocation.system import condition_rows
@@ -31,7 +31,7 @@ STEP, _RESPONSE = 1e-6, 1e-4
 _LOST = 1e-3
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class MovedView(Applied):
     """What conditions ask for, of a response and of singular densities."""
 

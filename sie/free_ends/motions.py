@@ -6,16 +6,15 @@ coefficients -2 l s to all but the zone itself, the level -w s and a part of bot
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from sie.basis.arrays import Array
 from sie.basis.interval import edge_scale
+from sie.basis.record import record
 from sie.collocation.fixed import State
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Moved:
     """coefficients: of the singular densities, as the rest sees them (unknowns, ...); own_level: what they do to their zones' own levels
     (Z, ...); own: and to the intensities at both ends of these (2, Z, ...)."""

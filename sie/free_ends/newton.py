@@ -17,6 +17,7 @@ import numpy as np
 
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.ends import FREE, SINGULAR, End
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_of
@@ -46,7 +47,7 @@ _SAME_RESPONSE = 0.01
 # Of a solution by iteration that is wanted no better than this, sums are rough; the last one, if no better than that.
 _ROUGHLY, _ROUGH_ENOUGH = 1e-7, 5e-7
 # From this number of zones on: what series fall to before the last step, over the cube of the move before, and at least.
-_MANY, _OF_CUBE, _LONGEST_FALL = 1000, 1e-3, 1e-4
+_MANY, _OF_CUBE, _LONGEST_FALL = 60, 1e-3, 1e-4
 # What zones said to be near are expected to move by, over their widths: what a rougher solution would add does not fall as steps do.
 _STEP_NEAR = 1e-4
 
@@ -214,7 +215,7 @@ def find_ends(
         # Series of many zones are no longer than the next move asks for.
         fall = max(decay, min(_LONGEST_FALL, _OF_CUBE * progress.last**3)) if len(zones) >= _MANY else decay
         state = _state(equation, zones, fall, sizes, value)
-        loose = state.iterated and (sizes.linear > progress.tightest or fall > decay)
+        loose = fall > decay or (state.iterated and sizes.linear > progress.tightest)
         zones, let_go = _let_go(zones, limits, state.density, limited)
         if let_go and zones.follow_ends:
             # The rates are those of the ends that move now.
@@ -460,7 +461,7 @@ def _newton(
     return Motion(moves, delta, noise, change, not np.any(weak & moves))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Unit:
     """K and A (2, Z) that a unit of the open condition's value makes on zones (Z, 2), and the density without slits that has them."""
 

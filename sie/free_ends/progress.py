@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sie.basis.arrays import Array, Index, Mask
+from sie.basis.record import record
 from sie.basis.zones import Zones
 
 # A zone alone that has shrunk to this part of its first width has vanished; one of several is then reported as lost, or a gap as closed, at
@@ -25,12 +26,12 @@ _NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
 # Tolerances of solutions by iteration: at first, and at last over that of the ends.
 _LOOSE, _TIGHT = 1e-6, 1e-3
 # The first of these where it is open which zones there are.
-_LOOSER = 1e-4
+_LOOSER = 1e-5
 # The remaining motion of an end is the next step but for its square.
 MARGIN = 1.5
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Step:
     """One Newton step: ends before it, largest move over zone width, unknown value if any."""
 
@@ -39,7 +40,7 @@ class Step:
     value: float | None
 
 
-@dataclass(frozen=True)
+@record
 class Turn:
     """missed: largest difference from the intensities prescribed; growth: largest real part of the eigenvalues that tell stable ends."""
 
@@ -47,7 +48,7 @@ class Turn:
     growth: float
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Motion:
     """What a Newton step asks for. delta: outward moves (2, Z), of the ends that move; noise: their roundoff; change: of the open
     condition's value; certain: whether it can be trusted; turn: what is seen of other roots where intensities are prescribed."""
@@ -60,7 +61,7 @@ class Motion:
     turn: Turn | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Rest:
     """reached: whether the ends rest as far as the step tells; error: what they are known to over their zones' widths (Z, 2); rounding:
     that part of it alone."""

@@ -16,7 +16,6 @@ by the same step 2 K / A. Its neighbours hold their levels whatever it does: so 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
@@ -24,6 +23,7 @@ import numpy as np
 from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import mean_potential
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation import modes
 from sie.collocation.neighbours import conformal_radius
@@ -70,7 +70,7 @@ def far_off(state: AnyState, moves: Mask, delta: Array) -> Index:
     return np.flatnonzero(off & alone & smooth[place] & moves.all(axis=0))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Field:
     """E on zones of the given middles and half widths; coefficients (n, k)."""
 

@@ -22,7 +22,6 @@ it are carried too (`jumps.exterior`).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -33,6 +32,7 @@ from sie.basis.arrays import Array, Index
 from sie.basis.interval import LOG2 as _LOG2
 from sie.basis.interval import Complex, InPlane, theta
 from sie.basis.kernels import Kernel
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.jumps.exterior import ExteriorLogarithms, potential_series
 from sie.jumps.forcing import ForcingJumps
@@ -47,7 +47,7 @@ _MANY = 128
 _SERIES = 1024
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Logarithms:
     """Terms (J/pi) Lambda(x, s) of the right side: places s, and J/pi. own: the zone that holds s, or -1; near: those
     that lie near a zone, outside it."""
@@ -94,7 +94,7 @@ class Logarithms:
         return out
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class DensityJumps(ForcingJumps):
     """Jumps of the density's derivatives, h = J w^q / q!; `logarithms`: all those of order 0, wherever they are."""
 

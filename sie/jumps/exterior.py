@@ -10,7 +10,6 @@ cos(j phi) continued to rho^j. Without this a logarithm close to an end would as
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,13 +18,14 @@ from sie.basis.arrays import Array, Index
 from sie.basis.interval import Complex, InPlane, Outside, theta
 from sie.basis.kept import Kept
 from sie.basis.places import numbered, wrapped
+from sie.basis.record import record
 from sie.basis.zones import Zones
 
 # Logarithms nearer than this part of a zone's half width are carried; farther ones are smooth enough.
 _NEAR = 0.5
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ExteriorLogarithms(Kept):
     """Logarithms near zones, seen from each: the zone, which logarithm it is, rho, and J/pi."""
 

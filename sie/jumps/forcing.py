@@ -25,7 +25,7 @@ its curvature, q = 2 a knot of a cubic spline.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property, partial
 from typing import Self
 
@@ -33,6 +33,7 @@ import numpy as np
 
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Complex, InPlane, OnLine, theta
+from sie.basis.record import record
 from sie.basis.sums import of_zones, pair_blocks
 from sie.basis.zones import Zones
 from sie.jumps.exterior import NOWHERE, ExteriorLogarithms
@@ -58,7 +59,7 @@ _KINKS = 32
 _TOGETHER = 256
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ForcingJumps(Jumps):
     """Jumps inside the zones. splines: of zones with very many jumps of order 2, what carries most of these."""
 

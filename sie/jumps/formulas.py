@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import LOG2, Outside, theta
 from sie.basis.kept import Kept
+from sie.basis.record import record
 from sie.basis.sums import PAIRS
 
 HIGHEST = 2
@@ -22,7 +23,7 @@ _BINOMIAL = np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 2.0, 1.0]])
 _FAR_APART = 0.5
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Jumps(Kept):
     """Jumps inside the zones: zone index, distances from the zone's ends over w, h = J w^q / q!, and q."""
 

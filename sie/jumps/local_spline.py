@@ -9,7 +9,6 @@ larger than f, and leave jumps at the first and last three knots alone. Places a
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -19,6 +18,7 @@ from sie.basis.interval import Complex, InPlane, Outside, What, of_t, root_on
 from sie.basis.kept import Kept
 from sie.basis.kernels import cauchy
 from sie.basis.places import divided
+from sie.basis.record import record
 from sie.basis.sums import pair_blocks
 from sie.fast.piecewise import PiecewiseTransform
 from sie.fast.tree import TERMS
@@ -53,7 +53,7 @@ def cosine_sums(weight: Array, angle: Array, count: int) -> Array:
     return out
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class LocalSpline(Kept):
     """knots: (n,) ascending; pieces: (n - 1, 3) coefficients of powers of the distance from each piece's left knot."""
 

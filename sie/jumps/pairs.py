@@ -6,7 +6,6 @@ Zone by zone, a dozen operations on a dozen numbers take their time from being c
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial.polynomial import polyval
@@ -14,6 +13,7 @@ from numpy.polynomial.polynomial import polyval
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.kept import Kept
 from sie.basis.places import numbered
+from sie.basis.record import record
 from sie.jumps.formulas import Jumps
 
 # Jumps of a zone at the most: of more the series of all of them is shorter beside the zone.
@@ -36,7 +36,7 @@ def far_potential(c: Array, rho: Array) -> Array:
     return np.asarray(-c[0] * np.log(2 * np.abs(rho)) - rho * polyval(rho, (c[1:].T / np.arange(1, len(c))).T, tensor=False))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class FewJumps(Kept):
     """jumps, zone after zone: count and first of each zone's (Z,), 0 of zones that are not among them; series: coefficients of each zone's
     parts (Z, TERMS)."""

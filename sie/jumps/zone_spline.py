@@ -16,7 +16,6 @@ in a few moments each: the integrals are sums over some hundred nodes, whatever 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -25,6 +24,7 @@ from sie.basis import chebyshev
 from sie.basis.arrays import Array
 from sie.basis.interval import Complex, InPlane, What, theta
 from sie.basis.kept import Kept
+from sie.basis.record import record
 from sie.basis.sums import pair_blocks
 from sie.fast.piecewise import clenshaw
 from sie.jumps.local_spline import NEAREST, LocalSpline, cosine_sums, same_jumps
@@ -37,7 +37,7 @@ _NOTHING = 1e-12
 _NODES, _TURN = 16, 8.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ZoneSpline(Kept):
     """spline: g by distance from the zone's left end over its half width, from one end to the other; zero there, and its slope too."""
 

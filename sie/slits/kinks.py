@@ -22,7 +22,6 @@ one makes up for; with D = phi - phi(.), y = t - m, that is
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -31,6 +30,7 @@ from sie.basis import chebyshev
 from sie.basis.arrays import Array, Mask
 from sie.basis.interval import Outside, theta
 from sie.basis.kept import Kept
+from sie.basis.record import record
 
 # Orders q that are carried.
 HIGHEST = 2
@@ -40,7 +40,7 @@ _MEANS = 32
 _LEGENDRE = 24
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SlitKink(Kept):
     """jump: h. start, rest, half: the slit, in the wide zone's half width: distances from that zone's ends, half width.
     from_left, from_right: distances of the jump from the ends of the wide zone. order: q."""

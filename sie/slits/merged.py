@@ -7,7 +7,7 @@ modes. On the zone that spans both, g a *slit*, everything but the slit's own sh
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.kept import Kept
 from sie.basis.places import wrapped
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.modes import gaps
 from sie.equation.conditions import BUILT_IN, Condition, ZoneTotals, for_every_zone
@@ -27,7 +28,7 @@ NARROW = 0.02
 SMALL = 0.003
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Merged(Kept):
     """pieces: the zones as given. wide: zones that span narrow gaps; slits: those gaps, slit_zone the wide zone of each.
     piece_zone: wide zone of each piece; shift: what to add to a piece to find it in its wide zone (periods); cut_off: what rounding has cut

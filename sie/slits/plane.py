@@ -18,13 +18,12 @@ The potential is carried down from where the coefficients of the wide zones tell
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from sie.basis import chebyshev
 from sie.basis.arrays import Array
 from sie.basis.interval import Complex, InPlane, What, complex_of, transform_of, transform_slope_of
+from sie.basis.record import record
 from sie.density.density import Density
 from sie.slits.kinks import SlitKink
 from sie.slits.merged import Merged
@@ -38,7 +37,7 @@ _HEIGHT, _PANELS, _NODES = 1.0, 50, 12
 _POINTS = 256
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SlitPlane:
     """What intervals with slits do at complex points. whole: the density of the wide zones as others see it, told: the slits' part of
     that, by wide zone that has any; series: of sigma, slit by slit; kinks: jumps in slits."""

@@ -16,7 +16,6 @@ Off its own zone P[s] acts through its coefficients s_k = (2/pi) int s sin(k phi
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +25,7 @@ from sie.basis import chebyshev
 from sie.basis.arrays import Array, Index, Mask
 from sie.basis.interval import Outside, fall, root_on, theta, transform_of
 from sie.basis.kept import Kept
+from sie.basis.record import record
 from sie.jumps.forcing import ForcingJumps
 from sie.jumps.formulas import HIGHEST
 from sie.slits.kinks import SlitKink
@@ -38,7 +38,7 @@ _BENT = (64, 256, 160)
 TOLD = 48
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Slit(Kept):
     """One slit of a wide zone, in units of that zone's half width: distances of its ends from the zone's ends, its half
     width; `modes`: the highest order of its series; `width`: half width in units of length."""

@@ -8,7 +8,7 @@ iteration the slits' answer is part of the rows.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -16,6 +16,7 @@ import numpy as np
 from sie.basis.arrays import Array, Index
 from sie.basis.interval import edge_scale
 from sie.basis.kept import Kept
+from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation.fixed import (
     THETA,
@@ -50,7 +51,7 @@ _CARELESS = 1e3
 _SAFETY = 3.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Opened(Trial):
     """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only."""
 
@@ -212,7 +213,7 @@ class SlitSystem(Kept):
         return field_tails(self.system, wide.unknowns - self.system.layout.flat(self.s_table(d, False)), wide.density)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SlitState(Answered):
     """The solution on zones beside narrow gaps: what `State` tells of zones, told of the pieces between the slits.
 
@@ -419,6 +420,7 @@ def solve_zones(
     inner = sizes.wide
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
+    inner.carried = sizes.carried
     # By iteration the wide zones alone are no more than a start.
     inner.linear = sizes.linear if equation.grows else max(sizes.linear, _START)
     inner.rough, inner.value = sizes.rough, sizes.value
@@ -442,7 +444,7 @@ def solve_zones(
             break
         inner.least = least
     if inner.carried is not None:
-        inner.carried = Carried.of(inner.carried.coarse, wide.system.layout, wide.unknowns)
+        inner.carried = sizes.carried = Carried.of(inner.carried.coarse, wide.system, wide.unknowns)
     sizes.wide = inner
     sizes.solves += 1
     sizes.profile_evaluations += inner.profile_evaluations - profile

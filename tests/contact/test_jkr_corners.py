@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import cos, pi, sin, sqrt
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import contact
 import sie
+from tests.tiers import quick
 
 E, WORK, RADIUS = 1.0, 1e-4, 1.0
 LAW = contact.JKR(WORK)
@@ -155,6 +157,31 @@ def test_where_a_tension_is_lost_under_a_held_approach_the_surface_comes_up_else
     assert any(event.kind == "jump" and len(event.after) > len(event.before) for event in loop.events)
     # Surfaces are apart below first touch only.
     assert loop.events[-1].kind == "pull-off" and loop.events[-1].value < 0.0
+
+
+def rough_row(work):
+    """A row of rough bodies between corners."""
+    waves, phase = np.arange(1, 5), np.array([0.3, 2.1, 4.4, 1.2])
+    size = 0.01 * waves**-1.5
+    profile = contact.Combined(contact.Flat(0.8, 1.0), contact.Fourier(1.0, size * np.cos(phase), size * np.sin(phase)))
+    return contact.Scene(profile, E, contact.Periodic(), law=contact.JKR(work), approach=0.0)
+
+
+@pytest.mark.parametrize("approach", quick([3e-3, 1e-4, -5e-6], always=[-5e-6]))
+def test_the_greatest_contact_under_a_held_approach_is_where_a_path_down_comes_to(approach):
+    scene = rough_row(1e-7)
+    solution = contact.solve(replace(scene, approach=approach), branch="receding")
+    path = contact.path(scene, [1.0, approach, -1.0], control="approach")
+    assert solution.zones == pytest.approx(path.solutions[1].zones, abs=1e-9) and solution.certificate.holds
+    assert solution.pull_off.load == pytest.approx(path.events[-1].load, rel=1e-9)
+    # A body that is pressed down touches.
+    assert path.events[-1].kind == "pull-off" and path.events[-1].value < 0.0
+
+
+def test_an_end_that_comes_to_its_corner_leaves_the_other_one_to_go_on():
+    scene = replace(rough_row(3e-4), approach=-1e-6)
+    found = contact.solve(scene)
+    assert found.certificate.holds and found.zones[0, 0] > -0.4 * (1 - 1e-9)
 
 
 def test_a_corner_is_no_half_width_since_many_loads_have_it():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import contact
+from contact.formulation.tables import parted_at_widest
 
 STYLUS = Path(__file__).parents[2] / "examples" / "data" / "stylus-profile.csv"
 T = np.cos(np.pi * (np.arange(8) + 0.5) / 8)
@@ -58,3 +59,22 @@ def test_hundreds_of_zones_narrower_than_a_step_beside_one_three_hundred_steps_w
     assert len(widths) > 600 and (widths < 1).sum() > 90 and widths.max() > 300
     assert solution.certificate.holds and solution.error <= 1e-8
     assert len(solution.trace) <= 8  # nothing but rounding would keep the ends moving
+
+
+@pytest.mark.parametrize("first", range(5))
+def test_the_border_of_the_period_lies_in_the_widest_gap(first):
+    """Levels are tied from neighbour to neighbour: a border between zones close to each other would sum the rounding of all steps."""
+    rows = np.array([[-0.4, -0.39], [-0.38, -0.2], [-0.19, -0.1], [0.25, 0.3], [0.35, 0.4]])
+    table = np.concatenate((rows[first:], rows[:first] + 1.0))
+    begun = parted_at_widest(table, 1.0)
+    gaps = np.append(begun[1:, 0], begun[0, 0] + 1.0) - begun[:, 1]
+    assert gaps[-1] >= 0.5 * gaps.max() and np.all(np.diff(begun.ravel()) > 0) and np.abs(begun - table[0, 0]).max() <= 1.5
+    assert np.sort(np.mod(begun.ravel(), 1.0)) == pytest.approx(np.sort(np.mod(rows.ravel(), 1.0)), abs=1e-15)
+
+
+@pytest.mark.slow
+def test_a_load_at_which_a_narrow_zone_stands_at_the_border_of_the_period_is_solved_like_any_other():
+    profile = contact.Sampled.from_file(STYLUS, units="um", detrend="quadratic", regrid=True, taper=0.05, period=True)
+    load = 1e-6 * (0.5e6) ** (130 / 199) * smallest_full(profile)
+    solution = contact.solve(contact.Scene(profile, 1.0, contact.Periodic(), mean_pressure=load), tol=1e-8)
+    assert solution.certificate.holds and solution.error <= 1e-8 and len(solution.zones) == 334

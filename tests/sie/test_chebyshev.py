@@ -84,3 +84,15 @@ def test_a_density_without_square_root_singularity_has_no_singular_part():
     alpha, beta, uk = chebyshev.bounded_part(np.array([[0.0, 0.5, 0.0, -0.5]]))
     assert alpha[0] == 0 and beta[0] == 0
     assert uk[0] == pytest.approx([0.0, 1.0])
+
+
+@pytest.mark.parametrize("n", [1, 2, 7, 40])
+def test_a_series_on_moved_zones_has_the_same_values_at_the_same_places(n):
+    from sie.basis.chebyshev import lobatto, u_coefficients, u_moved
+
+    rng, t = np.random.default_rng(n), lobatto(n)[0][1:-1]
+    g = rng.standard_normal((3, n)) * 0.3 ** np.arange(n)
+    shift, stretch = np.array([0.0, 0.01, -0.2]), np.array([1.0, 0.98, 0.7])
+    at = np.arccos(shift[:, None] + stretch[:, None] * t)
+    values = (g[:, None, :] * np.sin(np.arange(1, n + 1) * at[..., None])).sum(axis=-1) / np.sin(at)
+    assert u_moved(g, shift, stretch) == pytest.approx(u_coefficients(values), abs=1e-13)

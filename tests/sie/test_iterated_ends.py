@@ -97,3 +97,17 @@ def test_steps_do_not_grow_with_the_number_of_zones(monkeypatch, name):
         IteratedMotions(state, state.iteration).meeting(np.ones(2 * count))
         counts.append(state.iteration.iterations - before)
     assert counts[1] <= counts[0] + 2 <= 12
+
+
+def test_what_is_carried_to_moved_ends_is_off_by_the_square_of_their_motion(monkeypatch):
+    """With ends that are free a density changes so, at fixed places: from there the next solution by iteration starts."""
+    monkeypatch.setattr("sie.collocation.fixed.MANY_UNKNOWNS", 1)
+    equation, table = problem(6, "level")
+    found = sie.find_ends(equation, sie.Zones.of(table), 1e-13).density.zones
+    direction = np.random.default_rng(2).uniform(0.5, 1.0, (2, 6))
+    off = []
+    for motion in (1e-2, 1e-3):
+        first = sie.solve_fixed(equation, found)
+        moved = sie.solve_fixed(equation, found.moved(0.2 * motion * direction))
+        off.append(np.abs(first.sizes.carried.near(moved.system) - moved.folded_unknowns).max())
+    assert np.log10(off[0] / off[1]) == pytest.approx(2.0, abs=0.1)

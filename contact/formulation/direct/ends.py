@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -21,7 +21,7 @@ from contact.formulation.direct.maps import Map
 from contact.formulation.direct.numbers import Value, largest
 from contact.formulation.direct.series import Table, orders, powers, table
 from contact.model.profiles.base import Profile
-from sie import Array, Index, Mask
+from sie import Array, Index, Mask, record
 
 _EPS = float(np.finfo(float).eps)
 # Nodes at first and at the most.
@@ -42,7 +42,7 @@ _SMALLEST = 1e-290
 _MERGED = 1.0 - 1e-9
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Sheet:
     """What is common to all loads. kink: J at x = 0; corner: half width of a punch without slope, None where there are no corners;
     limit: the half width [m] that no zone exceeds; tip: half the distance of a pair's tips."""
@@ -65,7 +65,7 @@ class Sheet:
         return float(self.map.y(self.tip))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Ends:
     """Numbers of one load, or rows of several. inner, outer: ends of the right zone [m], of one zone -a and a; middle, half: of the
     interval in y; g: coefficients (..., orders); tail: the largest of the last ones, what was left off, over the largest value; off: what

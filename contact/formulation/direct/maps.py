@@ -16,14 +16,14 @@ Shtaerman's (1949); the pair's is found by (34) of Goryacheva & Tsukanov (2020) 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from contact.formulation.direct.numbers import Value
+from sie import record
 
 
-@dataclass(frozen=True)
+@record
 class Map:
     """x [m] to y. period [m]: None where nothing repeats; pair: two zones, about x = +-s."""
 

@@ -7,13 +7,12 @@ U_{k-1}: so the load grows with the half length at the rate pi q(1), and all tha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from scipy import fft
 
-from sie import Array, Index
+from sie import Array, Index, record
 
 # Samples of q for each degree: between them it lies within the hull of the samples, widened by 1 / cos(pi / 2 _DENSER) - 1 (H. Ehlich &
 # K. Zeller, Math. Z. 86, 1964, 41, doi 10.1007/BF01111276).
@@ -25,7 +24,7 @@ _FEW, _AT_ONCE = 8, 1 << 20
 WIDENED = 1.0 / np.cos(0.5 * np.pi / _DENSER) - 1.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Table:
     """Nodes t and what is made of values there. odd: of an odd G, on the right half alone.
 

@@ -28,7 +28,7 @@ from contact.formulation.problem import Problem
 from contact.formulation.tension.contact import TIGHT, Lost, contact_under, edge_slopes, look_around, looked
 from contact.formulation.tension.intervals import fitted, interval_of
 from contact.formulation.tension.pulled import Pulled
-from sie import Array, Mask
+from sie import Array, Mask, record
 
 # Surfaces that overlap by this part of the reach only touch.
 _TOUCHING = 1e-12
@@ -40,7 +40,7 @@ _SETTLING, _SETTLED, _ANOTHER = 8, 1e-15, 1e-2
 _KNOWN = 256
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class CohesivePoint(Point):
     """table: the intervals I, none where everywhere is set; zones: the contact within them (n, 2); q: its fields, None where the surfaces
     only pull; by_ends, level_rates: motions of the zones' ends (2n,),
@@ -65,7 +65,7 @@ class CohesivePoint(Point):
         return self.zones
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Known:
     """Of a state, what first guesses of others come from."""
 
@@ -75,7 +75,7 @@ class Known:
     by_ends: Array
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Loose(Point):
     """A state of which only its intervals, zones (n, 2), load and level are told."""
 

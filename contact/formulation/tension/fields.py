@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -17,10 +16,10 @@ from contact.formulation.problem import Problem
 from contact.formulation.tension.cohesive import Cohesive, CohesivePoint
 from contact.formulation.tension.loose import LooseFields, beside, on_zones
 from contact.formulation.tension.pulled import Pulled, Tension
-from sie import Array
+from sie import Array, record
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class PulledFields(ZoneFields):
     """problem: `Pulled`; law_problem: the same with the scene's law; rate: d load/d approach, scaled, None under tension everywhere."""
 
@@ -157,7 +156,7 @@ def scaled_second_variation(here: CohesivePoint) -> Array:
     return np.asarray(-0.5 * root[:, None] * here.rates[np.ix_(free, free)] * root)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class PulledGapFields(GapFields):
     """Nearly full contact under tension everywhere, by its gaps: the bare contact less the tension (scaled)."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +13,7 @@ from contact.formulation.fields import mean_shape
 from contact.formulation.problem import Problem
 from contact.formulation.quadrature import panels
 from contact.formulation.tension.pulled import Pulled, Tension
-from sie import Array
+from sie import Array, record
 
 
 def beside(function: Callable[[Array], Array], pulled: Pulled, zones: Array, spacing: float) -> float:
@@ -61,7 +60,7 @@ def _integral(function: Callable[[Array], Array], pulled: Pulled, a: float, b: f
     return float(function(x) @ weight)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class LooseFields(sie.Kept):
     """pulled: with the tension that acts; problem: the same with the scene's law; level: minus the scaled approach."""
 

@@ -16,7 +16,7 @@ from 1 at the zone's other end to 0 at the corner as the angle over pi does. Tha
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 
 import numpy as np
@@ -25,7 +25,7 @@ from scipy.special import zeta
 import sie
 from contact.formulation.problem import Problem
 from contact.formulation.tension.spread import Spread
-from sie import Array, Index, Mask, nearest_image, wrapped
+from sie import Array, Index, Mask, nearest_image, record, wrapped
 
 # Nodes on a panel of the quadrature of a kernel's regular potential, and panels to the length over which it varies.
 _NODES, _PER_LENGTH = 16, 4.0
@@ -36,7 +36,7 @@ _ORDERS = np.arange(1, 27)
 _CLAUSEN = zeta(2.0 * _ORDERS) / (_ORDERS * (2 * _ORDERS + 1))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Tension(sie.Kept):
     """stress: scaled; table: the intervals (m, 2), scaled, ascending; everywhere: it acts on a whole period. spread: the zones held at the
     left and at the right corner, over which the first and the last end are spread."""
@@ -217,7 +217,7 @@ def clausen(angle: Array) -> Array:
     return np.asarray(turned * (1.0 + series - np.log(np.maximum(np.abs(turned), 1e-300))))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Pulled(Problem):
     """The frictionless problem of the profile that the tension alone has deformed: its pressure is q."""
 

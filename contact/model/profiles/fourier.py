@@ -14,7 +14,7 @@ from contact.model.checks import finite_array, keep, positive
 from contact.model.profiles.base import Array, Profile
 from contact.model.profiles.trigonometric import Sum, in_turns
 from contact.model.registry import register_profile
-from sie import Complex
+from sie import Complex, record
 
 _LONG = 256  # harmonics from which on sums go through a grid
 _BLOCK = 1 << 20  # entries of the largest table of powers held at a time (16 MB)
@@ -101,7 +101,7 @@ class Fourier(Profile):
         return tuple(_Waves(amplitudes, self.period) for amplitudes in (c, 1j * rate, rate))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Waves:
     """Re sum_k c_k exp(2 pi i k x/L) at x [m] in the cell."""
 

@@ -7,14 +7,13 @@ half widths of W/2 cells, once c_k has been divided by the transform of psi: W =
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import scipy.fft
 
-from sie import Array, Complex
+from sie import Array, Complex, record
 
 _WIDTH = 16
 _HALF = 0.5 * _WIDTH
@@ -38,7 +37,7 @@ def _transform(harmonics: int, n: int) -> Array:
     return out
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Sum:
     """Re sum_{k >= 1} c_k exp(2 pi i k x) for x in turns, as values on a grid of n points, the first ones repeated."""
 

@@ -10,7 +10,7 @@ one begins with that end held, or free. If it is free but unstable it lets go, a
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,7 @@ from contact.errors import NotConverged
 from contact.formulation.equilibria import NEUTRAL, Equilibria, NoState, Point
 from contact.formulation.roots import bracketed
 from contact.search.equilibria.flow import receded
-from sie import Array
+from sie import Array, record
 
 Recede = Callable[[Equilibria, Array, float], Point | None]
 
@@ -27,6 +27,8 @@ Recede = Callable[[Equilibria, Array, float], Point | None]
 _FIRST, _LONGEST, _CORRECTIONS, _TIGHT, _MOST_STEPS, _NO_STEP = 0.02, 0.3, 8, 1e-11, 3000, 1e-9
 # Of a step: how much longer the next one is, and how much shorter after one that failed.
 _LONGER, _SHORTER = 1.6, 0.3
+# The unit of the control over that of the step before, at the least.
+_SLOWER = 0.5
 # Cosine of the angle by which a step may turn the tangent.
 _STRAIGHT = 0.85
 # Of equations that are met, what may be left of them, over what the control does to an end at the most.
@@ -47,7 +49,7 @@ _MOST_STANDS = 3
 _ROUGH, _ROUGHLY, _ABOUT, _OFF = 1e-9, 1e-6, 1e-3, 1e-5
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Place:
     """An equilibrium on the curve: widths that motions are counted in (2n,), the unit of the control, and the unit tangent (2n + 1,)."""
 
@@ -62,7 +64,7 @@ class Place:
         return float(self.tangent[-1])
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Step:
     """A step along the arc, of a length, from one equilibrium to another. after: the equilibrium at its end with other ends held at sharp
     corners, from which the next one begins; None where these are the same."""
@@ -285,7 +287,8 @@ def _begun(curve: Equilibria, here: Point, sense: float) -> Place:
 
 def onward(curve: Equilibria, before: Place, ahead: Point) -> Place:
     """The same sense of the curve at another equilibrium of it."""
-    unit = _unit(curve, ahead)
+    # At a turning point motions are without bound: the unit follows by and by, or the turn would be all too sharp in it.
+    unit = max(_unit(curve, ahead), _SLOWER * before.unit)
     tangent = _tangent(ahead, ahead.widths, unit)
     same = before.tangent @ np.append(tangent[:-1] * ahead.widths / before.widths, tangent[-1] * unit / before.unit) >= 0.0
     return Place(ahead, ahead.widths, unit, tangent if same else -tangent)
@@ -329,6 +332,7 @@ def _corrected(curve: Equilibria, here: Place, start: Array, normal: Array, tigh
     how: dict[str, Any] = {} if tight else {"tolerance": _ROUGH}
     if here.at.corners is not None:
         how["held"] = here.at.held
+    before = np.inf
     for k in range(_CORRECTIONS):
         table = here.at.moved(moved)
         if here.at.corners is not None:
@@ -353,7 +357,9 @@ def _corrected(curve: Equilibria, here: Place, start: Array, normal: Array, tigh
         if not tight and size < _ROUGHLY:
             return at
         moved, value = moved + step[:-1] * widths, float(value + step[-1] * unit)
-        if size < _TIGHT:
+        # Of zones far narrower than others rounding leaves more: then steps do not fall any more.
+        if size < _TIGHT or 0.5 * before < size < _ROUGHLY:
             how.pop("tolerance", None)
             return curve.at(here.at.moved(moved), value, **how)
+        before = size
     return None

@@ -24,9 +24,11 @@ from sie import Array, Mask
 # A step moves an end by at most these parts of its zone's width and of the gap beside it, and by this part of the profile's resolution.
 _INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
 # On the way the states are solved to this; ends at rest: the last step over the widths.
-ROUGH, REST = 1e-9, 1e-6
+ROUGH, REST, _SETTLED = 1e-9, 1e-6, 1e-5
 # By how much of r, and of K*, a step may pass a place of rest; from how near an equilibrium Newton's step is taken as it is.
-_OVERSHOT, _SLIGHT, _NEAR, _FAR = 0.1, 1e-4, 0.02, 0.05
+_OVERSHOT, SLIGHT, _NEAR, _FAR = 0.1, 1e-4, 0.02, 0.05
+# Of the largest in a growing motion, ends that run away.
+_SHARE = 0.3
 # A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
 CLOSED, DRIVEN, _OPENED = 1e-2, 0.5, 0.02
 MOST_STEPS, MOST_TRIES = 600, 40
@@ -59,28 +61,33 @@ def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point
             here, widths, residual = curve.at(here.table[~apart], value), widths[stays], residual[stays]
             continue
         here, move = _step(curve, here, sign)
-        driven = float(np.abs(here.residual).max())
-        if move <= REST and driven <= (DRIVEN if here.growth < 0.0 else _SLIGHT):
+        if at_rest(here, move):
             return here
         if move == 0.0:
             break
     raise NotConverged("the ends of zones that grow or shrink under a held control did not come to rest")
 
 
+def at_rest(here: Point, move: float) -> bool:
+    """Whether ends are at rest after a step of this largest move over the widths: Newton's next one is none either, as one may be short
+    since another end has come to its corner."""
+    if move > REST:
+        return False
+    driven = float(np.abs(here.residual).max())
+    return driven <= SLIGHT or (driven <= DRIVEN and here.growth < 0.0 and float(np.abs(here.newton / here.widths).max()) <= _SETTLED)
+
+
 def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
     """(next state, largest move over the widths)."""
     limit, back = limits(curve, here, sign)
+    runaway = running_away(here)
     for _ in range(MOST_TRIES):
-        step = kept_step(here, sign, limit, back)
+        step = kept_step(here, sign, limit, back, runaway)
         # Of ends that are driven hard, little must be left out to know how those at rest are.
         ahead = curve.at(here.moved(step), here.value, max(1e-14, ROUGH / max(1.0, float(np.abs(here.residual).max()))))
         gone_past = passed(here, ahead, step, sign)
         if not gone_past.any():
             return ahead, float(np.abs(step / here.widths).max())
-        if here.growth >= -NEUTRAL:
-            # A damped step keeps its shape as it is shortened: all ends are limited alike, else those at rest hold up the others.
-            limit = 0.5 * limit * float((np.abs(step) / limit).max())
-            continue
         # What has passed an equilibrium moves less; if that is of no avail, so do all.
         limit = np.where(gone_past, 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
     raise NotConverged("no step of the ends keeps to the branch")
@@ -88,6 +95,18 @@ def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
 
 def limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
     """How far ends may move onward, and back, in a step (2n,)."""
+    inward, outward = inward_and_outward(curve, here)
+    if here.corners is not None:
+        # At a sharp corner it rests; one that is held there asks for no step.
+        lo, hi = curve.problem.corners
+        beside = np.maximum([here.table[0, 0] - lo, hi - here.table[-1, 1]], REST * here.widths[[0, -1]])
+        outward[[0, -1]] = np.where(here.held[[0, -1]], outward[[0, -1]], np.minimum(outward[[0, -1]], beside))
+    onward, back = (outward, inward) if sign > 0 else (inward, outward)
+    return onward, np.minimum(back, _NEAR * here.widths)
+
+
+def inward_and_outward(curve: Equilibria, here: Point) -> tuple[Array, Array]:
+    """How far ends may move in a step whatever they are driven by, sharp corners left aside (2n,)."""
     resolution = curve.problem.profile.resolution
     known = np.inf if resolution is None else _OF_RESOLUTION * resolution / curve.problem.units.length
     gaps = curve.gaps(here.table)
@@ -95,14 +114,7 @@ def limits(curve: Equilibria, here: Point, sign: float) -> tuple[Array, Array]:
     # An end may reach the border, and is told of it then.
     lo, hi = curve.problem.borders
     room[0], room[-1] = min(room[0], 1.1 * (here.table[0, 0] - lo)), min(room[-1], 1.1 * (hi - here.table[-1, 1]))
-    if here.corners is not None:
-        # At a sharp corner it rests; one that is held there asks for no step.
-        lo, hi = curve.problem.corners
-        beside = np.maximum([here.table[0, 0] - lo, hi - here.table[-1, 1]], REST * here.widths[[0, -1]])
-        room[[0, -1]] = np.where(here.held[[0, -1]], room[[0, -1]], np.minimum(room[[0, -1]], beside))
-    inward, outward = np.minimum(_INWARD * here.widths, known), np.minimum(np.minimum(_OUTWARD * here.widths, room), known)
-    onward, back = (outward, inward) if sign > 0 else (inward, outward)
-    return onward, np.minimum(back, _NEAR * here.widths)
+    return np.minimum(_INWARD * here.widths, known), np.minimum(np.minimum(_OUTWARD * here.widths, room), known)
 
 
 def closing(curve: Equilibria, here: Point) -> Array | None:
@@ -133,29 +145,46 @@ def _come_apart(here: Point, widths: Array, residual: Array) -> Mask:
     return np.logical_and(*np.split(driven & (here.widths < _OPENED * widths), 2))
 
 
-def kept_step(here: Point, sign: float, limit: Array, most_back: Array) -> Array:
+def running_away(here: Point) -> Mask:
+    """The ends without which no motion of the others grows (2n,): those of gaps that snap shut, of zones that come apart."""
+    away = np.zeros(len(here.residual), dtype=bool)
+    if here.growth < -NEUTRAL:
+        return away
+    matrix = here.rates / here.weight[:, None]
+    while not away.all():
+        stays = np.flatnonzero(~away)
+        growth, motions = np.linalg.eig(matrix[np.ix_(stays, stays)])
+        grows = growth.real >= -NEUTRAL
+        if not grows.any():
+            break
+        size = np.abs(motions[:, grows])
+        away[stays[(size > _SHARE * size.max(axis=0)).any(axis=1)]] = True
+    return away
+
+
+def kept_step(here: Point, sign: float, limit: Array, most_back: Array, runaway: Mask | None = None) -> Array:
     """Newton's step, in which ends go no farther than their limits, nor back but a little; where there are motions that run away,
-    damped by as much as keeps these within the limits."""
+    damped by as much as keeps these within the limits, or, told which, with these ends going as far as they may."""
     rates, residual = here.rates, here.residual
-    if here.growth >= -NEUTRAL:
+    if here.growth >= -NEUTRAL and runaway is None:
         return _damped_step(here, sign, limit)
-    step = np.linalg.solve(-rates, residual)
-    free = np.ones(len(residual), dtype=bool)
-    while True:
+    free = np.ones(len(residual), dtype=bool) if runaway is None else ~runaway
+    step = np.where(sign * residual > -SLIGHT, sign * limit, 0.0)
+    step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
+    while free.any():
         far, back = free & (sign * step > limit * (1 + 1e-12)), free & (sign * step < -most_back * (1 + 1e-12))
         if not (far | back).any():
             return np.asarray(step)
         step[far], step[back] = sign * limit[far], -sign * most_back[back]
         free &= ~(far | back)
-        if not free.any():
-            return np.asarray(step)
         step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
+    return np.asarray(step)
 
 
 def _damped_step(here: Point, sign: float, limit: Array) -> Array:
     """(mu D - J) ds = r, mu above the fastest growth and as near to it as the limits let it."""
     # An end that has gone too far waits for what the others do.
-    free = sign * here.residual > -_SLIGHT
+    free = sign * here.residual > -SLIGHT
     weight, rates, above = here.weight[free], here.rates[np.ix_(free, free)], 1e-6
     growth = max(float(np.linalg.eigvals(rates / weight[:, None]).real.max(initial=-1.0)), -above)
     step = np.zeros_like(here.residual)
@@ -171,7 +200,7 @@ def passed(here: Point, ahead: Point, step: Array, sign: float) -> Mask:
     """Which ends have passed a place of rest in a step: they are driven the other way at its end or, by a cubic, on the way."""
     first, last = here.whole, ahead.whole
     before, after = sign * first.residual, sign * last.residual
-    allowed = np.minimum(-_OVERSHOT * np.minimum(np.abs(before), 1.0) - _SLIGHT, 1.1 * before - _SLIGHT)
+    allowed = np.minimum(-_OVERSHOT * np.minimum(np.abs(before), 1.0) - SLIGHT, 1.1 * before - SLIGHT)
     # Beside a stable equilibrium an end that has gone a little too far comes back.
     far = (np.abs(step) > _NEAR * here.widths) | (here.growth < 0.0 <= ahead.growth) | (after < -_FAR)
     # One that was held was at rest.

@@ -15,15 +15,16 @@ from contact.formulation.equilibria import Closed, Equilibria, Point
 from contact.formulation.maxima import maximum
 from contact.search.equilibria.arc import Step
 from contact.search.equilibria.flow import receded
-from contact.search.equilibria.growth import grown, touched, with_new
+from contact.search.equilibria.growth import grown, touched
+from contact.search.equilibria.relaxation import relaxed
 from contact.verify.certificate import openings
-from sie import Array
+from sie import Array, record
 
 # A new zone over the overlap that was seen beyond its first touch; how narrow at the least; and what drives its ends that is nothing.
 NEW, LEAST, SLIGHT = 1e-2, 1e-12, 1e-6
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Standing:
     """What there is under a value of the control: an equilibrium, or surfaces closed over the whole period, or apart."""
 
@@ -41,7 +42,7 @@ class Standing:
         return 0 if self.point is None else len(self.point.contact)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Jump:
     """What happens to the zones: kind (contact.sweeps.adhesive); place: scaled, where it begins; smooth: nothing jumps, nothing is lost."""
 
@@ -50,6 +51,12 @@ class Jump:
     before: Standing
     after: Standing
     smooth: bool = False
+
+
+def followed_by_approach(curve: Equilibria) -> bool:
+    """Whether ends may hold back, or drive on, one another from one end of a body to the other, as its approach is held: a change of the
+    control is followed then through all jumps."""
+    return curve.held.load is None and (curve.problem.period is not None or curve.problem.profile.support is not None)
 
 
 @dataclass(frozen=True)
@@ -90,18 +97,27 @@ class Following:
     def grown(self, table: Array, value: float) -> Standing:
         """What ends that advance from these places come to."""
         try:
-            return self._at_rest(grown(self.curve, table, value))
+            try:
+                return self._at_rest(grown(self.curve, table, value))
+            except NotConverged:
+                # Under a held approach ends that advance may hold back one another.
+                rest = None if self.by_load else relaxed(self.curve, table, value)
+                if rest is None:
+                    raise
+                return self._at_rest(rest)
         except Closed:
             return Standing(value, closed=True)
 
     def shrunk(self, table: Array, value: float) -> Standing:
         """What ends that recede from these places come to. Under a held approach a tension that is lost raises the surface of a period
         elsewhere, where it may come to overlap."""
-        rest = receded(self.curve, table, value)
+        try:
+            rest = (receded if self.by_load else relaxed)(self.curve, table, value)
+        except Closed:
+            return Standing(value, closed=True)
         if rest is None:
             return Standing(value) if self.by_load or value <= self.first else self.grown(touched(self.curve, self.cell, value), value)
-        overlaps = np.zeros((0, 2)) if self.by_load else self.curve.within(openings(self.curve.fields(rest)).overlaps)
-        return self.grown(with_new(rest.table, overlaps), value) if len(overlaps) else self._at_rest(rest)
+        return self._at_rest(rest)
 
     def _at_rest(self, here: Point) -> Standing:
         rest = self.curve.settled(here)

@@ -148,7 +148,7 @@ def _flowed(curve: Cohesive, table: Array, value: float, sign: float) -> Cohesiv
         ahead, move = _step(curve, here, sign)
         assert isinstance(ahead, CohesivePoint)
         here = ahead
-        if move <= flow.REST and np.abs(here.residual).max() <= flow.DRIVEN:
+        if flow.at_rest(here, move):
             return here
     raise NotConverged("the ends of the tension did not come to rest under a held control")
 

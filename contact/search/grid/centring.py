@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from enum import Enum
 
 from contact.search.grid.strip import StripContact
+from sie import record
 
 # Miss over the room beside the border, and over a cell, that does not matter; cells that a bracket without a rest is narrowed to.
 _CENTRED, _CELL, _NARROW = 0.02, 0.25, 0.5
@@ -27,7 +28,7 @@ class Unrest(Enum):
     JUMP = "no strip is centred on its zones, since one beside its border comes or goes as it is moved there"
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Strip:
     """The contact of a strip about a centre. middle: of its outermost ends; room: from these to the borders, together; cell: of its grid,
     all in one unit; unrest: why the centre does not stay, None where it does, or where that was not asked."""

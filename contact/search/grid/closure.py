@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -26,7 +26,7 @@ from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.proposals import cut_of, pressed, whole_response
 from contact.search.grid.scaling import ScaledScene
 from contact.search.grid.strip import StripContact, StripGrid
-from sie import Array
+from sie import Array, record
 
 # Cells to a shortest length of the profile, at first and in the end, bounds of how many that makes of a period at first, and the tolerance
 # of their contact.
@@ -48,7 +48,7 @@ _PLACES, _ASIDE, _ASIDE_PRESSURE, _FARTHEST, _NARROW, _NEARLY = 24, 0.1, 1e-2, 4
 _POWER, _FLATTEST, _LEAST, _LARGEST, _CLEARED = 0.8, -0.1, 2e-4, 1.0, 0.25
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class AtPressure:
     """Contacts of a strip and of its profile alone under a nominal pressure, all but the contacts scaled. widths: of the zones of both."""
 

@@ -13,7 +13,7 @@ int p / sqrt(a^2 - x^2) dx = 0: a = 2 sqrt(d / k). Where that through a least ga
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,7 +22,7 @@ from contact.errors import OutOfRange
 from contact.formulation.tables import begun_from
 from contact.model.profiles.base import Profile
 from contact.search.grid.conjugate_gradient import GridState, Mask, Response, solve_grid
-from sie import Array
+from sie import Array, record
 
 Height = Callable[[Array], ArrayLike]
 
@@ -44,7 +44,7 @@ class NoWindow(OutOfRange):
     """However wide a window is, the contact reaches its border."""
 
 
-@dataclass(frozen=True)
+@record
 class Proposal:
     """Zones to start Newton from. `points` is the size of the last grid, `iterations` the sum over all grids;
     `resolved` says that no zone and no gap was left narrower than three cells."""
@@ -297,7 +297,7 @@ def find_window(
     return search.at_level(level, window, light or 1e-3 * response.E * response.datum)
 
 
-@dataclass(frozen=True)
+@record
 class _Window:
     height: Height
     response: Response

@@ -30,14 +30,14 @@ grow with n:
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 import scipy.fft
 from numpy.typing import ArrayLike
 
 from contact.errors import OutOfRange
-from sie import Array, Index, Mask
+from sie import Array, Index, Mask, record
 
 Rest = Callable[[Array, float], Array]
 Symbol = Callable[[Array], Array]
@@ -50,7 +50,7 @@ _AS_GOOD_AS_FULL = (
 )
 
 
-@dataclass(frozen=True)
+@record
 class Influence:
     """The operator S of one grid, made by `periodic` or `isolated`: `apply(p)` is the displacement."""
 
@@ -107,7 +107,7 @@ class Influence:
         return self.n if self.is_periodic or self.images else 2 * self.n
 
 
-@dataclass(frozen=True)
+@record
 class Response:
     """What pressure does to the surface, on any grid. periodic: on a period, by the body's `symbol` and `compression`; else alone on the
     line, with `images` copies of the cell each side, heights counted with the length `datum` in the logarithm, and `rest`: what the kernel
@@ -170,7 +170,7 @@ class _Extension:
         return np.asarray(z - z.mean(), dtype=np.float64)
 
 
-@dataclass(frozen=True)
+@record
 class GridState:
     """A contact on the grid. `iterations` counts applications of S within the conjugate gradients."""
 

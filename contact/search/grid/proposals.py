@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 
 import numpy as np
@@ -18,7 +18,7 @@ from contact.search.grid.conjugate_gradient import GridState, Response
 from contact.search.grid.scaling import ScaledScene
 from contact.search.grid.tilt import known_part
 from contact.search.grid.tilt_rate import AtTilt, balanced
-from sie import Array
+from sie import Array, record
 
 # Cells by which the centre of the load may miss its place, tilts tried on one grid, and how often a window is doubled.
 _CELLS = 0.1
@@ -41,7 +41,7 @@ _BESIDE = 0.02
 _CLOSE_BY = 1.1
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Proposed:
     """Zones (n, 2) [m], the grid's points, whether it is in full contact or touches the border of what is known, the tilt
     under which the moment is right, where that is unknown, the load [N/m], and the contact on the grid of a whole period."""

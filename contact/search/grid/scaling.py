@@ -9,7 +9,6 @@ with the contact.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -26,7 +25,7 @@ from contact.model.profiles.tilted import Tilted
 from contact.model.scene import Scene
 from contact.search.grid.coarse import NoWindow, find_window, grid_height
 from contact.search.grid.tilt import Window, held_by, known_part, response_of, tilt_search, window_at_load
-from sie import Array
+from sie import Array, record
 
 # How far from a window it is looked for deeper places, over its half width, at how many, and how often.
 _FARTHEST, _LOOKS, _DESCENTS = 1e8, 1024, 12
@@ -35,7 +34,7 @@ _FARTHEST, _LOOKS, _DESCENTS = 1e8, 1024, 12
 _SEEN, _FAR_OUT, _LEVEL, _LIGHT = np.geomspace(1e-9, 1e9, 2048), 256, 1e-12, 1e-3
 
 
-@dataclass(frozen=True)
+@record
 class ScaledScene:
     """The scaled problem, the scaled control, and the cell or window [m] that holds all contact."""
 

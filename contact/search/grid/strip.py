@@ -22,10 +22,10 @@ import numpy as np
 
 from contact.search.grid.coarse import propose
 from contact.search.grid.conjugate_gradient import GridState, Response
-from sie import Array
+from sie import Array, record
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class StripContact:
     """Zones (n, 2) [m] of a strip; points: of its grid; cell: the width of one in the middle [m]; state: on the grid; reaches: whether
     zones reach its left and its right border."""

@@ -13,7 +13,6 @@ intervals lie within the ones that are looked for, or hold them.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +25,7 @@ from contact.formulation.tension.contact import Lost
 from contact.search.grid.coarse import MOST_POINTS, grid_height, zones_of
 from contact.search.grid.conjugate_gradient import GridState, Influence, solve_grid
 from contact.search.grid.proposals import placed, whole_response
-from sie import Array, Mask
+from sie import Array, Mask, record
 
 # Cells to a length over which the profile varies, to the strip that adhesion without range would leave, and in all at the least; so many
 # are few, so many times as many as the profile asks for may be asked for by strips, and so many at the most.
@@ -39,7 +38,7 @@ _ROUNDS, _STILL, _TOL = 400, 0.02, 1e-4
 _HALVINGS, _DOUBLINGS = 12, 60
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Resting:
     """Scaled intervals (m, 2), ascending, and the zones of contact within them."""
 
@@ -48,7 +47,7 @@ class Resting:
     state: GridState
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class GridTension(sie.Kept):
     """problem: with the law that has the tension; x0, width: the period, or the window of a lone body, that the cells are parts of [m];
     by_load: whether the control is a load, else an approach."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -17,6 +16,7 @@ import numpy as np
 from contact.errors import OutOfRange
 from contact.search.grid.coarse import Proposal
 from contact.search.grid.conjugate_gradient import turning_rate
+from sie import record
 
 T = TypeVar("T")
 
@@ -24,7 +24,7 @@ T = TypeVar("T")
 _CLOSED = 1e-9
 
 
-@dataclass(frozen=True)
+@record
 class AtTilt(Generic[T]):
     """A contact at one tilt: centre of the load [m], its rate d centre / d tilt [m], and what was found with it.
 

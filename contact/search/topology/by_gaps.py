@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -20,10 +19,10 @@ from contact.verify.certificate import Certificate
 from contact.verify.gap_accuracy import FoundByGaps
 from contact.verify.gap_certificate import certify_gaps
 from contact.verify.solved import Solved
-from sie import Array
+from sie import Array, record
 
 
-@dataclass(frozen=True)
+@record
 class ByGaps:
     """A scaled problem by its gaps. relief: the pressure of full contact but for its mean. most_steps: from the first guess of gaps a few
     are enough, or it is no problem for gaps."""

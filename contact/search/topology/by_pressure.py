@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,13 +12,14 @@ from contact.formulation import height_rounding
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
+from contact.formulation.tables import parted_at_widest
 from contact.search.topology.intervals import united, without
 from contact.search.topology.loop import Newton, off
 from contact.search.topology.missed import WrongTopology
 from contact.verify.accuracy import HOPELESS, Found, too_thin
 from contact.verify.certificate import Certificate, certify
 from contact.verify.solved import Solved
-from sie import Array, wrapped
+from sie import Array, record, wrapped
 
 # Gaps over kinks below this part of the zones beside them are not taken to close.
 _NARROW = 1e-3
@@ -26,7 +27,7 @@ _NARROW = 1e-3
 _NEW = 0.7
 
 
-@dataclass(frozen=True)
+@record
 class ByPressure:
     """A scaled problem by its zones."""
 
@@ -41,6 +42,15 @@ class ByPressure:
         if thin := too_thin(self.problem, table, HOPELESS):
             raise WrongTopology(thin, None, beyond=True)
         return kinds(self.problem, control, table)
+
+    def begun(self, table: Array) -> Array:
+        """A proposed table with the border of the period in its widest gap. Levels are tied from neighbour to neighbour, and over the
+        border they are known no better than by all of these steps: a narrow zone at it would feel what the widest gap is rounded to."""
+        problem = self.problem
+        bounded = bool(np.isfinite(problem.corners).any())
+        if problem.period is None or problem.interaction.strip or bounded or len(table) < 2 or is_symmetric(problem, table):
+            return table
+        return parted_at_widest(table, problem.period)
 
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
         equation, problem = self.problem.equation(control), self.problem

@@ -8,7 +8,7 @@ whose square falls below zero are gone by then, and where the least gap of a pla
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
@@ -21,7 +21,7 @@ from contact.formulation.tables import gaps_between
 from contact.model.controls import Quantity
 from contact.search.topology.intervals import united
 from contact.solution.solution import Solution
-from sie import Array, Index, Mask
+from sie import Array, Index, Mask, record
 
 # Of the overlap that a new zone makes good, its width at first.
 _NEW = 0.7
@@ -31,7 +31,7 @@ _LEFT, _DOUBT, _SLIGHT = 0.1, 0.5, 0.1
 _CLEAR = 0.4
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Passed(sie.Kept):
     """A solution on the curve, with what its ends do as the control goes on."""
 
@@ -98,7 +98,7 @@ class Passed(sie.Kept):
         return Motion.of(gaps_between(self.zones, self.problem.period), right, -np.roll(left, -1))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Motion:
     """Intervals (n, 2) with middle and squared half width, and the rates of these: values (2, n), rates (2, n)."""
 

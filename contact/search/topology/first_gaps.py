@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -13,7 +12,7 @@ from contact.formulation.relief import ScaledRelief
 from contact.search.topology.intervals import united
 from contact.search.topology.missed import WrongTopology
 from contact.verify.gap_certificate import NARROWEST
-from sie import Array, Index, Mask
+from sie import Array, Index, Mask, record
 
 # Samples a shortest length of the shape.
 _CLOSE = 32
@@ -21,7 +20,7 @@ _CLOSE = 32
 _UNSEEN = 4
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class FirstGaps:
     """First guesses: where samples of R exceed the mean pressure."""
 

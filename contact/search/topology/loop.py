@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -24,7 +24,7 @@ from contact.search.topology.intervals import merged
 from contact.search.topology.missed import Missed, WrongTopology, same
 from contact.verify.certificate import NOT_CHECKED, Certificate
 from contact.verify.solved import Solved
-from sie import Array, Mask
+from sie import Array, Mask, record
 
 Progress = Callable[[str, int, int | None], None]
 Timed = Callable[[str], AbstractContextManager[object]]
@@ -82,7 +82,7 @@ class Formulation(Protocol[Kind]):
         """Whether what tells the number of intervals is so slight that the error of the solution may have made it."""
 
 
-@dataclass(frozen=True)
+@record
 class Newton:
     """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
     most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at

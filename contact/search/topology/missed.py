@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 import sie
 from contact.errors import NotConverged, OutOfRange
-from sie import Array
+from sie import Array, record
 
 
 class WrongTopology(Exception):
@@ -21,7 +20,7 @@ class WrongTopology(Exception):
         self.missed = Missed(message, free, beyond)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Missed:
     """reason: in words. free: the last Newton result. beyond: a zone reached the border of what is known of the profile. refusal: what is
     raised if no other way leads on."""

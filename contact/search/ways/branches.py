@@ -20,7 +20,9 @@ from contact.formulation.equilibria import Equilibria, Point
 from contact.model.scene import Scene
 from contact.search.equilibria.arc import pull_off
 from contact.search.equilibria.flow import Closed, receded
+from contact.search.equilibria.following import Following, Jump, Standing, followed_by_approach
 from contact.search.equilibria.growth import grown, touched
+from contact.search.equilibria.history import History
 from contact.search.grid.proposals import placed
 from contact.search.grid.scaling import ScaledScene, scaled_scene, scaled_scene_about
 from contact.search.task import Task
@@ -35,6 +37,8 @@ _BARE = 1e-6
 _SCALINGS, _WIDENINGS = 6, 120
 # The greatest contact is looked for in zones ever wider by this, and is one that is driven inward, as those so many times as wide are.
 _WIDEN, _WIDER = 1.25, (1.25, 1.5, 2.0, 3.0, 5.0, 8.0)
+# How much farther a control is raised than it takes to hold all ends at sharp corners.
+_ABOVE = 1.0 + 1e-6
 
 
 def followed(task: Task) -> Outcome:
@@ -45,12 +49,15 @@ def followed(task: Task) -> Outcome:
         return closed(task)
     scaled, curve = to_follow(task)
     problem, control = curve.problem, curve.held
+    rest: Point | None
     try:
         with task.plan.timed("zone ends"):
-            if task.branch == "receding":
+            if followed_by_approach(curve):
+                rest = _lowered(task, scaled, curve)
+            elif task.branch == "receding":
                 last = _greatest(curve, scaled, control.value)
                 rest = receded(curve, last, control.value)
-                start: Point | None = None if rest is not None else _held_higher(curve, last, control.value)
+                start = None if rest is not None else _held_higher(curve, last, control.value)
             else:
                 start = advancing(task, scaled, curve, max(control.value, 0.0))
                 rest = start if control.value >= 0.0 else receded(curve, start.table, control.value)
@@ -198,6 +205,28 @@ def _greatest(curve: Equilibria, scaled: ScaledScene, value: float) -> Array:
             return table
         half *= _WIDEN
     raise OutOfRange("no zone is so wide that its ends recede: there is no greatest contact")
+
+
+def _lowered(task: Task, scaled: ScaledScene, curve: Equilibria) -> Point:
+    """Under a held approach, where ends that recede may drive others on: followed from where the branch begins through all jumps."""
+    value = curve.held.value
+    if task.branch == "receding":
+        here = curve.at(_greatest(curve, scaled, value), value)
+        # Under so large a value all ends are held at the corners.
+        slack = here.whole.residual / here.whole.by_value
+        here = curve.at(here.table, value - min(0.0, float(slack.min()) * _ABOVE))
+    else:
+        here = advancing(task, scaled, curve, max(value, 0.0))
+    last: Point | None = None
+    for found in History(Following(curve, scaled.cell)).to(Standing(here.value, here), value):
+        if isinstance(found, Jump):
+            last = found.before.point
+        elif found.point is not None:
+            return found.point
+        elif found.closed:
+            raise Closed
+    assert last is not None
+    raise OutOfRange(past(curve, last, task))
 
 
 def _held_higher(curve: Equilibria, table: Array, value: float) -> Point:

@@ -15,13 +15,13 @@ import numpy as np
 import sie
 from contact.formulation.fields import moved_ends, moves_by
 from contact.verify.accuracy import Found
-from sie import Array, Mask
+from sie import Array, Mask, record
 
 # Tolerance of what a motion of the centre calls up; by what part of the gap beside the border the centre is moved to see what that does.
 _ROUGHLY, _SHIFT = 1e-6, 1e-3
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Place:
     """unknowns: centre, nominal pressure and load, scaled. strip, alone: zones (n, 2) of the strip and of its profile alone."""
 
@@ -30,7 +30,7 @@ class Place:
     alone: Array
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class At:
     """Contacts of the strip and of its profile alone. unknowns: centre, nominal pressure and load, scaled."""
 
@@ -83,7 +83,7 @@ class At:
         return there, largest
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class StripRates(sie.Kept):
     """How the ends of a strip move outward, and its approach grows, by its centre, its nominal pressure and its load: each found when it
     is first asked for, to a tolerance, where it is found by iteration."""
@@ -133,7 +133,7 @@ class StripRates(sie.Kept):
         return np.asarray(moved.T / np.diff(table_of(self.strip), axis=1))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Rates(StripRates):
     """The same, and of its profile alone."""
 

@@ -23,7 +23,7 @@ from contact.formulation.tables import centred_on
 from contact.search.topology.intervals import united, without
 from contact.search.topology.missed import WrongTopology
 from contact.search.ways.first_order_contacts import Place, spread
-from sie import Array
+from sie import Array, record
 
 # Angles to a shortest length of the profile, and bounds of how many.
 _CLOSE, _FEWEST, _MOST = 32, 2**12, 2**17
@@ -59,7 +59,7 @@ class Lost(Exception):
         self.last = last
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class GapContact:
     """A contact by its gaps in the angle. beyond: the nominal pressure beyond the strip; table: of the gaps (n, 2) of a turn; state: None of
     gaps that were moved on."""
@@ -113,7 +113,7 @@ def _turned(angle: Array) -> Array:
     return np.asarray(2 * turns + 1 - np.cos(angle - np.pi * turns))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Both:
     """Contacts of the strip and of its profile alone under a centre and a nominal pressure."""
 
@@ -199,7 +199,7 @@ class _Both:
         return np.array([widths, [self.aside(s) for s in strip]])
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Root:
     """The zones at the root. off: what centre and nominal pressure may be off (2, 2), by what the width
     and the centre are missed; following: how they grow with the load (2,)."""
@@ -209,7 +209,7 @@ class Root:
     following: Array
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class GapClosure:
     """The root under a scaled load, whose gaps are found to a tolerance."""
 
@@ -396,4 +396,5 @@ def _runs(where: Array, angle: Array) -> Array:
     half = 0.5 * np.gradient(angle)
     return np.column_stack((angle[first] - half[first], angle[last] + half[last]))
 import time
+
 DEBUG=False

@@ -34,7 +34,7 @@ from contact.search.ways.first_order_gaps import GapClosure, Lost
 from contact.search.ways.guesses import EXACT
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
-from sie import Array
+from sie import Array, record
 
 # Steps towards a root, how often one is halved, and how often the signs are looked at there. After how large a step zones that are lost
 # are looked for, and their rates are found anew; of a step what the next one leaves where rounding does.
@@ -75,7 +75,7 @@ DEBUG = False
 _MARGIN = 2.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Closed(Found):
     """The zones of the strip, and at: the contacts that they and the nominal pressure are of."""
 

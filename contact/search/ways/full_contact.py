@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,9 +13,10 @@ from contact.formulation.problem import Problem
 from contact.model.controls import Quantity
 from contact.search.task import Task
 from contact.solution.made import mean_height
+from sie import record
 
 
-@dataclass(frozen=True)
+@record
 class Full:
     """Full contact under a mean pressure [Pa]."""
 

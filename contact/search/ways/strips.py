@@ -4,7 +4,7 @@ first-order closure takes the nominal pressure from the isolated load of the sam
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from contact.search.ways.first_order_several import Closed, FirstOrderOfSeveral
 from contact.search.ways.guesses import EXACT, from_grid, search
 from contact.search.ways.loads import NEAR_LOAD, at_approach
 from contact.verify.accuracy import Found
-from sie import Array
+from sie import Array, record
 
 # Steps of the centre of a strip, how much longer than its miss a secant's step may be, and how often one is shortened.
 _CENTRINGS, _LONGER, _SHORTENED = 30, 16.0, 3
@@ -33,7 +33,7 @@ _CENTRINGS, _LONGER, _SHORTENED = 30, 16.0, 3
 _STALLED = 4
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Centring:
     """Centre of a strip, how far off it the zones' middle is, and the zones."""
 

@@ -1,0 +1,104 @@
+"""Ends of zones go down the slope of the energy, each as far as it is driven: what a contact comes to that has lost its equilibrium.
+
+Under a held load ends only gain by what others do, and `flow` takes them one way, without turning back. Under a held approach they do not:
+the tension that is lost where a zone recedes raises the surface of a period elsewhere, where others advance, or begin. There the steps are
+those of the implicit Euler method for D ds/dt = r, r the slope of the energy and D what is given way to: as long as the limits let them,
+ever nearer to Newton's. So the energy falls, and where the ends come to rest they are stable.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contact.errors import NotConverged
+from contact.formulation.equilibria import Equilibria, Point
+from contact.search.equilibria.flow import (
+    DRIVEN,
+    MOST_STEPS,
+    MOST_TRIES,
+    REST,
+    ROUGH,
+    SLIGHT,
+    closing,
+    inward_and_outward,
+)
+from contact.search.equilibria.growth import with_new
+from contact.verify.certificate import openings
+from sie import Array, wrapped
+
+# A zone narrower than this part of what it was has come apart.
+_GONE = 0.02
+# What steps are damped by at first, over what drives the ends.
+_DAMPED = 1e-3
+# How far past the least energy a step may go, in the slope there over that at its start.
+_PAST = 0.1
+
+
+def relaxed(curve: Equilibria, table: Array, value: float) -> Point | None:
+    """The stable equilibrium that ends come to from these zones under a value of the control; None: all have come apart. `Closed` if the
+    surfaces close altogether."""
+    here = curve.at(table, value, ROUGH)
+    widest = np.diff(here.table, axis=1)[:, 0]
+    for _ in range(MOST_STEPS):
+        changed = _changed(curve, here, widest)
+        if changed is not None:
+            if len(changed) == 0:
+                return None
+            widest = _carried(here.table, widest, changed)
+            here = curve.at(changed, value, ROUGH)
+            continue
+        here, step = _step(curve, here)
+        width = np.diff(here.table, axis=1)[:, 0]
+        widest = np.maximum(widest, width)
+        if float(np.abs(step / here.widths).max()) <= REST and float(np.abs(here.residual).max()) <= SLIGHT:
+            if here.growth < 0.0:
+                return here
+            break
+    raise NotConverged("the ends of zones did not come to rest under a held control")
+
+
+def _changed(curve: Equilibria, here: Point, widest: Array) -> Array | None:
+    """The zones without gaps that have closed, without those that have come apart, or with new ones where the surfaces overlap; None if
+    nothing of that has happened."""
+    merged = closing(curve, here)
+    if merged is not None:
+        return merged
+    apart = np.logical_and(*np.split(here.residual < -DRIVEN, 2)) & (np.diff(here.table, axis=1)[:, 0] < _GONE * widest)
+    if apart.any():
+        return np.asarray(here.table[~apart])
+    overlaps = _overlaps(curve, here)
+    return with_new(here.table, overlaps) if len(overlaps) else None
+
+
+def _overlaps(curve: Equilibria, here: Point) -> Array:
+    """Where the surfaces overlap, but for gaps into which an end advances that is driven hard: that may close them first."""
+    overlaps, period = curve.within(openings(curve.fields(here)).overlaps), curve.problem.period
+    left, right = np.split(here.residual > DRIVEN, 2)
+    advanced = np.append(False, right) | np.append(left, False)
+    if period is not None:
+        advanced[[0, -1]] = left[0] | right[-1]
+    starts = wrapped(here.table[:, 0], float(here.table[0, 0]), period)
+    return np.asarray(overlaps[~advanced[np.searchsorted(starts, wrapped(overlaps.mean(axis=1), float(starts[0]), period))]])
+
+
+def _carried(before: Array, widest: Array, table: Array) -> Array:
+    """The largest widths of zones after some have met, come apart or begun."""
+    width = np.diff(table, axis=1)[:, 0]
+    own = [float(widest[(before[:, 0] < b) & (before[:, 1] > a)].max(initial=0.0)) for a, b in table]
+    return np.maximum(width, own)
+
+
+def _step(curve: Equilibria, here: Point) -> tuple[Point, Array]:
+    """(next state, step)."""
+    inward, outward = inward_and_outward(curve, here)
+    damped = _DAMPED
+    for _ in range(MOST_TRIES):
+        step = np.linalg.solve(np.diag((max(here.growth, 0.0) + damped) * here.weight) - here.rates, here.residual)
+        damped *= 2.0
+        if not np.all(np.abs(step) <= np.where(step > 0.0, outward, inward)):
+            continue
+        ahead = curve.at(here.moved(np.asarray(step)), here.value, ROUGH)
+        if ahead.residual @ step >= -_PAST * (here.residual @ step):
+            return ahead, np.asarray(step)
+        damped *= 2.0
+    raise NotConverged("no step of the ends goes down the slope of the energy")
