@@ -54,6 +54,12 @@ class StripTurn(sie.Kept):
     def angles(self) -> Array:
         return np.asarray(np.pi * (np.arange(self.points) + 0.5) / self.points)
 
+    @classmethod
+    def serves(cls, problem: Problem) -> bool:
+        """Whether a strip is one of a half-plane, of a profile without corners."""
+        profile = problem.profile
+        return problem.operator.strip_rest is None and profile.support is None and len(profile.kinks) == 0
+
     def x(self, angle: Array) -> Array:
         return np.asarray(self.centre - self.half * np.cos(angle))
 

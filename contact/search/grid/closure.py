@@ -20,6 +20,7 @@ from functools import partial
 import numpy as np
 
 from contact.formulation.problem import Problem
+from contact.formulation.strip_turn import StripTurn
 from contact.search.grid.centring import Strip, Unrest, settled
 from contact.search.grid.coarse import grid_height, propose
 from contact.search.grid.conjugate_gradient import Response
@@ -99,7 +100,8 @@ class ClosureGrid:
         profile, units = problem.profile, problem.units
         assert problem.period is not None and profile.period is not None
         self.period = problem.period
-        self.grid = StripGrid(Response(units.E_star, False, rest=problem.operator.strip_rest), profile.period, profile.feature)
+        response = Response(units.E_star, False, rest=problem.operator.strip_rest)
+        self.grid = StripGrid(response, profile.period, profile.feature, StripTurn.serves(problem))
         features = 0.0 if profile.feature is None else profile.period / profile.feature
         self.points, self.finest = (
             2 ** int(np.clip(np.ceil(np.log2(max(cells * features, 1.0))), math.log2(_FEWEST), math.log2(most)))

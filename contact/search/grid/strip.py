@@ -10,7 +10,7 @@ serve: of the same number of points they tell gaps beside the border by the squa
 iterations are enough where it is nearly full. Where p is singular at the border, P is not: a strip that reaches its border is in contact
 at theta = 0 or pi.
 
-On other substrates, whose kernel has more than the logarithm, the grid is even in x.
+On other substrates, whose kernel has more than the logarithm, and of profiles with corners, the grid is even in x.
 """
 
 from __future__ import annotations
@@ -48,16 +48,12 @@ class StripContact:
 
 @dataclass(frozen=True)
 class StripGrid:
-    """Strips of a length [m] on a body whose response is that of one alone."""
+    """Strips of a length [m] on a body whose response is that of one alone. turns: whether grids are even in the angle."""
 
     response: Response
     length: float
     resolution: float | None
-
-    @property
-    def turns(self) -> bool:
-        """Whether the grid is even in the angle."""
-        return self.response.rest is None
+    turns: bool
 
     def contact(
         self, height: Callable[[Array], Array], middle: float, load: float, points: int, tol: float, near: StripContact | None

@@ -212,11 +212,6 @@ def spread(table: Array, moved: Array, part: float) -> Array:
     return np.column_stack((table[:, 0] - outward[0], table[:, 1] + outward[1]))
 
 
-def room(at: At, period: float) -> float:
-    """Between the outermost ends and the borders of the strip, together."""
-    return period - float(at.table[-1, 1] - at.table[0, 0])
-
-
 def width_of(found: Found) -> float:
     zones = found.free.density.zones
     return float((zones.b - zones.a).sum())

@@ -52,16 +52,16 @@ class _How:
 
 
 class Lost(Exception):
-    """No gaps that lead on. last: contacts on the way there, where there are any."""
+    """No gaps that lead on. border: whether the strip reaches its border before it is as wide as its profile alone."""
 
-    def __init__(self, reason: str, last: _Both | None = None) -> None:
+    def __init__(self, reason: str, border: bool = False) -> None:
         super().__init__(reason)
-        self.last = last
+        self.border = border
 
 
 @record
 class GapContact:
-    """A contact by its gaps in the angle. beyond: the nominal pressure beyond the strip; table: of the gaps (n, 2) of a turn; state: None of
+    """A contact by its gaps in the angle. beyond: the nominal pressure beyond the strip; table: the gaps (n, 2) of a turn; state: None of
     gaps that were moved on."""
 
     turn: StripTurn
@@ -89,18 +89,18 @@ class GapContact:
         return moves_by(sie.solve_zones(equation, self.state.density.zones, _RATES).density, self.state.density)
 
     def finely(self, decay: float) -> tuple[Array, Array]:
-        """(outward moves (2, n) that the exact profile and longer series ask for, what they leave): of what it and what the nominal pressure
-        call up, each with the jumps that are its own."""
+        """(outward moves (2, n) that the exact profile and longer series ask for, what they leave): profile and nominal pressure call up a
+        slope of the gap each, with the jumps that are their own."""
         turn, zones = self.turn, sie.Zones.of(self.table)
         parts = [turn.equation(turn.exact_at, 0.0, self.mean)]
         parts += [turn.equation(None, self.beyond * turn.half, 0.0)] if self.beyond else []
         states = [sie.solve_zones(equation, zones, decay) for equation in parts]
         slopes = [np.array(state.density.edge_slopes) for state in states]
-        moved = 2 * sum(np.array(state.density.intensities) for state in states) / sum(slopes)
-        unsure = sum(np.abs(state.end_truncation.T * slope) for state, slope in zip(states, slopes, strict=True)) / np.abs(sum(slopes))
+        slope = np.sum(slopes, axis=0)
+        moved = np.asarray(2 * np.sum([np.array(state.density.intensities) for state in states], axis=0) / slope)
+        unsure = np.sum([np.abs(state.end_truncation.T * own) for state, own in zip(states, slopes, strict=True)], axis=0) / np.abs(slope)
         widths = np.diff(self.table, axis=1).T
-        if DEBUG: print("finely", [state.density.coefficients.shape for state in states], "trunc", unsure.max(), np.abs(moved/widths).max())
-        return moved, unsure * widths + moved**2 / widths
+        return moved, np.asarray(unsure * widths + moved**2 / widths)
 
     def widening(self, moved: Array) -> float:
         """What that adds to the width of the gaps."""
@@ -217,12 +217,6 @@ class GapClosure:
     load: float
     tolerance: float
 
-    @classmethod
-    def serves(cls, problem: Problem) -> bool:
-        """Whether a strip is one of a half-plane, of a profile without corners."""
-        profile = problem.profile
-        return problem.operator.strip_rest is None and profile.support is None and len(profile.kinks) == 0
-
     def root(self, start: Place) -> Root:
         """From some zones near by; raises Lost."""
         centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
@@ -233,11 +227,10 @@ class GapClosure:
         for _ in range(_FINE_STEPS):
             (strip, of_strip), (alone, of_alone) = (each.finely(self.tolerance) for each in (here.strip, here.alone))
             missed = here.misses + (here.alone.widening(alone) - here.strip.widening(strip), here.aside(strip))
-            step = -np.linalg.solve(here.matrix, missed)
+            step = np.asarray(-np.linalg.solve(here.matrix, missed))
             left = here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])
-            off = np.linalg.inv(here.matrix) * left
+            off = np.asarray(np.linalg.inv(here.matrix) * left)
             by_strip, by_alone, largest = here.moved(step)
-            if DEBUG: print("   fine", missed, step, left, off, largest)
             tables = [each.table + _outward(moved) for each, moved in ((here.strip, strip + by_strip), (here.alone, alone + by_alone))]
             turn = StripTurn(self.problem, here.centre + float(step[0]), self._points)
             pressure = here.pressure + float(step[1])
@@ -262,8 +255,7 @@ class GapClosure:
             least, stalled = (missed, 0) if missed < _SLOW * least else (least, stalled + 1)
             if stalled > _STALLED:
                 break
-            step, largest = here.step, here.moved(here.step)[2]
-            if DEBUG: print("   gap step", here.misses, "step", step, "largest", f"{largest:.1e}", len(here.strip.table),len(here.alone.table),"room",here.room, here.kept is not None, time.process_time())
+            largest = here.moved(here.step)[2]
             if largest < _THERE:
                 if looked:
                     return here
@@ -277,7 +269,8 @@ class GapClosure:
             here = self._after(here, _How(min(max(_FINER * largest, _ENDS), _ROUGHLY), _DECAY, looked))
             if largest < _NEAR and here.same_gaps(before):
                 here = replace(here, kept=before.rates)
-        raise Lost("the nominal pressure did not settle", here)
+        # The gap at a border is as wide in the angle as its intensity is large, and so goes straight with the unknowns.
+        raise Lost("the nominal pressure did not settle", bool(here.closing(here.step).min() <= -1.0))
 
     def _after(self, here: _Both, how: _How) -> _Both:
         """After a step, or as much of it as brings the root nearer, as the rates before it have that (P. Deuflhard, Newton Methods for
@@ -357,7 +350,6 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _Ho
         pulls, overlaps = _signs(found)
         if len(pulls) == 0 and len(overlaps) == 0:
             return found
-        if DEBUG: print("      signs", pulls, overlaps)
         try:
             table = united(np.concatenate((without(found.table, overlaps), pulls)), TURN, True, "gap")
         except WrongTopology as e:
@@ -395,6 +387,4 @@ def _runs(where: Array, angle: Array) -> Array:
     first, last = change[::2], change[1::2] - 1
     half = 0.5 * np.gradient(angle)
     return np.column_stack((angle[first] - half[first], angle[last] + half[last]))
-import time
 
-DEBUG=False
