@@ -30,13 +30,13 @@ _CLOSE, _FEWEST, _MOST = 32, 2**12, 2**17
 # Tolerance of the ends, and of what a unit of the unknowns calls up.
 _ENDS, _RATES, _DECAY, _ROUGHLY, _FINER, _FAR = 1e-6, 1e-5, 1e-5, 1e-3, 1e-2, 0.1
 # Steps at the most, how often one is halved, largest part of the room beside the border and of the nominal pressure in one.
-_STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 3, 0.5, 0.2
-# Rounds in which signs are looked at; of the largest pressure, and of the largest gap: what is none. Samples looked at.
-_ROUNDS, _NONE, _OVERLAP, _SAMPLES = 8, 1e-6, 1e-4, 2**14
+_STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 1, 0.5, 0.2
+# How often signs are looked at, and on the way; of the largest pressure, and of the largest gap: what is none. Samples looked at.
+_ROUNDS, _ON_THE_WAY, _NONE, _OVERLAP, _SAMPLES = 6, 1, 1e-6, 1e-4, 2**14
 # Of a gap or a zone that may go in a step; and what it is no farther than at the root.
 _PART, _THERE, _NEAR = 0.4, 1e-4, 0.05
 # Steps in a row of which none halves what is left.
-_STALLED, _SLOW = 5, 0.5
+_STALLED, _SLOW = 6, 0.7
 _NEWTON = 25
 # Steps by the exact profile, and how long one may be after which there is none.
 _FINE_STEPS, _SQUARE = 3, 3e-6
@@ -44,11 +44,11 @@ _FINE_STEPS, _SQUARE = 3, 3e-6
 
 @dataclass(frozen=True)
 class _How:
-    """tolerance, decay: of the ends and of the coefficients; look: whether signs are looked at."""
+    """tolerance, decay: of the ends and of the coefficients; looks: how often signs are looked at."""
 
     tolerance: float
     decay: float
-    look: bool
+    looks: int
 
 
 class Lost(Exception):
@@ -201,11 +201,12 @@ class _Both:
 
 @record
 class Root:
-    """The zones at the root. off: what centre and nominal pressure may be off (2, 2), by what the width
-    and the centre are missed; following: how they grow with the load (2,)."""
+    """The zones at the root. unsure: what width and centre may be missed by (2,); inverse: the unknowns by these (2, 2); following: how
+    centre and nominal pressure grow with the load (2,)."""
 
     place: Place
-    off: Array
+    unsure: Array
+    inverse: Array
     following: Array
 
 
@@ -221,7 +222,8 @@ class GapClosure:
         """From some zones near by; raises Lost."""
         centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
         turn = StripTurn(self.problem, centre, self._points)
-        here = self._settled(self._with(turn, pressure, turn.gaps_of(start.strip), turn.gaps_of(start.alone), _How(_ROUGHLY, _DECAY, True)))
+        gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
+        here = self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, _ROUNDS)))
         following = here.following
         # Newton's steps by the exact profile and longer series, at the same rates.
         for _ in range(_FINE_STEPS):
@@ -229,7 +231,6 @@ class GapClosure:
             missed = here.misses + (here.alone.widening(alone) - here.strip.widening(strip), here.aside(strip))
             step = np.asarray(-np.linalg.solve(here.matrix, missed))
             left = here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])
-            off = np.asarray(np.linalg.inv(here.matrix) * left)
             by_strip, by_alone, largest = here.moved(step)
             tables = [each.table + _outward(moved) for each, moved in ((here.strip, strip + by_strip), (here.alone, alone + by_alone))]
             turn = StripTurn(self.problem, here.centre + float(step[0]), self._points)
@@ -239,7 +240,7 @@ class GapClosure:
                 break
             here = replace(self._on(turn, pressure, *tables), kept=here.rates)
         place = Place(np.array([turn.centre, pressure, self.load]), *(turn.zones_of(table) for table in tables))
-        return Root(place, off, following)
+        return Root(place, np.array(left), np.asarray(np.linalg.inv(here.matrix)), following)
 
     def _on(self, turn: StripTurn, pressure: float, strip: Array, alone: Array) -> _Both:
         """On gaps as they are."""
@@ -260,13 +261,13 @@ class GapClosure:
                 if looked:
                     return here
                 before, looked = here, True
-                here = self._with(here.strip.turn, here.pressure, here.strip.table, here.alone.table, _How(_ENDS, _DECAY, True))
+                here = self._with(here.strip.turn, here.pressure, here.strip.table, here.alone.table, _How(_ENDS, _DECAY, _ROUNDS))
                 if here.same_gaps(before):
                     return replace(here, kept=before.rates)
                 continue
             looked = largest > _FAR
             before = here
-            here = self._after(here, _How(min(max(_FINER * largest, _ENDS), _ROUGHLY), _DECAY, looked))
+            here = self._after(here, _How(min(max(_FINER * largest, _ENDS), _ROUGHLY), _DECAY, _ON_THE_WAY if looked else 0))
             if largest < _NEAR and here.same_gaps(before):
                 here = replace(here, kept=before.rates)
         # The gap at a border is as wide in the angle as its intensity is large, and so goes straight with the unknowns.
@@ -332,20 +333,21 @@ def _largest(table: Array, moved: Array) -> float:
 def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _How) -> GapContact:
     """From about its gaps, with those that its signs ask for."""
     equation = turn.equation(turn.relief_at, beyond * turn.half, mean)
-    for _ in range(_ROUNDS):
+    for look in range(how.looks + 1):
         if len(table) == 0:
             raise Lost("no gap")
         try:
             zones = sie.Zones.of(table)
             free = sie.find_ends(
-                equation, zones, how.tolerance, _NEWTON, signs=(1.0, -1.0), drops=how.look, decay=how.decay, bounded_ends=False
+                equation, zones, how.tolerance, _NEWTON, signs=(1.0, -1.0), drops=True, decay=how.decay, bounded_ends=False
             )
         except (ValueError, sie.SingularSystem) as e:
             raise Lost(str(e)) from e
         if not free.converged:
             raise Lost(free.reason)
         found = GapContact(turn, beyond, mean, free.density.zones.table, free.state)
-        if not how.look:
+        if look == how.looks:
+            # Where that does not settle it is looked at once more at the root.
             return found
         pulls, overlaps = _signs(found)
         if len(pulls) == 0 and len(overlaps) == 0:
@@ -356,7 +358,7 @@ def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _Ho
             raise Lost(str(e)) from e
         table = centred_on(table, np.pi - 1e-3, TURN)
         table = table[np.argsort(table[:, 0])]
-    raise Lost("signs")
+    raise AssertionError
 
 
 def _signs(found: GapContact) -> tuple[Array, Array]:

@@ -119,7 +119,7 @@ class FirstOrderOfSeveral:
         """The same more tightly."""
         if found.place is not None:
             try:
-                return replace(self._by_gaps(found.place), rounded=True)
+                return replace(self._by_gaps(found.place, sharply=True), rounded=True)
             except Lost as lost:
                 raise NotConverged(f"not converged: {lost}") from lost
         assert found.at is not None
@@ -131,13 +131,12 @@ class FirstOrderOfSeveral:
         """By the gaps, from coarse grids or from fine ones; where these do not serve, by the zones."""
         by_gaps = StripTurn.serves(self.problem)
         for finely in (False, True) if by_gaps else (True,):
-            before = grid.points
             first = self._rough(grid, first, finely)
             if first.unrest is not None:
                 raise self._refused(first.unrest)
-            if by_gaps and first.widths[0] > _NEARLY_FULL * self.period and not (finely and before == grid.points):
+            if by_gaps and first.widths[0] > _NEARLY_FULL * self.period:
                 try:
-                    return self._by_gaps(self._place(grid, first))
+                    return self._by_gaps(self._place(grid, self._finer(grid, first) if finely else first))
                 except Lost as lost:
                     if lost.border:
                         raise self._refused(Unrest.BORDER) from lost
@@ -159,28 +158,38 @@ class FirstOrderOfSeveral:
             # Beside the border a finer grid may tell zones that the exact contact does not have.
             return self._from_grid(grid, rough, grid.points)
 
-    def _by_gaps(self, place: Place) -> Closed:
-        """The strip at the root, from some zones near by."""
+    def _by_gaps(self, place: Place, sharply: bool = False) -> Closed:
+        """The strip at the root, from some zones near by. sharply: with ends as well known as the pressure beside the border asks for."""
         tolerance, load = self.task.tolerance, float(place.unknowns[2])
         with self.task.plan.timed("zone ends"):
             root = GapClosure(self.problem, load, _OF_GAPS * tolerance).root(place)
             (centre, pressure), problem = root.place.unknowns[:2], self.problem
             problem = problem.with_amplitude(float(pressure)).about(float(centre))
-            self.wanted = tolerance
-            found = self._contact(problem, load, root.place.strip, Newton(tolerance, off=_ROUGHLY), False)
-            self.wanted = self._wanted(found)
-            if self.wanted < tolerance:
+            form, newton = ByPressure(problem), Newton(tolerance, off=_ROUGHLY)
+            told = self.task.plan.timed
+            found = refine_topology(form, Load(load), root.place.strip, newton, self.task.progress, timed=told)
+            if isinstance(found, Missed):
+                raise Lost(found.reason)
+            if sharply:
+                self.wanted = self._wanted(found)
                 found = self._contact(problem, load, table_of(found), Newton(self.wanted, off=tolerance), False)
-            if len(table_of(found)) != len(root.place.strip):
-                raise Lost("the strip has other zones than gaps tell")
         rates = StripRates(found, 0.0)
         fields = replace(found.fields, amplitude_rate=float(root.following[1]), centring=float(rates.approach[0] * root.following[0]))
-        off = _MARGIN * sum(np.abs(rates.of_strip(np.append(step, 0.0))).T for step in root.off.T) / np.diff(table_of(found), axis=1)
+        unsure = _MARGIN * root.unsure
+        if len(table_of(found)) != len(root.place.strip):
+            # A zone or a gap too narrow for the one or the other to tell.
+            unsure[0] += abs(width_of(found) - float(np.diff(root.place.strip).sum()))
+        moved = sum(np.abs(rates.of_strip(np.append(by, 0.0))) * missed for by, missed in zip(root.inverse.T, unsure, strict=True))
+        off = np.asarray(moved).T / np.diff(table_of(found), axis=1)
         return Closed(**{**vars(found), "fields": fields, "control": self.scaled.control, "off": found.off + off}, place=root.place)
 
     def _place(self, grid: ClosureGrid, fine: AtPressure) -> Place:
         strip, alone = (self.problem.units.scaled(each.zones) for each in (fine.strip, fine.alone))
         return Place(np.array([fine.centre, fine.amplitude, grid.load]), strip, alone)
+
+    def _finer(self, grid: ClosureGrid, rough: AtPressure) -> AtPressure:
+        with self.task.plan.timed("coarse search"):
+            return grid.closer(rough, _FINER_GRID * grid.points, _CLOSELY)
 
     def _from_grid(self, grid: ClosureGrid, rough: AtPressure, points: int) -> At:
         part = self.task.plan["coarse search"]
