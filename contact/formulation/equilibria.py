@@ -26,6 +26,10 @@ from sie import Array, Mask, record
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
 _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
 
+# To which states are solved that are none on the way; and densities by which rates are told where zones are many: of a state, and of
+# one on the way.
+_EXACT, _OF_RATES, _OF_ROUGH_RATES = 1e-13, 1e-10, 1e-4
+
 
 # An end nearer to a sharp corner than this part of the body's width is there; and one that is driven inward by so little is still held.
 _SNAP, HELD = 1e-14, 1e-10
@@ -130,7 +134,7 @@ class Equilibria:
     problem: Problem
     held: Control
 
-    def at(self, table: Array, value: float, tolerance: float = 1e-13, held: Mask | None = None) -> Point:
+    def at(self, table: Array, value: float, tolerance: float = _EXACT, held: Mask | None = None) -> Point:
         """The state of given zones, no farther than to sharp corners: one linear solution and its rates. held: at corners; None: those that
         are there and are not driven inward."""
         table = self.within(table)
@@ -139,16 +143,21 @@ class Equilibria:
         if table[0, 0] <= lo or table[-1, 1] >= hi:
             raise OutOfRange("a contact zone reaches the border of the part of the profile that is known")
         zones = sie.Zones.of(table, problem.end, problem.end)
-        state = sie.solve_zones(problem.equation(control), zones, tolerance).whole
-        rates, wanted = sie.end_rates(state), problem.end.intensity
+        equation = problem.equation(control)
+        state = sie.solve_zones(equation, zones, tolerance).whole
+        follows, wanted = state, problem.end.intensity
+        if state.iteration is not None:
+            # There are as many right sides as ends: a matrix once, as small as rates are told by, not an iteration for each.
+            follows = sie.solve_fixed(equation, state.density.zones, _OF_RATES if tolerance <= _EXACT else _OF_ROUGH_RATES, direct=True)
+        rates = sie.end_rates(follows)
         assert wanted is not None
         size = abs(wanted)
-        values = np.zeros(len(state.condition_scale))
-        first = state.condition_index[0]
+        values = np.zeros(len(follows.condition_scale))
+        first = follows.condition_index[0]
         # The load is the total; else minus the value stands in the row of every zone.
         by_load = control.load is not None
         values[first : first + (1 if by_load else len(table))] = 1.0 if by_load else -1.0
-        unit = np.concatenate(state.response(values).intensities)
+        unit = np.concatenate(follows.response(values).intensities)
         residual = (np.concatenate(state.density.intensities) - wanted) / size
         level = -value if control.approach is not None else float(state.levels.mean())
         here = Point(table, value, residual, rates.intensities / size, unit / size, state.density.total, level)

@@ -7,6 +7,8 @@ either side, and series of `TERMS` Chebyshev terms leave rho^TERMS < 1e-16, rho 
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from sie.basis.arrays import Array, Index
@@ -75,7 +77,7 @@ class Tree:
     def __len__(self) -> int:
         return len(self.lo)
 
-    @property
+    @cached_property
     def leaves(self) -> Index:
         """Node of every interval, in their order."""
         nodes = np.flatnonzero(self.item >= 0)

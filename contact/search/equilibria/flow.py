@@ -27,6 +27,10 @@ _INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
 ROUGH, REST, _SETTLED = 1e-9, 1e-6, 1e-5
 # By how much of r, and of K*, a step may pass a place of rest; from how near an equilibrium Newton's step is taken as it is.
 _OVERSHOT, SLIGHT, _NEAR, _FAR = 0.1, 1e-4, 0.02, 0.05
+# Of the way to a place of rest, by the chord.
+_SHORT_OF = 0.8
+# Of the largest in a growing motion, ends that run away.
+_SHARE = 0.3
 # A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
 CLOSED, DRIVEN, _OPENED = 1e-2, 0.5, 0.02
 MOST_STEPS, MOST_TRIES = 600, 40
@@ -46,17 +50,17 @@ def receded(curve: Equilibria, table: Array, value: float) -> Point | None:
 
 
 def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point | None:
-    here = curve.at(table, value)
+    here = curve.at(table, value, ROUGH)
     widths, residual = here.widths, here.residual
     for _ in range(MOST_STEPS):
         if sign > 0 and (merged := closing(curve, here)) is not None:
-            here = curve.at(merged, value)
+            here = curve.at(merged, value, ROUGH)
             continue
         if sign < 0 and (apart := _come_apart(here, widths, residual)).any():
             if apart.all():
                 return None
             stays = np.tile(~apart, 2)
-            here, widths, residual = curve.at(here.table[~apart], value), widths[stays], residual[stays]
+            here, widths, residual = curve.at(here.table[~apart], value, ROUGH), widths[stays], residual[stays]
             continue
         here, move = _step(curve, here, sign)
         if at_rest(here, move):
@@ -78,19 +82,19 @@ def at_rest(here: Point, move: float) -> bool:
 def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
     """(next state, largest move over the widths)."""
     limit, back = limits(curve, here, sign)
+    runaway = running_away(here)
     for _ in range(MOST_TRIES):
-        step = kept_step(here, sign, limit, back)
+        step = kept_step(here, sign, limit, back, runaway)
         # Of ends that are driven hard, little must be left out to know how those at rest are.
         ahead = curve.at(here.moved(step), here.value, max(1e-14, ROUGH / max(1.0, float(np.abs(here.residual).max()))))
         gone_past = passed(here, ahead, step, sign)
         if not gone_past.any():
             return ahead, float(np.abs(step / here.widths).max())
-        if here.growth >= -NEUTRAL:
-            # A damped step keeps its shape as it is shortened: all ends are limited alike, else those at rest hold up the others.
-            limit = 0.5 * limit * float((np.abs(step) / limit).max())
-            continue
-        # What has passed an equilibrium moves less; if that is of no avail, so do all.
-        limit = np.where(gone_past, 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
+        # What has passed an equilibrium goes to where it is about; if that is of no avail, all others move less, too.
+        before, after = here.whole.residual, ahead.whole.residual
+        part = np.divide(_SHORT_OF * before, before - after, out=np.full(len(before), 0.5), where=before != after)
+        shorter = np.where(gone_past, np.clip(np.where(part > 0.0, part, 0.5), 0.01, 0.5), 0.9)
+        limit = shorter * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
     raise NotConverged("no step of the ends keeps to the branch")
 
 
@@ -146,23 +150,40 @@ def _come_apart(here: Point, widths: Array, residual: Array) -> Mask:
     return np.logical_and(*np.split(driven & (here.widths < _OPENED * widths), 2))
 
 
-def kept_step(here: Point, sign: float, limit: Array, most_back: Array) -> Array:
+def running_away(here: Point) -> Mask:
+    """The ends without which no motion of the others grows (2n,): those of gaps that snap shut, of zones that come apart."""
+    away = np.zeros(len(here.residual), dtype=bool)
+    if here.growth < -NEUTRAL:
+        return away
+    matrix = here.rates / here.weight[:, None]
+    while not away.all():
+        stays = np.flatnonzero(~away)
+        growth, motions = np.linalg.eig(matrix[np.ix_(stays, stays)])
+        grows = growth.real >= -NEUTRAL
+        if not grows.any():
+            break
+        size = np.abs(motions[:, grows])
+        away[stays[(size > _SHARE * size.max(axis=0)).any(axis=1)]] = True
+    return away
+
+
+def kept_step(here: Point, sign: float, limit: Array, most_back: Array, runaway: Mask | None = None) -> Array:
     """Newton's step, in which ends go no farther than their limits, nor back but a little; where there are motions that run away,
-    damped by as much as keeps these within the limits."""
+    damped by as much as keeps these within the limits, or, told which, with these ends going as far as they may."""
     rates, residual = here.rates, here.residual
-    if here.growth >= -NEUTRAL:
+    if here.growth >= -NEUTRAL and runaway is None:
         return _damped_step(here, sign, limit)
-    step = np.linalg.solve(-rates, residual)
-    free = np.ones(len(residual), dtype=bool)
-    while True:
+    free = np.ones(len(residual), dtype=bool) if runaway is None else ~runaway
+    step = np.where(sign * residual > -SLIGHT, sign * limit, 0.0)
+    step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
+    while free.any():
         far, back = free & (sign * step > limit * (1 + 1e-12)), free & (sign * step < -most_back * (1 + 1e-12))
         if not (far | back).any():
             return np.asarray(step)
         step[far], step[back] = sign * limit[far], -sign * most_back[back]
         free &= ~(far | back)
-        if not free.any():
-            return np.asarray(step)
         step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
+    return np.asarray(step)
 
 
 def _damped_step(here: Point, sign: float, limit: Array) -> Array:
