@@ -26,8 +26,8 @@ from sie import Array
 
 # Values over one another between which a contact counted in the units of one is in good hands.
 _FARTHEST = 16.0
-# Rounds of corrections of the number of zones, after which a search from scratch is no longer, and steps of Newton's: where a grid takes long, and
-# where it does not, or where there is none.
+# Rounds of corrections of the number of zones, after which a search from scratch is no longer, and steps of Newton's in each: where a grid
+# takes long, or there is none, and where it takes no time.
 _ROUNDS, _STEPS = (6, 1), (0, 6)
 # Zones that come and go up to which corrections are the shorter way, likewise.
 _FEW = 8, 0
