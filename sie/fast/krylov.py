@@ -10,7 +10,6 @@ from scipy.linalg import solve_triangular
 from sie.basis.arrays import Array
 from sie.basis.record import record
 
-
 # Vectors of which no more than this part is new are made orthogonal twice (L. Giraud, J. Langou, M. Rozloznik, Comput. Math. Appl. 50
 # (2005) 1069-1075).
 _LITTLE = 0.1

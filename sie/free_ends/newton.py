@@ -208,10 +208,7 @@ def find_ends(
     keeps = equation.forcing.cornered or equation.forcing.exact
     off = min(off, _STEP_NEAR) if near else off
     progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off, few, patient, drops)
-    if isinstance(like, Sizes):
-        sizes = sizes_after(like, equation, zones)
-    else:
-        sizes = first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
+    sizes = _sizes(like, equation, zones)
     unit: Unit | None = None
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
@@ -267,6 +264,13 @@ def find_ends(
             )
         # Of many zones its sums take as much memory as those of the next one.
         del state
+
+
+def _sizes(like: AnyState | Sizes | None, equation: Equation, zones: Zones) -> Sizes:
+    """Modes to begin with."""
+    if isinstance(like, Sizes):
+        return sizes_after(like, equation, zones)
+    return first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
 
 
 def _state(equation: Equation, zones: Zones, decay: float, sizes: Sizes, value: float) -> AnyState:
