@@ -208,8 +208,12 @@ def find_ends(
     keeps = equation.forcing.cornered or equation.forcing.exact
     off = min(off, _STEP_NEAR) if near else off
     progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off, few, patient, drops)
+<<<<<<< HEAD
     sizes = _sizes(like, equation, zones)
     unit: Unit | None = None
+=======
+    sizes, unit = _begun(like, equation, zones), None
+>>>>>>> main
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
         sizes.linear, sizes.value = progress.linear, value
@@ -400,6 +404,13 @@ def _held_at(zones: Zones, limits: tuple[float, float]) -> Zones:
     if high:
         b[-1], rest[1, -1], right[-1] = limits[1], 0.0, SINGULAR
     return replace(zones, a=a, b=b, rest=rest, left=left, right=right)
+
+
+def _begun(like: AnyState | Sizes | None, equation: Equation, zones: Zones) -> Sizes:
+    """Sizes of series to begin with."""
+    if isinstance(like, Sizes):
+        return sizes_after(like, equation, zones)
+    return first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
 
 
 def _let_go(zones: Zones, limits: tuple[float, float], density: AnyDensity, limited: End) -> tuple[Zones, bool]:
