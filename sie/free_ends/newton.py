@@ -208,12 +208,7 @@ def find_ends(
     keeps = equation.forcing.cornered or equation.forcing.exact
     off = min(off, _STEP_NEAR) if near else off
     progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off, few, patient, drops)
-<<<<<<< HEAD
-    sizes = _sizes(like, equation, zones)
-    unit: Unit | None = None
-=======
     sizes, unit = _begun(like, equation, zones), None
->>>>>>> main
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
         sizes.linear, sizes.value = progress.linear, value
@@ -268,13 +263,6 @@ def find_ends(
             )
         # Of many zones its sums take as much memory as those of the next one.
         del state
-
-
-def _sizes(like: AnyState | Sizes | None, equation: Equation, zones: Zones) -> Sizes:
-    """Modes to begin with."""
-    if isinstance(like, Sizes):
-        return sizes_after(like, equation, zones)
-    return first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
 
 
 def _state(equation: Equation, zones: Zones, decay: float, sizes: Sizes, value: float) -> AnyState:
