@@ -85,11 +85,7 @@ class Multiplier:
     def __call__(self, values: Array, size: int) -> Array:
         taken, divided = self.taken(values)
         out = self.on(taken, size)
-<<<<<<< HEAD
-        return np.asarray(out if divided * self.scale == 1.0 else out * np.float64(divided * self.scale), dtype=np.float64)
-=======
         return np.asarray(out if divided * self.scale == 1.0 else out * np.float64(divided * self.scale))
->>>>>>> main
 
 
 @record

@@ -86,17 +86,10 @@ class Formulation(Protocol[Kind]):
 class Newton:
     """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
     most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at
-<<<<<<< HEAD
-    first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with, or what
-    it has left to the next one. few: part of all ends that need not be known, after so many `patient` steps. drops: some of the intervals
-    may not be there, and are left out, or be one with the next. decay: asked of the coefficients over the largest; None: what goes with the
-    tolerance."""
-=======
     first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with, or
     what it has left to the next one. few: part of all ends that need not be known, after so many `patient` steps. drops: some of the
     intervals may not be there, and are left out, or be one with the next. decay: asked of the coefficients over the largest; None: what
     goes with the tolerance."""
->>>>>>> main
 
     tolerance: float
     value: float = 0.0
