@@ -98,16 +98,18 @@ class History:
                     yield self._at_corner(step, step.after)
                 self.note(last)
                 here = last
-        except SymmetryLost as lost:
-            if sense * (lost.at.value - value) > 0.0:
-                raise
-            return self._aside(lost)
-        except NotConverged:
-            end = law.gone(here, sense)
-            if end is None or sense * (end.before.value - value) > 0.0:
-                raise
-            return end
+        except NotConverged as failure:
+            return self._ended(failure, here, value, sense)
         raise NotConverged("the curve of equilibria ended")
+
+    def _ended(self, failure: NotConverged, here: Point, value: float, sense: float) -> Jump:
+        """What happens where the curve breaks off, if that lies before the value."""
+        end = self.law.gone(here, sense)
+        if end is None and isinstance(failure, SymmetryLost):
+            end = self._aside(failure)
+        if end is None or sense * (end.before.value - value) > 0.0:
+            raise failure
+        return end
 
     def _aside(self, lost: SymmetryLost) -> Jump:
         """From where a symmetry is lost on, one of the two ways: the other one is its mirror image."""
