@@ -260,6 +260,7 @@ def test_a_pull_off_whose_end_breaks_a_symmetry_is_located_and_its_loss_left_ope
     assert found.events[1].lost is None is found.dissipated and found.events[1].load < 0.0
 
 
+@pytest.mark.slow
 def test_of_two_equal_tips_under_a_held_approach_one_comes_off_where_stability_is_lost():
     twice = contact.Scene(contact.Fourier(1.0, [0.0, -0.01], [0.0, 0.0]), 1.0, contact.Periodic(), law=contact.JKR(1e-4), approach=0.0)
     one = contact.path(twice, [0.006, -0.0041], control="approach")
