@@ -51,7 +51,7 @@ class Nested:
         up = np.maximum(tree.parent, 0)
         width = np.maximum(tree.hi[up] - tree.lo[up], 1e-300)
         alpha = (((tree.lo - tree.lo[up]) - (tree.hi[up] - tree.hi)) + tree.rest.sum(axis=0)) / width
-        return alpha, (tree.hi - tree.lo) / width
+        return alpha, 2 * tree.half / width
 
     @cached_property
     def _all(self) -> Array:

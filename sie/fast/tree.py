@@ -36,9 +36,9 @@ class Tree:
     rest: Array
     parted: Array
 
-    @property
+    @cached_property
     def half(self) -> Array:
-        return 0.5 * (self.hi - self.lo)
+        return np.asarray(0.5 * ((self.hi - self.lo) + (self.rest[1] - self.rest[0])))
 
     @classmethod
     def over(cls, a: Array, b: Array, rest: Array | None = None) -> Tree:

@@ -25,6 +25,8 @@ _WANDERING = 20
 _NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
 # Tolerances of solutions by iteration: at first, and at last over that of the ends.
 _LOOSE, _TIGHT = 1e-6, 1e-3
+# Of more zones than these the last is tighter as they are more.
+_VERY_MANY = 600
 # The first of these where it is open which zones there are, and where a few of the ends need not come to rest.
 _LOOSER, _LOOSEST = 1e-5, 1e-4
 # The remaining motion of an end is the next step but for its square.
@@ -113,8 +115,8 @@ class Progress:
 
     @property
     def tightest(self) -> float:
-        # The norm of what a solution leaves is let grow with their number: but all of it may be left of one zone that feels it the most.
-        return _TIGHT * self.tolerance / (max(0.1 * np.sqrt(len(self.first_width)), 1.0) if self.few == 0.0 else 1.0)
+        # The more zones there are, the less the lightest bear beside the next ones, of which they feel what is left.
+        return _TIGHT * self.tolerance / (1.0 if self.few else max(len(self.first_width) / _VERY_MANY, 1.0))
 
     def after(self, zones: Zones, motion: Motion, corners: Array, value: float, opened: bool) -> Rest:
         """Enters a step. corners: distance of a corner from each end (2, Z), over which the density changes; value: of the open condition,

@@ -33,7 +33,7 @@ _SHORT_OF = 0.8
 _SHARE = 0.3
 # A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
 CLOSED, DRIVEN, _OPENED = 1e-2, 0.5, 0.02
-MOST_STEPS, MOST_TRIES = 600, 40
+MOST_STEPS, MOST_TRIES = 3000, 40
 _PLACES = np.linspace(0.05, 0.95, 10)
 
 
@@ -174,7 +174,8 @@ def kept_step(here: Point, sign: float, limit: Array, most_back: Array, runaway:
     if here.growth >= -NEUTRAL and runaway is None:
         return _damped_step(here, sign, limit)
     free = np.ones(len(residual), dtype=bool) if runaway is None else ~runaway
-    step = np.where(sign * residual > -SLIGHT, sign * limit, 0.0)
+    # One that has gone a little beyond its rest, to where it would run on, goes back.
+    step = sign * np.where(sign * residual > -SLIGHT, limit, -most_back)
     step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
     while free.any():
         far, back = free & (sign * step > limit * (1 + 1e-12)), free & (sign * step < -most_back * (1 + 1e-12))

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from enum import Enum
 
-from contact.search.grid.coarse import Proposal
+from contact.search.grid.strip import StripContact
 from sie import record
 
 # Miss over the room beside the border, and over a cell, that does not matter; cells that a bracket without a rest is narrowed to.
@@ -34,7 +34,7 @@ class Strip:
     all in one unit; unrest: why the centre does not stay, None where it does, or where that was not asked."""
 
     centre: float
-    contact: Proposal
+    contact: StripContact
     middle: float
     room: float
     cell: float
@@ -51,8 +51,8 @@ class Strip:
     @property
     def side(self) -> float:
         """Negative where a zone reaches the left border alone, positive where one reaches the right one."""
-        pressure = self.contact.state.pressure
-        return float(pressure[-1] > 0.0) - float(pressure[0] > 0.0)
+        left, right = self.contact.reaches
+        return float(right) - float(left)
 
     @property
     def rests(self) -> bool:

@@ -13,18 +13,21 @@ pressure from which on it is clear, with W0 still the larger: then there is none
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from contact.formulation.problem import Problem
+from contact.formulation.strip_turn import StripTurn
 from contact.search.grid.centring import Strip, Unrest, settled
-from contact.search.grid.coarse import Proposal, grid_height, propose
+from contact.search.grid.coarse import grid_height, propose
 from contact.search.grid.conjugate_gradient import Response
 from contact.search.grid.proposals import cut_of, pressed, whole_response
 from contact.search.grid.scaling import ScaledScene
-from sie import record
+from contact.search.grid.strip import StripContact, StripGrid
+from sie import Array, record
 
 # Cells to a shortest length of the profile, at first and in the end, bounds of how many that makes of a period at first, and the tolerance
 # of their contact.
@@ -52,7 +55,7 @@ class AtPressure:
 
     amplitude: float
     placed: Strip
-    alone: Proposal
+    alone: StripContact
     widths: tuple[float, float]
     period: float
 
@@ -61,7 +64,7 @@ class AtPressure:
         return self.placed.centre
 
     @property
-    def strip(self) -> Proposal:
+    def strip(self) -> StripContact:
         return self.placed.contact
 
     @property
@@ -96,8 +99,9 @@ class ClosureGrid:
         self.scaled, self.problem, self.load = scaled, problem, load
         profile, units = problem.profile, problem.units
         assert problem.period is not None and profile.period is not None
-        self.period, self.length = problem.period, profile.period
-        self.response = Response(units.E_star, False, rest=problem.operator.strip_rest)
+        self.period = problem.period
+        response = Response(units.E_star, False, rest=problem.operator.strip_rest)
+        self.grid = StripGrid(response, profile.period, profile.feature, StripTurn.serves(problem))
         features = 0.0 if profile.feature is None else profile.period / profile.feature
         self.points, self.finest = (
             2 ** int(np.clip(np.ceil(np.log2(max(cells * features, 1.0))), math.log2(_FEWEST), math.log2(most)))
@@ -117,11 +121,11 @@ class ClosureGrid:
             here = self._at(here.amplitude * math.exp(_CLEARED), centre, here)
         return here
 
-    def root(self, here: AtPressure) -> AtPressure:
+    def root(self, here: AtPressure, finely: bool) -> AtPressure:
         """The contacts at the root, roughly, from some; with the strip's unrest, where it has none: then the profile alone is in wider
-        contact wherever the strip is clear of its border."""
+        contact wherever the strip is clear of its border. finely: on the finest grids, even where a coarse one has a root."""
         found, clear = self._followed(here)
-        while self.points < self.finest:
+        while self.points < self.finest and (finely or found.unrest is not None):
             # What a coarse grid tells is the beginning of what a finer one does.
             if found.unrest is not None and clear is None:
                 return found
@@ -248,11 +252,11 @@ class ClosureGrid:
         )
         return float(units.scaled(np.array(cut_of(whole, profile.x0, profile.period) + 0.5 * profile.period)))
 
-    def _look(self, amplitude: float, centre: float, near: Proposal | None) -> Strip:
+    def _look(self, amplitude: float, centre: float, near: StripContact | None) -> Strip:
         contact = self.strip(amplitude, centre, self.points, _ROUGHLY, near)
         ends = self.problem.units.scaled(contact.zones[[0, -1], [0, 1]])
         room = self.period - float(ends[1] - ends[0])
-        return Strip(centre, contact, 0.5 * float(ends[0] + ends[1]), room, self.period / contact.points)
+        return Strip(centre, contact, 0.5 * float(ends[0] + ends[1]), room, contact.cell / self.problem.units.length)
 
     def _held(self, amplitude: float, centre: float, near: AtPressure) -> AtPressure:
         """Contacts under a nominal pressure about a centre."""
@@ -275,20 +279,20 @@ class ClosureGrid:
             self.points *= 2
             placed = settled(look, look(placed.centre, placed))
 
-    def _of(self, amplitude: float, placed: Strip, alone: Proposal) -> AtPressure:
+    def _of(self, amplitude: float, placed: Strip, alone: StripContact) -> AtPressure:
         length = self.problem.units.length
-        widths = _width(placed.contact) / length, _width(alone) / length
+        widths = placed.contact.width / length, alone.width / length
         # Full contact on the grid is that to half a cell.
         full = self.period * (1 - 1e-9)
         return AtPressure(amplitude, placed, alone, (widths[0], self.period if widths[1] > full else widths[1]), self.period)
 
-    def strip(self, amplitude: float, centre: float, points: int | None, tol: float, near: Proposal | None) -> Proposal:
+    def strip(self, amplitude: float, centre: float, points: int, tol: float, near: StripContact | None) -> StripContact:
         """The contact of the strip."""
         column = self.problem.about(centre).columns[0].primitive
         assert column is not None
         return self._proposed(partial(pressed, self.problem, amplitude, column), self.load, centre, points, tol, near)
 
-    def alone(self, amplitude: float, centre: float, points: int | None, tol: float, near: Proposal | None) -> Proposal:
+    def alone(self, amplitude: float, centre: float, points: int, tol: float, near: StripContact | None) -> StripContact:
         """The contact of its profile alone, under the load of the nominal pressure."""
         return self._proposed(partial(grid_height, self.problem.profile), amplitude * self.period, centre, points, tol, near)
 
@@ -296,16 +300,11 @@ class ClosureGrid:
         """The same contacts on finer grids."""
         strip = self.strip(rough.amplitude, rough.centre, points, tol, rough.strip)
         alone = self.alone(rough.amplitude, rough.centre, points, tol, rough.alone)
-        return self._of(rough.amplitude, replace(rough.placed, contact=strip, cell=self.period / strip.points), alone)
+        return self._of(rough.amplitude, replace(rough.placed, contact=strip, cell=strip.cell / self.problem.units.length), alone)
 
-    def _proposed(self, height: object, load: float, centre: float, points: int | None, tol: float, near: Proposal | None) -> Proposal:
-        units, profile = self.problem.units, self.problem.profile
+    def _proposed(
+        self, height: Callable[[Array], Array], load: float, centre: float, points: int, tol: float, near: StripContact | None
+    ) -> StripContact:
+        units = self.problem.units
         middle = float(units.x(np.array(centre)))
-        return propose(
-            height, (middle - 0.5 * self.length, middle + 0.5 * self.length), self.response, resolution=profile.feature,  # type: ignore[arg-type]
-            points=points, load=load * units.load, tol=tol, near=None if near is None else near.state,
-        )
-
-
-def _width(proposal: Proposal) -> float:
-    return float((proposal.zones[:, 1] - proposal.zones[:, 0]).sum())
+        return self.grid.contact(height, middle, load * units.load, points, tol, near)

@@ -136,7 +136,8 @@ class Influence:
     def apply(self, p: ArrayLike, roughly: bool = False) -> Array:
         """Displacement u = S p at the grid points. roughly: to seven digits of the largest."""
         pressure = np.asarray(p, dtype=np.float64)
-        u = (self._rough_compliance if roughly else self._exact_compliance)(pressure, self.n if self.is_periodic else 2 * self.n)[: self.n]
+        size = self.n if self.is_periodic else 2 * self.n
+        u = (self._rough_compliance if roughly else self._exact_compliance)(pressure, size)[: self.n]
         return u + self._offset * (float(pressure.sum()) * self.h) if self._offset else u
 
     @cached_property

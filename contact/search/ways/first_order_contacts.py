@@ -84,46 +84,69 @@ class At:
 
 
 @record
-class Rates(sie.Kept):
-    """How the ends of contacts move outward, and the approach grows, by the centre, the nominal pressure and the load: each found when it
+class StripRates(sie.Kept):
+    """How the ends of a strip move outward, and its approach grows, by its centre, its nominal pressure and its load: each found when it
     is first asked for, to a tolerance, where it is found by iteration."""
 
-    at: At
+    strip: Found
     tolerance: float
 
     @cached_property
     def _shifted(self) -> sie.AnyState:
-        return _shifted(self.at)
+        return _shifted(self.strip)
 
     @cached_property
     def by_centre(self) -> Array:
-        """Of the strip (2, Z)."""
-        return moves_by(self._shifted.density, self.at.strip.fields.state.density)
+        """(2, Z)."""
+        return moves_by(self._shifted.density, self.strip.fields.state.density)
 
     @cached_property
     def by_pressure(self) -> Array:
-        """Of the strip by the nominal pressure (2, Z)."""
-        return moved_ends(self.at.strip.fields.state, 2, tolerance=self.tolerance)
+        """By the nominal pressure (2, Z)."""
+        return moved_ends(self.strip.fields.state, 2, tolerance=self.tolerance)
 
     @cached_property
     def by_load(self) -> Array:
-        """Of the strip (2, Z)."""
-        return moved_ends(self.at.strip.fields.state, 0, tolerance=self.tolerance)
-
-    @cached_property
-    def alone(self) -> Array:
-        """Of its profile alone by the nominal pressure (2, Z): its load is that of a period."""
-        return self.at.period * moved_ends(self.at.alone.fields.state, 0, tolerance=self.tolerance)
+        """(2, Z)."""
+        return moved_ends(self.strip.fields.state, 0, tolerance=self.tolerance)
 
     @cached_property
     def approach(self) -> Array:
-        """Of the strip by all three (3,)."""
-        state, rates = self.at.strip.fields.state, [float(self._shifted.levels.mean())]
+        """Of the approach, by all three (3,)."""
+        state, rates = self.strip.fields.state, [float(self._shifted.levels.mean())]
         for condition in (2, 0):
             values = np.zeros(len(state.condition_scale))
             values[state.condition_index[condition]] = 1.0
             rates.append(float(state.level_rates(values).mean()))
         return -np.array(rates)
+
+    def of_strip(self, step: Array) -> Array:
+        """Motions of the ends of the strip by a step of the unknowns."""
+        moved = step[0] * self.by_centre + step[1] * self.by_pressure
+        return moved if step[2] == 0.0 else moved + step[2] * self.by_load
+
+    def of_ends(self, off: Array) -> Array:
+        """What unknowns that are off make of the ends (Z, 2) over the widths of their zones, at the most."""
+        moved = abs(off[0]) * np.abs(self.by_centre) + abs(off[1]) * np.abs(self.by_pressure)
+        if off[2:].any():
+            moved = moved + abs(off[2]) * np.abs(self.by_load)
+        return np.asarray(moved.T / np.diff(table_of(self.strip), axis=1))
+
+
+@record
+class Rates(StripRates):
+    """The same, and of its profile alone."""
+
+    at: At
+
+    @classmethod
+    def of(cls, at: At, tolerance: float) -> Rates:
+        return cls(at.strip, tolerance, at)
+
+    @cached_property
+    def alone(self) -> Array:
+        """Of its profile alone by the nominal pressure (2, Z): its load is that of a period."""
+        return self.at.period * moved_ends(self.at.alone.fields.state, 0, tolerance=self.tolerance)
 
     @cached_property
     def matrix(self) -> Array:
@@ -137,24 +160,12 @@ class Rates(sie.Kept):
         """How the unknowns grow with the load (3,)."""
         return np.append(-np.linalg.solve(self.matrix, (float(self.by_load.sum()), _aside(self.by_load))), 1.0)
 
-    def of_strip(self, step: Array) -> Array:
-        """Motions of the ends of the strip by a step of the unknowns."""
-        moved = step[0] * self.by_centre + step[1] * self.by_pressure
-        return moved if step[2] == 0.0 else moved + step[2] * self.by_load
 
-    def of_ends(self, off: Array, table: Array) -> Array:
-        """What unknowns that are off make of the ends (Z, 2) over the widths of their zones, at the most."""
-        moved = abs(off[0]) * np.abs(self.by_centre) + abs(off[1]) * np.abs(self.by_pressure)
-        if off[2:].any():
-            moved = moved + abs(off[2]) * np.abs(self.by_load)
-        return np.asarray(moved.T / np.diff(table, axis=1))
-
-
-def _shifted(at: At) -> sie.AnyState:
+def _shifted(strip: Found) -> sie.AnyState:
     """What a unit of motion of the strip's centre adds to its density on the same zones, by a difference."""
-    problem, pressure = at.strip.fields.problem, float(at.unknowns[1])
-    assert problem.period is not None
-    ends = at.table[[0, -1], [0, 1]] - problem.centre
+    problem, zones = strip.fields.problem, strip.free.density.zones
+    assert problem.period is not None and problem.amplitude is not None
+    pressure, ends = problem.amplitude, zones.table[[0, -1], [0, 1]] - problem.centre
     away = _SHIFT * (0.5 * problem.period - float(np.abs(ends).max()))
     ahead, behind = (problem.about(problem.centre + shift).columns[0] for shift in (away, -away))
     assert ahead.primitive is not None and behind.primitive is not None
@@ -163,7 +174,6 @@ def _shifted(at: At) -> sie.AnyState:
         _Difference(ahead.primitive, behind.primitive, 0.5 * pressure / away), between=True,
     )
     equation = sie.Equation(problem.kernel, forcing, (sie.Total(0.0), sie.EqualPotential()))
-    zones = at.strip.free.density.zones
     return sie.solve_zones(equation, zones, _ROUGHLY)
 
 
@@ -200,11 +210,6 @@ def spread(table: Array, moved: Array, part: float) -> Array:
     room = part * _room_beside(table)
     outward = np.clip(moved, -part * (table[:, 1] - table[:, 0]), room)
     return np.column_stack((table[:, 0] - outward[0], table[:, 1] + outward[1]))
-
-
-def room(at: At, period: float) -> float:
-    """Between the outermost ends and the borders of the strip, together."""
-    return period - float(at.table[-1, 1] - at.table[0, 0])
 
 
 def width_of(found: Found) -> float:

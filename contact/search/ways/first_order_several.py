@@ -12,7 +12,7 @@ contact follow the loads, the nominal pressure and the centre (2 K / A), correct
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from contact.errors import ContactError, NotConverged, OutOfRange
 from contact.formulation.controls import Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
+from contact.formulation.strip_turn import StripTurn
 from contact.model.interactions.isolated import Isolated
 from contact.search.grid.centring import Unrest
 from contact.search.grid.closure import AtPressure, ClosureGrid
@@ -29,77 +30,44 @@ from contact.search.task import LEAST, Task
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.loop import Newton, refine_topology
 from contact.search.topology.missed import Missed, WrongTopology
-from contact.search.ways.first_order_contacts import At, Place, Rates, room, table_of, width_of
+from contact.search.ways.first_order_contacts import At, Place, Rates, StripRates, table_of, width_of
+from contact.search.ways.first_order_gaps import GapClosure, Lost
 from contact.search.ways.guesses import EXACT
 from contact.verify.accuracy import Found
 from contact.verify.certificate import NOT_CHECKED
 from sie import Array, record
 
-# Steps towards a root, how often one is halved, and how often the signs are looked at there. After how large a step zones that are lost
-# are looked for, and their rates are found anew; of a step what the next one leaves where rounding does.
-_STEPS, _HALVED, _LOOKS, _FAR, _BENT, _SLOW = 40, 4, 4, 1e-2, 1e-4, 0.5
+# How often the signs are looked at at the root; a fall of the steps that is slow, or is rounding.
+_LOOKS, _SLOW = 4, 0.5
 # Steps of all ends and unknowns at once, the largest move over the width of a zone or a gap from which they start, after which rates are
 # found anew, and which is as good as none.
 _TOGETHER, _BOLDEST, _NEARBY, _LAST_OF_ALL, _SLOW_STEPS, _HALF = 20, 1.0, 1e-2, 1e-4, 3, 0.4
 # Part of a width or a gap that is foreseen to go in a step.
 _PART = 0.1
-# Steps in a row of which none halves the misses: zones come and go with every one of them.
-_STALLED, _STALLED_AT_TURN = 4, 1
-# A change of the misses over what ends that are not yet at rest make of them, from which on it tells how they follow the unknowns.
-_ABOVE_NOISE = 10.0
-# Longest step of the centre over the room beside the border, and how often it may be cut to that.
-_TRUSTED, _WILD = 0.25, 2
-# The weakest influence of the unknowns over the strongest, below which solutions turn back.
-_WEAK = 1e-3
-# Miss of the centre over that of the width that does not matter; what is left of what it makes of that, over this, at the most.
-_OFF_CENTRE, _UNSURE = 1e-3, 4.0
-# Steps that tell how the misses follow the unknowns: those of smaller ones are rounding.
-_LEAST = 1e-9
 # How often zones of the profile alone are put right, and what part of their width does not matter on the way.
 _CORRECTIONS, _MINOR = 3, 1e-4
-# Largest change of the nominal pressure and of the load in a step; a load that is off by more is looked for by grids.
+# Largest change of the load in a step; a load that is off by more is looked for by grids.
 _LARGEST = 0.1
 # Loads tried for an approach; how near one is, over it, for Newton's steps on the load, and by what part it changes at the most before.
 _LOADS, _NEAR, _LEAST_PART = 12, 2e-2, 0.3
 # Tolerance of the grids that zones are taken from, and of how many more points: a zone or gap that is missed takes longer than these.
 _CLOSELY, _FINER_GRID = 1e-5, 4
 # Tolerance of the ends at first, and of later ones over the step of the unknowns, as long as that is not one of the last.
-_ROUGHLY, _FINER, _FINER_THAN_MISSED, _LAST = 1e-6, 1e-2, 0.02, 1e-5
+_ROUGHLY, _FINER, _LAST = 1e-6, 1e-2, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
+# Contact of more than this part of the strip is solved by its gaps; their tolerance over that of the zones.
+_NEARLY_FULL, _OF_GAPS = 0.5, 1e-3
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
 
 
 @record
 class Closed(Found):
-    """The zones of the strip, and at: the contacts that they and the nominal pressure are of."""
+    """The zones of the strip, and at: the contacts that they and the nominal pressure are of, or place: the root that was found by gaps."""
 
     at: At | None = None
-
-
-@dataclass
-class _Bracket:
-    """Nominal pressures and misses of the width there, too narrow alone [positive] and too wide."""
-
-    low: tuple[float, float] = (-math.inf, math.nan)
-    high: tuple[float, float] = (math.inf, math.nan)
-    width: float = math.inf
-
-    def within(self, at: float, miss: float, known: float, step: float, falls: bool) -> float:
-        """A step from there, if it stays within the bracket, and that or the step falls; else one of false position, or to the middle.
-        miss: of the width about a strip centred on its zones; known: to what."""
-        if miss > known:
-            self.low = (at, miss)
-        elif miss < -known:
-            self.high = (at, miss)
-        (low, at_low), (high, at_high) = self.low, self.high
-        before, self.width = self.width, high - low
-        inside = low < at + step < high and (falls or math.isinf(before) or self.width < _SLOW * before)
-        if inside or not math.isfinite(self.width) or self.width <= _LEAST * at:
-            return step
-        share = at_low / (at_low - at_high) if self.width < _SLOW * before else 0.5
-        return low + min(max(share, 0.1), 0.9) * self.width - at
+    place: Place | None = None
 
 
 class FirstOrderOfSeveral:
@@ -117,21 +85,18 @@ class FirstOrderOfSeveral:
         """The zones that carry the control, from grids under about its load."""
         control = self.scaled.control
         if control.load is not None:
-            rough = self._rough(grid, first)
-            if rough.unrest is not None:
-                raise self._refused(rough.unrest)
-            return self._exact(self._started(grid, rough))
+            return self._under_load(grid, first)
         assert control.approach is not None
         low, high = 0.0, math.inf
         refused: Unrest | None = None
         for _ in range(_LOADS):
-            rough = self._rough(grid, first)
+            rough = self._rough(grid, first, True)
             step = math.nan
             if rough.unrest is not None:
                 high, refused = grid.load, rough.unrest
             else:
                 at = self._started(grid, rough)
-                rates = Rates(at, 0.0)
+                rates = Rates.of(at, 0.0)
                 step = (control.approach + at.strip.fields.level) / float(rates.approach @ rates.following)
                 if abs(step) < _NEAR * grid.load:
                     return self._exact(at)
@@ -152,14 +117,35 @@ class FirstOrderOfSeveral:
 
     def closer(self, found: Closed) -> Found:
         """The same more tightly."""
+        if found.place is not None:
+            try:
+                return replace(self._by_gaps(found.place, sharply=True), rounded=True)
+            except Lost as lost:
+                raise NotConverged(f"not converged: {lost}") from lost
         assert found.at is not None
         at = found.at
-        self.wanted, self.again = self._wanted(at), True
+        self.wanted, self.again = self._wanted(at.strip), True
         return self._exact(self._at(Place(at.unknowns, at.table, table_of(at.alone)), self.task.tolerance, 0.0))
 
-    def _rough(self, grid: ClosureGrid, first: AtPressure) -> AtPressure:
+    def _under_load(self, grid: ClosureGrid, first: AtPressure) -> Found:
+        """By the gaps, from coarse grids or from fine ones; where these do not serve, by the zones."""
+        by_gaps = StripTurn.serves(self.problem)
+        for finely in (False, True) if by_gaps else (True,):
+            first = self._rough(grid, first, finely)
+            if first.unrest is not None:
+                raise self._refused(first.unrest)
+            if by_gaps and first.widths[0] > _NEARLY_FULL * self.period:
+                try:
+                    return self._by_gaps(self._place(grid, self._finer(grid, first) if finely else first))
+                except Lost as lost:
+                    if lost.border:
+                        raise self._refused(Unrest.BORDER) from lost
+                    self.task.left("the closure by gaps", Missed(f"the closure by gaps did not lead on: {lost}"))
+        return self._exact(self._started(grid, first))
+
+    def _rough(self, grid: ClosureGrid, first: AtPressure, finely: bool) -> AtPressure:
         with self.task.plan.timed("coarse search"):
-            return grid.root(first)
+            return grid.root(first, finely)
 
     def _refused(self, why: Unrest) -> OutOfRange:
         return OutOfRange(f"{self.scaled.control.told(self.problem.units)}: under the first-order closure {why.value}; {EXACT}")
@@ -172,24 +158,59 @@ class FirstOrderOfSeveral:
             # Beside the border a finer grid may tell zones that the exact contact does not have.
             return self._from_grid(grid, rough, grid.points)
 
+    def _by_gaps(self, place: Place, sharply: bool = False) -> Closed:
+        """The strip at the root, from some zones near by. sharply: with ends as well known as the pressure beside the border asks for."""
+        tolerance, load = self.task.tolerance, float(place.unknowns[2])
+        with self.task.plan.timed("zone ends"):
+            root = GapClosure(self.problem, load, _OF_GAPS * tolerance).root(place)
+            (centre, pressure), problem = root.place.unknowns[:2], self.problem
+            problem = problem.with_amplitude(float(pressure)).about(float(centre))
+            form, newton = ByPressure(problem), Newton(tolerance, off=_ROUGHLY)
+            told = self.task.plan.timed
+            found = refine_topology(form, Load(load), root.place.strip, newton, self.task.progress, timed=told)
+            if isinstance(found, Missed):
+                raise Lost(found.reason)
+            if sharply:
+                self.wanted = self._wanted(found)
+                found = self._contact(problem, load, table_of(found), Newton(self.wanted, off=tolerance), False)
+        rates = StripRates(found, 0.0)
+        fields = replace(found.fields, amplitude_rate=float(root.following[1]), centring=float(rates.approach[0] * root.following[0]))
+        unsure = _MARGIN * root.unsure
+        if len(table_of(found)) != len(root.place.strip):
+            # A zone or a gap too narrow for the one or the other to tell.
+            unsure[0] += abs(width_of(found) - float(np.diff(root.place.strip).sum()))
+        moved = sum(np.abs(rates.of_strip(np.append(by, 0.0))) * missed for by, missed in zip(root.inverse.T, unsure, strict=True))
+        off = np.asarray(moved).T / np.diff(table_of(found), axis=1)
+        return Closed(**{**vars(found), "fields": fields, "control": self.scaled.control, "off": found.off + off}, place=root.place)
+
+    def _place(self, grid: ClosureGrid, fine: AtPressure) -> Place:
+        strip, alone = (self.problem.units.scaled(each.zones) for each in (fine.strip, fine.alone))
+        return Place(np.array([fine.centre, fine.amplitude, grid.load]), strip, alone)
+
+    def _finer(self, grid: ClosureGrid, rough: AtPressure) -> AtPressure:
+        with self.task.plan.timed("coarse search"):
+            return grid.closer(rough, _FINER_GRID * grid.points, _CLOSELY)
+
     def _from_grid(self, grid: ClosureGrid, rough: AtPressure, points: int) -> At:
         part = self.task.plan["coarse search"]
         part.used = True
         with self.task.plan.timed("coarse search"):
             fine = grid.closer(rough, points, _CLOSELY)
-        assert fine.alone is not None
-        strip, alone = (self.problem.units.scaled(each.zones) for each in (fine.strip, fine.alone))
-        part.detail = f"{points} points, {len(strip)} zones proposed"
-        centre = fine.centre
-        if self.problem.profile.symmetric and abs(centre) < 0.25 * float(np.diff(strip).min()):
-            centre = 0.0
-        at = self._at(Place(np.array([centre, fine.amplitude, grid.load]), strip, alone), 1.0, _ROUGHLY)
-        self.wanted = self._wanted(at)
+        place = self._place(grid, fine)
+        part.detail = f"{points} points, {len(place.strip)} zones proposed"
+        return self._begun(place, 1.0)
+
+    def _begun(self, place: Place, off: float) -> At:
+        centre = float(place.unknowns[0])
+        if self.problem.profile.symmetric and abs(centre) < 0.25 * float(np.diff(place.strip).min()):
+            place.unknowns[0] = 0.0
+        at = self._at(place, off, _ROUGHLY)
+        self.wanted = self._wanted(at.strip)
         return at
 
-    def _wanted(self, at: At) -> float:
+    def _wanted(self, strip: Found) -> float:
         """Tolerance of the ends with which the pressure has that of the task: beside the border it is steep."""
-        peak, by_left, by_right = at.strip.free.density.sensitivity
+        peak, by_left, by_right = strip.free.density.sensitivity
         return max(LEAST, self.task.tolerance / max(1.0, float(max(by_left.max(), by_right.max()) / peak.max())))
 
     def _at(self, place: Place, off: float, tolerance: float) -> At:
@@ -265,23 +286,27 @@ class FirstOrderOfSeveral:
             load = (approach + at.strip.fields.level) / rate
             # The load that has the approach is off by what centre and nominal pressure are, and these by what it is.
             missed = np.append(off, 0.0) + np.abs(follows) * (_MARGIN * abs(load) + float(np.abs(rates.approach[:2]) @ off) / abs(rate))
-            settled = rates.of_ends(load * follows, at.table).max() <= self.task.tolerance
+            settled = rates.of_ends(load * follows).max() <= self.task.tolerance
             if settled or (abs(load) > _SLOW * before and before < self.task.tol * size):
                 break
             before, asked = abs(load), abs(load) / size
-            at, _ = self._moved(at, rates, min(1.0, _LARGEST / asked) * load * follows, asked, False)
+            place, _ = at.after(min(1.0, _LARGEST / asked) * load * follows, rates, _PART)
+            at = self._at(place, asked, min(_FINER * asked, _ROUGHLY) if asked > _LAST else 0.0)
         else:
             raise self._unsettled("the load", at)
         fields: ZoneFields = replace(
             at.strip.fields, amplitude_rate=float(follows[1]), centring=float(rates.approach[0] * follows[0])
         )
-        found = replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed, at.table))
+        found = replace(at.strip, fields=fields, control=self.scaled.control, off=rates.of_ends(missed))
         return Closed(**{**vars(found), "rounded": self.rounded}, at=at)
 
     def _signed(self, at: At) -> tuple[At, Rates, Array]:
-        """`_stepped`, with the signs of what it has come to."""
-        for look in range(_LOOKS):
-            at, rates, off = self._together(at) or self._stepped(at, watched=look > 0)
+        """`_together`, with the signs of what it has come to."""
+        for _ in range(_LOOKS):
+            found = self._together(at)
+            if found is None:
+                raise self._unsettled("the nominal pressure", at)
+            at, rates, off = found
             looked = replace(at, strip=self._looked_at(at.strip, closely=True), alone=self._looked_at(at.alone, closely=True))
             if looked.same_zones(at):
                 # Zones of the profile alone that are too narrow to be put right make it wider or narrower.
@@ -298,11 +323,11 @@ class FirstOrderOfSeveral:
         steps of all ends, the centre and the nominal pressure at once, each with one solution of the strip and one of its profile alone.
         None where they do not come ever closer."""
         before, slow, looked, last = math.inf, 0, False, False
-        rates, size = Rates(at, _ROUGHLY), np.array([self.period, at.unknowns[1]])
+        rates, size = Rates.of(at, _ROUGHLY), np.array([self.period, at.unknowns[1]])
         matrix = rates.matrix
         for _ in range(_TOGETHER):
             step = np.append(-np.linalg.solve(matrix, at.misses), 0.0)
-            off = float(rates.of_ends(step, at.table).max())
+            off = float(rates.of_ends(step).max())
             if last:
                 self.rounded = self.again and off > self.wanted
                 return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
@@ -325,7 +350,7 @@ class FirstOrderOfSeveral:
             except (NotConverged, WrongTopology, sie.SingularSystem):
                 return None
             if last or not there.same_zones(at):
-                rates = Rates(there, 0.0 if last else _ROUGHLY)
+                rates = Rates.of(there, 0.0 if last else _ROUGHLY)
                 matrix = rates.matrix
             else:
                 matrix = matrix + _secant(matrix, step[:2], there.misses - at.misses, size)
@@ -352,84 +377,6 @@ class FirstOrderOfSeveral:
 
     def _alone(self, centre: float) -> Problem:
         return replace(self.problem, interaction=Isolated(), amplitude=None, reference=True, centre=centre)
-
-    def _stepped(self, at: At, watched: bool) -> tuple[At, Rates, Array]:
-        """(contacts at the root under their load, rates near it, what centre and nominal pressure are off): Newton's steps within a bracket
-        of the nominal pressure, since widths bend sharply where zones are born or meet. watched: signs are looked at after every step, as
-        once zones have come or gone."""
-        rates = Rates(at, 0.0)
-        matrix, misses = rates.matrix, at.misses
-        size, bracket, before = np.array([self.period, at.unknowns[1]]), _Bracket(), math.inf
-        least, stalled, wild = math.inf, 0, 0
-        for _ in range(_STEPS):
-            least, stalled = (missed, 0) if (missed := float(np.abs(misses).max())) < _SLOW * least else (least, stalled + 1)
-            weak = self._weakness(matrix, size)
-            if stalled > (_STALLED if weak > _WEAK else _STALLED_AT_TURN):
-                break
-            step = np.zeros(3)
-            step[:2] = -np.linalg.solve(matrix, misses)
-            asked = float(np.abs(step[:2] / size).max())
-            off = rates.of_ends(step, at.table)
-            settled = off.max() <= self.wanted or (asked > _SLOW * before and before < self.task.tol)
-            if settled and at.strip.tolerance <= self.wanted:
-                self.rounded = self.again and bool(off.max() > self.wanted)
-                return at, rates, _MARGIN * np.abs(step[:2]) + np.abs(np.linalg.inv(matrix)[:, 0]) * self._rounding(at)
-            step *= min(1.0, _LARGEST / max(asked, 1e-300))
-            if watched and abs(misses[1]) > _OFF_CENTRE * abs(misses[0]):
-                # How wide the zones are under a nominal pressure is told where the strip is centred on them.
-                step[:] = -misses[1] / matrix[1, 0], 0.0, 0.0
-            else:
-                off_centre = float(matrix[0, 0] / matrix[1, 0] * misses[1])
-                centred = float(misses[0]) - off_centre
-                known = _UNSURE * abs(off_centre) + _ABOVE_NOISE * at.strip.tolerance * width_of(at.strip)
-                step[1] = bracket.within(float(at.unknowns[1]), centred, known, float(step[1]), asked <= _SLOW * before)
-                step[0] = -(misses[1] + matrix[1, 1] * step[1]) / matrix[1, 0]
-            # Grids have told the centre to a part of the room beside the border: steps that leave it lead nowhere.
-            far = abs(float(step[0])) / (_TRUSTED * room(at, self.period))
-            if far > 1.0:
-                wild, step = wild + 1, step / far
-                if wild > _WILD:
-                    break
-            there, step = self._moved(at, rates, step, asked, watched)
-            last, misses = misses, there.misses
-            by, noise = step[:2], max(at.strip.tolerance, there.strip.tolerance) * width_of(there.strip)
-            if asked > _LEAST and float(np.abs(matrix @ by).max()) > _ABOVE_NOISE * noise:
-                matrix = matrix + _secant(matrix, by, misses - last, size)
-            same = there.same_zones(at)
-            watched = watched or not same
-            if not same or (asked > _BENT and not there.strip.fields.state.iterated):
-                rates = Rates(there, 0.0)
-                matrix = rates.matrix
-            at, before = there, asked if same else math.inf
-        if weak <= _WEAK:
-            raise self._unsettled(
-                f"the nominal pressure, whose solutions turn back about there (what tells it from the centre of the strip is {weak:.0e} of "
-                "what it does),", at,
-            )
-        raise self._unsettled("the nominal pressure", at)
-
-    def _weakness(self, matrix: Array, size: Array) -> float:
-        """The smallest singular value of the misses by the unknowns over the largest: at a turning point of the solutions it is none."""
-        values = np.linalg.svd(matrix * size, compute_uv=False)
-        return float(values[1] / values[0])
-
-    def _moved(self, at: At, rates: Rates, step: Array, asked: float, watched: bool) -> tuple[At, Array]:
-        """The contacts after a step, or after as much of it as they follow."""
-        for halved in range(_HALVED + 1):
-            place, _ = at.after(step, rates, _PART)
-            try:
-                # The ends need be no better known than what the next step will move them by.
-                missed = float(np.abs(at.misses).max()) / width_of(at.strip)
-                tolerance = 0.0 if asked < _LAST else min(_FINER * asked, _FINER_THAN_MISSED * missed, _ROUGHLY)
-                there = self._at(place, asked, tolerance)
-                if asked < _FAR and not watched:
-                    return there, step
-                return replace(there, strip=self._looked_at(there.strip), alone=self._looked_at(there.alone)), step
-            except NotConverged:
-                if halved == _HALVED:
-                    raise
-                step = 0.5 * step
-        raise AssertionError
 
     def _rounding(self, at: At) -> float:
         """What the difference of the widths may be off."""

@@ -1,0 +1,87 @@
+r"""The contact of one strip on grids, a half-plane's as that of an even profile of a period.
+
+With x = c - h cos(theta) on the strip |x - c| < h and P(theta) = p(x) h sin(theta), of ln|cos theta - cos phi| = -ln 2
+- sum_n (2/n) cos(n theta) cos(n phi) what is called up by the pressure of the strip alone,
+
+    u = -(2/pi E) int p(xi) ln|x - xi| dxi = sum_n (2 P_n / E n) cos(n theta) + const,     P = P_0 + sum_n P_n cos(n theta),
+
+is what a half-plane of period 2 pi in theta does under P, and the load of a turn is twice that of the strip. So the grids of a period
+serve: of the same number of points they tell gaps beside the border by the square of a cell, full contact is closed there, and a few
+iterations are enough where it is nearly full. Where p is singular at the border, P is not: a strip that reaches its border is in contact
+at theta = 0 or pi.
+
+On other substrates, whose kernel has more than the logarithm, and of profiles with corners, the grid is even in x.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from contact.search.grid.coarse import propose
+from contact.search.grid.conjugate_gradient import GridState, Response
+from sie import Array, record
+
+
+@record
+class StripContact:
+    """Zones (n, 2) [m] of a strip; points: of its grid; cell: the width of one in the middle [m]; state: on the grid; reaches: whether
+    zones reach its left and its right border."""
+
+    zones: Array
+    points: int
+    cell: float
+    state: GridState = field(repr=False)
+    reaches: tuple[bool, bool]
+
+    @property
+    def width(self) -> float:
+        """Total, of all zones [m]."""
+        return float((self.zones[:, 1] - self.zones[:, 0]).sum())
+
+    @property
+    def touches_border(self) -> bool:
+        return any(self.reaches)
+
+
+@dataclass(frozen=True)
+class StripGrid:
+    """Strips of a length [m] on a body whose response is that of one alone. turns: whether grids are even in the angle."""
+
+    response: Response
+    length: float
+    resolution: float | None
+    turns: bool
+
+    def contact(
+        self, height: Callable[[Array], Array], middle: float, load: float, points: int, tol: float, near: StripContact | None
+    ) -> StripContact:
+        """Of a shape [m] about a middle [m] under a load [N/m]; near: another strip to begin with."""
+        half, state = 0.5 * self.length, None if near is None else near.state
+        if not self.turns:
+            cell = (middle - half, middle + half)
+            found = propose(height, cell, self.response, resolution=self.resolution, points=points, load=load, tol=tol, near=state)
+            pressure = found.state.pressure
+            return StripContact(found.zones, points, self.length / points, found.state, (bool(pressure[0] > 0), bool(pressure[-1] > 0)))
+
+        def turned(theta: Array) -> Array:
+            there = np.asarray(height(_placed(theta[: len(theta) // 2], middle, half)))
+            return np.concatenate((there, there[::-1]))
+
+        whole = Response(self.response.E)
+        found = propose(turned, (0.0, 2 * np.pi), whole, points=2 * points, load=2 * load, tol=tol, near=state)
+        inside = found.state.contact
+        reaches = bool(inside[0]), bool(inside[points - 1])
+        zones = found.zones if len(found.zones) else np.array([[0.0, np.pi]])
+        # Each of half a turn; the other half is its mirror image.
+        crossing = np.array([[0.0, float(zones[-1, 1]) - 2 * np.pi]]) if reaches[0] and len(found.zones) else np.zeros((0, 2))
+        zones = zones[zones[:, 0] < np.pi]
+        zones = np.concatenate((crossing, np.column_stack((zones[:, 0], np.minimum(zones[:, 1], np.pi)))))
+        return StripContact(_placed(zones, middle, half), points, half * np.pi / points, found.state, reaches)
+
+
+def _placed(theta: Array, middle: float, half: float) -> Array:
+    """c - h cos(theta)."""
+    return np.asarray(middle - half * np.cos(theta))

@@ -1,0 +1,392 @@
+"""The first-order closure near full contact: Newton's steps on the centre and the nominal pressure, of which both contacts are solved by
+their gaps (contact.formulation.strip_turn).
+
+A step asks the ends of all gaps to move, by what a unit of the centre and of the nominal pressure calls up on the same gaps; from there
+each contact is found under the new ones, with the gaps that its signs ask for. Nothing but gaps is unknown, so that a step takes a small
+part of what one solution by the zones takes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+import sie
+from contact.formulation.fields import moves_by
+from contact.formulation.problem import Problem
+from contact.formulation.strip_turn import TURN, StripTurn
+from contact.formulation.tables import centred_on
+from contact.search.topology.intervals import united, without
+from contact.search.topology.missed import WrongTopology
+from contact.search.ways.first_order_contacts import Place, spread
+from sie import Array, record
+
+# Angles to a shortest length of the profile, and bounds of how many.
+_CLOSE, _FEWEST, _MOST = 32, 2**12, 2**17
+# Tolerance of the ends, and of what a unit of the unknowns calls up.
+_ENDS, _RATES, _DECAY, _ROUGHLY, _FINER, _FAR = 1e-6, 1e-5, 1e-5, 1e-3, 1e-2, 0.1
+# Steps at the most, how often one is halved, largest part of the room beside the border and of the nominal pressure in one.
+_STEPS, _HALVED, _TRUSTED, _LARGEST = 25, 1, 0.5, 0.2
+# How often signs are looked at, and on the way; of the largest pressure, and of the largest gap: what is none. Samples looked at.
+_ROUNDS, _ON_THE_WAY, _NONE, _OVERLAP, _SAMPLES = 6, 1, 1e-6, 1e-4, 2**14
+# Of a gap or a zone that may go in a step; and what it is no farther than at the root.
+_PART, _THERE, _NEAR = 0.4, 1e-4, 0.05
+# Steps in a row of which none halves what is left.
+_STALLED, _SLOW = 6, 0.7
+_NEWTON = 25
+# Steps by the exact profile, and how long one may be after which there is none.
+_FINE_STEPS, _SQUARE = 3, 3e-6
+
+
+@dataclass(frozen=True)
+class _How:
+    """tolerance, decay: of the ends and of the coefficients; looks: how often signs are looked at."""
+
+    tolerance: float
+    decay: float
+    looks: int
+
+
+class Lost(Exception):
+    """No gaps that lead on. border: whether the strip reaches its border before it is as wide as its profile alone."""
+
+    def __init__(self, reason: str, border: bool = False) -> None:
+        super().__init__(reason)
+        self.border = border
+
+
+@record
+class GapContact:
+    """A contact by its gaps in the angle. beyond: the nominal pressure beyond the strip; table: the gaps (n, 2) of a turn; state: None of
+    gaps that were moved on."""
+
+    turn: StripTurn
+    beyond: float
+    mean: float
+    table: Array
+    state: sie.AnyState | None
+
+    @cached_property
+    def opened(self) -> float:
+        """Total width of the gaps of the strip."""
+        ends = _turned(self.table)
+        return 0.5 * self.turn.half * float((ends[:, 1] - ends[:, 0]).sum())
+
+    @property
+    def borders(self) -> tuple[int, int] | None:
+        """The gaps about the left and about the right border, where there are both."""
+        found = [np.flatnonzero((self.table[:, 0] < at) & (self.table[:, 1] > at)) for at in (0.0, np.pi)]
+        return (int(found[0][0]), int(found[1][0])) if len(found[0]) and len(found[1]) else None
+
+    def moves(self, given: Callable[[Array], Array] | None, beyond: float, mean: float) -> Array:
+        """Outward moves (2, n) that a change of the right side calls up."""
+        assert self.state is not None
+        equation = self.turn.equation(given, beyond, mean)
+        return moves_by(sie.solve_zones(equation, self.state.density.zones, _RATES).density, self.state.density)
+
+    def finely(self, decay: float) -> tuple[Array, Array]:
+        """(outward moves (2, n) that the exact profile and longer series ask for, what they leave): profile and nominal pressure call up a
+        slope of the gap each, with the jumps that are their own."""
+        turn, zones = self.turn, sie.Zones.of(self.table)
+        parts = [turn.equation(turn.exact_at, 0.0, self.mean)]
+        parts += [turn.equation(None, self.beyond * turn.half, 0.0)] if self.beyond else []
+        states = [sie.solve_zones(equation, zones, decay) for equation in parts]
+        slopes = [np.array(state.density.edge_slopes) for state in states]
+        slope = np.sum(slopes, axis=0)
+        moved = np.asarray(2 * np.sum([np.array(state.density.intensities) for state in states], axis=0) / slope)
+        unsure = np.sum([np.abs(state.end_truncation.T * own) for state, own in zip(states, slopes, strict=True)], axis=0) / np.abs(slope)
+        widths = np.diff(self.table, axis=1).T
+        return moved, np.asarray(unsure * widths + moved**2 / widths)
+
+    def widening(self, moved: Array) -> float:
+        """What that adds to the width of the gaps."""
+        return 0.5 * self.turn.half * float((np.abs(np.sin(self.table.T)) * moved).sum())
+
+
+def _turned(angle: Array) -> Array:
+    """The integral of |sin|."""
+    turns = np.floor(angle / np.pi)
+    return np.asarray(2 * turns + 1 - np.cos(angle - np.pi * turns))
+
+
+@record
+class _Both:
+    """Contacts of the strip and of its profile alone under a centre and a nominal pressure."""
+
+    centre: float
+    pressure: float
+    strip: GapContact
+    alone: GapContact
+    kept: tuple[Array, Array] | None = None
+
+    @cached_property
+    def misses(self) -> Array:
+        """Of the width and of the centre."""
+        left, right = self._ends
+        middle = -0.5 * self.strip.turn.half * (math.cos(left) + math.cos(right))
+        return np.array([self.alone.opened - self.strip.opened, middle])
+
+    def same_gaps(self, other: _Both) -> bool:
+        """Whether both have as many gaps as before."""
+        return self.strip.table.shape == other.strip.table.shape and self.alone.table.shape == other.alone.table.shape
+
+    @property
+    def room(self) -> float:
+        """Between the outermost ends and the borders of the strip, together."""
+        left, right = self._ends
+        return self.strip.turn.half * (2 - math.cos(left) + math.cos(right))
+
+    @property
+    def _ends(self) -> tuple[float, float]:
+        assert self.strip.borders is not None
+        left, right = self.strip.borders
+        return float(self.strip.table[left, 1]), float(self.strip.table[right, 0])
+
+    @cached_property
+    def rates(self) -> tuple[Array, Array]:
+        """(outward moves of the gaps of the strip by the centre and the nominal pressure (2, 2, n), the same of those alone)."""
+        if self.kept is not None:
+            return self.kept
+        turn = self.strip.turn
+        added = 2 * turn.half / np.pi
+        strip = [self.strip.moves(turn.by_centre_at, 0.0, 0.0), self.strip.moves(None, turn.half, -added)]
+        alone = [self.alone.moves(turn.by_centre_at, 0.0, 0.0), self.alone.moves(None, 0.0, added)]
+        return np.array(strip), np.array(alone)
+
+    @cached_property
+    def step(self) -> Array:
+        """Newton's, of the centre and the nominal pressure."""
+        return np.asarray(-np.linalg.solve(self.matrix, self.misses))
+
+    @property
+    def following(self) -> Array:
+        """How the unknowns grow with the load."""
+        by_load = self.strip.moves(None, 0.0, 1 / np.pi)
+        return np.asarray(-np.linalg.solve(self.matrix, (-self.strip.widening(by_load), self.aside(by_load))))
+
+    def aside(self, moved: Array) -> float:
+        """What outward moves of the gaps of the strip do to the middle of its outermost ends."""
+        assert self.strip.borders is not None
+        (left, right), sides = self.strip.borders, np.sin(self._ends)
+        return 0.5 * self.strip.turn.half * float(sides[0] * moved[1, left] - sides[1] * moved[0, right])
+
+    @property
+    def far(self) -> float:
+        """Newton's step over the room beside the border and the nominal pressure."""
+        return float(np.linalg.norm(self.step / (self.room, self.pressure)))
+
+    def closing(self, step: Array) -> Array:
+        """By what part the gaps at the left and at the right border open in a step."""
+        assert self.strip.borders is not None
+        (left, right), moved = self.strip.borders, self.moved(step)[0]
+        ends = self._ends
+        return np.array([moved[1, left] / ends[0], moved[0, right] / (np.pi - ends[1])])
+
+    def moved(self, step: Array) -> tuple[Array, Array, float]:
+        """(outward moves of the gaps of the strip and of those alone by a step, the largest over the width of a gap or a zone)."""
+        strip, alone = (np.tensordot(step, rates, 1) for rates in self.rates)
+        return strip, alone, max(_largest(self.strip.table, strip), _largest(self.alone.table, alone))
+
+    @cached_property
+    def matrix(self) -> Array:
+        """Of the misses by the centre and the nominal pressure."""
+        strip, alone = self.rates
+        widths = [self.alone.widening(a) - self.strip.widening(s) for s, a in zip(strip, alone, strict=True)]
+        return np.array([widths, [self.aside(s) for s in strip]])
+
+
+@record
+class Root:
+    """The zones at the root. unsure: what width and centre may be missed by (2,); inverse: the unknowns by these (2, 2); following: how
+    centre and nominal pressure grow with the load (2,)."""
+
+    place: Place
+    unsure: Array
+    inverse: Array
+    following: Array
+
+
+@record
+class GapClosure:
+    """The root under a scaled load, whose gaps are found to a tolerance."""
+
+    problem: Problem
+    load: float
+    tolerance: float
+
+    def root(self, start: Place) -> Root:
+        """From some zones near by; raises Lost."""
+        centre, pressure = (float(unknown) for unknown in start.unknowns[:2])
+        turn = StripTurn(self.problem, centre, self._points)
+        gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
+        here = self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, _ROUNDS)))
+        following = here.following
+        # Newton's steps by the exact profile and longer series, at the same rates.
+        for _ in range(_FINE_STEPS):
+            (strip, of_strip), (alone, of_alone) = (each.finely(self.tolerance) for each in (here.strip, here.alone))
+            missed = here.misses + (here.alone.widening(alone) - here.strip.widening(strip), here.aside(strip))
+            step = np.asarray(-np.linalg.solve(here.matrix, missed))
+            left = here.strip.widening(of_strip) + here.alone.widening(of_alone), here.aside(of_strip * [[-1.0], [1.0]])
+            by_strip, by_alone, largest = here.moved(step)
+            tables = [each.table + _outward(moved) for each, moved in ((here.strip, strip + by_strip), (here.alone, alone + by_alone))]
+            turn = StripTurn(self.problem, here.centre + float(step[0]), self._points)
+            pressure = here.pressure + float(step[1])
+            largest = max(largest, _largest(here.strip.table, strip), _largest(here.alone.table, alone))
+            if largest < _SQUARE:
+                break
+            here = replace(self._on(turn, pressure, *tables), kept=here.rates)
+        place = Place(np.array([turn.centre, pressure, self.load]), *(turn.zones_of(table) for table in tables))
+        return Root(place, np.array(left), np.asarray(np.linalg.inv(here.matrix)), following)
+
+    def _on(self, turn: StripTurn, pressure: float, strip: Array, alone: Array) -> _Both:
+        """On gaps as they are."""
+        added = 2 * turn.half * pressure / np.pi
+        found = (GapContact(turn, pressure, self.load / np.pi - added, strip, None), GapContact(turn, 0.0, added, alone, None))
+        return _Both(turn.centre, pressure, *found)
+
+    def _settled(self, here: _Both) -> _Both:
+        """At the root, as nearly as samples tell it."""
+        looked, least, stalled = True, math.inf, 0
+        for _ in range(_STEPS):
+            missed = here.far
+            least, stalled = (missed, 0) if missed < _SLOW * least else (least, stalled + 1)
+            if stalled > _STALLED:
+                break
+            largest = here.moved(here.step)[2]
+            if largest < _THERE:
+                if looked:
+                    return here
+                before, looked = here, True
+                here = self._with(here.strip.turn, here.pressure, here.strip.table, here.alone.table, _How(_ENDS, _DECAY, _ROUNDS))
+                if here.same_gaps(before):
+                    return replace(here, kept=before.rates)
+                continue
+            looked = largest > _FAR
+            before = here
+            here = self._after(here, _How(min(max(_FINER * largest, _ENDS), _ROUGHLY), _DECAY, _ON_THE_WAY if looked else 0))
+            if largest < _NEAR and here.same_gaps(before):
+                here = replace(here, kept=before.rates)
+        # The gap at a border is as wide in the angle as its intensity is large, and so goes straight with the unknowns.
+        raise Lost("the nominal pressure did not settle", bool(here.closing(here.step).min() <= -1.0))
+
+    def _after(self, here: _Both, how: _How) -> _Both:
+        """After a step, or as much of it as brings the root nearer, as the rates before it have that (P. Deuflhard, Newton Methods for
+        Nonlinear Problems, 2004, section 3.1): with the last part of it in any case, since widths bend where gaps come and go."""
+        size = np.array([here.room, here.pressure])
+        beside, centre, pressure = here.closing(here.step), *np.abs(here.step)
+        whole = 1 / max(1.0, np.abs(beside).max() / _TRUSTED, centre / self._feature, pressure / (_LARGEST * here.pressure))
+        step = whole * here.step
+        there: _Both | None = None
+        reason = Lost("")
+        for halved in range(_HALVED + 1):
+            part = 0.5**halved
+            strip, alone, _ = here.moved(part * step)
+            turn = StripTurn(self.problem, here.centre + part * float(step[0]), self._points)
+            strip, alone = (spread(each.table, by, _PART) for each, by in ((here.strip, strip), (here.alone, alone)))
+            try:
+                there = self._with(turn, here.pressure + part * float(step[1]), strip, alone, how)
+            except Lost as lost:
+                reason = lost
+                continue
+            if np.linalg.norm(np.linalg.solve(here.matrix, there.misses) / size) <= (1 - 0.25 * part * whole) * here.far:
+                break
+        if there is None:
+            raise reason
+        return there
+
+    def _with(self, turn: StripTurn, pressure: float, strip: Array, alone: Array, how: _How) -> _Both:
+        added = 2 * turn.half * pressure / np.pi
+        found = _contact(turn, pressure, self.load / np.pi - added, strip, how)
+        if found.borders is None:
+            raise Lost("the strip reaches its border")
+        return _Both(turn.centre, pressure, found, _contact(turn, 0.0, added, alone, how))
+
+    @cached_property
+    def _feature(self) -> float:
+        """The scaled length on which the profile varies."""
+        profile = self.problem.profile
+        assert profile.period is not None
+        return (profile.feature or profile.period / 16) / self.problem.units.length
+
+    @cached_property
+    def _points(self) -> int:
+        assert self.problem.period is not None
+        features = self.problem.period / self._feature
+        return 2 ** int(np.clip(np.ceil(np.log2(_CLOSE * features)), math.log2(_FEWEST), math.log2(_MOST)))
+
+
+def _outward(moved: Array) -> Array:
+    """Outward moves (2, n) as changes of a table (n, 2)."""
+    return np.asarray(np.column_stack((-moved[0], moved[1])))
+
+
+def _largest(table: Array, moved: Array) -> float:
+    gaps = np.append(table[1:, 0] - table[:-1, 1], table[0, 0] + TURN - table[-1, 1])
+    room = np.minimum(table[:, 1] - table[:, 0], np.array([np.roll(gaps, 1), gaps]))
+    return float((np.abs(moved) / room).max())
+
+
+def _contact(turn: StripTurn, beyond: float, mean: float, table: Array, how: _How) -> GapContact:
+    """From about its gaps, with those that its signs ask for."""
+    equation = turn.equation(turn.relief_at, beyond * turn.half, mean)
+    for look in range(how.looks + 1):
+        if len(table) == 0:
+            raise Lost("no gap")
+        try:
+            zones = sie.Zones.of(table)
+            free = sie.find_ends(
+                equation, zones, how.tolerance, _NEWTON, signs=(1.0, -1.0), drops=True, decay=how.decay, bounded_ends=False
+            )
+        except (ValueError, sie.SingularSystem) as e:
+            raise Lost(str(e)) from e
+        if not free.converged:
+            raise Lost(free.reason)
+        found = GapContact(turn, beyond, mean, free.density.zones.table, free.state)
+        if look == how.looks:
+            # Where that does not settle it is looked at once more at the root.
+            return found
+        pulls, overlaps = _signs(found)
+        if len(pulls) == 0 and len(overlaps) == 0:
+            return found
+        try:
+            table = united(np.concatenate((without(found.table, overlaps), pulls)), TURN, True, "gap")
+        except WrongTopology as e:
+            raise Lost(str(e)) from e
+        table = centred_on(table, np.pi - 1e-3, TURN)
+        table = table[np.argsort(table[:, 0])]
+    raise AssertionError
+
+
+def _signs(found: GapContact) -> tuple[Array, Array]:
+    """(where the pressure pulls, where the gap is negative) on even samples."""
+    assert found.state is not None
+    turn, density = found.turn, found.state.density
+    zones = density.zones
+    every = max(1, turn.points // _SAMPLES)
+    angle = np.concatenate((turn.angles[::every], TURN - turn.angles[::-every]))
+    angle = np.sort(zones.a[0] + (angle - zones.a[0]) % TURN)
+    inside = density.locate(angle)[2]
+    pressure = found.mean - turn.relief_at(angle) + found.beyond * turn.half * np.abs(np.sin(angle)) + density.transform(angle)
+    pulls = _runs(~inside & (pressure < -_NONE * np.abs(pressure[~inside]).max(initial=0.0)), angle)
+    overlaps = []
+    for k in range(len(zones)):
+        count = int(np.clip(4 * (zones.b[k] - zones.a[k]) / (angle[1] - angle[0]) / 4, 32, 1024))
+        at = np.pi * (np.arange(count) + 0.5) / count
+        # The gap from its nearer end on.
+        rise = density.at(k, 2 * np.cos(at / 2) ** 2, 2 * np.sin(at / 2) ** 2)[::-1] * np.sin(at)
+        gap = np.where(at < np.pi / 2, np.cumsum(rise), -np.cumsum(rise[::-1])[::-1])
+        overlaps.append(_runs(gap < -_OVERLAP * np.abs(gap).max(), zones.middle[k] - zones.half[k] * np.cos(at)))
+    return pulls, np.concatenate(overlaps)
+
+
+def _runs(where: Array, angle: Array) -> Array:
+    """From the first to the last of each run of samples, and half a step on."""
+    change = np.flatnonzero(np.diff(np.concatenate(([False], where, [False])).astype(np.int8)))
+    first, last = change[::2], change[1::2] - 1
+    half = 0.5 * np.gradient(angle)
+    return np.column_stack((angle[first] - half[first], angle[last] + half[last]))
+
