@@ -224,6 +224,7 @@ class GapClosure:
         turn = StripTurn(self.problem, centre, self._points)
         gaps = turn.gaps_of(start.strip), turn.gaps_of(start.alone)
         here = self._settled(self._with(turn, pressure, *gaps, _How(_ROUGHLY, _DECAY, _ROUNDS)))
+        here = replace(here, kept=None)
         following = here.following
         # Newton's steps by the exact profile and longer series, at the same rates.
         for _ in range(_FINE_STEPS):

@@ -56,8 +56,8 @@ _CLOSELY, _FINER_GRID = 1e-5, 4
 _ROUGHLY, _FINER, _LAST = 1e-6, 1e-2, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
-# Contact of more than this part of the strip is solved by its gaps; their tolerance over that of the zones.
-_NEARLY_FULL, _OF_GAPS = 0.5, 1e-3
+# Contact of more than this part of the strip is solved by its gaps; their tolerance, and that of the zones there, over the one asked for.
+_NEARLY_FULL, _OF_GAPS, _OF_ZONES = 0.5, 1e-3, 0.3
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
 
@@ -165,7 +165,7 @@ class FirstOrderOfSeveral:
             root = GapClosure(self.problem, load, _OF_GAPS * tolerance).root(place)
             (centre, pressure), problem = root.place.unknowns[:2], self.problem
             problem = problem.with_amplitude(float(pressure)).about(float(centre))
-            form, newton = ByPressure(problem), Newton(tolerance, off=_ROUGHLY)
+            form, newton = ByPressure(problem), Newton(_OF_ZONES * tolerance, off=_ROUGHLY)
             told = self.task.plan.timed
             found = refine_topology(form, Load(load), root.place.strip, newton, self.task.progress, timed=told)
             if isinstance(found, Missed):
