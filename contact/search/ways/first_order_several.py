@@ -57,7 +57,7 @@ _ROUGHLY, _FINER, _LAST = 1e-6, 1e-2, 1e-5
 # How often a contact is solved more tightly than its ends ask for, and how much more, since coefficients that are left out move the ends.
 _SHARPENED, _SHARPER, _LEAST_DECAY = 2, 1e-3, 3e-16
 # Contact of more than this part of the strip is solved by its gaps; their tolerance, and that of the zones there, over the one asked for.
-_NEARLY_FULL, _OF_GAPS, _OF_ZONES = 0.5, 1e-3, 0.3
+_NEARLY_FULL, _OF_GAPS, _OF_ZONES = 0.8, 1e-3, 0.3
 # What is left after the last step, over what it is estimated as.
 _MARGIN = 2.0
 
@@ -118,14 +118,18 @@ class FirstOrderOfSeveral:
     def closer(self, found: Closed) -> Found:
         """The same more tightly."""
         if found.place is not None:
-            try:
-                return replace(self._by_gaps(found.place, sharply=True), rounded=True)
-            except Lost as lost:
-                raise NotConverged(f"not converged: {lost}") from lost
-        assert found.at is not None
-        at = found.at
-        self.wanted, self.again = self._wanted(at.strip), True
-        return self._exact(self._at(Place(at.unknowns, at.table, table_of(at.alone)), self.task.tolerance, 0.0))
+            if float(found.off.max()) <= float((found.free.end_error + found.fields.state.end_truncation).max()):
+                try:
+                    return replace(self._by_gaps(found.place, sharply=True), rounded=True)
+                except Lost as lost:
+                    raise NotConverged(f"not converged: {lost}") from lost
+            # What gaps tell of the root is not enough.
+            place = found.place
+        else:
+            assert found.at is not None
+            at = found.at
+            self.wanted, self.again, place = self._wanted(at.strip), True, Place(at.unknowns, at.table, table_of(at.alone))
+        return self._exact(self._at(place, self.task.tolerance, 0.0))
 
     def _under_load(self, grid: ClosureGrid, first: AtPressure) -> Found:
         """By the gaps, from coarse grids or from fine ones; where these do not serve, by the zones."""
