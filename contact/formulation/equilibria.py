@@ -26,8 +26,9 @@ from sie import Array, Mask, record
 # Newton's steps to an equilibrium near by, and the last one's size over the widths; one so large is of another.
 _STEPS, _TIGHT, _ANOTHER = 8, 1e-11, 1e-2
 
-# To which states on the way are solved; and densities by which rates are told where zones are many: of a state, and of one on the way.
-ROUGH, _OF_RATES, _OF_ROUGH_RATES = 1e-9, 1e-10, 1e-4
+# To which states are solved that are none on the way; and densities by which rates are told where zones are many: of a state, and of
+# one on the way.
+_EXACT, _OF_RATES, _OF_ROUGH_RATES = 1e-13, 1e-10, 1e-4
 
 
 # An end nearer to a sharp corner than this part of the body's width is there; and one that is driven inward by so little is still held.
@@ -133,7 +134,7 @@ class Equilibria:
     problem: Problem
     held: Control
 
-    def at(self, table: Array, value: float, tolerance: float = 1e-13, held: Mask | None = None) -> Point:
+    def at(self, table: Array, value: float, tolerance: float = _EXACT, held: Mask | None = None) -> Point:
         """The state of given zones, no farther than to sharp corners: one linear solution and its rates. held: at corners; None: those that
         are there and are not driven inward."""
         table = self.within(table)
@@ -147,7 +148,7 @@ class Equilibria:
         follows, wanted = state, problem.end.intensity
         if state.iteration is not None:
             # There are as many right sides as ends: a matrix once, as small as rates are told by, not an iteration for each.
-            follows = sie.solve_fixed(equation, state.density.zones, _OF_RATES if tolerance < ROUGH else _OF_ROUGH_RATES, direct=True)
+            follows = sie.solve_fixed(equation, state.density.zones, _OF_RATES if tolerance <= _EXACT else _OF_ROUGH_RATES, direct=True)
         rates = sie.end_rates(follows)
         assert wanted is not None
         size = abs(wanted)

@@ -364,7 +364,7 @@ class ZoneFields(sie.Kept):
     def scaled_zones(self) -> Array:
         return np.asarray(self.density.zones.table)
 
-    @property
+    @cached_property
     def spreading(self) -> Array:
         """How far the ends move outward as the load grows by a factor of e [m] (n, 2)."""
         return moved_ends(self.state).T * self.problem.units.length * self.density.total

@@ -107,7 +107,7 @@ class GapFields(sie.Kept):
     def scaled_zones(self) -> Array:
         return self.zones
 
-    @property
+    @cached_property
     def spreading(self) -> Array:
         """How far the ends of the zones move outward as the load grows by a factor of e [m] (n, 2)."""
         return self._of_zones(moved_ends(self.state)) * self.problem.units.length

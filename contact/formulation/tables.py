@@ -7,7 +7,7 @@ import numpy as np
 from sie import Array
 
 # Of the widest gap.
-_CLEARLY = 0.5
+_WIDE = 0.1
 
 
 def begun_from(table: Array, start: float, period: float | None) -> Array:
@@ -25,14 +25,15 @@ def gaps_between(table: Array, period: float | None) -> Array:
     return np.column_stack((table[:, 1], np.append(table[1:, 0], np.inf if period is None else table[0, 0] + period)))
 
 
-def parted_at_widest(table: Array, period: float) -> Array:
-    """Rows that begin right of the widest gap, as far as that is clearly wider than the one over the border, about where they were."""
-    gaps = np.diff(gaps_between(table, period))[:, 0]
-    if len(table) < 2 or gaps[-1] >= _CLEARLY * gaps.max():
+def parted_at_wide(table: Array, period: float) -> Array:
+    """Rows about where they were, with a wide gap over the border of the period: the nearest one, so that few are moved."""
+    gaps = gaps_between(table, period)
+    width = gaps[:, 1] - gaps[:, 0]
+    wide = width >= _WIDE * width.max()
+    if len(table) < 2 or wide[-1]:
         return table
-    first = int(np.argmax(gaps)) + 1
-    ahead, behind = table[first:], table[:first]
-    centre = 0.5 * (table[0, 0] + table[-1, 1])
-    middle = 0.5 * (table[first, 0] + table[first - 1, 1] + period)
-    turn = period * np.round((middle - centre) / period)
-    return np.concatenate((ahead - turn, behind + (period - turn)))
+    middle = gaps.mean(axis=1)
+    last = int(np.flatnonzero(wide)[np.argmin(np.minimum(middle - table[0, 0], table[-1, 1] - middle)[wide])])
+    ahead, behind = table[last + 1 :], table[: last + 1]
+    few_behind = middle[last] - table[0, 0] < table[-1, 1] - middle[last]
+    return np.concatenate((ahead, behind + period) if few_behind else (ahead - period, behind))

@@ -46,9 +46,9 @@ class Curve:
         self.last = (*self.last, Passed(solution))[-_MOST:]
         return solution
 
-    def beside(self, value: float, known: tuple[Passed, ...]) -> Solution:
-        """The solution at a value from known ones, the nearest last."""
-        return solved_along(self._scene(value), self.tol, self.progress, self.shared, known)
+    def beside(self, value: float, known: tuple[Passed, ...], least: float = 0.0) -> Solution:
+        """The solution at a value from known ones, the nearest last; to a tolerance of no less than that."""
+        return solved_along(self._scene(value), max(self.tol, least), self.progress, self.shared, known)
 
     def _scene(self, value: float) -> Scene:
         return self.scene.under(self.control, value)

@@ -27,7 +27,7 @@ import numpy as np
 
 from contact.errors import NotConverged, OutOfRange, SceneError, unwarned, warn
 from contact.formulation.maxima import maximum
-from contact.formulation.roots import bracketed
+from contact.formulation.roots import smooth_root
 from contact.formulation.tables import centred_on, gaps_between
 from contact.model.scene import Scene
 from contact.search.topology.by_gaps import ByGaps
@@ -55,9 +55,12 @@ _FAR = 1.3
 _BEYOND = (1e-6, 1e-5, 1e-4)
 # Of ends and of coefficients on the way to an event: pressure and gap away from an end that is off change by the square of that.
 _ENDS, _DECAY = 1e-7, 1e-14
+# Of a state from which others start: these of the nearest loads.
+_THROUGH = 4
 # Zooms to a least gap or pressure, the place of which is about known.
 _ZOOMS = 5
-_USEFUL = 1e-3
+# Tolerance of states between two loads; an error with which they still tell which zones there are.
+_ON_THE_WAY, _USEFUL = 1e-6, 1e-3
 # Where the last gap but one has closed, as a rule: this far below the load of full contact.
 _BEFORE_FULL = 1e-7
 # Of a way between two loads that must be gone for a third one to part its events.
@@ -176,7 +179,7 @@ class Path:
 
 def growing_path(scene: Scene, values: Array, tol: float, progress: Progress | None) -> Path:
     """Along loads [N/m], under a law by which contact only grows with the load; see `contact.path`."""
-    run = _Path(scene, tol)
+    run = _Path(scene, tol, progress)
     run.curve.look_at(values)
     solutions: list[Solution] = []
     passed: list[tuple[Event, ...]] = []
@@ -209,8 +212,8 @@ class _Change:
 
 
 class _Path:
-    def __init__(self, scene: Scene, tol: float) -> None:
-        self.scene, self.curve = scene, Curve(scene, "load", tol)
+    def __init__(self, scene: Scene, tol: float, progress: Progress | None = None) -> None:
+        self.scene, self.curve, self.progress, self.found = scene, Curve(scene, "load", tol), progress, 0
 
     @cached_property
     def full(self) -> Solution:
@@ -221,7 +224,7 @@ class _Path:
     def on_the_way(self, load: float, near: Solution) -> Solution:
         """A state between two loads: close to an event a zone or gap may be too narrow for the tolerance, and still serve."""
         try:
-            return self.curve.beside(load, (Passed(near),))
+            return self.curve.beside(load, (Passed(near),), _ON_THE_WAY)
         except NotConverged as failure:
             if isinstance(failure.best, Solution) and failure.best.certificate.holds and failure.best.error < _USEFUL:
                 return failure.best
@@ -261,6 +264,9 @@ class _Path:
             if event is None:
                 raise NotConverged(f"the {change.kind} between loads {low.load:.17g} and {high.load:.17g} was not located")
             events.append(event)
+            self.found += 1
+            if self.progress is not None:
+                self.progress("events", self.found, None)
         return events
 
     def _event(self, change: _Change, low: Solution, high: Solution, beyond: tuple[float, ...] = ()) -> Event | None:
@@ -272,17 +278,17 @@ class _Path:
         load = condition.problem.units.load
         try:
             # Each state starts from the zones of the last: close to a zero its sign may depend on the way there.
-            known = {end: condition(end) for end in (low.load / load, high.load / load)}
+            known = {side.fields.load / load: condition.of(side.fields)}
+            known |= {end: condition(end) for end in (low.load / load, high.load / load) if end not in known}
             for part in beyond:
                 if not _one_sign(known):
                     break
                 known |= {end: condition(end) for end in (low.load / load * (1 - part), high.load / load * (1 + part))}
             if _one_sign(known):
                 return None
-            root = bracketed(condition, _bracket(known), xtol=1e-300, strict=True)
+            root = smooth_root(condition, _bracket(known))
         except WrongTopology:
             return None
-        condition(root)
         kind = _REVERSED[change.kind] if change.back else change.kind
         return Event(kind, root * load, condition.position, low.zones, high.zones)
 
@@ -367,6 +373,10 @@ class _Condition:
     position = 0.0
 
     def __call__(self, load: float) -> float:
+        return self.of(self.formal(load))
+
+    def of(self, fields: Any) -> float:
+        """Of a state with the zones that the condition is about."""
         raise NotImplementedError
 
     def __init__(self, fields: Any, low: Solution, high: Solution, change: _Change) -> None:
@@ -386,13 +396,11 @@ class _Condition:
             self.where = left[1] - 0.25 * gap, left[1] + 1.25 * gap
 
     def start(self, load: float) -> Array:
-        """Zones to begin with: on the straight line through those of the two nearest loads, where that keeps them apart."""
-        nearest = sorted(self.tables, key=lambda known: abs(known - load))
+        """Zones to begin with: by the polynomial through those of the nearest loads, where that keeps them apart."""
+        nearest = sorted(self.tables, key=lambda known: abs(known - load))[:_THROUGH]
         first = self.tables[nearest[0]]
-        if len(nearest) == 1:
-            return first
-        share = (load - nearest[0]) / (nearest[1] - nearest[0])
-        table = first + share * (self.tables[nearest[1]] - first)
+        others = [[(load - other) / (at - other) for other in nearest if other != at] for at in nearest]
+        table = np.tensordot(np.prod(np.array(others).reshape(len(nearest), -1), axis=1), np.array([self.tables[at] for at in nearest]), 1)
         kept = np.diff(table.ravel()) > 0.5 * np.diff(first.ravel())
         return np.asarray(table) if kept.all() else first
 
@@ -411,15 +419,15 @@ class _Condition:
 class _Birth(_Condition):
     """The least gap about the place where the higher load has a zone of its own."""
 
-    def __call__(self, load: float) -> float:
-        return self.least(self.formal(load).formal_gap)
+    def of(self, fields: Any) -> float:
+        return self.least(fields.formal_gap)
 
 
 class _Merge(_Condition):
     """The least pressure between two zones that have become one."""
 
-    def __call__(self, load: float) -> float:
-        return self.least(self.formal(load).formal_pressure)
+    def of(self, fields: Any) -> float:
+        return self.least(fields.formal_pressure)
 
 
 _CONDITIONS: dict[str, type[_Condition]] = {"birth": _Birth, "merge": _Merge}

@@ -156,4 +156,5 @@ def bounded_part(c: Array) -> tuple[Array, Array, Array]:
     sums = np.empty_like(c)
     sums[:, ::2] = np.cumsum(c[:, ::2][:, ::-1], axis=1)[:, ::-1]
     sums[:, 1::2] = np.cumsum(c[:, 1::2][:, ::-1], axis=1)[:, ::-1]
-    return sums[:, 0], sums[:, 1], -2 * sums[:, 2:]
+    # Copies: two columns would keep all of the table.
+    return sums[:, 0].copy(), sums[:, 1].copy(), -2 * sums[:, 2:]

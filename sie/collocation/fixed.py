@@ -258,6 +258,11 @@ def sizes_of(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
     return Sizes(sizes.own, sizes.least, primitive_rounding=sizes.primitive_rounding, wide=sizes.wide and replace(sizes.wide, carried=None))
 
 
+def sizes_after(sizes: Sizes, equation: Equation, zones: Zones) -> Sizes:
+    """Modes to begin with, and what the last solve has left, on zones most of which are about the same."""
+    return replace(first_sizes(equation, zones), carried=sizes.carried, solves=sizes.solves, primitive_rounding=sizes.primitive_rounding)
+
+
 def solve_fixed(
     equation: Equation, zones: Zones, tolerance: float = 1e-14, sizes: Sizes | None = None, largest: int = 8192, direct: bool = False
 ) -> State:
@@ -374,7 +379,8 @@ def _solve_iterated(
     right = solver.right()
     if not (np.all(np.isfinite(samples.coefficients)) and np.all(np.isfinite(right))):
         raise SingularSystem("the right side, a column or a side condition is not finite on the zones")
-    folded = solver(right, None if carried is None else carried.near(system))
+    near = None if carried is None else carried.near(system)
+    folded = near if near is not None and sizes.start else solver(right, near)
     if not np.all(np.isfinite(folded)):
         raise SingularSystem("the system is singular: the side conditions depend on each other")
     sizes.iterations += solver.iterations

@@ -190,11 +190,18 @@ class IterativeSystem(System):
         solved = self.zones.solved
         if not self.integrated:
             return np.diff(self._forcing_means())
-        across, _ = self._across_gaps
+        across = self._across_roughly if self.rough else self._across_gaps[0]
         g, w = self.g[solved], self.zones.half[solved]
         odd, even = np.arange(1, g.shape[1], 2), np.arange(2, g.shape[1], 2)
         half_rise, offset = w * (g[:, odd] @ (1 / odd)), w * (g[:, even] @ (1 / even))
         return across + half_rise[1:] + half_rise[:-1] - np.diff(offset)
+
+    @property
+    def _across_roughly(self) -> Array:
+        """Integral of g over every gap, to the rounding of its primitive."""
+        zones, solved, primitive = self.zones, self.zones.solved, self.equation.forcing.primitive
+        assert primitive is not None
+        return np.asarray(primitive(zones.a[solved[1:]]) - primitive(zones.b[solved[:-1]]))
 
     @cached_property
     def _across_gaps(self) -> tuple[Array, Array]:
@@ -246,7 +253,7 @@ class IterativeSystem(System):
         slope, typical = float(np.abs(self.g).max()), math.sqrt(np.average((self.g**2).sum(axis=1), weights=zones.half))
         # Potentials of neighbours are put together apart from each other up to the node that holds both.
         apart = np.maximum(slope * self._gaps[2], typical * self.sums.far.targets.tree.parted)
-        steps = 2.2e-16 * apart + (self._across_gaps[1] if self.integrated else 0.0)
+        steps = 2.2e-16 * apart + (self._across_gaps[1] if self.integrated and not self.rough else 0.0)
         # The step over the border is that of all others.
         border = float(np.linalg.norm(steps))
         felt_left, felt_right = felt(*(gap[zones.solved] + zones.half[zones.solved] for gap in modes.gaps(zones, self.equation.kernel)))
@@ -511,8 +518,8 @@ class Iterative:
         def rows(folded: Array, rough: bool = False) -> Array:
             return self.rows(folded, rough) if taken is None else self.rows(folded, rough) - taken(folded)
 
-        plain = self.preconditioner(right)
-        scale = self.scale_of(plain if near is None else near)
+        plain = self.preconditioner(right) if near is None else near
+        scale = self.scale_of(plain)
         # Norms of many zones add up what is asked of each.
         count = math.sqrt(len(self.system.zones.solved))
         wanted = max((self.tolerance if tolerance is None else tolerance) * max(count / _ALIKE, 1.0), 4 * _ROUNDING * count)

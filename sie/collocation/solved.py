@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import lu_solve
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array, Index
+from sie.basis.arrays import Array, Index, Mask
 from sie.basis.kept import Kept
 from sie.basis.places import wrapped
 from sie.basis.record import record
@@ -33,6 +33,7 @@ class Sizes:
 
     primitive_rounding: of the right side's primitive, once it has been looked at.
     linear: tolerance of solutions by iteration, relative; 0: as tight as rounding allows. rough: whether sums to 1e-7 will do for them.
+    start: whether they are no more than a start, for which those of the last solve will do.
     iterations: their number so far.
     value: of the open condition, if there is one, with which these are found.
     """
@@ -44,17 +45,20 @@ class Sizes:
     solves: int = 0
     linear: float = 0.0
     rough: bool = False
+    start: bool = False
     value: float = 0.0
     iterations: int = 0
     carried: Carried | None = None
     primitive_rounding: float | None = None
     wide: Sizes | None = None
     """Those of the wide zones, where narrow gaps are slits."""
+    joined: Mask | None = None
+    """After which of the zones a narrow gap was a slit."""
 
     def of(self, kept: Index) -> Sizes:
         """Those of some of the zones."""
         least = self.least if isinstance(self.least, int) else self.least[kept]
-        return replace(self, own=self.own[kept], least=least, wide=None)
+        return replace(self, own=self.own[kept], least=least, wide=None, joined=None if self.joined is None else self.joined[kept])
 
 
 @record

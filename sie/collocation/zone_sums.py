@@ -89,9 +89,11 @@ class NearRows:
         sparse = lazy.scipy_sparse()
         size = layout.size
         potential_pointer = np.concatenate(([0], np.cumsum(per_zone)))
+        # Pointers of more bytes would have the columns copied.
+        wide = np.int32 if pointer[-1] <= np.iinfo(np.int32).max else np.int64
         return cls(
-            sparse.csr_array((data, column, pointer), shape=(len(pointer) - 1, size)),
-            sparse.csr_array((pot_data, pot_column, potential_pointer), shape=(len(solved), size)),
+            sparse.csr_array((data, column, pointer.astype(wide)), shape=(len(pointer) - 1, size)),
+            sparse.csr_array((pot_data, pot_column, potential_pointer.astype(wide)), shape=(len(solved), size)),
         )
 
 

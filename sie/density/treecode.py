@@ -37,7 +37,7 @@ class Treecode:
         reach = 0.5 * period if period is not None else 1.5 * (last - first)
         self.ends = ends = _cells(zones, min(middle - reach, first), max(middle + reach, last))
         self.middle, self.half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
-        sources = Nested(Tree.over(zones.a, zones.b, zones.rest))
+        self.sources = sources = Nested(Tree.over(zones.a, zones.b, zones.rest), kept=False)
         far = FarSum(sources, Nested(Tree.over(ends[:-1], ends[1:]), kept=False), density.kernel)
         near = far.near
         self.source, self.shift = near.source, near.shift
@@ -45,8 +45,12 @@ class Treecode:
         self.moments = density.first(TERMS) * zones.half[:, None] * np.where(np.arange(TERMS), 0.5, 1.0)
         self.series, value, rest = far(self.moments)
         self.value = value + rest
+
+    @cached_property
+    def whole(self) -> Array:
+        """Coefficients of a density on the hull of all zones that does the same far away."""
         twice = np.where(np.arange(TERMS), 2.0, 1.0)
-        self.whole = sources.upward(self.moments)[:1] * twice / sources.tree.half[0]
+        return np.asarray(self.sources.upward(self.moments)[:1] * twice / self.sources.tree.half[0])
 
     @cached_property
     def potential_series(self) -> Array:

@@ -7,16 +7,19 @@ Moments of what stands on an interval, the integrals of T_k over pi, go up the t
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.polynomial.chebyshev import chebint, chebval
 
 from sie.basis import chebyshev
-from sie.basis.arrays import Array
+from sie.basis.arrays import Array, Index
 from sie.basis.interval import Outside
 from sie.basis.kernels import Kernel
+from sie.basis.places import numbered
 from sie.basis.record import record
 from sie.basis.zones import Zones
+from sie.fast import lazy
 from sie.fast.panels import panels_over
 from sie.fast.tree import TERMS, Tree, interactions
 
@@ -48,7 +51,7 @@ class Nested:
         up = np.maximum(tree.parent, 0)
         width = np.maximum(tree.hi[up] - tree.lo[up], 1e-300)
         alpha = (((tree.lo - tree.lo[up]) - (tree.hi[up] - tree.hi)) + tree.rest.sum(axis=0)) / width
-        return alpha, (tree.hi - tree.lo) / width
+        return alpha, 2 * tree.half / width
 
     @cached_property
     def _all(self) -> Array:
@@ -58,9 +61,9 @@ class Nested:
         """A of these nodes, (TERMS, TERMS, n): node after node along the last axis, over which the sums run."""
         return self._all[:, :, nodes] if self.kept else self._made(nodes)
 
-    def _made(self, nodes: slice) -> Array:
+    def _made(self, nodes: slice, terms: int = TERMS) -> Array:
         alpha, beta = self._place[0][nodes], self._place[1][nodes]
-        a = np.zeros((TERMS, TERMS, len(alpha)))
+        a = np.zeros((terms, terms, len(alpha)))
         for start in range(0, len(alpha), _BLOCK):
             here = slice(start, start + _BLOCK)
             self._fill(a[:, :, here], alpha[here], beta[here])
@@ -70,7 +73,7 @@ class Nested:
     def _fill(a: Array, alpha: Array, beta: Array) -> None:
         """By the recurrence of T_j(alpha + beta s), which has no powers above j."""
         a[0, 0], a[1, 0], a[1, 1] = 1.0, alpha, beta
-        for j in range(1, TERMS - 1):
+        for j in range(1, len(a) - 1):
             row, new = a[j, : j + 1], a[j + 1, : j + 2]
             np.multiply(row, 2 * alpha, out=new[: j + 1])
             new[:j] -= a[j - 1, :j]
@@ -78,6 +81,25 @@ class Nested:
             new[1:] += moved
             new[1] += moved[0]
             new[:j] += moved[1:]
+
+    @cached_property
+    def _rough(self) -> list[tuple[slice, Index, Any, Any]]:
+        """Level by level (nodes, their parents, A of ROUGH terms as a sparse matrix that takes moments of pairs of children to their
+        parent's, its transpose): rough sums are taken often."""
+        sparse, out = lazy.scipy_sparse(), []
+        row = np.repeat(np.arange(ROUGH), 2 * np.arange(1, ROUGH + 1))
+        place = numbered(2 * np.arange(1, ROUGH + 1))
+        child, k = place // (row + 1), place % (row + 1)
+        starts = np.concatenate(([0], np.cumsum(2 * np.arange(1, ROUGH + 1))))
+        for here in self._slices():
+            pairs = np.arange((here.stop - here.start) // 2)
+            a = self._made(here, ROUGH)[row, k].reshape(len(row), len(pairs), 2)
+            data = np.where(child[:, None], a[:, :, 1], a[:, :, 0]).T.ravel()
+            column = (2 * ROUGH * pairs[:, None] + (ROUGH * child + k)).astype(np.int32).ravel()
+            pointer = np.append((len(row) * pairs[:, None] + starts[:-1]).ravel(), len(data)).astype(np.int32)
+            matrix = sparse.csr_array((data, column, pointer), shape=(ROUGH * len(pairs), 2 * ROUGH * len(pairs)))
+            out.append((here, self.tree.parent[here][::2], matrix, matrix.T))
+        return out
 
     @cached_property
     def rises(self) -> Array:
@@ -95,6 +117,12 @@ class Nested:
     def upward(self, leaves: Array) -> Array:
         """Moments of all nodes from those of the intervals, of each as many as are given."""
         tree, terms = self.tree, leaves.shape[1]
+        if terms == ROUGH and self.kept:
+            moments = np.zeros((len(tree), terms))
+            moments[tree.leaves] = leaves
+            for here, up, matrix, _ in reversed(self._rough):
+                moments[up] = (matrix @ moments[here].ravel()).reshape(-1, terms)
+            return moments
         out = np.zeros((terms, len(tree)))
         out[:, tree.leaves] = leaves.T
         for here in reversed(self._slices()):
@@ -105,19 +133,31 @@ class Nested:
     def downward(self, series: Array, middle: Array) -> tuple[Array, Array, Array]:
         """Chebyshev series of the transform and potential at the middle (two words), of every interval, from those given at
         nodes: (terms, nodes) to (intervals, terms)."""
-        tree, terms = self.tree, len(series)
+        tree, terms, leaves = self.tree, len(series), self.tree.leaves
         rest = np.zeros_like(middle)
+        if terms == ROUGH and self.kept:
+            table = np.ascontiguousarray(series.T)
+            for here, parents, _, matrix in self._rough:
+                above = table[parents]
+                table[here] += (matrix @ above.ravel()).reshape(-1, terms)
+                rise = np.einsum("pcj,pj->pc", self.rises[here, :terms].reshape(-1, 2, terms), above).ravel()
+                self._add(middle, rest, here, rise)
+            return table[leaves], middle[leaves], rest[leaves]
         for here in self._slices():
-            up = tree.parent[here]
-            above = series[:, up]
+            above = series[:, tree.parent[here]]
             series[:, here] += np.einsum("jn,jkn->kn", above, self.matrices(here)[:terms, :terms])
-            added = middle[here] + np.einsum("nj,jn->n", self.rises[here, :terms], above) + rest[up]
-            middle[here] = middle[up] + added
-            # What the sum has lost (Knuth's two-sum).
-            back = middle[here] - middle[up]
-            rest[here] = (middle[up] - (middle[here] - back)) + (added - back)
-        leaves = tree.leaves
+            self._add(middle, rest, here, np.einsum("nj,jn->n", self.rises[here, :terms], above))
         return np.ascontiguousarray(series[:, leaves].T), middle[leaves], rest[leaves]
+
+    def _add(self, middle: Array, rest: Array, here: slice, rise: Array) -> None:
+        """Potentials of nodes and what these have lost to rounding, with those of their parents and the rises from there."""
+        up = self.tree.parent[here]
+        above = middle[up]
+        added = middle[here] + rise + rest[up]
+        middle[here] = above + added
+        # What the sum has lost (Knuth's two-sum).
+        back = middle[here] - above
+        rest[here] = (above - (middle[here] - back)) + (added - back)
 
 
 @record

@@ -7,6 +7,8 @@ either side, and series of `TERMS` Chebyshev terms leave rho^TERMS < 1e-16, rho 
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from sie.basis.arrays import Array, Index
@@ -34,9 +36,9 @@ class Tree:
     rest: Array
     parted: Array
 
-    @property
+    @cached_property
     def half(self) -> Array:
-        return 0.5 * (self.hi - self.lo)
+        return np.asarray(0.5 * ((self.hi - self.lo) + (self.rest[1] - self.rest[0])))
 
     @classmethod
     def over(cls, a: Array, b: Array, rest: Array | None = None) -> Tree:
@@ -75,7 +77,7 @@ class Tree:
     def __len__(self) -> int:
         return len(self.lo)
 
-    @property
+    @cached_property
     def leaves(self) -> Index:
         """Node of every interval, in their order."""
         nodes = np.flatnonzero(self.item >= 0)

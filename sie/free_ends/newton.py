@@ -20,7 +20,7 @@ from sie.basis.ends import FREE, SINGULAR, End
 from sie.basis.record import record
 from sie.basis.zones import Zones
 from sie.collocation import modes
-from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_of
+from sie.collocation.fixed import SingularSystem, State, first_sizes, sizes_after, sizes_of
 from sie.collocation.iterative import Iterative
 from sie.collocation.solved import Sizes
 from sie.density.density import Density
@@ -36,6 +36,8 @@ from sie.slits.system import AnyDensity, AnyState, solve_zones
 
 # A step moves an end by at most these parts of its zone's width and of the gap beside it.
 INWARD, OUTWARD, INTO_GAP = 0.3, 0.5, 0.4
+# So many zones on either side are felt in a gap that is about to close.
+_FELT = 8
 # Over what the mean slope of the right side's smooth part makes of A.
 _SMOOTH = 4.0
 # How often it is looked which ends move as far as they may.
@@ -139,7 +141,7 @@ def find_ends(
     decay: float | None = None,
     bounded_ends: bool = True,
     off: float = 1.0,
-    like: AnyState | None = None,
+    like: AnyState | Sizes | None = None,
     limited: End = FREE,
     few: float = 0.0,
     patient: int = 0,
@@ -175,8 +177,8 @@ def find_ends(
     off : float
         What the ends are off by over their zones' widths, as far as that is known: the better they are, the tighter is the first solution
         by iteration.
-    like : State or None
-        A solution on about the same zones, with as many modes to begin with.
+    like : State, Sizes or None
+        A solution on about the same zones, with as many modes to begin with; or what it has left to the next one, its unknowns too.
     limited : End
         The kind of an end that leaves a limit.
     few, patient : float, int
@@ -206,8 +208,7 @@ def find_ends(
     keeps = equation.forcing.cornered or equation.forcing.exact
     off = min(off, _STEP_NEAR) if near else off
     progress = Progress(tolerance, zones.b - zones.a, modes.gaps(zones, equation.kernel)[1], off, few, patient, drops)
-    sizes = first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
-    unit: Unit | None = None
+    sizes, unit = _begun(like, equation, zones), None
     while True:
         # Where that saves a solution of its own, the value at hand is in the right side.
         sizes.linear, sizes.value = progress.linear, value
@@ -393,6 +394,13 @@ def _held_at(zones: Zones, limits: tuple[float, float]) -> Zones:
     return replace(zones, a=a, b=b, rest=rest, left=left, right=right)
 
 
+def _begun(like: AnyState | Sizes | None, equation: Equation, zones: Zones) -> Sizes:
+    """Sizes of series to begin with."""
+    if isinstance(like, Sizes):
+        return sizes_after(like, equation, zones)
+    return first_sizes(equation, zones) if like is None else sizes_of(like.sizes, equation, zones)
+
+
 def _let_go(zones: Zones, limits: tuple[float, float], density: AnyDensity, limited: End) -> tuple[Zones, bool]:
     """Ends held at a limit where the intensity is below that of free ones (negative, the density pulls) become free; whether any did."""
     if not np.isfinite(limits).any():
@@ -512,14 +520,24 @@ def _bordered(
 
 
 def _limit(zones: Zones, equation: Equation, delta: Array) -> Array:
-    """Moves cut to what widths and gaps allow. An end that would close its gap waits until the others have come to rest
+    """Moves cut to what widths and gaps allow. An end that would close its gap waits until the others about it have come to rest
     within that gap: their remaining errors, squared, are what pushes it."""
     width = zones.b - zones.a
     room = INTO_GAP * np.array(modes.gaps(zones, equation.kernel))
     cut = delta > room
-    largest = np.abs(np.where(cut, 0.0, delta)).max(initial=0.0)
+    largest = _about(np.abs(np.where(cut, 0.0, delta)).max(axis=0), _FELT)
     limited = np.clip(delta, -INWARD * width, np.minimum(OUTWARD * width, room))
     return np.where(cut & (largest > room), 0.0, limited)
+
+
+def _about(values: Array, count: int) -> Array:
+    """The largest of each and of so many, and not twice as many, on either side of it."""
+    reach = 1
+    while reach <= count:
+        beside = np.pad(values, reach, mode="edge")
+        values = np.maximum(values, np.maximum(beside[: -2 * reach], beside[2 * reach :]))
+        reach *= 2
+    return np.asarray(values)
 
 
 def _full_newton(

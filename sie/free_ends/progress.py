@@ -25,8 +25,10 @@ _WANDERING = 20
 _NEAR, _FALLING, _AT_REST = 0.3, 0.25, 1e-6
 # Tolerances of solutions by iteration: at first, and at last over that of the ends.
 _LOOSE, _TIGHT = 1e-6, 1e-3
-# The first of these where it is open which zones there are.
-_LOOSER = 1e-5
+# Of more zones than these the last is tighter as they are more.
+_VERY_MANY = 600
+# The first of these where it is open which zones there are, and where a few of the ends need not come to rest.
+_LOOSER, _LOOSEST = 1e-5, 1e-4
 # The remaining motion of an end is the next step but for its square.
 MARGIN = 1.5
 
@@ -74,8 +76,8 @@ class Rest:
 @dataclass(eq=False)
 class Progress:
     """The steps so far of a search for ends from zones of these widths and gaps. off: what they are off by at first over these widths;
-    few: part of all ends that need not come to rest, after so many `patient` steps; drops: see
-    `find_ends`."""
+    few: part of all ends that need not come to rest, after so many `patient` steps; drops: see `find_ends`; most: the largest move of the
+    last step but for the few, over the width."""
 
     tolerance: float
     first_width: Array
@@ -86,6 +88,7 @@ class Progress:
     drops: bool = False
     trace: list[Step] = field(default_factory=list)
     turns: list[Turn] = field(default_factory=list)
+    most: float = 1.0
     best: float = np.inf
     stalled: int = 0
     closing: Index = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
@@ -107,11 +110,13 @@ class Progress:
     def linear(self) -> float:
         """Tolerance of a solution by iteration: the next move is about the square of the last one and the one after it about the fourth
         power, which what this solution leaves must not outweigh: another solution takes longer than a few digits more of this one."""
-        return min(_LOOSE if not self.drops else _LOOSER, max(1e-3 * self.last**3, self.tightest))
+        last, first = (self.most, _LOOSEST) if self.few else (self.last, _LOOSER if self.drops else _LOOSE)
+        return min(first, max(1e-3 * last**3, self.tightest))
 
     @property
     def tightest(self) -> float:
-        return _TIGHT * self.tolerance
+        # The more zones there are, the less the lightest bear beside the next ones, of which they feel what is left.
+        return _TIGHT * self.tolerance / (1.0 if self.few else max(len(self.first_width) / _VERY_MANY, 1.0))
 
     def after(self, zones: Zones, motion: Motion, corners: Array, value: float, opened: bool) -> Rest:
         """Enters a step. corners: distance of a corner from each end (2, Z), over which the density changes; value: of the open condition,
@@ -119,6 +124,8 @@ class Progress:
         width, delta = zones.b - zones.a, np.abs(motion.delta)
         move = float((delta / width).max(initial=0.0))
         self.trace.append(Step(zones.table, move, value if opened else None))
+        if self.few:
+            self.most = min(float(np.quantile((delta / width).max(axis=0), 1.0 - self.few)), 1.0)
         at_rest = delta <= np.maximum(self.tolerance * np.minimum(width, corners), motion.noise)
         rests = bool(np.all(at_rest)) or (len(self.trace) > self.patient and bool(np.mean(at_rest) >= 1.0 - self.few))
         self.stalled = self.stalled + 1 if move > 0.5 * self.best else 0

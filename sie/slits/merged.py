@@ -23,6 +23,8 @@ from sie.equation.equation import Equation
 
 # Gaps narrower than this part of the wider zone beside them may be slits.
 NARROW = 0.02
+# From one set of zones to the next a gap that was one stays one, and another one none, up to so many times that width or part of it.
+_STAYS = 1.5
 # Gaps with jumps of higher derivatives of the right side than the first in them, of which there may be hundreds, must be narrower than this
 # part of both zones.
 SMALL = 0.003
@@ -73,8 +75,9 @@ class Merged(Kept):
         return np.where(ends[place] == at, place, -1)
 
 
-def merge(equation: Equation, pieces: Zones) -> Merged | None:
-    """The zones with their narrow gaps as slits, None if there are none or the equation does not allow it."""
+def merge(equation: Equation, pieces: Zones, before: Mask | None = None) -> Merged | None:
+    """The zones with their narrow gaps as slits, None if there are none or the equation does not allow it. before: after which pieces there
+    were slits on about the same zones; it stays so as long as gaps are about as narrow."""
     kernel = equation.kernel
     # A column that may be singular between zones is none of a wide one.
     general = equation.forcing.singular_between or any(column.modes is None and not column.between for column in equation.columns)
@@ -84,7 +87,8 @@ def merge(equation: Equation, pieces: Zones) -> Merged | None:
     width = pieces.b - pieces.a
     following = np.roll(width, -1)
     # A slit has its neighbours' far ends as its singularities, as these have the slit's: whichever asks for less.
-    narrow = (after < NARROW * np.maximum(width, following)) & (after**2 < width * following)
+    most = NARROW * (1.0 if before is None or len(before) != len(pieces) else np.where(before, _STAYS, 1 / _STAYS))
+    narrow = (after < most * np.maximum(width, following)) & (after**2 < width * following)
     narrow &= _free(pieces)
     if kernel.period is None or pieces.symmetric:
         narrow[-1] = False

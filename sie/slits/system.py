@@ -55,25 +55,26 @@ _SAFETY = 3.0
 class Opened(Trial):
     """What an opening s changes in the quantities that side conditions speak of (`conditions.Rows`): constants only."""
 
-    s: Array
+    table: Callable[[], Array]
     mean_opening: Array
     system: System
 
     @classmethod
-    def of(cls, s: Array, mean_opening: Array, system: System) -> Opened:
+    def of(cls, table: Callable[[], Array], mean_opening: Array, system: System) -> Opened:
+        """table: s_k of every wide zone, for a condition that asks for them."""
         nothing = np.zeros((len(system.zones.solved), 0))
-        return cls(system.zones, nothing, nothing, s, mean_opening, system)
+        return cls(system.zones, nothing, nothing, table, mean_opening, system)
 
     def levels(self) -> Linear:
         return self.level, self.mean_opening[self.zones.solved]
 
     def integrals(self, weight: Callable[[Array], Array], degree: int | None = None) -> Linear:
         """Beyond the coupled modes, whose coefficients are unknowns, s adds to those of the density."""
-        out = np.zeros(len(self.zones.solved))
+        out, s = np.zeros(len(self.zones.solved)), self.table()
         for place, i in enumerate(self.zones.solved):
-            values = self.system.moments(weight, int(i), self.s.shape[1], degree)
-            beyond = np.arange(self.system.layout.m[i] + 1, min(self.s.shape[1], len(values)))
-            out[place] = np.pi * self.zones.half[i] * (values[beyond] @ self.s[i, beyond])
+            values = self.system.moments(weight, int(i), s.shape[1], degree)
+            beyond = np.arange(self.system.layout.m[i] + 1, min(s.shape[1], len(values)))
+            out[place] = np.pi * self.zones.half[i] * (values[beyond] @ s[i, beyond])
         return self.level, out
 
 
@@ -170,10 +171,13 @@ class SlitSystem(Kept):
         """s_k of every wide zone."""
         count = max(int(self.system.layout.m.max()), max(here.modes for here in self.slits), TOLD) + 1
         out = np.zeros((len(self.merged.wide), count))
-        for here, one in zip(self.slits, d, strict=True):
-            told = here.told @ one + (0.0 if homogeneous else here.told_by_kinks)
+        for here, told in zip(self.slits, self._told(d, homogeneous), strict=True):
             out[here.zone, : len(told)] = told
         return out
+
+    def _told(self, d: tuple[Array, ...], homogeneous: bool) -> list[Array]:
+        """s_k of every wide zone with slits."""
+        return [here.told @ one + (0.0 if homogeneous else here.told_by_kinks) for here, one in zip(self.slits, d, strict=True)]
 
     def mean_openings(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         out = np.zeros(len(self.merged.wide))
@@ -184,9 +188,13 @@ class SlitSystem(Kept):
     def _right(self, d: tuple[Array, ...], homogeneous: bool) -> Array:
         """What s adds to the right side of the wide zones' rows."""
         system, base = self.system, self.base
-        s = self.s_table(d, homogeneous)
-        rows = -system.layout.flat(s)[system.diagonal]
-        view = Opened.of(s, self.mean_openings(d, homogeneous), system)
+        s, layout = np.zeros(system.layout.size), system.layout
+        # Few zones have slits.
+        for here, told in zip(self.slits, self._told(d, homogeneous), strict=True):
+            count, first = min(int(layout.m[here.zone]) + 1, len(told)), int(layout.offset[here.zone])
+            s[first : first + count] = told[:count]
+        rows = -s[system.diagonal]
+        view = Opened.of(lambda: self.s_table(d, homogeneous), self.mean_openings(d, homogeneous), system)
         constants = [asked(condition, view, 0)[1] for condition in system.equation.conditions]
         conditions = -np.concatenate(constants) / base.condition_scale if constants else np.zeros(0)
         return np.concatenate((rows, conditions))
@@ -412,17 +420,17 @@ def solve_zones(
     [0.5, 0.5]
     """
     equation.check_count(zones)
-    found = merge(equation, zones)
+    sizes = first_sizes(equation, zones) if sizes is None else sizes
+    found = merge(equation, zones, sizes.joined)
     if found is None:
         return solve_fixed(equation, zones, tolerance, sizes)
-    if sizes is None:
-        sizes = first_sizes(equation, zones)
-    inner = sizes.wide
+    sizes.joined, inner = found.slit_after >= 0, sizes.wide
     if inner is None or len(inner.own) != len(found.wide):
         inner = first_sizes(equation, found.wide)
     inner.carried = sizes.carried
     # By iteration the wide zones alone are no more than a start.
     inner.linear = sizes.linear if equation.grows else max(sizes.linear, _START)
+    inner.start = not equation.grows
     inner.rough, inner.value = sizes.rough, sizes.value
     profile, kernel, iterations = inner.profile_evaluations, inner.kernel_evaluations, inner.iterations
     while True:

@@ -10,6 +10,7 @@ import contact.search.ways.guesses
 import sie.free_ends.newton
 from contact.search.topology.by_pressure import ByPressure
 from contact.search.topology.carried import Passed, carried
+from contact.studies.trace_kinds import drawn
 from contact.verify.certificate import certify
 
 ROUGH = contact.Fourier(1.0, [-0.01, 0.004, 0.002], [0.003, -0.002, 0.004])
@@ -162,3 +163,22 @@ def test_along_a_curve_grids_have_fewer_points_and_solutions_are_fewer_than_from
     for load in loads:
         contact.solve(scene(TRACE, load=load))
     assert together["points"] < 0.5 * count["points"] and together["solves"] < 1.5 * count["solves"]
+
+
+@pytest.mark.slow
+def test_a_few_loads_far_apart_take_no_more_than_twice_the_solutions_of_searches_from_scratch(monkeypatch):
+    """Where a grid takes no time, zones that are carried far are not put right again and again."""
+    count, state = [0], sie.free_ends.newton._state
+
+    def solved(*arguments):
+        count[0] += 1
+        return state(*arguments)
+
+    profile = drawn(np.random.default_rng(3), "honed", 300)
+    loads = np.geomspace(1e-3, 0.7, 12) * full_load(profile)
+    monkeypatch.setattr(sie.free_ends.newton, "_state", solved)
+    contact.solve_many(scene(profile), loads)
+    together, count[0] = count[0], 0
+    for load in loads:
+        contact.solve(scene(profile, load=load))
+    assert together < 2 * count[0]

@@ -10,6 +10,7 @@ import contact
 import sie
 from contact.reference.exact import Westergaard
 from contact.search.grid import coarse
+from contact.search.grid import conjugate_gradient as grids
 from contact.search.topology import loop
 from contact.search.ways import guesses
 from sie.collocation import fixed as engine
@@ -241,3 +242,58 @@ def test_ends_with_what_their_places_cut_off_are_those_of_the_roughness_moved_by
     assert np.any(here.zone_remainders != 0.0)
     assert np.abs(apart / here.zone_widths[order, None]).max() <= here.error + moved.error
     assert here.zone_widths[order] == pytest.approx(moved.zone_widths, rel=2 * (here.error + moved.error), abs=0)
+
+
+def test_grids_in_single_precision_find_the_contact_that_double_precision_finds(monkeypatch):
+    """Where corrections are wanted to a thousandth, seven digits of what they do are enough."""
+    scene, n = rough(1500), 2**14
+    x = (np.arange(n) + 0.5) / n
+    f = scene.profile.height(x)
+    influence = grids.Influence.periodic(n, 1 / n, 1.0)
+    single = grids.solve_grid(f, influence, load=0.005, tol=1e-3)
+    monkeypatch.setattr(grids, "_LARGE", 2 * n)
+    double = grids.solve_grid(f, influence, load=0.005, tol=1e-3)
+    assert single.converged and double.converged
+    assert np.linalg.norm(single.pressure - double.pressure) < 0.01 * np.linalg.norm(double.pressure)
+    assert np.count_nonzero(single.contact != double.contact) < 0.01 * np.count_nonzero(double.contact)
+
+
+def test_a_finer_grid_begins_without_the_cells_beyond_an_end():
+    """Those that the square root law does not reach: half a wave in contact keeps its width."""
+    counts = []
+    for n in (256, 512):
+        x = (np.arange(n) + 0.5) / n
+        p = np.maximum(np.cos(2 * np.pi * x) ** 2 - np.sin(2 * np.pi * 0.21) ** 2, 0.0) ** 0.5
+        counts.append(np.count_nonzero(p))
+        if n == 256:
+            finer = coarse._refine(p, True)
+    assert abs(np.count_nonzero(finer) - counts[1]) <= 4
+    assert finer.sum() / 2 == pytest.approx(p.sum() / 2, rel=0.01)
+
+
+def test_a_first_look_waits_for_no_more_than_three_steps(monkeypatch):
+    """Ends that take longer are told by the signs."""
+    monkeypatch.setattr(loop, "MANY", 20)
+    looks, original = [], sie.find_ends
+
+    def found(equation, zones, tolerance, *given, **named):
+        looks.append((tolerance, original(equation, zones, tolerance, *given, **named)))
+        return looks[-1][1]
+
+    monkeypatch.setattr(sie, "find_ends", found)
+    assert contact.solve(rough(400), tol=1e-9).certificate.holds
+    loose = [len(free.trace) for tolerance, free in looks if tolerance == loop.LOOSELY]
+    assert loose and max(loose) <= 3
+
+
+def test_a_search_goes_on_from_what_the_last_one_has_left(monkeypatch):
+    """On about the same zones half as many iterations are enough."""
+    monkeypatch.setattr(engine, "MANY_UNKNOWNS", 10)
+    scene = replace(rough(400), E_star=2.0, mean_pressure=0.01)
+    solution, profile = contact.solve(scene, tol=1e-8), scene.profile
+    forcing = sie.Forcing(profile.slope, profile.height, resolution=1 / 400)
+    equation = sie.Equation(sie.hilbert(1.0), forcing, (sie.Total(solution.load), sie.EqualPotential()))
+    beside = sie.Zones.of(solution.zones + 1e-5 * np.diff(solution.zones) * np.array([0.4, -0.7]))
+    left = sie.find_ends(equation, sie.Zones.of(solution.zones), 1e-7).state.sizes
+    fresh, after = (sie.find_ends(equation, beside, 1e-7, max_steps=0, like=like).state.sizes for like in (None, left))
+    assert after.iterations < 0.6 * fresh.iterations

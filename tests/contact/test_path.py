@@ -7,6 +7,7 @@ import pytest
 
 import contact
 from contact import path
+from contact.formulation.roots import smooth_root
 from contact.reference import exact
 
 BIQUADRATIC = contact.Biquadratic(radius=1.0, spacing=0.1)
@@ -90,3 +91,20 @@ def test_zones_that_are_born_and_merge_between_two_loads_of_one_zone_each_are_se
     for event in found.events[:-1]:
         before, after = (len(s.zones) for s in contact.solve_many(bumpy, event.load * np.array([1 - 1e-5, 1 + 1e-5])))
         assert after - before == (1 if event.kind == "birth" else -1)
+
+
+@pytest.mark.parametrize(("function", "low", "high", "root"), [
+    (lambda x: np.exp(x) - 2, 0.0, 2.0, np.log(2)),
+    (lambda x: x**3 - 2, 0.0, 5.0, 2 ** (1 / 3)),
+    (lambda x: 1 - 2 * x, 0.0, 1.0, 0.5),
+    (lambda x: np.copysign(np.sqrt(abs(x - 1.1)), x - 1.1), 0.0, 3.0, 1.1),
+])  # fmt: skip
+def test_a_smooth_root_takes_few_values(function, low, high, root):
+    asked = []
+
+    def told(x):
+        asked.append(x)
+        return function(x)
+
+    found = smooth_root(told, {low: function(low), high: function(high)})
+    assert found == pytest.approx(root, rel=1e-11) and len(asked) <= (10 if root != 1.1 else 40)

@@ -10,9 +10,11 @@ from sie.collocation.symmetry import MirrorSymmetry
 from sie.collocation.system import System
 from sie.collocation.zone_sums import Nested, ZoneSums
 from sie.density.treecode import Treecode
+from sie.fast.far import ROUGH, FarSum
 from sie.fast.hierarchical import Inverse, cross
 from sie.fast.krylov import gmres
-from sie.fast.tree import SEPARATION, Tree, interactions
+from sie.fast.tree import SEPARATION, TERMS, Tree, interactions
+from sie.free_ends import newton
 from sie.jumps.forcing import ForcingJumps
 
 KERNELS = {"line": sie.cauchy(), "period": sie.hilbert(1.0), "images": sie.images(1.2, 2)}
@@ -201,3 +203,37 @@ class TestGmres:
     def test_nothing_asked_is_nothing_done(self):
         found = gmres(lambda v: v, np.zeros(5), 1e-12)
         assert found.steps == 0 and not found.x.any()
+
+
+def test_what_rounding_cuts_off_ends_is_felt_from_afar_too():
+    """Told apart, it is as if the ends stood there: of a narrow zone its width is the difference of the two."""
+    rng = np.random.default_rng(3)
+    zones = scattered(80, rng)
+    rest = 1e-4 * rng.uniform(-1, 1, (2, 80)) * (zones.b - zones.a)
+    moments = rng.normal(size=(80, TERMS))
+    told, there = Nested(Tree.over(zones.a, zones.b, rest)), Nested(Tree.over(zones.a + rest[0], zones.b + rest[1]))
+    for one, other in zip(FarSum(told, told, sie.cauchy())(moments)[:2], FarSum(there, there, sie.cauchy())(moments)[:2], strict=True):
+        assert np.abs(one - other).max() <= 1e-11 * np.abs(other).max()
+
+
+def test_rough_sums_move_series_as_the_others_do():
+    rng = np.random.default_rng(4)
+    zones = scattered(70, rng)
+    kept, made = (Nested(Tree.over(zones.a, zones.b), kept=kept) for kept in (True, False))
+    moments = rng.normal(size=(70, ROUGH))
+    assert np.allclose(kept.upward(moments), made.upward(moments), rtol=0, atol=1e-12)
+    series, middle = rng.normal(size=(ROUGH, len(kept.tree))), rng.normal(size=len(kept.tree))
+    for one, other in zip(*(nested.downward(series.copy(), middle.copy())[:2] for nested in (kept, made)), strict=True):
+        assert np.allclose(one, other, rtol=0, atol=1e-11)
+
+
+def test_an_end_does_not_wait_for_zones_far_from_it():
+    """One that would close its gap waits for those about it to come to rest, but not for the others of very many."""
+    ends = np.arange(80.0).reshape(40, 2)
+    ends[20, 1] += 0.9
+    zones, delta = sie.Zones.of(ends), np.zeros((2, 40))
+    delta[1, 20] = 0.08
+    for other, waits in ((0, False), (21, True)):
+        moves = delta.copy()
+        moves[0, other] = -0.25
+        assert (newton._limit(zones, equation(sie.cauchy()), moves)[1, 20] == 0.0) == waits

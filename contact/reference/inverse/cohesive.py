@@ -20,7 +20,7 @@ whose first part is smooth, and whose second, times X, is 2 artanh(zeta or 1/zet
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import pi
 
 import numpy as np
@@ -389,6 +389,7 @@ class CohesiveDesign:
         return bool(np.all(gap > 0) and np.all(gap < self.reach))
 
 
+@lru_cache(maxsize=64)
 def _gauss(count: int) -> tuple[Array, Array]:
     """Gauss's rule on (0, 1)."""
     x, weight = np.polynomial.legendre.leggauss(count)

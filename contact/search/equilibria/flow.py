@@ -27,11 +27,13 @@ _INWARD, _OUTWARD, _INTO_GAP, _OF_RESOLUTION = 0.3, 0.5, 0.4, 1.0
 ROUGH, REST, _SETTLED = 1e-9, 1e-6, 1e-5
 # By how much of r, and of K*, a step may pass a place of rest; from how near an equilibrium Newton's step is taken as it is.
 _OVERSHOT, SLIGHT, _NEAR, _FAR = 0.1, 1e-4, 0.02, 0.05
+# Of the way to a place of rest, by the chord.
+_SHORT_OF = 0.8
 # Of the largest in a growing motion, ends that run away.
 _SHARE = 0.3
 # A gap below this part of the zones beside it whose ends are driven by this part of K* has closed; likewise a zone has opened.
 CLOSED, DRIVEN, _OPENED = 1e-2, 0.5, 0.02
-MOST_STEPS, MOST_TRIES = 600, 40
+MOST_STEPS, MOST_TRIES = 3000, 40
 _PLACES = np.linspace(0.05, 0.95, 10)
 
 
@@ -48,17 +50,17 @@ def receded(curve: Equilibria, table: Array, value: float) -> Point | None:
 
 
 def _flowed(curve: Equilibria, table: Array, value: float, sign: float) -> Point | None:
-    here = curve.at(table, value)
+    here = curve.at(table, value, ROUGH)
     widths, residual = here.widths, here.residual
     for _ in range(MOST_STEPS):
         if sign > 0 and (merged := closing(curve, here)) is not None:
-            here = curve.at(merged, value)
+            here = curve.at(merged, value, ROUGH)
             continue
         if sign < 0 and (apart := _come_apart(here, widths, residual)).any():
             if apart.all():
                 return None
             stays = np.tile(~apart, 2)
-            here, widths, residual = curve.at(here.table[~apart], value), widths[stays], residual[stays]
+            here, widths, residual = curve.at(here.table[~apart], value, ROUGH), widths[stays], residual[stays]
             continue
         here, move = _step(curve, here, sign)
         if at_rest(here, move):
@@ -88,8 +90,11 @@ def _step(curve: Equilibria, here: Point, sign: float) -> tuple[Point, float]:
         gone_past = passed(here, ahead, step, sign)
         if not gone_past.any():
             return ahead, float(np.abs(step / here.widths).max())
-        # What has passed an equilibrium moves less; if that is of no avail, so do all.
-        limit = np.where(gone_past, 0.5, 0.9) * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
+        # What has passed an equilibrium goes to where it is about; if that is of no avail, all others move less, too.
+        before, after = here.whole.residual, ahead.whole.residual
+        part = np.divide(_SHORT_OF * before, before - after, out=np.full(len(before), 0.5), where=before != after)
+        shorter = np.where(gone_past, np.clip(np.where(part > 0.0, part, 0.5), 0.01, 0.5), 0.9)
+        limit = shorter * np.minimum(limit, np.maximum(np.abs(step), 1e-12 * here.widths))
     raise NotConverged("no step of the ends keeps to the branch")
 
 
@@ -169,7 +174,8 @@ def kept_step(here: Point, sign: float, limit: Array, most_back: Array, runaway:
     if here.growth >= -NEUTRAL and runaway is None:
         return _damped_step(here, sign, limit)
     free = np.ones(len(residual), dtype=bool) if runaway is None else ~runaway
-    step = np.where(sign * residual > -SLIGHT, sign * limit, 0.0)
+    # One that has gone a little beyond its rest, to where it would run on, goes back.
+    step = sign * np.where(sign * residual > -SLIGHT, limit, -most_back)
     step[free] = np.linalg.solve(-rates[np.ix_(free, free)], residual[free] + rates[np.ix_(free, ~free)] @ step[~free])
     while free.any():
         far, back = free & (sign * step > limit * (1 + 1e-12)), free & (sign * step < -most_back * (1 + 1e-12))

@@ -363,7 +363,11 @@ def _about_to_part(curve: Cohesive, here: Point) -> Point:
     guide = guide_down(curve, len(here.contact), here.table)
     if guide is None:
         return here
-    least = guide.least_value(here.table, here.value)
+    try:
+        least = guide.least_value(here.table, here.value)
+    except NotConverged:
+        # Under a held approach others are driven on by what recedes: it does not tell.
+        return here
     for above in _ABOVE:
         rest = receded(curve, here.table, least + above * (here.value - least), guide)
         if rest is not None:

@@ -29,7 +29,7 @@ Height = Callable[[Array], ArrayLike]
 _POINTS = 128  # of a window
 _TOWERING = 1e6  # heights above the lowest, over the window
 COARSEST = 64  # points of the first of the nested grids
-MOST_POINTS = 2**22  # of the last grid, however fine the shape is
+MOST_POINTS = 2**23  # of the last grid, however fine the shape is
 _PASSING = 1e-3  # tolerance of the grids before the last
 # Cells to the smallest length of a shape; where it has very many of these the grid is what takes the time, and half as many leave out one
 # zone in a hundred or two, which the first look at the signs puts in.
@@ -130,7 +130,7 @@ def zones_of(state: GridState, x: ArrayLike, closeness: float = np.inf) -> Array
             centre, half = _hertz(state, cells, first, E)
             zones[k] = x0 + h * centre - half, x0 + h * centre + half
         else:
-            zones[k] = left - h * _beyond(p[0], p[1]), right + h * _beyond(p[-1], p[-2])
+            zones[k] = left - h * float(_beyond(p[0], p[1])), right + h * float(_beyond(p[-1], p[-2]))
         # The first free point on each side is outside: within this fence zones neither overlap nor invert.
         margin = 0.999 * h
         zones[k, 0] = max(zones[k, 0], left - margin)
@@ -175,10 +175,11 @@ def _parted(zones: Array, middle: Array, half: Array, period: float | None) -> A
     return np.asarray(ends.reshape(-1, 2))
 
 
-def _beyond(p_end: float, p_next: float) -> float:
+def _beyond(p_end: Array, p_next: Array) -> Array:
     """Cells from the last point in contact to the zero of p^2; half a cell where p does not fall there."""
     rise = p_next**2 - p_end**2
-    return float(min(p_end**2 / rise, 1.0)) if rise > 0.0 else 0.5
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(rise > 0.0, np.minimum(p_end**2 / rise, 1.0), 0.5)
 
 
 def _hertz(state: GridState, cells: NDArray[np.int64], first: int, E: float) -> tuple[float, float]:
@@ -261,13 +262,18 @@ def asked(width: float, resolution: float | None, most: int) -> tuple[int, int]:
 
 
 def _refine(p: Array, periodic: bool) -> Array:
-    """Linear interpolation from the midpoints of a grid to those of the grid of twice as many."""
+    """Linear interpolation from the midpoints of a grid to those of the grid of twice as many, without what is farther in a cell beyond an
+    end than p^2 goes on."""
     left, right = np.roll(p, 1), np.roll(p, -1)
     if not periodic:
         left[0], right[-1] = p[0], p[-1]
-    return np.asarray(
-        np.stack((0.75 * p + 0.25 * left, 0.75 * p + 0.25 * right), axis=1).ravel(), dtype=np.float64
-    )
+    out = np.stack((0.75 * p + 0.25 * left, 0.75 * p + 0.25 * right), axis=1)
+    for side, outer, inner in ((-1, left, right), (1, right, left)):
+        ends = np.flatnonzero((p > 0) & (outer == 0))
+        # The nearer half of a free cell faces the end.
+        beyond = (ends[_beyond(p[ends], inner[ends]) < 0.75] + side) % len(p)
+        out[beyond, 0 if side > 0 else 1] = 0.0
+    return np.asarray(out.ravel(), dtype=np.float64)
 
 
 def find_window(

@@ -12,7 +12,7 @@ from contact.formulation import height_rounding
 from contact.formulation.controls import Control, Load
 from contact.formulation.fields import ZoneFields
 from contact.formulation.problem import Problem
-from contact.formulation.tables import parted_at_widest
+from contact.formulation.tables import parted_at_wide
 from contact.search.topology.intervals import united, without
 from contact.search.topology.loop import Newton, off
 from contact.search.topology.missed import WrongTopology
@@ -44,13 +44,13 @@ class ByPressure:
         return kinds(self.problem, control, table)
 
     def begun(self, table: Array) -> Array:
-        """A proposed table with the border of the period in its widest gap. Levels are tied from neighbour to neighbour, and over the
+        """A proposed table with the border of the period in a wide gap. Levels are tied from neighbour to neighbour, and over the
         border they are known no better than by all of these steps: a narrow zone at it would feel what the widest gap is rounded to."""
         problem = self.problem
         bounded = bool(np.isfinite(problem.corners).any())
         if problem.period is None or problem.interaction.strip or bounded or len(table) < 2 or is_symmetric(problem, table):
             return table
-        return parted_at_widest(table, problem.period)
+        return parted_at_wide(table, problem.period)
 
     def moved(self, control: Control, zones: sie.Zones, how: Newton) -> sie.Free:
         equation, problem = self.problem.equation(control), self.problem

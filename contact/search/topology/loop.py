@@ -39,7 +39,7 @@ CLOSER = 1e-3
 # widths, but for a few, until no more than another part of them is put right at once.
 MANY, LOOSELY, UNKNOWN, FEW = 1000, 1e-3, 0.005, 0.05
 # Steps after which the few are no longer waited for; how often intervals that are lost on the way are left out.
-PATIENT, LEFT_OUT = 8, 24
+PATIENT, LEFT_OUT = 2, 24
 # Over the ends' stated errors.
 MARGIN = 10.0
 
@@ -86,16 +86,17 @@ class Formulation(Protocol[Kind]):
 class Newton:
     """tolerance: of the ends. value: a first guess of the load, or of the mean pressure, that is unknown under the control. steps: at the
     most. near: given up as soon as the intervals turn out to be far from the solution, or not as many. off: what the ends are off by at
-    first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with. few:
-    part of all ends that need not be known, after so many `patient` steps. drops: some of the intervals may not be there, and are left
-    out, or be one with the next. decay: asked of the coefficients over the largest; None: what goes with the tolerance."""
+    first, over the widths, as far as that is known. like: a solution on about the same intervals, with as many modes to begin with, or
+    what it has left to the next one. few: part of all ends that need not be known, after so many `patient` steps. drops: some of the
+    intervals may not be there, and are left out, or be one with the next. decay: asked of the coefficients over the largest; None: what
+    goes with the tolerance."""
 
     tolerance: float
     value: float = 0.0
     steps: int = 0
     near: bool = False
     off: float = 1.0
-    like: sie.AnyState | None = None
+    like: Any = None
     few: float = 0.0
     patient: int = 0
     drops: bool = False
@@ -146,7 +147,8 @@ def _rounds(
         before = None if free is None or free.state.iterated else free
         free = None
         free = _ended(form, control, table, newton, before)
-        newton = replace(newton, value=newton.value if free.value is None else free.value, off=1.0)
+        left = free.state.sizes if free.state.iterated else newton.like
+        newton = replace(newton, value=newton.value if free.value is None else free.value, off=1.0, like=left)
         ended = free.density.zones.table
         if len(free.lost) or len(free.met):
             table = np.delete(ended, free.lost, axis=0) if len(free.lost) else merged(ended, free.met, form.problem.period)
@@ -183,14 +185,14 @@ def _loosely(
 ) -> tuple[Array, Newton]:
     """Where to go on from ends that are known to a part of their widths, but for a few: loosely where many intervals are put right, else to
     the wanted tolerance. What may be their error is left as it is."""
-    closer = replace(newton, tolerance=wanted, few=0.0)
+    closer = replace(newton, tolerance=wanted, few=0.0, drops=True)
     newton = replace(newton, patient=PATIENT)
     near = [_beside_ends(free, state, bad) for bad in (certificate.negative, certificate.overlaps)]
     certificate = replace(certificate, negative=certificate.negative[~near[0]], overlaps=certificate.overlaps[~near[1]])
     put_right = len(certificate.negative) + len(certificate.overlaps)
     if put_right == 0:
         return free.next_zones.table, closer
-    zones = free.density.zones
+    zones = free.next_zones
     return form.corrected(zones, certificate), newton if put_right > FEW * len(zones) else closer
 
 

@@ -26,11 +26,14 @@ from sie import Array
 
 # Values over one another between which a contact counted in the units of one is in good hands.
 _FARTHEST = 16.0
-# Corrections of the number of zones, after which a search from scratch is no longer.
-_ROUNDS = 6
-# Zones that come and go up to which corrections are the shorter way. Else the points of a grid: by what part they are fewer than those of a
-# search from scratch, with few zones and with many, one more of which is longer than more points; and at the least.
-_FEW, _COARSER, _MANY, _FEWEST = 8, (4, 2), 400, 256
+# Rounds of corrections of the number of zones, after which a search from scratch is no longer, and steps of Newton's in each: where a grid
+# takes long, or there is none, and where it takes no time.
+_ROUNDS, _STEPS = (6, 1), (0, 6)
+# Zones that come and go up to which corrections are the shorter way, likewise.
+_FEW = 8, 0
+# Points of a grid: by what part they are fewer than those of a search from scratch, with few zones and with many, one more of which is
+# longer than more points; at the least; and from which on it takes long.
+_COARSER, _MANY, _FEWEST, _DEAR = (4, 2), 400, 256, 2**15
 
 
 def from_last(task: Task) -> Outcome | Missed:
@@ -46,18 +49,23 @@ def from_last(task: Task) -> Outcome | Missed:
     if full := full_under(task, control):
         return full
     by_grid = task.scene.profile.period is not None and control.load is not None
+    points = _points(task) if by_grid else _DEAR
+    cheap = points < _DEAR
     if by_grid and _changes_often(task.along):
         # Not even asked how the ends move.
-        return _by_grid_or_missed(task, problem, control)
+        return _by_grid_or_missed(task, problem, control, points)
     zones, changes = carried(task.along, float(np.log(value)))
     if len(zones) == 0:
         return NOT_MINE
-    if by_grid and changes > _FEW:
-        return _by_grid_or_missed(task, problem, control)
+    if by_grid and changes > _FEW[cheap]:
+        return _by_grid_or_missed(task, problem, control, points)
     if worth_gaps(task, problem, float(np.sum(zones[:, 1] - zones[:, 0]))):
-        outcome: Outcome | Missed = attempted(lambda: _by_gaps(task, problem, control, zones))
+        outcome: Outcome | Missed = attempted(lambda: _by_gaps(task, problem, control, zones, cheap))
     else:
-        outcome = attempted(lambda: _by_zones(task, problem, control, zones))
+        outcome = attempted(lambda: _by_zones(task, problem, control, zones, cheap))
+    if isinstance(outcome, Missed) and by_grid:
+        task.left("the last zones, carried on", outcome)
+        return _by_grid_or_missed(task, problem, control, points)
     return outcome
 
 
@@ -72,31 +80,37 @@ def _is_followed(task: Task) -> bool:
 
 def _changes_often(along: tuple[Passed, ...]) -> bool:
     """Whether more zones have come or gone between the last two values than corrections are the shorter way for."""
-    return len(along) > 1 and abs(len(along[-1].solution.zones) - len(along[-2].solution.zones)) > _FEW
+    return len(along) > 1 and abs(len(along[-1].solution.zones) - len(along[-2].solution.zones)) > max(_FEW)
 
 
-def _by_grid_or_missed(task: Task, problem: Problem, control: Control) -> Outcome | Missed:
-    """Where many zones come and go a grid tells them, of which a few points are enough: what it is wrong about is dropped on the way."""
+def _points(task: Task) -> int:
+    """Of a grid that tells which zones there are, if not all about them."""
     profile, many = task.scene.profile, len(task.along[-1].solution.zones) > _MANY
     assert profile.period is not None
-    points = max(_FEWEST, asked(profile.period, profile.feature, MOST_POINTS)[0] // _COARSER[many])
+    return max(_FEWEST, asked(profile.period, profile.feature, MOST_POINTS)[0] // _COARSER[many])
+
+
+def _by_grid_or_missed(task: Task, problem: Problem, control: Control, points: int) -> Outcome | Missed:
+    """Where many zones come and go a grid tells them, of which a few points are enough: what it is wrong about is dropped on the way."""
+    profile = task.scene.profile
+    assert profile.period is not None
     scaled = ScaledScene(problem, control, (profile.x0, profile.x0 + profile.period))
     outcome: Outcome | Missed = attempted(lambda: from_grid(task, scaled, points=points, drops=True))
     return outcome
 
 
-def _by_zones(task: Task, problem: Problem, control: Control, zones: Array) -> Outcome | Missed:
+def _by_zones(task: Task, problem: Problem, control: Control, zones: Array, cheap: bool) -> Outcome | Missed:
     guess = 0.0 if control.load is not None else task.along[-1].solution.load / problem.units.load
-    return task.refine_topology(problem, control, zones, value=guess, rounds=_ROUNDS, drops=True)
+    return task.refine_topology(problem, control, zones, value=guess, rounds=_ROUNDS[cheap], steps=_STEPS[cheap], drops=True)
 
 
-def _by_gaps(task: Task, problem: Problem, control: Control, zones: Array) -> Outcome | Missed:
+def _by_gaps(task: Task, problem: Problem, control: Control, zones: Array, cheap: bool) -> Outcome | Missed:
     period = problem.period
     assert period is not None
     mean = task.along[-1].solution.load / problem.units.load / period
-    form, newton = ByGaps(problem, task.shared.relief(problem)), Newton(OF_GAPS * task.tolerance, mean, drops=True)
+    form, newton = ByGaps(problem, task.shared.relief(problem)), Newton(OF_GAPS * task.tolerance, mean, steps=_STEPS[cheap], drops=True)
     with task.plan.timed("zone ends"):
-        found = refine_topology(form, control, gaps_between(zones, period), newton, task.progress, rounds=_ROUNDS)
+        found = refine_topology(form, control, gaps_between(zones, period), newton, task.progress, rounds=_ROUNDS[cheap])
         if isinstance(found, Missed):
             return found
         found = tightened_gaps(task, found)

@@ -180,9 +180,10 @@ def _refuse_narrow(task: Task, width: float) -> None:
     scene = task.scene
     strip = 0.25 * math.pi * scene.E_star * scene.law.reach / scene.law.tension
     if strip < _NARROWEST * width:
+        part = max(strip / width, np.finfo(np.float64).tiny)
         raise NotConverged(
             f"{TOO_NARROW}. They are {strip:.2g} m beside {width:.2g} m, and the pressure, which bends within them, would take "
-            f"{_MODES / math.sqrt(strip / width):.1g} terms a zone: without range its ends differ by {strip / width:.0e} of the zone"
+            f"{_MODES / math.sqrt(part):.1g} terms a zone: without range its ends differ by {part:.0e} of the zone"
         )
 
 
